@@ -9,13 +9,14 @@ COVERING := tests/document tests/description tests/measurement tests/evaluation 
 	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py tests/cli/test_type.py tests/web/test_first.py \
 	tests/acceptance/test_at_the_machine.py tests/linuxcnc/test_patched_configuration.py tests/study/test_study_file.py
 
-.PHONY: help demo demo-linuxcnc howto-linuxcnc test check quick bench bench-peers docs docs-site languages trust certify reliability fuzz fuzz-coverage coverage mutants requests audit lock clean distclean
+.PHONY: help demo demo-linuxcnc howto-linuxcnc test test-long check quick bench bench-peers docs docs-site languages trust certify reliability fuzz fuzz-coverage coverage mutants requests audit lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
 	@echo "make demo-linuxcnc  calibrate six machines that a real LinuxCNC moves, load the tables, show the error before, after and expected"
 	@echo "make howto-linuxcnc  run every command of docs/linuxcnc.md beside a headless LinuxCNC that stands in for somebody's mill"
-	@echo "make test       set everything up and run linters, type checker and tests (make check is the same)"
+	@echo "make test       set everything up, run linters, type checker and the tests that take little time; five minutes once installed (make check is the same)"
+	@echo "make test-long  the other tests, and those of drawn cases with eight times as many of them; a quarter of an hour"
 	@echo "make quick      linters and the tests that take no time, in half a minute; for between two edits"
 	@echo "make bench      measure the figures that the README states"
 	@echo "make bench-peers  measure side by side with other libraries, into docs/peers.md (half an hour; ARGS='--only trieste')"
@@ -46,9 +47,12 @@ howto-linuxcnc: .venv/dev.stamp
 test check: .venv/dev.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
+	$(BIN)/mypy --num-workers 2
 	$(BIN)/lint-imports
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest -n 2 --dist loadfile -m "not long"
+
+test-long: .venv/dev.stamp
+	AXISCAL_HYPOTHESIS=long $(BIN)/pytest -n 2 --dist loadfile -m "long or hypothesis"
 
 # Whole rooms where their tests take seconds, else the files that do.
 QUICK := accuracy belief/test_belief_properties.py description docs/test_constants.py docs/test_house.py docs/test_shapes.py \
@@ -59,7 +63,7 @@ SLOW := accuracy/test_as_one.py accuracy/test_expanded.py description/test_sight
 quick: .venv/dev.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/pytest -n 2 $(addprefix --ignore=tests/,$(SLOW)) $(addprefix tests/,$(QUICK))
+	$(BIN)/pytest -n 2 -m "not long" $(addprefix --ignore=tests/,$(SLOW)) $(addprefix tests/,$(QUICK))
 
 bench: .venv/dev.stamp
 	@set -e; for file in benchmarks/bench_*.py; do echo "== $$file"; $(BIN)/python "$$file"; done

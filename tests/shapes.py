@@ -55,13 +55,18 @@ def checked(function: Callable[..., Any], docstring: str | None) -> Callable[...
     if not looks:
         return function
 
+    right = set[tuple[tuple[int, ...] | None, ...]]()  # found so before: nearly every call is one of few
+
     @wraps(function)
     def looked_at(*arguments: Any, **named: Any) -> Any:
-        with jaxtyped("context"):
-            for place, name, shape in looks:
-                value = arguments[place] if place < len(arguments) else named.get(name)
-                if isinstance(value, np.ndarray) and not isinstance(value, shape):
-                    raise ShapeSaidError(_complaint(function, name, value, shape))
+        values = [arguments[place] if place < len(arguments) else named.get(name) for place, name, _ in looks]
+        found = tuple([value.shape if isinstance(value, np.ndarray) else None for value in values])
+        if found not in right:
+            with jaxtyped("context"):
+                for value, (_, name, shape) in zip(values, looks, strict=True):
+                    if isinstance(value, np.ndarray) and not isinstance(value, shape):
+                        raise ShapeSaidError(_complaint(function, name, value, shape))
+            right.add(found)
         return function(*arguments, **named)
 
     return looked_at

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
@@ -76,7 +76,6 @@ def test_criteria_are_the_integrals_they_say(name: CriterionName) -> None:
     assert evaluator.value(Posed(case, name), _somewhere(case, 3)) == pytest.approx(expected, rel=1e-8)
 
 
-@settings(deadline=None, max_examples=40)
 @given(st.sampled_from(EVERY), st.integers(0, 10_000))
 def test_kernel_poses_the_same_problem(posed: Posed, seed: int) -> None:
     inside = _somewhere(posed.case, 9, seed)

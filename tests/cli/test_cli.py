@@ -19,6 +19,7 @@ from axiscal.campaign.sources import Answer, Request
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.cli import app
 from axiscal.exceptions import SourceError
+from tests.generators.begun import begun
 from tests.generators.texts import FOUR_READINGS
 
 
@@ -62,8 +63,8 @@ def axiscal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
 
 
 @pytest.fixture
-def started(axiscal: Command) -> Command:
-    assert axiscal("start", "c.toml", "m.axiscal").status == 0
+def started(axiscal: Command, tmp_path: Path) -> Command:
+    begun(tmp_path, {"c.toml": FOUR_READINGS}, ("start", "c.toml", "m.axiscal"))
     return axiscal
 
 

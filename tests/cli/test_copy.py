@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.cli.app import run
+from tests.generators.begun import begun
 from tests.generators.texts import machine_text
 
 CAMPAIGN = """machine = "machine.toml"
@@ -24,15 +25,12 @@ moves = ["X"]
 
 
 @pytest.fixture
-def record(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
-    (tmp_path / "machine.toml").write_text(machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"}))
-    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
-    path = tmp_path / "mill.axiscal"
-    for words in (["start", str(tmp_path / "campaign.toml"), str(path)], ["next", str(path)]):
-        assert run(words) == 0
-    assert run(["record", str(path), "1.5 um"]) == 0
-    capsys.readouterr()
-    return path
+def record(tmp_path: Path) -> Path:
+    machine = machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"})
+    begin, ask = ("start", "campaign.toml", "mill.axiscal"), ("next", "mill.axiscal")
+    files = {"machine.toml": machine, "campaign.toml": CAMPAIGN}
+    begun(tmp_path, files, begin, ask, ("record", "mill.axiscal", "1.5 um"))
+    return tmp_path / "mill.axiscal"
 
 
 def status(path: Path, capsys: pytest.CaptureFixture[str]) -> object:

@@ -16,6 +16,7 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli import app
+from tests.generators.begun import begun
 from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
 
 STANDS = "Enter when it stands, or ? > "
@@ -63,9 +64,7 @@ class Terminal:
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """A folder with a campaign that has been started."""
-    (tmp_path / "campaign.toml").write_text(FOUR_READINGS)
-    start = [sys.executable, "-m", "axiscal.cli", "start", "campaign.toml", "mill.axiscal"]
-    subprocess.run(start, cwd=tmp_path, check=True, capture_output=True)
+    begun(tmp_path, {"campaign.toml": FOUR_READINGS}, ("start", "campaign.toml", "mill.axiscal"))
     return tmp_path
 
 
@@ -171,9 +170,7 @@ def test_stopping_says_what_the_tables_would_reach_and_asks_first(folder: Path) 
 
 
 def test_a_campaign_of_the_five_axis_machine_from_the_prompt_alone(tmp_path: Path) -> None:
-    (tmp_path / "campaign.toml").write_text(TWO_SPHERES)
-    start = [sys.executable, "-m", "axiscal.cli", "start", "campaign.toml", "mill.axiscal"]
-    subprocess.run(start, cwd=tmp_path, check=True, capture_output=True)
+    begun(tmp_path, {"campaign.toml": TWO_SPHERES}, ("start", "campaign.toml", "mill.axiscal"))
     terminal = Terminal(tmp_path)
     shown = terminal.until(STANDS)
     assert "set up two spheres, and mount the instrument (sphere); it reads x, y and z" in shown

@@ -10,6 +10,7 @@ import pytest
 
 from axiscal.campaign import knowing
 from axiscal.cli.app import run
+from tests.generators.begun import begun
 from tests.generators.texts import machine_text
 
 MACHINE = machine_text("w-X'-b-Y-t", {"X": (0, 300), "Y": (0, 200)}, {"EXX EYY": "20 um", "EXX_reversal": "6 um"})
@@ -37,9 +38,8 @@ reading_time = "2 min"
 
 @pytest.fixture
 def record(tmp_path: Path) -> Path:
-    (tmp_path / "machine.toml").write_text(MACHINE)
-    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
-    assert run(["start", str(tmp_path / "campaign.toml"), str(tmp_path / "mill.axiscal")]) == 0
+    files = {"machine.toml": MACHINE, "campaign.toml": CAMPAIGN}
+    begun(tmp_path, files, ("start", "campaign.toml", "mill.axiscal"))
     return tmp_path / "mill.axiscal"
 
 

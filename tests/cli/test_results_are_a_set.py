@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ from axiscal.cli import outputs
 from axiscal.cli.app import run
 from axiscal.record import durable
 from axiscal.report import delivery
+from tests.generators.begun import begun
 from tests.generators.texts import machine_text
 
 CAMPAIGN = """machine = "machine.toml"
@@ -29,14 +31,17 @@ direction = "x"
 moves = ["X"]
 """
 READINGS = "setup,X_mm,approach,value_um\nalong x,10,X+,1.5\nalong x,200,X+,2.5\n"
+FILES = {
+    "machine.toml": machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"}),
+    "campaign.toml": CAMPAIGN,
+    "readings.csv": READINGS,
+}
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "machine.toml").write_text(machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"}))
-    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
-    (tmp_path / "readings.csv").write_text(READINGS)
+    begun(tmp_path, FILES)
     return tmp_path
 
 
@@ -66,9 +71,8 @@ def beside(folder: Path) -> list[str]:
 
 def measured(folder: Path) -> Path:
     """Return a record with two readings."""
-    assert run(["start", "campaign.toml", "mill.axiscal"]) == 0
-    for value in ("1 um", "2 um"):
-        assert run(["next", "mill.axiscal"]) == run(["record", "mill.axiscal", value]) == 0
+    read = ((("next", "mill.axiscal"), ("record", "mill.axiscal", value)) for value in ("1 um", "2 um"))
+    begun(folder, FILES, ("start", "campaign.toml", "mill.axiscal"), *chain.from_iterable(read))
     return folder / "mill.axiscal"
 
 

@@ -9,7 +9,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.belief import Belief
@@ -309,7 +309,6 @@ def test_isg_columns_that_the_kernel_would_refuse(text: str) -> None:
 
 
 @given(st.integers(0, 10**6), st.integers(1, 4))
-@settings(max_examples=80, deadline=None)
 def test_fanuc_sums_are_within_half_an_entry(seed: int, magnification: int) -> None:
     rng = np.random.default_rng(seed)
     plan = fanuc.PitchParameters(5, 0, 30, magnification, 0.01)
@@ -386,7 +385,6 @@ def test_heidenhain_keeps_the_form_of_the_template() -> None:
 
 
 @given(st.floats(-0.02, 0.02), st.floats(-0.02, 0.02), st.floats(-0.02, 0.02))
-@settings(max_examples=50, deadline=None)
 def test_klipper_finds_the_skew_in_its_lengths(xy: float, xz: float, yz: float) -> None:
     found = klipper.read_skew(klipper.write_skew(Skew(xy, xz, yz), "a"))
     assert (found.xy, found.xz, found.yz) == pytest.approx((xy, xz, yz), abs=1e-9)

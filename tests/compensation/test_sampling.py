@@ -8,7 +8,7 @@ from dataclasses import replace
 import mpmath  # type: ignore[import-untyped]
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 
@@ -154,7 +154,6 @@ def test_of_no_axis_that_is_corrected_there_are_no_rows() -> None:
 
 
 @given(st.integers(0, 10**6), st.integers(3, 9), st.integers(2, 12))
-@settings(max_examples=60, deadline=None)
 def test_the_line_is_the_nearest_one_and_its_distance_is_found(seed: int, knots: int, count: int) -> None:
     rng = np.random.default_rng(seed)
     spline = NaturalSpline(np.sort(rng.uniform(0, 1, knots)) + np.arange(knots) * 0.1)
@@ -175,7 +174,6 @@ def test_the_line_is_the_nearest_one_and_its_distance_is_found(seed: int, knots:
 
 
 @given(st.integers(0, 10**6), st.integers(2, 9), st.booleans())
-@settings(max_examples=60, deadline=None)
 def test_the_nearest_line_follows_from_all_hats_at_once(seed: int, count: int, closed: bool) -> None:
     """Against least squares over all hats, weighed where the curve is inside the volume; around a turn as well."""
     rng = np.random.default_rng(seed)
@@ -195,7 +193,6 @@ def test_the_nearest_line_follows_from_all_hats_at_once(seed: int, count: int, c
 
 
 @given(st.integers(0, 10**6))
-@settings(max_examples=40, deadline=None)
 def test_the_stated_distance_is_the_largest_there_is(seed: int) -> None:
     """Against the roots of the slope of cubic minus line, with 40 digits, interval by interval."""
     rng = np.random.default_rng(seed)

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.description.campaign import campaign_from_texts, read_campaign
@@ -311,7 +311,6 @@ def test_a_machine_that_is_not_there_is_named(folder: Path, monkeypatch: pytest.
         read_campaign("campaign.toml")
 
 
-@settings(max_examples=300)
 @given(st.data())
 def test_a_garbled_campaign_is_read_or_refused(data: st.DataObject) -> None:
     start = data.draw(st.integers(0, len(GOOD)))

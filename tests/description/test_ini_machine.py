@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.compensation.controllers.linuxcnc import pivots
@@ -196,7 +196,6 @@ def test_what_an_ini_file_calls_itself_writes_nothing_else_into_ours(tmp_path: P
 LINES = [*SMALL.splitlines(), "[JOINT_0]", "BACKLASH = 0.02", "MAX_LIMIT = 1e99", "KINEMATICS =", "= 5", "[", "A=\\"]
 
 
-@settings(max_examples=300, deadline=None)
 @given(st.lists(st.sampled_from(LINES) | st.text(max_size=30), max_size=40))
 def test_rubbish_is_refused_in_words_or_is_a_machine(
     tmp_path_factory: pytest.TempPathFactory, lines: list[str]

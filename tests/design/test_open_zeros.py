@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.design.bound.certificate import Dual
@@ -50,7 +50,6 @@ def test_a_first_reading_tells_little_but_its_zero() -> None:
     assert 0.999 * best < bound <= best
 
 
-@settings(deadline=None, max_examples=25)
 @given(st.integers(0, 2**32 - 1), st.floats(-6.0, -3.0), st.integers(2, 6))
 def test_any_matrix_with_zeros_bounds_every_plan_that_mounts_both(seed: int, wide: float, readings: int) -> None:
     generator = np.random.default_rng(seed)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.accuracy.yardstick import Accuracy
@@ -124,7 +124,6 @@ def test_where_stations_stand_and_what_cannot_be_is_known_from_the_first_reading
 
 
 @given(st.integers(0, 10_000), st.floats(-3.0, 8.0), st.integers(0, 3))
-@settings(max_examples=60, deadline=None)
 def test_a_belief_told_of_readings_is_one_updated_by_each(seed: int, decades: float, fixed: int) -> None:
     """With priors that are very wide, variables that are known exactly, and readings that do not count."""
     rng = np.random.default_rng(seed)

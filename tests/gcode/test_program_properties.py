@@ -9,7 +9,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from axiscal.gcode import controllers
@@ -28,7 +28,6 @@ def plan_of(seed: int) -> Plan:
 
 @pytest.mark.parametrize("controller", controllers())
 @given(seed=seeds)
-@settings(max_examples=60)
 def test_any_plan_does_what_was_planned_and_nothing_else(controller: str, seed: int) -> None:
     for moves, faults in read_back(plan_of(seed), controller):
         assert moves > 0
@@ -36,7 +35,6 @@ def test_any_plan_does_what_was_planned_and_nothing_else(controller: str, seed: 
 
 
 @given(seed=seeds)
-@settings(max_examples=60)
 def test_the_list_has_every_reading_where_it_was_planned(seed: int) -> None:
     plan = plan_of(seed)
     rows = [row for p in plan.programs("sinumerik") for row in csv.DictReader(io.StringIO(p.listing, newline=""))]

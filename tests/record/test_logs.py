@@ -238,7 +238,7 @@ _steps = st.lists(
 )
 
 
-@settings(max_examples=8, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=settings().max_examples // 3, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(steps=_steps)
 def test_any_steps_come_to_the_same_in_both(both: tuple[Keeping, Keeping], steps: list[Event]) -> None:
     came_to = list[object]()

@@ -148,7 +148,7 @@ def test_times_and_letters_come_back_as_they_were(shop: Shop) -> None:
     ]
 
 
-@settings(max_examples=8, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=settings().max_examples // 3, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     steps=st.lists(st.tuples(st.sampled_from(["one", "two", "three"]), st.booleans(), st.integers(0, 3)), max_size=14)
 )

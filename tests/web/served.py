@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tests.generators.begun import begun
 from tests.generators.texts import FOUR_READINGS
 
 PATIENCE = 60.0
@@ -84,9 +85,7 @@ class Served:
 
 def started(folder: Path, campaign: str = FOUR_READINGS) -> Path:
     """Return the record of a campaign that has been started in a folder."""
-    (folder / "campaign.toml").write_text(campaign)
-    start = [sys.executable, "-m", "axiscal.cli", "start", "campaign.toml", "mill.axiscal"]
-    subprocess.run(start, cwd=folder, check=True, capture_output=True)
+    begun(folder, {"campaign.toml": campaign}, ("start", "campaign.toml", "mill.axiscal"))
     return folder / "mill.axiscal"
 
 

@@ -137,7 +137,7 @@ ODD = st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.l
 BODIES = st.dictionaries(st.sampled_from(["after", "text", "reason", "keep", "else"]), ODD).map(json.dumps)
 
 
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     st.sampled_from(["readings", "skips", "undo", "next", "state", "typed", "", "x"]),
     st.sampled_from(["GET", "POST", "PUT", "DELETE", "HEAD", "OPTIONS"]),
