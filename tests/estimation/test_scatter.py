@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from axiscal.planning.vouched import departure_rows, vouched_words
 
 from axiscal.accuracy.damage import KAPPA
 from axiscal.description.campaign import campaign_from_texts
@@ -14,7 +15,6 @@ from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.planning.vouched import departure_rows, vouched_words
 
 MACHINE = """
 chain = "w-b-X-t"

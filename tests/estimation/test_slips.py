@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from axiscal.planning.vouched import departure_rows, vouched_words
 
 from axiscal.accuracy.damage import KAPPA
 from axiscal.description.campaign import campaign_from_texts
@@ -19,7 +20,6 @@ from axiscal.estimation.slips import Slip
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.planning.vouched import departure_rows, vouched_words
 from axiscal.simulation import Simulator
 from tests.estimation.test_defence import axis, of, readings
 from tests.generators.laser_axis import MACHINE

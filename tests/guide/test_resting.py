@@ -8,16 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from axiscal.planning.vouched import vouched_of
 
 from axiscal.campaign import kept, knowing
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import reaches
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.ruled import ruling_of
-from axiscal.guide.not_vouched import standing_words
+from axiscal.guide.contradicted import contradicted_words
 from axiscal.language.spoken import speaking
 from axiscal.measurement.reading import Reading
-from axiscal.planning.vouched import vouched_of
 from axiscal.report.verdict import verdict_words
 
 MACHINE = """
@@ -62,7 +62,7 @@ def _read(path: Path, more: str = "") -> Iterator[Campaign]:
 
 def test_what_a_promise_rests_on_is_named_while_measuring_as_in_the_report(tmp_path: Path) -> None:
     with _read(tmp_path / "c.axiscal") as campaign:
-        (said,) = standing_words(campaign)
+        (said,) = contradicted_words(campaign)
         concluded = campaign.ruled()
         assert campaign.reached() is None
         assert reaches(campaign.description.target, concluded) is False
@@ -74,27 +74,27 @@ def test_what_a_promise_rests_on_is_named_while_measuring_as_in_the_report(tmp_p
 def test_it_is_kept_for_the_next_command_in_each_language(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "c.axiscal"
     with _read(path) as campaign, speaking("de"):
-        german = standing_words(campaign)
+        german = contradicted_words(campaign)
     with Campaign.open(path, write=False) as campaign:
-        english = standing_words(campaign)
+        english = contradicted_words(campaign)
     assert "EXX_reversal" in german[0]
     assert "wie angegeben" in german[0]
     monkeypatch.setattr(knowing, "estimated", None)  # nothing is found anew
     with Campaign.open(path, write=False) as campaign:
-        assert standing_words(campaign) == english
+        assert contradicted_words(campaign) == english
         with speaking("de"):
-            assert standing_words(campaign) == german
+            assert contradicted_words(campaign) == german
 
 
 def test_words_that_somebody_made_up_are_found_again(tmp_path: Path) -> None:
     path = tmp_path / "c.axiscal"
     with _read(path) as campaign:
-        expected = standing_words(campaign)
+        expected = contradicted_words(campaign)
     beside = kept.answers_beside(path)
     key = beside.read_bytes().split(b"\n")[1][:64].decode()
     kept._write(beside, key, {"unvouched, en": ("EXX", 3)})
     with Campaign.open(path, write=False) as campaign:
-        assert standing_words(campaign) == expected
+        assert contradicted_words(campaign) == expected
 
 
 def test_where_it_is_allowed_the_promise_counts_and_the_verdict_says_so(tmp_path: Path) -> None:
@@ -105,7 +105,7 @@ def test_where_it_is_allowed_the_promise_counts_and_the_verdict_says_so(tmp_path
         assert not ruling.defence.leaves
         assert reaches(target, campaign.ruled()) is False, "a reversal that no reading sees is larger"
         assert (campaign.reached() or "").startswith("rms target reached in what readings can tell; with what")
-        assert standing_words(campaign) == []
+        assert contradicted_words(campaign) == []
         words = verdict_words(ruling, target)
         assert "of what is promised rests on statements alone. The target counts by the promise all the same" in words
         assert words.endswith('unchecked = "allow" is stated.')

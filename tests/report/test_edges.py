@@ -8,12 +8,12 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
+from axiscal.planning.vouched import Vouched
 
 from axiscal.error_model.iso230 import words
 from axiscal.exceptions import SummaryError
 from axiscal.machine import load_machine
 from axiscal.machine.questions import which_way
-from axiscal.planning.vouched import Vouched
 from axiscal.report.figures import accuracy, innovations, places
 from axiscal.report.page import render
 from axiscal.report.promises import Uncertainty

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from axiscal.planning.vouched import Vouched
 
 from axiscal.error_model.iso230 import words
-from axiscal.planning.vouched import Vouched
 from axiscal.report.gallery import groups, panel_figure
 from axiscal.report.page import render
 from axiscal.report.promises import Uncertainty

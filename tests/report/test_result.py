@@ -6,12 +6,12 @@ import json
 from dataclasses import replace
 
 import pytest
+from axiscal.planning.vouched import Vouched
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import BaseModel, ConfigDict
 
 from axiscal.exceptions import SummaryError
-from axiscal.planning.vouched import Vouched
 from axiscal.report.promises import Uncertainty
 from axiscal.report.result_document import result_json
 from axiscal.report.summary import (
