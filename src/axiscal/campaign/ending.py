@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
-from axiscal.accuracy.expanded import expanded_floor
 from axiscal.accuracy.yardstick import Accuracy, attainable
 from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.ruled import GROSS, ruled, ruling_of
 from axiscal.estimation.uncertain import expanded_uncertainty
+from axiscal.planning.promise import asked
 from axiscal.units import to_unit
 
 FUTILE = 50
@@ -37,7 +36,7 @@ def count_reached(target: Target, count: int) -> str | None:
 
 
 def standing(target: Target, known: Estimation) -> str | None:
-    """Return in words why an accuracy asks for no more readings, by the verdict on what is known; None where it does."""
+    """Return in words why an accuracy asks for no more readings, by the verdict; None where it does."""
     if _said(target, known) is None:
         return None
     if known.misfit() > GROSS:
@@ -51,49 +50,27 @@ def reaches(target: Target, known: Estimation) -> bool | None:
     return (standing(target, known) or "").endswith(_REACHED) if target.accurate else None
 
 
-class _Asked(NamedTuple):
-    """An accuracy that is asked for, what is known, and what endless readings would leave, all in m."""
-
-    name: str
-    limit: float
-    whole: float
-    floor: float
-
-    @property
-    def reached(self) -> bool:
-        """Whether it is reached."""
-        return self.whole <= self.limit
-
-    @property
-    def done(self) -> bool:
-        """Whether it is reached, or no reading can reach it and they have done what was asked of them."""
-        return self.whole <= attainable(self.limit, self.floor)
-
-    @property
-    def words(self) -> str:
-        """What the record keeps of it."""
-        if self.reached:
-            return f"{self.name} {_REACHED}"
-        floor, whole = (f"{to_unit(each, 'um'):.3g} um" for each in (self.floor, self.whole))
-        return f"{self.name} target cannot be reached: endless readings would leave {floor}, these leave {whole}"
-
-
 def _said(target: Target, known: Estimation) -> str | None:
-    """Return which accuracy asks for no more readings, first one that is reached; None where all do."""
-    done = sorted((each for each in _asked(target, known) if each.done), key=lambda each: not each.reached)
-    return done[0].words if done else None
+    """Return which accuracy asks for no more readings, one that is reached first; None where all do.
+
+    The floors are the model's, whatever the verdict adds.
+    """
+    done = [(each, _now(each.name, known)) for each in asked(target, known.case.yardstick)]
+    done = [(each, now) for each, now in done if now <= attainable(each.limit, each.floor)]
+    for each, now in done:
+        if now <= each.limit:
+            return f"{each.name} {_REACHED}"
+    for each, now in done:
+        floor, left = (f"{to_unit(size, 'um'):.3g} um" for size in (each.floor, now))
+        return f"{each.name} target cannot be reached: endless readings would leave {floor}, these leave {left}"
+    return None
 
 
-def _asked(target: Target, known: Estimation) -> Iterator[_Asked]:
-    """Yield the accuracies that are asked for; their floors are the model's, whatever the verdict adds."""
-    now, yardstick = known.accuracy, known.case.yardstick
-    rms, worst = yardstick.floors
-    if target.rms is not None:
-        yield _Asked("rms", target.rms, now.rms, rms)
-    if target.worst is not None:
-        yield _Asked("worst", target.worst, now.worst, worst)
-    if target.expanded is not None:
-        yield _Asked("U", target.expanded, expanded_uncertainty(known).space, expanded_floor(yardstick).space)
+def _now(name: str, known: Estimation) -> float:
+    """Return how well the machine is known by the figure of that name, m."""
+    if name == "U":
+        return expanded_uncertainty(known).space
+    return known.accuracy.rms if name == "rms" else known.accuracy.worst
 
 
 def out_of_reach(target: Target, path: Sequence[Accuracy]) -> str | None:

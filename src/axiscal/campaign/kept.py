@@ -33,6 +33,7 @@ from types import MappingProxyType
 from typing import Any, TypeGuard, TypeVar
 
 from axiscal.accuracy.yardstick import Accuracy
+from axiscal.campaign.ended_words import ends_by_accuracy
 from axiscal.campaign.versions import versions
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.reviewed import costly
@@ -137,7 +138,7 @@ class Kept:
 
         find : it, where it is not kept; ended : no other readings are to follow
         """
-        return self._answered(_named("standing", ended), readings, _is_said, lambda: find() or "") or None
+        return self._answered(_named("standing", ended), readings, ends_by_accuracy, lambda: find() or "") or None
 
     def sentence(self, of: str, readings: tuple[Reading, ...], find: Callable[[], str]) -> str:
         """Return a sentence about exactly these readings in the language that is spoken.  find : as of `standing`"""

@@ -29,7 +29,13 @@ from axiscal.gcode.controls import dialect
 from axiscal.machine.questions import which_way
 from axiscal.measurement.place_texts import approach_text, place_text
 from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.feasibility import fewer_than_asked, not_to_the_letter, refuse_endless, refuse_out_of_reach
+from axiscal.planning.feasibility import (
+    fewer_than_asked,
+    not_to_the_letter,
+    out_of_reach,
+    refuse_endless,
+    refuse_out_of_reach,
+)
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan_document import bound_sentence, plan_document
 from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable
@@ -140,6 +146,8 @@ def plan(
         refuse_unless_provable(case)
     if target is not None:
         refuse_out_of_reach(case, limits)
+    elif readings is budget is None and (said := out_of_reach(case)) is not None:
+        tell(f"Mind: {said}")
     if compare is not None:
         _compared(case, limits, how, compare, json)
         return
@@ -227,7 +235,7 @@ def _table(case: Case, limits: Limits, proposal: Proposal) -> str:
     said += f"worst {micrometres(accuracy.worst)} (before: RMS {micrometres(made.before.rms)})."
     lines = [*_lines(case, made), said, bound_sentence(case, proposal)]
     lines += [f"Mind: {part.text}" for part in seen_as_one(case.yardstick)]
-    minded = [not_to_the_letter(case, limits, made), fewer_than_asked(limits, made), _other_tool(case, made)]
+    minded = [not_to_the_letter(limits, made), fewer_than_asked(limits, made), _other_tool(case, made)]
     return "\n".join([*lines, *(f"Mind: {sentence}" for sentence in minded if sentence)])
 
 

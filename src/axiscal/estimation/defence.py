@@ -21,7 +21,6 @@ from axiscal.accuracy.expanded import LEVEL
 from axiscal.estimation.case import Case
 from axiscal.estimation.effect_map import LARGEST_SHIFT, TOGETHER, EffectMap, prior_root
 from axiscal.estimation.scatter import Scatter, open_rests, scattered
-from axiscal.estimation.slips import Slip, slips
 from axiscal.estimation.statements import Resting, resting, singles
 from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
@@ -104,7 +103,6 @@ class Defence:
     u_def : m; promise : RMS over the volume as it is promised, m; readings : how many
     departures : the most damaging first; rests_on : statements that no reading shows, None where nothing rests on any
     scatter : a noise that they do not tell from the machine, None where they tell
-    slips : what each reading does where it alone is bad, the most harmful first; none of more than can be looked at
     """
 
     u_def: float
@@ -113,7 +111,6 @@ class Defence:
     departures: tuple[Departed, ...]
     rests_on: Resting | None = None
     scatter: Scatter | None = None
-    slips: tuple[Slip, ...] = ()
 
     def promising(self, promise: float) -> Defence:
         """Return what the same readings can vouch for where a wider model promises less.  promise : m"""
@@ -152,20 +149,9 @@ class Defence:
         return self._stated > self.promise
 
     @property
-    def only_stated(self) -> bool:
-        """Whether it is what somebody stated, and nothing that other readings could show or repeat, that is open."""
-        told = replace(self, rests_on=None)
-        return self.rests and not told.unchecked
-
-    @property
     def leaves(self) -> bool:
         """Whether readings could not have shown a departure that would make the promise much too good."""
         return any(each.exceeds(self.promise) for each in self.departures)
-
-    @property
-    def believed(self) -> Sequence[Slip]:
-        """The readings that would be believed though they are bad, and do much more than can be vouched for."""
-        return [each for each in self.slips if each.harm.damage > OPEN * self.u_def]
 
     @property
     def unchecked(self) -> bool:
@@ -190,9 +176,7 @@ def defence(case: Case, readings: Sequence[Reading], promise: float, stated: Mac
         return vouched(case.observation, chosen, None, promise)
     numbers, root = ReadingSet(case.observation, chosen), prior_root(case)
     made = EffectMap.of_numbers(case, numbers, root)
-    bad = slips(readings, made) if len(chosen) == len(readings) else ()
     found = vouched(case.observation, chosen, made, promise)
-    found = replace(found, departures=(*found.departures, *_each_setup(bad, promise)), slips=bad)
     found = with_gaps(found, case.observation, chosen, made, stated)
     rests_on = _rests_on(case, numbers, root, made, (promise, stated))
     scatter = scattered(case.observation, readings, numbers, case.yardstick, open_rests(case, stated))
@@ -264,15 +248,6 @@ def _departed(
             yield _unresolved(group[0])
         else:
             yield _family(group, effects.each(group), promise)
-
-
-def _each_setup(found: Sequence[Slip], promise: float) -> Iterator[Departed]:
-    """Yield the most harmful of the bad readings of each set-up.  found : the most harmful first"""
-    worst = dict[str, Harm]()
-    for each in found:
-        worst.setdefault(each.reading.setup, each.harm)
-    for owner, harm in worst.items():
-        yield Departed("bad", owner, harm.power(promise), harm.seen_from, harm.damage, 0.0, counted=False)
 
 
 def _family(group: Sequence[Departure], effects: Sequence[Harm], promise: float) -> Departed:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.accuracy.damage import Harm
 from axiscal.accuracy.yardstick import Yardstick
@@ -80,22 +79,6 @@ class EffectMap:
             left = left + followed
         wrong = (float(np.sum(left**2)) + beside) / departure.columns.shape[1]
         return Harm(white.T @ white, wrong, largest(self._yardstick.errors, departure))
-
-    def alone(self, owner: NDArray[np.intp]) -> list[Harm]:
-        """Return what each reading does where it alone is bad, its numbers in the direction that makes D largest.
-
-        owner : (m,) the reading of each number
-        """
-        white = transposed_solution(self._upper, np.eye(len(owner)))
-        left, harms = self._kept @ white, list[Harm]()
-        for reading in range(int(owner.max(initial=-1)) + 1):
-            mine = owner == reading
-            seen, wrong = (part[:, mine].T @ part[:, mine] for part in (white, left))
-            inverse = np.linalg.inv(np.linalg.cholesky(seen))
-            way = inverse.T @ np.linalg.eigh(inverse @ wrong @ inverse.T)[1][:, -1]
-            way /= np.linalg.norm(way)
-            harms.append(Harm(np.array([[way @ seen @ way]]), float(way @ wrong @ way), LARGEST_SHIFT))
-        return harms
 
     def left_open(self, columns: Array, root: Array, own: Array) -> LeftOpen:
         """Return what readings leave of unknowns and of all else, over the volume but for a constant shift.
