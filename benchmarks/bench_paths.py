@@ -36,9 +36,19 @@ from axiscal.estimation.case import Case
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.planning.next_readings import posed
-from benchmarks import bench_defence, bench_estimate
+from benchmarks import bench_estimate
 
 ROOT = Path(__file__).resolve().parents[1]
+AXIS = """machine = "one-axis"
+[target]
+readings = 20
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+noise = "0.5 um"
+approach = "both"
+"""
 FIGURES = Path(__file__).with_name("figures.csv")
 COLUMNS = ("path", "commit", "seconds", "calls", "megabytes")
 COMMAND = "from axiscal.cli import main; raise SystemExit(main())"
@@ -103,7 +113,7 @@ def compared(folder: Path) -> list[str]:
 
 def one_axis_plan(folder: Path) -> list[str]:
     """Return how 400 readings of one axis are planned."""
-    (folder / "one.toml").write_text(bench_defence.AXIS, encoding="utf-8")
+    (folder / "one.toml").write_text(AXIS, encoding="utf-8")
     return ["plan", str(folder / "one.toml"), "--readings", "400"]
 
 

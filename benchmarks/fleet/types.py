@@ -57,7 +57,7 @@ with noise of 1 um and 2 urad; a campaign ends at 4 um RMS over the volume, cons
 lead or a sag and a random curve of the stated smoothness, half of the variance each; machines of a type differ in three
 directions together, and freely. Of each sister the readings of the plan by the stated prior count. What is learnt, the
 beliefs and their weights are the program's own; the next reading is the best of {places} places by the likeliest
-belief, and readings are first order. No reading has to vouch for the prior (`unchecked = "allow"`).
+belief, and readings are first order.
 
 *Readings* is the median over all new machines; *held* the mean share of the tool point's deviations (408 poses from two
 sides, x, y and z) within the printed 95 %. *True* knows what the type has in common and how its machines differ. In

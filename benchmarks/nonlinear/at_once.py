@@ -10,6 +10,6 @@ from axiscal.planning.proposal import proposed
 def figures(case: Case, readings: int) -> tuple[float, float]:
     """Return seconds of a plan without mounting, and the RMS that it promises, m."""
     setups = case.description.setups
-    plan = proposed(case, Limits(readings), guard=False, bounded=False).plan
+    plan = proposed(case, Limits(readings), bounded=False).plan
     mounted = {int(index) for index in plan.places.setups}
     return plan.seconds - sum(setups[index].setup_time for index in mounted), plan.accuracy.rms

@@ -252,26 +252,26 @@ def test_whether_causes_compete_is_not_asked_of_the_first_readings(
 
 def test_the_verdict_is_kept_and_is_the_one_that_is_found(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with Campaign.open(record, write=False) as campaign:
-        first = campaign.standing(), campaign.watched()
+        first = campaign.reached(), campaign.watched()
         assert first == (standing(campaign.description.target, campaign.known()), watched_so_far(campaign.known()))
     for room, name in ((knowing, "standing"), (kept, "watched_so_far")):
         monkeypatch.setattr(room, name, None)  # nothing is found anew
     with Campaign.open(record) as campaign:
-        assert (campaign.standing(), campaign.watched()) == first
+        assert (campaign.reached(), campaign.watched()) == first
         campaign.undo()
         with pytest.raises(TypeError):  # of other readings it says nothing
-            campaign.standing()
+            campaign.reached()
 
 
 @pytest.mark.parametrize("damage", ["cut", "emptied", "an estimation"])
 def test_a_damaged_verdict_is_found_again(record: Path, damage: str) -> None:
     with Campaign.open(record, write=False) as campaign:
-        expected = campaign.standing(), campaign.watched()
+        expected = campaign.reached(), campaign.watched()
     beside = kept.answers_beside(record)
     content = {"cut": beside.read_bytes()[:-9], "emptied": b"", "an estimation": kept.kept_beside(record).read_bytes()}
     beside.write_bytes(content[damage])
     with Campaign.open(record, write=False) as campaign:
-        assert (campaign.standing(), campaign.watched()) == expected
+        assert (campaign.reached(), campaign.watched()) == expected
 
 
 def test_where_few_have_been_read_the_answers_are_kept_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -373,12 +373,12 @@ EXPLAINED = Explanation("no family", "laser", 0.0, 1.0, 1.0, 1.0)  # type: ignor
 )
 def test_a_verdict_that_somebody_made_up_is_found_again(record: Path, forged: object) -> None:
     with Campaign.open(record, write=False) as campaign:
-        expected = campaign.standing(), campaign.watched()
+        expected = campaign.reached(), campaign.watched()
     beside = kept.answers_beside(record)
     key = beside.read_bytes().split(b"\n")[1][:64].decode()
     kept._write(beside, key, dict.fromkeys(("standing", "watched", "accuracy", "seconds"), forged))
     with Campaign.open(record, write=False) as campaign:
-        assert (campaign.standing(), campaign.watched()) == expected
+        assert (campaign.reached(), campaign.watched()) == expected
         status, known = campaign.status(), campaign.known()
         assert (status.accuracy, status.seconds) == (known.accuracy, known.seconds)
 

@@ -14,6 +14,7 @@ from axiscal.numerics.threads import one_thread
 from tests.certify import (
     belief,
     coverage,
+    endings,
     gcode,
     least_squares,
     machines,
@@ -115,6 +116,22 @@ def programs_on_the_simulator(programs: int, first: int) -> Iterator[Finding]:
     yield from (Finding(text, good) for text, good in simulator.verdicts(programs, first, Kept("simulator")))
 
 
+def endings_of_campaigns(cases: int, first: int) -> Iterator[Finding]:
+    """Yield how many campaigns end with a target that can be reached, and whether ten readings refute "cannot"."""
+    found = {seed: endings.feasible(seed) for seed in range(first, first + cases)}
+    others = {seed: f"{each.because} after {each.readings}" for seed, each in found.items() if not each.reached}
+    share = 1 - len(others) / cases
+    yield Finding(
+        f"targets that can be reached: {share:.1%} reached{f', else {others}' if others else ''}",
+        share >= endings.LEAST,
+    )
+    beyond = {seed: endings.infeasible(seed) for seed in range(first, first + cases)}
+    said = [seed for seed, each in beyond.items() if each is not None and "cannot be reached" in each.because]
+    refuted = [seed for seed in said if (each := beyond[seed]) is not None and each.refuted]
+    text = f"cannot be reached: said of {len(said)}, refuted by {endings.MORE} more readings of {len(refuted)}"
+    yield Finding(f"{text}{f': seeds {refuted}' if refuted else ''}", not refuted)
+
+
 PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "one-joint": (one_joint, 10_000, "random joints"),
     "machines": (several_joints, 500, "random machines of two and three joints"),
@@ -125,6 +142,7 @@ PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "gcode": (measuring_programs, 2_000, "random plans as programs for LinuxCNC's interpreter"),
     "simulator": (programs_on_the_simulator, 200, "programs of random machines on a running LinuxCNC"),
     "dialects": (other_dialects, 2_000, "random plans in every dialect, through the tests' own readers"),
+    "endings": (endings_of_campaigns, 20, "random campaigns whose target can be reached, and as many whose cannot"),
     "plans": (plans_as_printed, 100, "examples at the most: plans, readings asked for, and programs as printed"),
 }
 

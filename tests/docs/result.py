@@ -96,24 +96,6 @@ class RejectedReading(Fields):
     reason: str = Field(description="why it is not believed, in words")
 
 
-class DepartureValue(Fields):
-    """An entry of `departures`: what the model does not hold and readings may not show, the most damaging first."""
-
-    name: str = Field(
-        description="kind of departure, and the set-up or error it is of; statement, noise: what is only stated"
-    )
-    power: float = Field(description="probability that the readings show it where the truth is 1.5 times `rms_um`")
-    seen_from_um: float | None = Field(description="size that they show with 90 %, in `unit`; null: not at any size")
-    damage_um: float = Field(description="RMS that it does where they would only just show it")
-    hidden: float = Field(description="probability that it spoils the promise unseen, in a gap; 0 where not asked")
-    bearable_um: float = Field(description="least promise that no more than 5 % of such would spoil unseen; 0: any")
-    unit: str = Field(description="um or urad")
-    counted: bool = Field(description="whether `defended_um` counts it")
-    odds: float | None = Field(description="against the model, by the readings; null: they were too few to be asked")
-    size_um: float | None = Field(description="what size they make it, in `unit`, of a drift in an hour")
-    words: str | None = Field(description="the same in words")
-
-
 class Warning(Fields):
     """An entry of `warnings`."""
 
@@ -201,21 +183,18 @@ class Result(Fields):
     worst_um: float = Field(description="largest standard deviation in the volume")
     unseen_rms_um: float = Field(description="what no allowed reading can take away")
     budget: list[BudgetSource] = Field(description="where the uncertainty comes from")
-    defended_um: float = Field(description="what the readings can vouch for: `rms_um`, or the largest damage")
     linear_to_um: float | None = Field(
         description="no machine within the bands differs by more from its first order at the tool (docs/nonlinear.md)"
     )
     nonlinearity: float | None = Field(
         description="largest index of non-linearity of a reading, or a bound on it; above 0.3 it is no Gaussian"
     )
-    departures: list[DepartureValue] = Field(description="what they may not show")
     target_rms_um: float | None = Field(description="the RMS asked for")
     target_worst_um: float | None = Field(description="the worst asked for")
     target_u: float | None = Field(alias="target_U_um", description="the expanded uncertainty asked for")
     target_reached: bool | None = Field(
         None,
-        description="whether one of these is reached, by what the readings can vouch for and with what none can see; a "
-        "campaign ends where they are in what readings can tell; null where none is set",
+        description="whether one of these is reached, with what no reading can see; null where none is set",
     )
     promised_rms_um: float | None = Field(None, description="only where the truth is known: `rms_um` again")
     reached_rms_um: float | None = Field(None, description="only where the truth is known: what was reached")
@@ -237,9 +216,7 @@ class Result(Fields):
 def page() -> str:
     """Return the page: a table for each kind of object."""
     tables = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading, CheckedReadings)
-    return "\n".join(
-        [_HEAD, *(_table(each) for each in (*tables, BudgetSource, VolumeValue, DepartureValue, Warning, TableValue))]
-    )
+    return "\n".join([_HEAD, *(_table(each) for each in (*tables, BudgetSource, VolumeValue, Warning, TableValue))])
 
 
 def _table(model: type[Fields]) -> str:

@@ -81,8 +81,8 @@ def test_where_a_target_counts_by_the_promise_as_it_is_nothing_is_made_larger(ne
         known = replace(nearly, stated=replace(CASE, description=replace(description, target=target)))
         assert ruling_of(known).verdict == verdict
         assert (ruled(known).accuracy.rms == promise) == unchecked
-        assert (standing(target, known).reached == "rms target reached") == unchecked
-        assert (standing(target, ruled(known)).reached == "rms target reached") == unchecked
+        assert (standing(target, known) == "rms target reached") == unchecked
+        assert (standing(target, ruled(known)) == "rms target reached") == unchecked
 
 
 def test_all_figures_of_a_result_are_of_the_larger_promise(nearly: Estimation, tmp_path: Path) -> None:
@@ -95,6 +95,5 @@ def test_all_figures_of_a_result_are_of_the_larger_promise(nearly: Estimation, t
     assert found["rms_um"] == pytest.approx(1e6 * known.accuracy.rms, rel=1e-4)
     assert found["worst_um"] == pytest.approx(1e6 * known.accuracy.worst, rel=1e-4)
     assert found["rms_um"] > 1.05 * 1e6 * nearly.accuracy.rms
-    assert found["defended_um"] <= 1.2501 * found["rms_um"]
     assert found["history"][-1]["rms_um"] == found["rms_um"]
     assert np.hypot.reduce([row["rms_um"] for row in found["budget"]]) == pytest.approx(found["rms_um"], rel=1e-3)

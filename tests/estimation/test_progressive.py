@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.progressive.bent_readings import BentReadings
 from axiscal.estimation.progressive.polish import polished
@@ -109,3 +111,15 @@ def test_what_is_said_of_the_prior_is_said_about_stations_as_found() -> None:
     known = concluded(case, readings)
     assert misfits(case.observation, readings)
     assert not misfits(case.linear_as(known.case).observation, readings)
+
+
+def test_a_ball_bar_on_a_machine_without_a_third_axis_stays_in_its_plane() -> None:
+    """All its places are at a height of exactly nought, which no scale divides."""
+    chain = 'chain = "w-b-X-Y-t"\n[axes.X]\ntravel = ["0 mm", "400 mm"]\n[axes.Y]\ntravel = ["0 mm", "400 mm"]\n'
+    bar = '[[setups]]\nname = "bar"\ninstrument = "ballbar"\nlength = "100 mm"\nplane = "xy"\n'
+    text = f'machine = "m.toml"\n{bar}station = ["200 mm", "200 mm", "0 mm"]\n'
+    errors = '[errors]\nEXX = { std = "5 um", knots = 5 }\nEYY = { std = "5 um", knots = 5 }\n'
+    case = Case(campaign_from_texts(text, "c.toml", chain + errors, "m.toml"))
+    at = [(0.2 + 0.1 * np.cos(turn), 0.2 + 0.1 * np.sin(turn)) for turn in np.linspace(0.0, 6.0, 8)]
+    readings = [Reading("bar", (float(x), float(y)), (1, 1), 1e-6) for x, y in at]
+    assert closed_form(case, readings, case.prior.mean) == pytest.approx(case.prior.mean)

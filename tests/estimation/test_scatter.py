@@ -14,7 +14,6 @@ from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.planning.vouched import departure_rows, vouched_words
 
 MACHINE = """
 chain = "w-b-X-t"
@@ -67,10 +66,6 @@ def test_noise_that_might_be_the_machine_is_not_taken_for_noise() -> None:
     assert found.rests
     assert found.unchecked
     assert found.u_def >= found.scatter.bearable > found.promise
-    said = vouched_words(case, found)
-    assert 'do not tell the noise of "gauge" (3 um) from what the machine does from place to place' in said
-    assert said.endswith("Read 3 places once more.")
-    assert departure_rows(case, found)[0]["name"] == "noise gauge"
 
 
 def covariance(case: Case, taken: list[Reading]) -> Array:
@@ -125,4 +120,3 @@ def test_a_noise_that_is_small_beside_the_promise_is_borne() -> None:
     found = vouched(axis(noise="0.1 um"), read(count=6))
     assert found.scatter is not None
     assert not found.rests
-    assert departure_rows(axis(), found) == [row for row in departure_rows(axis(), found) if "noise" not in row["name"]]

@@ -13,19 +13,17 @@ from axiscal.error_model.iso230 import words
 from axiscal.exceptions import SummaryError
 from axiscal.machine import load_machine
 from axiscal.machine.questions import which_way
-from axiscal.planning.vouched import Vouched
 from axiscal.report.figures import accuracy, innovations, places
 from axiscal.report.page import render
 from axiscal.report.promises import Uncertainty
 from axiscal.report.summary import ConstantSummary, CurveSummary, HistoryRow, Summary
 
 EXPANDED = Uncertainty(23.4, (11.0, 12.0, 13.0), 51.0, 1.65, "for a tool of 120 mm")
-VOUCHED = Vouched(17.0, "0 readings could vouch for 17 um (standard uncertainty).")
 
 
 def _bare(**changes: Any) -> Summary:
     first = HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0)
-    figures = 0, 0.0, 14.2, 31.0, 0.0, [first], EXPANDED, VOUCHED
+    figures = 0, 0.0, 14.2, 31.0, 0.0, [first], EXPANDED
     empty = Summary("t", "m", "", "c.toml", "", [], "nothing measured", *figures)
     return replace(empty, **changes)
 

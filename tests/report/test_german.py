@@ -43,7 +43,7 @@ def summary(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
 
 def _sentences(summary: Summary) -> Iterator[str]:
     """Yield every text of a summary that is a sentence for people, and no name that somebody gave."""
-    yield from (summary.title, summary.stopped_because, summary.verdict_words, summary.vouched.words)
+    yield from (summary.title, summary.stopped_because, summary.verdict_words)
     yield from (summary.expanded.conditions, *summary.observability, *summary.questions)
     yield from (finding.text for finding in summary.warnings)
     yield from (curve.caption for curve in (*summary.curves, *summary.reversals))

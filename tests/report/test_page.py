@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 
 from axiscal.error_model.iso230 import words
-from axiscal.planning.vouched import Vouched
 from axiscal.report.gallery import groups, panel_figure
 from axiscal.report.page import render
 from axiscal.report.promises import Uncertainty
@@ -152,7 +151,6 @@ def five_axis_summary(readings: int = 60) -> Summary:
         stopped_because="rms target reached",
         readings=readings,
         expanded=Uncertainty(3.3, (1.9, 1.8, 1.7), 6.1, 1.7, "for a tool of 120 mm"),
-        vouched=Vouched(9.5, "These readings could not show a drift above 3 um."),
         minutes=history[-1].minutes,
         rms_um=history[-1].rms_um,
         worst_um=history[-1].worst_um,

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from pydantic import BaseModel, ConfigDict
 
 from axiscal.exceptions import SummaryError
-from axiscal.planning.vouched import Vouched
 from axiscal.report.promises import Uncertainty
 from axiscal.report.result_document import result_json
 from axiscal.report.summary import (
@@ -80,19 +79,6 @@ ROWS = [
     HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0),
     HistoryRow(1, "laser", {"X": 120.0}, 1.5, 0.1, 0.2, 9.1, 20.0, 31.2),
 ]
-DEPARTURE = {
-    "name": "drift laser",
-    "power": 0.2,
-    "seen_from_um": 3.0,
-    "damage_um": 9.5,
-    "hidden": 0.0,
-    "bearable_um": 0.0,
-    "unit": "um",
-    "counted": True,
-    "odds": 12.5,
-    "size_um": 4.0,
-    "words": 'the zero of "laser" seems to drift by 4 ± 1 um in an hour',
-}
 SUMMARY = Summary(
     title="t",
     machine="m",
@@ -108,7 +94,6 @@ SUMMARY = Summary(
     unseen_rms_um=0.5,
     history=ROWS,
     expanded=Uncertainty(15.6, (9.0, 8.0, 7.0), 33.0, 1.71, "for a tool of 120 mm"),
-    vouched=Vouched(9.5, "These readings could not show a drift above 3 um.", [DEPARTURE]),
     curves=[CURVE],
     reversals=[replace(CURVE, name="EXX_reversal")],
     constants=[ConstantSummary("C0Y", "squareness of Y to X", 12.1, 1.1, 30.0, "urad")],

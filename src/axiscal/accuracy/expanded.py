@@ -54,6 +54,11 @@ def expanded(yardstick: Yardstick, belief: Belief) -> Expanded:
     return expanded_of(yardstick.covariances(belief.factor), yardstick.evenly, yardstick.counted)
 
 
+def expanded_floor(yardstick: Yardstick) -> Expanded:
+    """Return the expanded uncertainties that endless readings would leave."""
+    return expanded_of(yardstick.covariances(yardstick.unseen), yardstick.evenly, yardstick.counted)
+
+
 def expanded_of(covariances: Array, evenly: NDArray[np.bool_], counted: Counted = EVERY_WAY) -> Expanded:
     """Return the expanded uncertainties where the deviation has these covariances.
 

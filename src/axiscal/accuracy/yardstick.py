@@ -3,7 +3,7 @@
 The covariance C of the belief splits into what readings could still tell, C − C_∞, and what no allowed reading tells,
 C_∞. A constant shift of the TCP that no reading tells is a matter of where the workpiece zero is set and is not
 counted; along a direction in which the second part holds most of it, what is left of the first is not counted either.
-Everything else is.
+Everything else is. What endless readings would leave of it is the floor.
 """
 
 from __future__ import annotations
@@ -25,27 +25,28 @@ from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
 
 _INNER_POINTS = 400
-_REST_SHARE = 0.7
 
 
 class Accuracy(NamedTuple):
     """What is known of the TCP over the volume, all in m.
 
-    rms, worst : RMS and largest standard deviation; seen, worst_seen : the same without what no allowed reading sees
-    rest : RMS of what no spline follows, which readings cannot reduce; it is part of all the others
+    rms, worst : RMS and largest standard deviation; floor, worst_floor : what endless readings would leave of each
     """
 
     rms: float
     worst: float
-    seen: float
-    worst_seen: float
-    rest: float = 0.0
+    floor: float
+    worst_floor: float
 
-    def attainable(self, target: float) -> float:
-        """Return the target that readings can be held to: one that the rests alone (nearly) use up is widened by
-        them, or no reading would ever end the campaign.
-        """
-        return target if self.rest <= _REST_SHARE * target else float(np.hypot(target, self.rest))
+    def meets(self, rms: float | None, worst: float | None) -> bool:
+        """Return whether one of two limits is met, m: where its floor is above it, by what readings take away."""
+        limits = ((self.rms, rms, self.floor), (self.worst, worst, self.worst_floor))
+        return any(limit is not None and value <= attainable(limit, floor) for value, limit, floor in limits)
+
+
+def attainable(limit: float, floor: float) -> float:
+    """Return what readings can be held to: a limit, or where its floor is above it as much again beyond the floor."""
+    return limit if floor <= limit else float(np.hypot(limit, floor))
 
 
 def _summed(parts: Array) -> Array:
@@ -110,6 +111,12 @@ class Yardstick:
         return float(np.sqrt(max(self._unseen_total - self._unseen_shift, 0.0)))
 
     @cached_property
+    def floors(self) -> tuple[float, float]:
+        """RMS over the volume and largest standard deviation that endless readings would leave, m."""
+        rms = float(np.hypot(self.unseen_rms, np.sqrt(self.moments.rest)))
+        return rms, max(float(np.sqrt(self.variances(self.unseen).max())), rms)
+
+    @cached_property
     def _unseen_total(self) -> float:
         """tr(V C_∞ Vᵀ), m²."""
         return self.root.value(self.unseen)
@@ -144,12 +151,9 @@ class Yardstick:
 
     def figures(self, total: float, variances: Array) -> Accuracy:
         """Return the figures for tr(V C Vᵀ) and the TCP variances at the yardstick's poses, m²."""
-        seen = max(total - self._unseen_total, 0.0)
-        variance = total - self._unseen_shift + self.moments.rest
+        variance = max(total - self._unseen_shift + self.moments.rest, 0.0)
         worst = max(float(np.max(variances)), variance)
-        worst_seen = float(np.max(variances - self._hidden))
-        figures = variance, worst, seen + self.moments.rest, worst_seen, self.moments.rest
-        return Accuracy(*(float(np.sqrt(max(figure, 0.0))) for figure in figures))
+        return Accuracy(float(np.sqrt(variance)), float(np.sqrt(worst)), *self.floors)
 
     def rms_of(self, total: float) -> float:
         """Return the RMS over the volume that belongs to J = tr(V C Vᵀ), m."""

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Self
 
 from axiscal.campaign.default_planner import plan_ahead
-from axiscal.campaign.ending import BUDGET, Attained, Ended, count_reached, out_of_reach
+from axiscal.campaign.ending import BUDGET, Ended, count_reached, out_of_reach
 from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.kept import Kept
 from axiscal.campaign.knowing import Knowing
@@ -255,16 +255,8 @@ class Campaign(Closing):
         if (said := count_reached(target, len(self.state.readings))) is not None:
             return said
         if target.accurate:
-            said = self._knowing.standing(self.state.readings, ended).reached
+            said = self._knowing.standing(self.state.readings, ended)
         return said or (BUDGET if self._over_budget(self._seconds()) else None)
-
-    def standing(self) -> Attained:
-        """Return whether an accuracy is reached, by the verdict on the readings so far."""
-        return self._knowing.standing(self.state.readings)
-
-    def unvouched(self) -> str:
-        """Return what the readings could not show or leave as stated, in words, where an accuracy is only promised."""
-        return self._knowing.unvouched(self.state.readings)
 
     def watched(self) -> Watched:
         """Return the e-value after the readings so far, and what explains them best."""
@@ -333,7 +325,7 @@ class Campaign(Closing):
 
     def _next_of_run(self, path: Sequence[Milestone]) -> Asked | Ended:
         accuracies = [milestone.accuracy for milestone in path]
-        hopeless = out_of_reach(self.description.target, self.known(), accuracies)
+        hopeless = out_of_reach(self.description.target, accuracies)
         return Ended(hopeless) if hopeless and not self.reached() else self.next()
 
     def request(self, asked: Asked) -> Request:

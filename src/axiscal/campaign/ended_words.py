@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import re
+from typing import TypeGuard
 
-from axiscal.campaign.ending import BUDGET, DOES_NOT_FIT, NOT_VOUCHED, ONLY_STATED, OUT_OF_REACH
-from axiscal.language.spoken import Said, counted, said
+from axiscal.campaign.ending import BUDGET, DOES_NOT_FIT, OUT_OF_REACH
+from axiscal.language.spoken import counted, said
 
 ENDINGS = (
     BUDGET,
     DOES_NOT_FIT,
-    NOT_VOUCHED,
-    ONLY_STATED,
     OUT_OF_REACH,
     "nothing is left to measure",
     "ended by the operator",
@@ -21,11 +20,16 @@ ENDINGS = (
 """Those that are whole sentences."""
 _TAKEN = re.compile(r"([0-9]+) readings? taken")
 _REACHED = re.compile(r"(rms|worst|U) target reached")
-_SEEN = re.compile(_REACHED.pattern + r" in what readings can tell; with what they cannot tell it is ([0-9.e+-]+) um")
-
-_AS_SEEN = (
-    "{name} target not reached: {size:.3g} um are left; no allowed reading can take away what is above the target"
+_BEYOND = re.compile(
+    r"(rms|worst|U) target cannot be reached: endless readings would leave ([0-9.e+-]+) um, these leave ([0-9.e+-]+) um"
 )
+
+
+def ends_by_accuracy(kept: object) -> TypeGuard[str]:
+    """Return whether something that was kept says why an accuracy asks for no more readings, or "" where it does."""
+    if not isinstance(kept, str):
+        return False
+    return kept in ("", DOES_NOT_FIT) or any(form.fullmatch(kept) for form in (_REACHED, _BEYOND))
 
 
 def because_text(because: str) -> str:
@@ -34,11 +38,9 @@ def because_text(because: str) -> str:
         return counted("{count} reading taken", "{count} readings taken", int(taken[1]))
     if (reached := _REACHED.fullmatch(because)) is not None:
         return said("{name} target reached", name=reached[1])
-    if (seen := _SEEN.fullmatch(because)) is not None:
-        return said(_AS_SEEN, name=seen[1], size=float(seen[2]))
+    if (beyond := _BEYOND.fullmatch(because)) is not None:
+        words = (
+            "{name} target cannot be reached: endless readings would leave {floor:.3g} um, these leave {left:.3g} um"
+        )
+        return said(words, name=beyond[1], floor=float(beyond[2]), left=float(beyond[3]))
     return said(because) if because in ENDINGS else because
-
-
-def reached_as_seen(because: str) -> str:
-    """Return which accuracy was reached in what readings can tell alone, "" where none was.  because : as it is said"""
-    return str(because.values["name"]) if isinstance(because, Said) and because.forms == (_AS_SEEN,) else ""

@@ -33,7 +33,7 @@ from types import MappingProxyType
 from typing import Any, TypeGuard, TypeVar
 
 from axiscal.accuracy.yardstick import Accuracy
-from axiscal.campaign.ending import Attained
+from axiscal.campaign.ended_words import ends_by_accuracy
 from axiscal.campaign.versions import versions
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.reviewed import costly
@@ -131,17 +131,14 @@ class Kept:
         """Let what is known be written next in the place of what was recalled, however little it has grown."""
         self._count = 0
 
-    def standing(self, readings: tuple[Reading, ...], find: Callable[[], Attained], ended: bool = False) -> Attained:
-        """Return whether an accuracy is reached by exactly these readings.
+    def standing(
+        self, readings: tuple[Reading, ...], find: Callable[[], str | None], ended: bool = False
+    ) -> str | None:
+        """Return why an accuracy asks for no more than exactly these readings; None where it does.
 
         find : it, where it is not kept; ended : no other readings are to follow
         """
-
-        def found() -> tuple[str | None, str | None, float]:
-            attained = find()
-            return attained.reached, attained.promised, attained.vouched
-
-        return Attained(*self._answered(_named("standing", ended), readings, _is_attained, found))
+        return self._answered(_named("standing", ended), readings, ends_by_accuracy, lambda: find() or "") or None
 
     def sentence(self, of: str, readings: tuple[Reading, ...], find: Callable[[], str]) -> str:
         """Return a sentence about exactly these readings in the language that is spoken.  find : as of `standing`"""
@@ -221,13 +218,6 @@ def _is_time(kept: object) -> TypeGuard[float]:
 
 def _is_accuracy(kept: object) -> TypeGuard[tuple[float, ...]]:
     return isinstance(kept, tuple) and len(kept) == len(Accuracy._fields) and all(map(_is_time, kept))
-
-
-def _is_attained(kept: object) -> TypeGuard[tuple[str | None, str | None, float]]:
-    match kept:
-        case (str() | None, str() | None, float() as vouched):
-            return math.isfinite(vouched)
-    return False
 
 
 def _is_watched(kept: object) -> TypeGuard[Watched]:

@@ -13,7 +13,7 @@ from functools import cached_property
 from pathlib import Path
 
 from axiscal.accuracy.yardstick import Accuracy
-from axiscal.campaign.ending import Attained, standing
+from axiscal.campaign.ending import standing
 from axiscal.campaign.kept import DAMAGE, Kept
 from axiscal.campaign.milestones import Milestone
 from axiscal.description.campaign import CampaignDescription
@@ -26,10 +26,9 @@ from axiscal.estimation.ruled import ruled
 from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import AmbiguityError, AxiscalError
 from axiscal.inference.contradiction import Watched
-from axiscal.language.spoken import put, said
+from axiscal.language.spoken import said
 from axiscal.measurement.reading import Reading
 from axiscal.planning.plan_basis import plan_basis
-from axiscal.planning.vouched import vouched_words
 from axiscal.record.events import Gap
 
 Readings = tuple[Reading, ...]
@@ -44,7 +43,6 @@ class Knowing:
         self._known: Estimation | None = None
         self._concluded: Estimation | None = None
         self._ruled: Estimation | None = None
-        self._attained: tuple[object, Attained] = (None, Attained())
         self._contest: tuple[object, Contest | None] = (None, None)
 
     @cached_property
@@ -105,45 +103,20 @@ class Knowing:
         """Return what a plan made now rests on, in words: what is known, and causes between which a reading decides."""
         return basis_words(self.known(readings), self.contest(readings, skipped))
 
-    def standing(self, readings: Readings, ended: bool = False) -> Attained:
-        """Return whether an accuracy is reached, by the verdict on the readings.  ended : no others are to follow"""
-        if ended:
-            target = self._description.target
-            return self._kept.standing(readings, lambda: standing(target, self._in_the_end(readings)), ended)
-        return self._kept.standing(readings, lambda: self._standing(readings))
-
-    def _standing(self, readings: Readings) -> Attained:
-        if self._attained[0] != readings:
-            self._attained = readings, standing(self._description.target, self.known(readings))
-        return self._attained[1]
-
-    def unvouched(self, readings: Readings) -> str:
-        """Return in the words of a report what readings that promise an accuracy could not show, "" of others."""
-
-        def words() -> str:
-            found = self._standing(readings).found
-            return "" if found is None else vouched_words(self._stated, found)
-
-        return self._kept.sentence("unvouched", readings, words)
+    def standing(self, readings: Readings, ended: bool = False) -> str | None:
+        """Return why an accuracy asks for no more readings, by the verdict.  ended : no others are to follow"""
+        find = self._in_the_end if ended else self.known
+        return self._kept.standing(readings, lambda: standing(self._description.target, find(readings)), ended)
 
     def verdict(self, readings: Readings) -> tuple[str, str]:
-        """Return the verdict of a report on all readings as its word in `result.json`, and as a sentence.
-
-        The sentence, in the language that is spoken, has what readings could not show where it is that.
-        """
+        """Return the verdict of a report on all readings as its word in `result.json`, and in the language spoken."""
 
         def word() -> str:
             ruling = self._in_the_end(readings).ruling
             return "" if ruling is None else ruling.verdict
 
         def words() -> str:
-            known = self._in_the_end(readings)
-            if known.ruling is None:
-                return ""
-            verdict = said(known.ruling.verdict)
-            if known.ruling.verdict != "unchecked":
-                return verdict
-            return put("{verdict}. {why}", verdict=verdict, why=vouched_words(known.case, known.ruling.defence))
+            return said(found) if (found := word()) else ""
 
         kept = self._kept.sentence
         return kept("verdict as a word", readings, word), kept("verdict in words", readings, words)

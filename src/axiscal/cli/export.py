@@ -20,10 +20,8 @@ from axiscal.document import shown
 from axiscal.document.bounded import bounded_content
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.ruled import ruling_of
-from axiscal.estimation.vouching import defended
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
-from axiscal.planning.vouched import vouched_words
 from axiscal.report.delivery import deliver_export, introduced
 from axiscal.report.findings import findings
 from axiscal.report.summarising import record_state
@@ -137,9 +135,8 @@ def export(
         offered = _offered(estimation.estimate(), to, options, ini)
         ruling = ruling_of(estimation)
         factor = ruling.expanded.factor(estimation.accuracy.rms) if ruling.promises else None
-        vouched = vouched_words(estimation.case, defended(estimation))
         doubts = [finding.text for finding in findings(estimation)]
-        offered = introduced(offered, factor, vouched, doubts, record_state(campaign))
+        offered = introduced(offered, factor, doubts, record_state(campaign))
         sent = None if loader is None else loader.taken(offered.files)
         deliver_export(offered, out, record_state(campaign))
     if not json:

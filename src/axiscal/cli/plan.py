@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from axiscal.accuracy.as_one import seen_as_one
+from axiscal.accuracy.other_tool import other_tool
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
@@ -16,7 +17,6 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.hardly_reached import hardly_reached
 from axiscal.description.programs import stated
 from axiscal.description.unused import unused_artefacts
-from axiscal.design.plan.guarded import Enough
 from axiscal.design.plan.plan import Plan
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
@@ -28,17 +28,17 @@ from axiscal.gcode import write_programs
 from axiscal.gcode.controls import dialect
 from axiscal.machine.questions import which_way
 from axiscal.measurement.place_texts import approach_text, place_text
-from axiscal.planning.feasibility import fewer_than_asked, not_to_the_letter, refuse_endless, refuse_out_of_reach
+from axiscal.measurement.reading_rows import blank_readings
+from axiscal.planning.feasibility import (
+    fewer_than_asked,
+    not_to_the_letter,
+    out_of_reach,
+    refuse_endless,
+    refuse_out_of_reach,
+)
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan_document import bound_sentence, plan_document
-from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable, would_do
-from axiscal.planning.vouched import (
-    enough_words,
-    other_tool_words,
-    unguarded_words,
-    vouched_by_plan,
-    vouched_words,
-)
+from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable
 from axiscal.planning.what_if import alternatives
 from axiscal.record.durable import write_whole
 from axiscal.report import room_page
@@ -146,6 +146,8 @@ def plan(
         refuse_unless_provable(case)
     if target is not None:
         refuse_out_of_reach(case, limits)
+    elif readings is budget is None and (said := out_of_reach(case)) is not None:
+        tell(f"Mind: {said}")
     if compare is not None:
         _compared(case, limits, how, compare, json)
         return
@@ -156,11 +158,10 @@ def plan(
         title = f"Where {case.description.machine.name} is read"
         write_whole(picture, room_page.render(title, case.description, placed(case, proposal.plan)).encode())
     files = [] if gcode is None else _programs(case, proposal.plan, gcode, out, log)
-    enough = would_do(case, proposal, how)
     if json:
-        say_document(plan_document(case, proposal, enough))
+        say_document(plan_document(case, proposal))
         return
-    say(_table(case, limits, proposal, enough))
+    say(_table(case, limits, proposal))
     for file in [*([] if picture is None else [picture]), *files]:
         say(f"Written: {file}")
 
@@ -226,19 +227,22 @@ def _programs(case: Case, made: Plan, controller: str, out: Path, log: bool) -> 
     return write_programs(machine, setups, placed(case, made), controller, out, log)
 
 
-def _table(case: Case, limits: Limits, proposal: Proposal, enough: Enough | None) -> str:
+def _table(case: Case, limits: Limits, proposal: Proposal) -> str:
 
     made = proposal.plan
     accuracy, minutes = made.accuracy, to_unit(made.seconds, "min")
     said = f"{count_text(len(made.readings), 'reading')} in {minutes:.1f} min: RMS {micrometres(accuracy.rms)}, "
     said += f"worst {micrometres(accuracy.worst)} (before: RMS {micrometres(made.before.rms)})."
-    found = vouched_by_plan(case, made)
-    vouched = vouched_words(case, found) + enough_words(enough)
-    lines = [*_lines(case, made), said, vouched, bound_sentence(case, proposal)]
+    lines = [*_lines(case, made), said, bound_sentence(case, proposal)]
     lines += [f"Mind: {part.text}" for part in seen_as_one(case.yardstick)]
-    minded = [not_to_the_letter(case, limits, made), fewer_than_asked(limits, made), other_tool_words(case, made)]
-    minded.append(unguarded_words(case, found))
+    minded = [not_to_the_letter(limits, made), fewer_than_asked(limits, made), _other_tool(case, made)]
     return "\n".join([*lines, *(f"Mind: {sentence}" for sentence in minded if sentence)])
+
+
+def _other_tool(case: Case, made: Plan) -> str:
+    """Return what a plan leaves with a longer tool than the one it is read with, "" where it is as good."""
+    known, yardstick = case.knowledge.read(blank_readings(case.description.setups, placed(case, made))), case.yardstick
+    return other_tool(case.errors, known.belief, yardstick.box, counted=yardstick.counted).words
 
 
 def _lines(case: Case, made: Plan) -> list[str]:

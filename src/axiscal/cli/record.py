@@ -17,7 +17,7 @@ from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text, next_text, question_document
 from axiscal.exceptions import RecordError
 from axiscal.guide.answers import value_texts
-from axiscal.guide.not_vouched import standing_words
+from axiscal.guide.contradicted import contradicted_words
 from axiscal.guide.question import asked_text
 from axiscal.guide.second_thoughts import doubted, others_doubted
 from axiscal.measurement.instrument import INSTRUMENTS
@@ -95,7 +95,7 @@ def record(
             surprise, mind = _doubt(campaign)
             said = [mind, *others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else ""]
             said += [] if stood is None else [stood.left_for(campaign, kept)]
-            said += standing_words(campaign)
+            said += contradicted_words(campaign)
             minded = [sentence for sentence in said if sentence]
             message = "\n".join([_kept(campaign, kept), *(f"Mind: {sentence}" for sentence in minded)])
             evalue = campaign.watched().evalue

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import DOES_NOT_FIT, NOT_VOUCHED, ONLY_STATED, OUT_OF_REACH
+from axiscal.campaign.ending import DOES_NOT_FIT, OUT_OF_REACH
 from axiscal.campaign.sources import Source, open_source
 from axiscal.cli.arguments import CampaignFile, Json, Out
 from axiscal.cli.outputs import write_outputs
@@ -119,14 +119,6 @@ def _refuse_unreached(campaign: Campaign) -> None:
         what = f"The target is out of reach: {OUT_OF_REACH.partition(': ')[2]}"
         remedy = f"Add set-ups that see what these cannot, give less noise or a wider target; {written}"
         raise TargetError(what, remedy, source)
-    if campaign.state.finished == NOT_VOUCHED:
-        what = f"The target is promised and not vouched for: {NOT_VOUCHED.partition(': ')[2]}"
-        remedy = 'Add set-ups that see what these cannot, or take the promise with unchecked = "allow" under [target]'
-        raise TargetError(what, f"{remedy}; {written}", source)
-    if campaign.state.finished == ONLY_STATED:
-        what = f"The target is promised and not vouched for: {ONLY_STATED.partition(': ')[2]}. {campaign.unvouched()}"
-        remedy = 'State closer what is stated, or take the promise with unchecked = "allow" under [target]'
-        raise TargetError(what.rstrip("."), f"{remedy}; {written}", source)
     if campaign.state.finished == DOES_NOT_FIT:
         what = f"The target cannot be said to be reached: {DOES_NOT_FIT}"
         remedy = 'See the warnings, review std and noise or let scales = "estimate" learn them'

@@ -8,7 +8,7 @@ from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text
 from axiscal.estimation.membership_words import membership_words
 from axiscal.estimation.type_prior import is_type_text
-from axiscal.guide.not_vouched import standing_words
+from axiscal.guide.contradicted import contradicted_words
 from axiscal.guide.question import asked_text
 from axiscal.inference.contradiction import SURE
 from axiscal.record.events import Gap
@@ -50,7 +50,7 @@ def _lines(campaign: Campaign) -> list[str]:
         return [*lines, *verdict, f"Finished: {state.finished}"]
     if status.reached is not None:
         lines.append(f"Reached: {status.reached}. End it: axiscal finish {campaign.path} --out DIR")
-    lines += [f"Mind: {sentence}" for sentence in standing_words(campaign)]
+    lines += [f"Mind: {sentence}" for sentence in contradicted_words(campaign)]
     return [*lines, question_text(campaign, state.pending)] if state.pending else lines
 
 
@@ -79,7 +79,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "finished": state.finished,
         "verdict": status.verdict or None,
         "verdict_words": status.verdict_words or None,
-        "mind": standing_words(campaign),
+        "mind": contradicted_words(campaign),
         "evalue": campaign.watched().evalue,
         "sisters": _sisters(campaign) or None,
         "question": campaign.request(state.pending).message() if state.pending else None,

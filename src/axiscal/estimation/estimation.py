@@ -85,9 +85,7 @@ class Estimation:
         target = self.stated.description.target
         if self.membership is None or not target.accurate:
             return self.knowledge
-        now = self.case.yardstick.measure(self.knowledge.belief)
-        limits = ((target.rms, now.rms), (target.worst, now.worst))
-        met = any(limit is not None and value <= now.attainable(limit) for limit, value in limits)
+        met = self.case.yardstick.measure(self.knowledge.belief).meets(target.rms, target.worst)
         return Knowledge(self.knowledge.observation, self.whole) if met else self.knowledge
 
     @remembered

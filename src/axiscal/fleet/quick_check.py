@@ -98,7 +98,7 @@ class QuickCheck:
 
     def planned(self, count: int, told: Callable[[str], None] = lambda said: None) -> tuple[Place, ...]:
         """Return the places that say most, moved until crashes show; raises PlanError."""
-        plan = proposed(self.case, Limits(count), progress=told, guard=False, bounded=False).plan
+        plan = proposed(self.case, Limits(count), progress=told, bounded=False).plan
         return with_rooms(self.case, showing_crashes(self.case, plan.places))
 
     def sheet(self, places: Sequence[Place]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.guide.not_vouched import cause_words
+from axiscal.guide.contradicted import cause_words
 from axiscal.language.spoken import said
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.record.events import Asked

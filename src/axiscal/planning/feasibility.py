@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from axiscal.accuracy.yardstick import Yardstick
+from axiscal.description.target import Target
 from axiscal.design.bound.relaxation import Relaxation
 from axiscal.design.gains.candidate_rows import Pool
 from axiscal.design.gains.covariance import Covariance
@@ -17,8 +19,9 @@ from axiscal.exceptions import PlanError, TargetError
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.time_taken import reading_seconds
 from axiscal.numerics.threads import one_thread
+from axiscal.planning.helping import helping_words
 from axiscal.planning.next_readings import posed
-from axiscal.planning.promise import reachable_rms
+from axiscal.planning.promise import asked, reachable_rms
 from axiscal.units import format_quantity, to_unit
 
 _NAMED = 3
@@ -38,22 +41,14 @@ _INSTANT = 1e-3
 
 @one_thread()
 def out_of_reach(case: Case) -> str | None:
-    """Return why the RMS target cannot be reached with these set-ups and what would help; None if it can."""
-    target = case.description.target.rms
-    floor = reachable_rms(case)
-    if target is None or floor <= target:
+    """Return why no reading of these set-ups can reach a target, and what would help; None where one can."""
+    target = case.description.target
+    wanted = asked(target, case.yardstick)
+    if not wanted or any(each.floor <= each.limit for each in wanted):
         return None
-    said = f"With these set-ups the RMS cannot fall below {to_unit(floor, 'um'):.3g} um, whatever is read"
-    wanted = f"the target is {to_unit(target, 'um'):.3g} um"
-    rest = math.sqrt(case.yardstick.moments.rest)
-    if rest > target:
-        help_text = (
-            f"the rests of the errors alone make {to_unit(rest, 'um'):.3g} um: finer knots would let them shrink"
-        )
-    else:
-        hidden = " ".join(part.text for part in case.hidden[:_NAMED])
-        help_text = f"another set-up would help. What cannot be seen: {hidden}"
-    return f"{said}; {wanted}. The campaign stops at the target for what can be seen; {help_text}"
+    name, limit, floor = wanted[0]
+    said = f"the {name} target cannot be reached with these set-ups: {_leaves(limit, floor)}"
+    return f"{said}. {_what_helps(case, target)}. The campaign ends where readings have taken away what they can"
 
 
 @one_thread()
@@ -61,12 +56,20 @@ def refuse_out_of_reach(case: Case, limits: Limits) -> None:
     """Raise TargetError for an RMS that these set-ups cannot bring, however often or MOST times read, and say why."""
     if limits.rms is None:
         return
-    target, floor = to_unit(limits.rms, "um"), reachable_rms(case)
+    floor = reachable_rms(case)
     if floor > limits.rms:
-        what = f"an RMS of {target:.3g} um is out of reach: endless readings would leave {to_unit(floor, 'um'):.3g} um"
-        raise TargetError(what, _what_hides(case, limits.rms))
+        target = replace(case.description.target, rms=limits.rms, worst=None, expanded=None)
+        what = f"an RMS of {to_unit(limits.rms, 'um'):.3g} um cannot be reached: {_leaves(limits.rms, floor)}"
+        raise TargetError(what, _what_helps(case, target))
     if limits.readings is None and limits.budget is None:
         _refuse_too_noisy(case, limits.rms)
+
+
+def _leaves(limit: float, floor: float) -> str:
+    """Say what endless readings would leave, with as many digits as tell it from the limit."""
+    digits = next((n for n in (3, 4, 5) if f"{floor:.{n}g}" != f"{limit:.{n}g}"), 6)
+    floor_um, limit_um = (f"{to_unit(each, 'um'):.{digits}g} um" for each in (floor, limit))
+    return f"endless readings would leave {floor_um} of the {limit_um} asked for"
 
 
 def refuse_endless(case: Case, limits: Limits, candidates: int) -> None:
@@ -96,28 +99,24 @@ def fewer_than_asked(limits: Limits, plan: Plan) -> str | None:
     return f"{limits.readings:,} readings were asked for and {planned:,} are planned: {why}"
 
 
-def _what_hides(case: Case, target: float) -> str:
-    """Say what endless readings would leave, and what would help against it."""
-    said, rest = [], math.sqrt(case.yardstick.moments.rest)
-    if case.yardstick.unseen_rms > target or rest <= target:
-        said.append("Another set-up would help. What cannot be seen:")
-        said += [part.text for part in case.hidden[:_NAMED]]
-    if rest > target:
-        alone = f"The rests of the errors alone make {to_unit(rest, 'um'):.3g} um"
-        said.append(f"{alone}: with finer knots they could be smaller")
-    return " ".join(said)
+def _what_helps(case: Case, target: Target) -> str:
+    """Say which set-ups would help and how long they take, or what cannot be seen, or what the rests leave."""
+    rest = math.sqrt(case.yardstick.moments.rest)
+    if all(rest > each.limit for each in asked(target, case.yardstick)):
+        return (
+            f"The rests of the errors alone make {to_unit(rest, 'um'):.3g} um: with finer knots they could be smaller"
+        )
+    hidden = " ".join(part.text for part in case.hidden[:_NAMED])
+    helps = helping_words(case, target) or "Another set-up would help"
+    return f"{helps}. What cannot be seen: {hidden}".rstrip(".")
 
 
-def not_to_the_letter(case: Case, limits: Limits, plan: Plan) -> str | None:
-    """Say that a plan leaves a larger RMS than was asked for, and why; None where it does not."""
+def not_to_the_letter(limits: Limits, plan: Plan) -> str | None:
+    """Say that a plan leaves a larger RMS than was asked for; None where it does not."""
     if limits.rms is None or plan.accuracy.rms <= limits.rms:
         return None
-    target, left = to_unit(limits.rms, "um"), to_unit(reachable_rms(case), "um")
-    helps = f" {_what_hides(case, limits.rms)}" if reachable_rms(case) > limits.rms else ""
-    if plan.met:
-        why = "so the target counts as reached for what readings can tell"
-        return f"endless readings would leave {left:.3g} um of the {target:.3g} um asked for, {why}.{helps}"
-    return f"the target of {target:.3g} um is not reached; endless readings would leave {left:.3g} um.{helps}"
+    left, target = (f"{to_unit(each, 'um'):.3g} um" for each in (plan.accuracy.rms, limits.rms))
+    return f"the plan leaves an RMS of {left}, and does not reach the {target} asked for"
 
 
 def _refuse_too_noisy(case: Case, target: float) -> None:
@@ -134,7 +133,7 @@ def _refuse_too_noisy(case: Case, target: float) -> None:
         if not _met(yardstick, target, least):
             what = f"an RMS of {to_unit(target, 'um'):.3g} um is out of reach: {MOST:,} readings leave at least "
             what += f"{to_unit(yardstick.rms_of(least), 'um'):.3g} um"
-            raise TargetError(what, _what_helps(case, relaxation))
+            raise TargetError(what, _half_the_noise(case, relaxation))
         if _met(yardstick, target, dual.value) or not relaxation.grow(slopes):
             return
 
@@ -143,7 +142,7 @@ def _met(yardstick: Yardstick, target: float, value: float) -> bool:
     return Limits(rms=target).met(yardstick.figures(value, np.zeros(1)))
 
 
-def _what_helps(case: Case, relaxation: Relaxation) -> str:
+def _half_the_noise(case: Case, relaxation: Relaxation) -> str:
     """Say in which set-up half the noise would help most."""
     setups, of = case.description.setups, relaxation.setups
     left = [relaxation.value_if(np.where(of == index, 4.0, 1.0)) for index in range(len(setups))]

@@ -11,7 +11,6 @@ import numpy as np
 from axiscal.accuracy.criterion import Root, joint_root
 from axiscal.belief import Belief
 from axiscal.description.target import Target
-from axiscal.design.plan.follow_up import follow_up
 from axiscal.design.plan.order import in_order
 from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.renewal import renewed
@@ -25,7 +24,6 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
-from axiscal.numerics import Array
 from axiscal.planning.overrun import with_room
 from axiscal.planning.plan_basis import at_gap, in_gap
 from axiscal.planning.plane_start import plane_start
@@ -35,9 +33,7 @@ from axiscal.record.events import Gap
 _CANDIDATES = 2000
 _AT_ONCE = 150
 _MORE = 6
-"""Readings planned at once for what is promised already and not vouched for: then it is looked at again."""
-_FEWEST = 3
-"""Fewer readings contradict nothing, and nothing is watched by them."""
+"""Readings planned at once for what the model reaches and the verdict does not: then it is looked at again."""
 _SMALL = 120
 """Unknowns up to which readings are climbed off the lattice: beyond, a person at the machine would wait too long."""
 
@@ -59,9 +55,6 @@ def planned_places(
         once_more = [p for p in to_read_again(case, knowledge, readings) if not in_gap(case, p, gaps)]
         if again := _within(case, readings[-1], once_more[: _few(limits)], limits.budget):
             return again
-    if beyond and not left and guarding(case) and len(readings) >= _FEWEST:
-        coming = follow_up(*_from_the_start(case, task, readings), _few(limits), limits.budget)
-        return tuple(place for place in with_rooms(case, coming) if not in_gap(case, place, gaps))
     if beyond:
         limits = replace(limits, readings=max(_few(limits), len(left)), rms=None, worst=None)
     if begin := _first(case, task, readings, gaps):
@@ -69,9 +62,9 @@ def planned_places(
     patience = 0.0 if gaps else _patience(task.observation)  # off the lattice a way might lead into a gap
     coming = _columns(case, [place for place in left if not in_gap(case, place, gaps)])
     if len(coming):
-        coming = renewed(task, limits, coming, patience, guard=guarding(case))
+        coming = renewed(task, limits, coming, patience)
     if not len(coming):
-        coming = _begun(task, limits, patience, guarding(case))
+        coming = _begun(task, limits, patience)
     return tuple(place for place in with_rooms(case, coming) if not in_gap(case, place, gaps))
 
 
@@ -84,10 +77,10 @@ def _first(case: Case, task: Task, readings: Sequence[Reading], gaps: Sequence[G
     return tuple(place for place in places if not in_gap(case, place, gaps))
 
 
-def _begun(task: Task, limits: Limits, patience: float, guard: bool) -> Places:
+def _begun(task: Task, limits: Limits, patience: float) -> Places:
     """Return the readings of a new plan."""
     try:
-        return make_plan(task, limits, patience=patience, bounded=False, guard=guard).places
+        return make_plan(task, limits, patience=patience, bounded=False).places
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         return make_plan(task, Limits(1), patience=patience, bounded=False).places
 
@@ -167,29 +160,13 @@ def _standard(case: Case, knowledge: Knowledge) -> Target:
     return replace(target, rms=max(target.rms or 0.0, as_standard(case, knowledge, target.expanded)))
 
 
-def guarding(case: Case) -> bool:
-    """Return whether plans are chosen for what they can vouch for.
-
-    Not by the paper's criterion, nor for one place that moves with every reading, nor where planes are to be learnt.
-    """
-    return case.description.target.criterion == "volume" and not learns_together(case)
-
-
-def learns_together(case: Case) -> bool:
-    """Return whether it is to be learnt how much two axes do together: readings chosen to show steps and details of
-    single curves, by scales that nobody knows, teach that badly.
-    """
-    planes = {plane.name for plane in case.errors.planes}
-    return any(size.kind == "together" and planes & {*size.owners} for size in case.sizes.of)
-
-
 def _promised(limits: Limits, case: Case, knowledge: Knowledge) -> bool:
-    """Return whether an accuracy that is asked for is promised: then it is not vouched for, and more is to be read."""
+    """Return whether the model reaches an accuracy that is asked for: where it is planned on, the verdict does not."""
     return limits.accurate and limits.met(case.yardstick.measure(knowledge.belief))
 
 
 def _few(limits: Limits) -> int:
-    """Return how many readings are planned for what is promised and not vouched for."""
+    """Return how many readings are planned for what the model reaches and the verdict does not."""
     return _MORE if limits.readings is None else min(_MORE, limits.readings)
 
 
@@ -197,13 +174,6 @@ def _within(case: Case, last: Reading, places: Sequence[Place], budget: float | 
     """Return the first of places that can be read, one after the other, after the last reading in so many seconds."""
     ends = np.cumsum(case.seconds_along(last, places))
     return tuple(places if budget is None else places[: int(np.searchsorted(ends, budget, side="right"))])
-
-
-def _from_the_start(case: Case, task: Task, readings: Sequence[Reading]) -> tuple[Task, Places, Array]:
-    """Return the task with what was known before the first reading, where readings were taken, and when each ended."""
-    began = replace(task, observation=case.observation, belief=case.prior, root=root_of(case, case.prior))
-    times = np.array([each.time for each in timed(case, readings, Timed()).readings], dtype=float)
-    return began, _columns(case, [each.place for each in readings]), times
 
 
 def limits_left(target: Target, taken: int, seconds: float) -> Limits:

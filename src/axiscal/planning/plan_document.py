@@ -7,30 +7,26 @@ from typing import Any
 
 import numpy as np
 
-from axiscal.design.plan.guarded import Enough
 from axiscal.design.plan.plan import Plan
 from axiscal.estimation.case import Case
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import shown_approach, shown_pose
-from axiscal.planning.next_readings import guarding, placed
+from axiscal.planning.next_readings import placed
 from axiscal.planning.promise import reachable_rms
 from axiscal.planning.proposal import Proposal
-from axiscal.planning.vouched import departure_rows, vouched_by_plan
 from axiscal.units import to_unit
 
 _MUCH = 0.5
 """Share of the bound from which it is worth a sentence."""
 
 
-def plan_document(case: Case, proposal: Proposal, enough: Enough | None = None) -> dict[str, Any]:
+def plan_document(case: Case, proposal: Proposal) -> dict[str, Any]:
     """Return the document `axiscal-plan/1`.
 
-    enough : how many readings could vouch for what they promise, where those of the plan cannot
     ratio : of the mean variances that the two RMS figures are the roots of; of J where the criterion is another one
     """
     plan = proposal.plan
-    vouched = vouched_by_plan(case, plan)
     return {
         "schema": "axiscal-plan/1",
         "criterion": case.description.target.criterion,
@@ -42,11 +38,6 @@ def plan_document(case: Case, proposal: Proposal, enough: Enough | None = None) 
         "before_rms_um": to_unit(plan.before.rms, "um"),
         "unseen_rms_um": to_unit(case.yardstick.unseen_rms, "um"),
         "reachable_rms_um": to_unit(reachable_rms(case), "um"),
-        "defended_um": to_unit(vouched.u_def, "um"),
-        "departures": departure_rows(case, vouched),
-        "guarded": guarding(case),
-        "enough_readings": None if enough is None else enough.readings,
-        "enough_defended_um": None if enough is None else to_unit(enough.vouched, "um"),
         "target_met": plan.met,
         "J": plan.value,
         "bound_J": None if plan.bound is None else plan.bound.value,

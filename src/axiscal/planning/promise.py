@@ -2,14 +2,33 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
-from axiscal.accuracy.yardstick import Accuracy
+from axiscal.accuracy.expanded import expanded_floor
+from axiscal.accuracy.yardstick import Accuracy, Yardstick
+from axiscal.description.target import Target
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading_rows import blank_readings
+
+
+class Wanted(NamedTuple):
+    """An accuracy that is asked for, and what endless readings would leave of it, m."""
+
+    name: str
+    limit: float
+    floor: float
+
+
+def asked(target: Target, yardstick: Yardstick) -> tuple[Wanted, ...]:
+    """Return the accuracies that a target asks for; a campaign ends at the first that is reached."""
+    rms, worst = yardstick.floors
+    found = [] if target.rms is None else [Wanted("rms", target.rms, rms)]
+    found += [] if target.worst is None else [Wanted("worst", target.worst, worst)]
+    found += [] if target.expanded is None else [Wanted("U", target.expanded, expanded_floor(yardstick).space)]
+    return tuple(found)
 
 
 def promised(case: Case, knowledge: Knowledge, places: Sequence[Place]) -> Accuracy:
@@ -19,4 +38,4 @@ def promised(case: Case, knowledge: Knowledge, places: Sequence[Place]) -> Accur
 
 def reachable_rms(case: Case) -> float:
     """Return the RMS over the volume that endless readings would leave, m."""
-    return math.hypot(case.yardstick.unseen_rms, math.sqrt(case.yardstick.moments.rest))
+    return case.yardstick.floors[0]

@@ -9,14 +9,11 @@ import numpy as np
 
 from axiscal.design.bound.prove import prove, refuse_setup
 from axiscal.design.gains.candidate_rows import MEMORY
-from axiscal.design.plan.guarded import Enough, enough_readings
 from axiscal.design.plan.plan import Plan, make_plan
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import OPEN
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.next_readings import guarding, posed
-from axiscal.planning.vouched import vouched_by_plan
+from axiscal.planning.next_readings import posed
 
 Progress = Callable[[str], None]
 
@@ -44,37 +41,23 @@ def proposed(
     how: Thoroughness = Thoroughness(),
     progress: Progress = lambda _: None,
     only: Sequence[int] | None = None,
-    guard: bool = True,
     bounded: bool = True,
 ) -> Proposal:
     """Return a plan from the beginning, with its bound; of some set-ups, if `only` names them.  Raises PlanError.
 
-    guard : whether what its readings would not show is made small along with the promise; bounded : the bound is wanted
+    bounded : whether the bound is wanted
     """
     task = posed(case, case.knowledge, candidates=how.candidates)
     task = replace(task, memory=how.memory)
     if only is not None:
         task = replace(task, lattice=task.lattice.within(np.isin(task.lattice.setups, only)))
-    return Proposal(make_plan(task, limits, bounded=bounded, guard=guard and guarding(case), progress=progress))
+    return Proposal(make_plan(task, limits, bounded=bounded, progress=progress))
 
 
 def refuse_unless_provable(case: Case) -> None:
     """Raise PlanError where no proof for readings anywhere can be had, before any time is spent on a plan."""
     for index in range(len(case.description.setups)):
         refuse_setup(case.observation, index)
-
-
-@one_thread()
-def would_do(case: Case, proposal: Proposal, how: Thoroughness) -> Enough | None:
-    """Return how many readings could vouch for what they promise, where those of a plan cannot; None if unknown.
-
-    No number of them vouches for what is only stated.
-    """
-    places = proposal.plan.places
-    found = vouched_by_plan(case, proposal.plan)
-    if found.rests or not found.leaves:
-        return None
-    return enough_readings(posed(case, case.knowledge, candidates=how.candidates), places, OPEN)
 
 
 @one_thread()

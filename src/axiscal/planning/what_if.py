@@ -51,7 +51,7 @@ def alternatives(
     all set-ups together could see as the yardstick, and each as the best for its model.
     """
     progress(PLANNED)
-    plan = proposed(case, limits, how, guard=False).plan
+    plan = proposed(case, limits, how).plan
     found = [_of_plan(case, PLANNED, plan)]
     for name, only in _choices(case):
         progress(name)
@@ -72,7 +72,7 @@ def _choices(case: Case) -> list[tuple[str, list[int]]]:
 def _alone(case: Case, only: list[int], limits: Limits, how: Thoroughness) -> Plan | None:
     """Return the plan with some set-ups; None where they can do nothing within the limits."""
     try:
-        return proposed(case, limits, how, only=only, guard=False).plan
+        return proposed(case, limits, how, only=only).plan
     except PlanError:
         return None
 

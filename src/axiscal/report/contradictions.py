@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator
 
 from axiscal.error_model.iso230 import words
 from axiscal.estimation.estimation import Estimation
@@ -47,22 +46,6 @@ def contradictions(estimation: Estimation, found: Comparison) -> Iterator[Findin
         text = listed(" ", [text, said("About as likely: {causes}.", causes=listed(said("; or "), near))])
     owner = first.owner if first.owner in estimation.case.errors.names else None
     yield Finding(_CODES.get(first.family, "lack-of-fit"), owner, text)
-
-
-def explaining(rows: Sequence[Mapping[str, Any]], estimation: Estimation) -> list[dict[str, Any]]:
-    """Return rows of departures with what the readings say of each: its odds against the model, its size, and words.
-
-    None of these where the readings could not be asked.
-    """
-    found = {f"{each.family} {each.owner}": each for each in ruling_of(estimation).comparison.explanations}
-    return [{**row, **_explained(found.get(row["name"]), row["unit"], estimation)} for row in rows]
-
-
-def _explained(each: Explanation | None, unit: str, estimation: Estimation) -> dict[str, Any]:
-    if each is None:
-        return {"odds": None, "size_um": None, "words": None}
-    odds, size = (float(f"{value:.6g}") for value in (each.odds, to_unit(each.size, unit)))
-    return {"odds": odds, "size_um": size, "words": _described(each, estimation)[0]}
 
 
 def _how_surely(found: Comparison) -> str:

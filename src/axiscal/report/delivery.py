@@ -135,7 +135,7 @@ def _tables(
         offered = registry.export(estimation.estimate(), controller, options)
     except (TableError, ReadingError) as refusal:
         return [TableOffer("none written", controller, "", str(refusal))], None
-    said = introduced(offered, factor, summary.vouched.words, warnings, summary.record)
+    said = introduced(offered, factor, warnings, summary.record)
     write_files(said, folder / controller)
     left, effect = left_out(offered), effect_of(offered)
     axes = {name: name.partition(".")[0].replace("_", " ") for name in offered.files}
@@ -155,18 +155,15 @@ def effect_of(offered: Export) -> TableEffect:
     return TableEffect(*(to_unit(each, "um") for each in (*offered.effect, offered.expected)))
 
 
-def introduced(
-    offered: Export, factor: float | None, vouched: str, warnings: Sequence[str], record: RecordState | None
-) -> Export:
+def introduced(offered: Export, factor: float | None, warnings: Sequence[str], record: RecordState | None) -> Export:
     """Return an export whose README.txt says where it comes from, what to expect of it, and last what is doubtful.
 
     factor : k of the expanded uncertainty, None where nothing is promised
-    vouched : what the readings can vouch for, in words
     """
     expected = f"WHAT TO EXPECT IS {NOT_KNOWN[:9].upper()}{NOT_KNOWN[9:]}."
     if factor is not None:
         expected = f"{effect_words(offered.controller, effect_of(offered), factor)} (95 %)"
-    text = offered.readme.replace("\nThese files hold ", f"\n{expected}\n{vouched}\nThese files hold ", 1)
+    text = offered.readme.replace("\nThese files hold ", f"\n{expected}\nThese files hold ", 1)
     if record is not None:
         origin = f"From the record {record.file} at event {record.event}: {record.hash}"
         text = text.replace("\nThese files hold ", f"\n{origin}\nThese files hold ", 1)

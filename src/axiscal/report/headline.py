@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from axiscal.accuracy.expanded import LEVEL
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import counted, listed, resaid, said, spoken_now
 from axiscal.report.drift_words import drift_words
 from axiscal.report.promises import Uncertainty
-from axiscal.report.sentences import figure, quantity, spelt
+from axiscal.report.sentences import figure, quantity, short, spelt
 from axiscal.report.summary import Summary, TableEffect
 from axiscal.units import said_quantity
 
@@ -64,6 +65,49 @@ def expanded_words(summary: Summary) -> str:
     return f"{what.rstrip(', ')}. {ways}{mixed}{linear}"
 
 
+class Targets(NamedTuple):
+    """What became of each target in words, "" of those that were not set."""
+
+    u: str
+    rms: str
+    worst: str
+
+
+def targets(summary: Summary) -> Targets:
+    """Return whether the targets are reached by the figures that are printed: the same in every document."""
+    return Targets(
+        _target(summary, summary.expanded.space, summary.target_u_um),
+        _target(summary, summary.rms_um, summary.target_rms_um),
+        _target(summary, summary.worst_um, summary.target_worst_um),
+    )
+
+
+def _target(summary: Summary, value: float, wanted: float | None) -> str:
+    """Return "target 5 um: reached".  value, wanted : um"""
+    if wanted is None:
+        return ""
+    if summary.withheld or value > wanted:
+        return said("target {size} um: not reached", size=short(wanted))
+    return said("target {size} um: reached", size=short(wanted))
+
+
+def target_lines(summary: Summary) -> Sequence[str]:
+    """Return the targets in a line for a terminal; none where none was set."""
+    found = targets(summary)
+    named = (("U", found.u), (said("RMS"), found.rms), (said("worst place"), found.worst))
+    text = "; ".join(f"{name}, {words}" for name, words in named if words)
+    return [f"{text}."] if text else []
+
+
+def standard_words(summary: Summary) -> str:
+    """Return in a sentence the standard uncertainty with its targets."""
+    found = targets(summary)
+    rms, worst = (f" ({words})" if words else "" for words in (found.rms, found.worst))
+    size = said("Standard uncertainty {size} RMS over the volume", size=quantity(summary.rms_um, "um"))
+    place = said("{size} in the worst place", size=quantity(summary.worst_um, "um")) if worst else ""
+    return f"{size}{rms}, {place}{worst}." if worst else f"{size}{rms}."
+
+
 def errors_named(summary: Summary) -> str:
     """Return the errors for which U holds where there are so many that a sentence cannot hold them, else nothing."""
     names = summary.expanded.conditions.rpartition(" (")[2].removesuffix(")")
@@ -116,13 +160,13 @@ def first_lines(summary: Summary) -> str:
     """Return the same for a terminal, in the language that is spoken."""
     summary = resaid(summary)
     if summary.withheld:
-        return summary.verdict_words
+        return "\n".join([summary.verdict_words, *target_lines(summary)])
     found = summary.expanded
     x, y, z = found.axes
     known = said(
-        "U = {space:.3g} um {where} ({level:.0%}, k = {k:.2f}), {conditions}.",
+        "U = {space} um {where} ({level:.0%}, k = {k:.2f}), {conditions}.",
         where=in_space(found),
-        space=found.space,
+        space=figure(found.space),
         level=LEVEL,
         k=found.k,
         conditions=found.conditions,
@@ -137,11 +181,6 @@ def first_lines(summary: Summary) -> str:
         rms=summary.rms_um,
         worst_rms=summary.worst_um,
     )
-    vouched = (
-        "The readings can vouch for U = {vouched:.3g} um {where}; the figures of the next two lines are what the model "
-        "alone promises."
-    )
-    sure = [said(vouched, vouched=summary.vouched_u, where=in_space(found))] if summary.half_vouched else []
-    lines = [*sure, known, " ".join([along, *mixed_lines(summary)])]
-    rest = [*linear_lines(summary), summary.verdict_words, *checked_lines(summary), summary.vouched.words]
+    lines = [known, *target_lines(summary), " ".join([along, *mixed_lines(summary)])]
+    rest = [*linear_lines(summary), summary.verdict_words, *checked_lines(summary)]
     return "\n".join([*lines, *rest, *table_lines(summary)])

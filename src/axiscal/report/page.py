@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 from jinja2 import Environment
 from markupsafe import Markup
 
-from axiscal.campaign.ended_words import reached_as_seen
 from axiscal.language.spoken import capital, later, resaid, said
 from axiscal.report import arrow_pictures, figures, gallery, headline, plane_maps, sentences, side_by_side, whiskers
 from axiscal.report.drawing.shown import shown
@@ -58,8 +55,6 @@ def render(summary: Summary) -> str:
     Raises SummaryError for figures that are not finite.
     """
     summary = resaid(summary)
-    known = math.inf if summary.withheld else 1.0
-    seen = "" if summary.withheld else reached_as_seen(summary.stopped_because)
     magnified = 1.0 if summary.volume is None else arrow_pictures.magnification(summary.volume)
     values = {
         "s": summary,
@@ -96,15 +91,9 @@ def render(summary: Summary) -> str:
         "holds_for": headline.expanded_words(summary),
         "errors": headline.errors_named(summary),
         "table_lines": [sentences.spelt(line) for line in headline.table_lines(summary)],
-        "u_target": sentences.target_text(
-            known * summary.expanded.space, summary.target_u_um, summary.unshown_u, seen == "U"
-        ),
-        "rms_target": sentences.target_text(
-            known * summary.rms_um, summary.target_rms_um, summary.unshown, seen == "rms"
-        ),
-        "worst_target": sentences.target_text(
-            known * summary.worst_um, summary.target_worst_um, summary.unshown, seen == "worst"
-        ),
+        "target": headline.targets(summary).u,
+        "standard": headline.standard_words(summary),
+        "targets": headline.target_lines(summary),
         "glyphs": _GLYPHS,
         "flagged": {warning.error: warning.code for warning in summary.warnings if warning.error},
         **inlined(),

@@ -122,8 +122,9 @@ class _Document:
     def _first(self) -> dict[str, Any]:
         s = self._summary
         number = f" {s.particulars.number}" if s.particulars.number else ""
-        lines = [] if s.withheld else [headline.expanded_words(s)]
-        lines += [s.verdict_words, *headline.checked_lines(s), s.vouched.words, *headline.table_lines(s)]
+        known = [headline.expanded_words(s), headline.standard_words(s)]
+        lines = [*(headline.target_lines(s) if s.withheld else known), s.verdict_words]
+        lines += [*headline.checked_lines(s), *headline.table_lines(s)]
         return {
             "language": spoken_now(),
             "messages": {message: said(message, **_LEFT_OPEN) for message in _in_template()},
@@ -250,8 +251,9 @@ def _result(summary: Summary) -> str:
         unknown = "{occasion} the tool point is {not_known}: the readings contradict every explanation that was tried."
         return said(unknown, occasion=occasion(summary), not_known=said("not known"))
     u = f"U = {quantity(summary.expanded.space, 'um')}"
-    known = "{occasion} the tool point is known to {u} {where}"
-    return said(known, occasion=occasion(summary), u=u, where=in_space(summary.expanded)) + "."
+    words, target = "{occasion} the tool point is known to {u} {where}", headline.targets(summary).u
+    known = said(words, occasion=occasion(summary), u=u, where=in_space(summary.expanded))
+    return spelt(f"{known} ({target})." if target else f"{known}.")
 
 
 @cache

@@ -149,24 +149,6 @@ def unseen_size(summary: Summary) -> float:
     return summary.unseen_rms_um if summary.unseen_rms_um >= _LOST * summary.rms_um else 0.0
 
 
-def target_text(value_um: float, target_um: float | None, unshown: float = 1.0, as_seen: bool = False) -> str:
-    """Return "target 2 µm: reached", or nothing where no target was set.
-
-    unshown : times the value that the readings can vouch for
-    as_seen : whether the campaign ended because it was reached in what readings can tell
-    """
-    if target_um is None:
-        return ""
-    size = f"{short(target_um)}{_NO_BREAK}µm"
-    if value_um <= target_um < unshown * value_um:
-        return said("target {size}: promised, and not reached by what the readings can vouch for", size=size)
-    if unshown * value_um <= target_um:
-        return said("target {size}: reached", size=size)
-    if as_seen:
-        return said("target {size}: not reached; no allowed reading can take away what is above it", size=size)
-    return said("target {size}: not reached", size=size)
-
-
 def curve_note(curve: CurveSummary) -> str:
     """Return in a line how well a curve is known now, 95 %, was before, and how much of that the readings did."""
     now, before = BAND * _rms(curve.std), BAND * _rms(curve.prior_std)

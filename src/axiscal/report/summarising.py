@@ -12,7 +12,7 @@ import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ended_words import because_text
-from axiscal.campaign.ending import reaches, unshown
+from axiscal.campaign.ending import reaches
 from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.particulars import Equipment
@@ -23,7 +23,6 @@ from axiscal.estimation.history import Moment, path
 from axiscal.estimation.linearity import linearity
 from axiscal.estimation.ruled import ruling_of
 from axiscal.estimation.type_prior import is_type_text
-from axiscal.estimation.vouching import defended
 from axiscal.language.spoken import resaid, said, speaking
 from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import questions, which_way
@@ -32,9 +31,7 @@ from axiscal.measurement.place_texts import approach_text, direction_text, readi
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics.stages import stage
-from axiscal.planning.vouched import Vouched, vouched_of
 from axiscal.planning.what_if import traditional
-from axiscal.report.contradictions import explaining
 from axiscal.report.curves import constants, curves
 from axiscal.report.findings import findings, observability, residual_check
 from axiscal.report.headline import conditions, counted_along, in_space
@@ -119,7 +116,6 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
         history=rows,
         expanded=expanded,
-        vouched=_vouched(estimation),
         curves=[curve for curve in drawn if not _reversal(curve)],
         reversals=[curve for curve in drawn if _reversal(curve)],
         constants=constants(estimation, extras.truth),
@@ -132,7 +128,6 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
         target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
         target_u_um=None if target.expanded is None else to_unit(target.expanded, "um"),
-        unshown=unshown(target, estimation),
         target_reached=reaches(target, estimation),
         truth=extras.truth_check,
         iso230=extras.iso230 or iso230_blocks(description, campaign.state.readings, _refused(estimation)),
@@ -141,7 +136,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         files=extras.files,
         record=record_state(campaign),
         verdict=ruling.verdict,
-        verdict_words=verdict_words(ruling, target),
+        verdict_words=verdict_words(ruling),
         checks=_checks(ruling.checks),
         volume=volume_error(estimation) if campaign.state.readings else None,
         budget=budget_rows(estimation),
@@ -187,11 +182,6 @@ def _expanded(estimation: Estimation) -> Uncertainty:
     standard = to_unit(ruling_of(estimation).standard, "um")
     along = counted_along(estimation.stated)
     return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated), standard, along)
-
-
-def _vouched(estimation: Estimation) -> Vouched:
-    found = vouched_of(estimation.case, defended(estimation))
-    return replace(found, departures=explaining(found.departures, estimation))
 
 
 def _checks(found: Checks | None) -> CheckReadings | None:

@@ -11,13 +11,10 @@ from dataclasses import dataclass, field
 
 from axiscal.description.particulars import NOTHING_SAID, Particulars
 from axiscal.estimation.ruling import VerdictWord
-from axiscal.planning.vouched import Vouched
 from axiscal.report.plane_summary import PlaneSummary
 from axiscal.report.promises import CheckReadings, Linear, Uncertainty
 from axiscal.report.volume_error import VolumeError
 
-_AS_GOOD = 1.02
-"""What is larger by a fiftieth is printed alike."""
 Position = Mapping[str, float]
 """Axis name to coordinate, mm or deg."""
 
@@ -227,10 +224,7 @@ class RecordState:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Everything the report shows.
-
-    unshown : times what is promised that the readings can vouch for, 1 where the target allows it to be more
-    """
+    """Everything the report shows."""
 
     title: str
     machine: str
@@ -246,7 +240,6 @@ class Summary:
     unseen_rms_um: float
     history: Sequence[HistoryRow]
     expanded: Uncertainty
-    vouched: Vouched
     curves: Sequence[CurveSummary] = ()
     reversals: Sequence[CurveSummary] = ()
     constants: Sequence[ConstantSummary] = ()
@@ -259,7 +252,6 @@ class Summary:
     target_rms_um: float | None = None
     target_worst_um: float | None = None
     target_u_um: float | None = None
-    unshown: float = 1.0
     target_reached: bool | None = None
     truth: TruthCheck | None = None
     iso230: Sequence[Iso230] = ()
@@ -276,21 +268,6 @@ class Summary:
     checksums: Mapping[str, str] = field(default_factory=dict)
     ended: str = ""
     linear: Linear | None = None
-
-    @property
-    def unshown_u(self) -> float:
-        """The same of the expanded uncertainty, which may be of a wider distribution than the model."""
-        return max(1.0, self.unshown * self.expanded.k / self.expanded.factor)
-
-    @property
-    def vouched_u(self) -> float:
-        """The expanded uncertainty that the readings can vouch for, um."""
-        return self.expanded.space * self.unshown_u
-
-    @property
-    def half_vouched(self) -> bool:
-        """Whether that is the figure to be signed, and what the model promises is not: by more than is printed."""
-        return self.verdict == "unchecked" and self.unshown_u > _AS_GOOD
 
     @property
     def withheld(self) -> bool:

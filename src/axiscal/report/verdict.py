@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from axiscal.description.target import Target
 from axiscal.estimation.checks import Checks
 from axiscal.estimation.ruling import Ruling
 from axiscal.language.spoken import later, put, said
@@ -21,9 +20,9 @@ _VERDICTS = {
 }
 
 
-def verdict_words(ruling: Ruling, target: Target) -> str:
-    """Return what the readings say of the model, and what was made of that, for the accuracy that was asked for too."""
-    words = _meant(ruling, target)
+def verdict_words(ruling: Ruling) -> str:
+    """Return what the readings say of the model, and what was made of that."""
+    words = _meant(ruling)
     return said("Verdict: {verdict}. {words}", verdict=said(_VERDICTS[ruling.verdict]), words=words)
 
 
@@ -48,7 +47,7 @@ def checks_words(found: Checks | None) -> str:
     return said(doubted, told=told, times=float(1 / max(found.chance, _RARE)))
 
 
-def _meant(ruling: Ruling, target: Target) -> str:
+def _meant(ruling: Ruling) -> str:
     if ruling.verdict == "contradicted":
         nothing = "{not_known}. No accuracy is promised, and no target counts as reached."
         return said(nothing, not_known=said(NOT_KNOWN))
@@ -69,11 +68,7 @@ def _meant(ruling: Ruling, target: Target) -> str:
             hardly = said(
                 "The readings do not contradict the model; too much of what is promised rests on statements alone."
             )
-        if not target.accurate:
-            return hardly
-        alone = "{hardly} A target counts as reached by what they can vouch for alone."
-        allowed = '{hardly} The target counts by the promise all the same: unchecked = "allow" is stated.'
-        return said(allowed if target.unchecked else alone, hardly=hardly)
+        return hardly
     held = said("The readings could have contradicted the model, and did not.")
     if not ruling.raised > _NOTABLE:
         return held

@@ -58,8 +58,8 @@ def replanned(case: Case, stop: Stop, truth: VirtualMachine, number: int) -> tup
     while True:
         known = estimated(case, reader.readings, known)
         path.append(known.accuracy)
-        reached = target.accurate and standing(target, known).reached is not None
-        if reached or count_reached(target, len(reader.readings)) or out_of_reach(target, known, path):
+        reached = target.accurate and standing(target, known) is not None
+        if reached or count_reached(target, len(reader.readings)) or out_of_reach(target, path):
             return reader.readings
         found = contest_of(known)
         if not plan or basis_words(known, found) != basis:

@@ -21,7 +21,6 @@ from axiscal.design.gains.running_accuracy import RunningAccuracy, along
 from axiscal.design.gains.running_gains import Scores
 from axiscal.design.plan.exchange import exchange, polish
 from axiscal.design.plan.greedy import Setups, Trial, affordable, chosen_setups, filled
-from axiscal.design.plan.guarded import guarded
 from axiscal.design.plan.order import arriving, in_order, seconds_each
 from axiscal.design.plan.patience import PATIENCE, Patience
 from axiscal.design.plan.plain_designs import plain_designs
@@ -34,8 +33,6 @@ from axiscal.numerics.ties import ALIKE, first_best
 
 Progress = Callable[[str], None]
 
-_FEWEST = 3
-"""Two readings contradict nothing, wherever they are."""
 _ROUNDS = 6
 """Rounds end where no reading moves; this only ends what would go round."""
 
@@ -91,14 +88,12 @@ def make_plan(
     *,
     patience: float = PATIENCE,
     bounded: bool = True,
-    guard: bool = False,
     progress: Progress = lambda _: None,
 ) -> Plan:
     """Return a plan that ends at the first limit it reaches. Raises PlanError.
 
     patience : operations that climbing off the lattice may take; the same plan on any machine, and under any load
     bounded : whether the lower bound is wanted; progress : is given what is being done, in words
-    guard : whether what its readings would not show is made small along with J, the mean variance over the volume
     """
     _refuse(task, limits)
     times = clock(task)
@@ -110,10 +105,6 @@ def make_plan(
     progress("off the lattice")
     polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
     trial = fitted(task, limits, times, trial)
-    fresh = task.here is None and len(trial.scores.members) >= _FEWEST
-    if guard and fresh and task.root is task.yardstick.root:
-        progress("what its readings would not show")
-        trial = guarded(task, limits, times, trial)
     progress("the bound")
     bound = _bound(task, limits, times, pool, trial) if bounded else None
     return _plan(task, limits, trial, bound, len(pool))

@@ -32,12 +32,10 @@ _MORE = 10
 """So many readings at once are added to a plan that has come to fall short."""
 
 
-def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0, guard: bool = False) -> Places:
+def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0) -> Places:
     """Return the readings to come in their order, from those that are left of a plan and within its set-ups.
 
     limits : what is left of them; patience : operations that climbing off the lattice may take
-    guard : whether what is left was chosen for what it shows beside the model: then none is exchanged for a reading
-        that is better under the model
     None are returned where there is no time for any of these set-ups.
     """
     times = clock(task)
@@ -48,9 +46,8 @@ def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0, gua
     if len(lattice):
         trial = _begun(task, limits, times, Pool(task.observation, lattice, task.memory), setups, left)
         trial = _filled(task, limits, times, trial)
-        if not guard:
-            exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
-            polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
+        exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
+        polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
         places = fitted(task, limits, times, trial).scores.places
     order = _as_before(task, _shorter(task, in_order(task, places), left), left)
     return replace(order, approaches=arriving(task, order))

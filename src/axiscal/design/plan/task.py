@@ -60,9 +60,8 @@ class Limits:
     budget: float | None = None
 
     def met(self, accuracy: Accuracy) -> bool:
-        """Return whether the accuracy asked for is reached, as far as readings can tell it."""
-        fine = self.rms is not None and accuracy.seen <= accuracy.attainable(self.rms)
-        return fine or (self.worst is not None and accuracy.worst_seen <= accuracy.attainable(self.worst))
+        """Return whether the accuracy asked for is reached; where no reading can, whether what they take away is."""
+        return accuracy.meets(self.rms, self.worst)
 
     @property
     def accurate(self) -> bool:

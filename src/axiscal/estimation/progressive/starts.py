@@ -50,7 +50,7 @@ def _one_station(places: Array, shown: Array, *, with_zero: bool) -> Array | Non
     table = np.column_stack([-2 * places, 2 * lengths, np.ones(len(lengths))])
     table = table if with_zero else np.delete(table, 3, axis=1)
     scale = np.linalg.norm(table, axis=0)
-    if np.linalg.svd(table / scale, compute_uv=False)[-1] < _SOUND:
+    if not scale.all() or np.linalg.svd(table / scale, compute_uv=False)[-1] < _SOUND:
         return None
     solved = np.linalg.lstsq(table / scale, lengths**2 - np.sum(places**2, axis=1), rcond=None)[0] / scale
     return np.asarray(solved[:4], dtype=float)

@@ -1,4 +1,4 @@
-"""What stands between a campaign and its end, said after every reading: what is not vouched for, or contradicted."""
+"""Whether the readings of a campaign contradict its model, said after every reading."""
 
 from __future__ import annotations
 
@@ -12,23 +12,13 @@ _MOST = 15
 """Powers of ten of the odds: more are said as so many."""
 
 
-def standing_words(campaign: Campaign) -> list[str]:
-    """Return sentences about where the campaign stands; none where nothing is to be minded, or it has ended."""
+def contradicted_words(campaign: Campaign) -> list[str]:
+    """Return by which odds readings contradict the model at whatever time one looks, and what explains them best.
+
+    None where they do not, or the campaign has ended.
+    """
     if campaign.state.finished is not None:
         return []
-    return [*_contradicted(campaign), *_not_vouched(campaign)]
-
-
-def _not_vouched(campaign: Campaign) -> list[str]:
-    found = campaign.standing()
-    if found.promised is None:
-        return []
-    short = "The {name} target is promised, and does not count as reached. {why}"
-    return [said(short, name=found.promised, why=campaign.unvouched())]
-
-
-def _contradicted(campaign: Campaign) -> list[str]:
-    """Return by which odds readings contradict the model at whatever time one looks, and what explains them best."""
     found = campaign.watched()
     if found.highest < SURE:
         return []

@@ -1,0 +1,132 @@
+"""How campaigns end: on random machines whose target can be reached, and on those whose floor is above it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from axiscal.accuracy.expanded import expanded
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.campaign.sources.source import Skip
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.design.plan.task import Limits
+from axiscal.estimation.case import Case
+from axiscal.exceptions import SourceError
+from axiscal.measurement.reading_rows import blank_readings
+from axiscal.planning.next_readings import placed
+from axiscal.planning.promise import asked
+from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.record.events import Asked
+from axiscal.simulation import Simulator
+
+LEAST = 0.99
+"""Share of the campaigns with a target that can be reached which end with it."""
+MORE = 10
+"""Readings after the end that do not bring what no reading is said to bring."""
+_AXES = "XYZ"
+_KEY = {"rms": "rms", "worst": "worst", "U": "expanded"}
+_EASIER = 1.05
+"""Times what a plan of so many readings leaves is asked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """How a campaign ended.  reached : its target; refuted : ten more readings brought what no reading was to bring"""
+
+    because: str
+    readings: int
+    reached: bool
+    refuted: bool = False
+
+
+def feasible(seed: int) -> Ending:
+    """Return how a campaign ended of which a plan of half as many readings as it may take reaches the target."""
+    rng = np.random.default_rng(seed)
+    described = _random(rng)
+    case, count = Case(described), int(rng.integers(6, 31))
+    made = proposed(case, Limits(count), Thoroughness(300), bounded=False).plan
+    belief = case.knowledge.read(blank_readings(described.setups, placed(case, made))).belief
+    known, kind = case.yardstick.measure(belief), rng.choice(["rms", "rms", "worst", "U"])
+    size = {"rms": known.rms, "worst": known.worst, "U": expanded(case.yardstick, belief).space}[kind]
+    target = replace(described.target, readings=2 * count + 10, **{_KEY[kind]: _EASIER * float(size)})
+    return _run(replace(described, target=target), seed, 0)
+
+
+def infeasible(seed: int) -> Ending | None:
+    """Return how a campaign ended whose floor is above its target; None of a machine of which all is seen."""
+    rng = np.random.default_rng(seed)
+    described = _random(rng)
+    case = Case(described)
+    floor, before = case.yardstick.floors[0], case.yardstick.measure(case.knowledge.belief).rms
+    if floor < 0.2 * before:
+        return None
+    target = replace(described.target, readings=60, rms=float(rng.uniform(0.7, 0.99)) * floor)
+    return _run(replace(described, target=target), seed, MORE)
+
+
+def _run(described: CampaignDescription, seed: int, more: int) -> Ending:
+    """Return how a simulated campaign ended.  more : readings that are taken after it"""
+    truth = Simulator(described.machine, described.setups).drawn(seed)
+    with TemporaryDirectory() as folder, Campaign.create(Path(folder) / "c.axiscal", described) as campaign:
+        source = SimulatedSource(truth, seed)
+        try:
+            because = campaign.run(source, lambda _: None)
+        except SourceError as failure:
+            return Ending(failure.what, len(campaign.state.readings), reached=False)
+        count = len(campaign.state.readings)
+        refuted = "cannot be reached" in because and more > 0 and _refuted(campaign, source, more)
+        return Ending(because, count, because.endswith("target reached"), refuted)
+
+
+def _refuted(campaign: Campaign, source: SimulatedSource, more: int) -> bool:
+    """Return whether so many readings more bring what no reading was to bring."""
+    campaign.undo()
+    for _ in range(more):
+        place = campaign.next(beyond=True)
+        assert isinstance(place, Asked)
+        answer = source.read(campaign.request(place))
+        assert not isinstance(answer, Skip)
+        campaign.record(answer.value, answer.std, others=answer.others, live=answer.live)
+    known = campaign.ruled().accuracy
+    return any(known.rms <= each.limit for each in asked(campaign.description.target, campaign.case().yardstick))
+
+
+def _random(rng: np.random.Generator) -> CampaignDescription:
+    """Return a machine of one to three linear axes with some of its errors, and a campaign with some set-ups."""
+    axes = _AXES[: int(rng.integers(1, 4))]
+    chain = "-".join(["w", "b", *axes, "t"])
+    travels = "".join(f'[axes.{a}]\ntravel = ["0 mm", "{rng.integers(200, 1200)} mm"]\n' for a in axes)
+    errors = [f"E{way}{axis}" for axis in axes for way in axes if way == axis or rng.random() < 0.5]
+    rows = "".join(
+        f'{name} = {{ std = "{rng.uniform(2, 20):.1f} um", knots = {rng.integers(4, 9)} }}\n' for name in errors
+    )
+    rows += "".join(
+        f'E{a}{a}_reversal = {{ std = "{rng.uniform(1, 6):.1f} um" }}\n' for a in axes if rng.random() < 0.5
+    )
+    setups = [_laser(axis, rng) for axis in axes if axis == axes[0] or rng.random() < 0.8]
+    if len(axes) > 1 and rng.random() < 0.5:
+        setups.append(_BALL_BAR)
+    text = 'machine = "m.toml"\n[target]\nreadings = 20\n' + "".join(setups)
+    return campaign_from_texts(text, "c.toml", f'chain = "{chain}"\n{travels}[errors]\n{rows}', "m.toml")
+
+
+def _laser(axis: str, rng: np.random.Generator) -> str:
+    approach = "both" if rng.random() < 0.8 else "+"
+    return (
+        f'[[setups]]\nname = "laser {axis}"\ninstrument = "interferometer"\ndirection = "{axis.lower()}"\n'
+        f'moves = ["{axis}"]\napproach = "{approach}"\nnoise = "{rng.uniform(0.2, 2.0):.2f} um"\n'
+    )
+
+
+_BALL_BAR = """[[setups]]
+name = "bar"
+instrument = "ballbar"
+length = "80 mm"
+station = ["100 mm", "100 mm", "0 mm"]
+plane = "xy"
+approach = "both"
+"""

@@ -1,0 +1,18 @@
+"""How one random campaign ends, as `make certify PART=endings` asks it of many."""
+
+from __future__ import annotations
+
+from tests.certify import endings
+
+
+def test_a_target_that_a_plan_reaches_is_reached() -> None:
+    found = endings.feasible(3)
+    assert found.because.endswith(" target reached")
+    assert found.reached
+
+
+def test_ten_readings_more_do_not_bring_what_no_reading_can() -> None:
+    found = endings.infeasible(3)
+    assert found is not None
+    assert "cannot be reached: endless readings would leave" in found.because
+    assert not found.refuted
