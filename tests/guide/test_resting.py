@@ -7,9 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-import pytest
 
-from axiscal.campaign import kept, knowing
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import reaches
 from axiscal.description.campaign import campaign_from_texts
@@ -71,30 +69,18 @@ def test_what_a_promise_rests_on_is_named_while_measuring_as_in_the_report(tmp_p
         assert said.endswith("A reading along x while X moves and comes from both sides would show EXX_reversal.")
 
 
-def test_it_is_kept_for_the_next_command_in_each_language(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "c.axiscal"
-    with _read(path) as campaign, speaking("de"):
-        german = standing_words(campaign)
-    with Campaign.open(path, write=False) as campaign:
-        english = standing_words(campaign)
-    assert "EXX_reversal" in german[0]
-    assert "wie angegeben" in german[0]
-    monkeypatch.setattr(knowing, "estimated", None)  # nothing is found anew
-    with Campaign.open(path, write=False) as campaign:
-        assert standing_words(campaign) == english
-        with speaking("de"):
-            assert standing_words(campaign) == german
-
-
-def test_words_that_somebody_made_up_are_found_again(tmp_path: Path) -> None:
+def test_the_next_command_says_it_in_the_language_of_whoever_asks(tmp_path: Path) -> None:
     path = tmp_path / "c.axiscal"
     with _read(path) as campaign:
-        expected = standing_words(campaign)
-    beside = kept.answers_beside(path)
-    key = beside.read_bytes().split(b"\n")[1][:64].decode()
-    kept._write(beside, key, {"unvouched, en": ("EXX", 3)})
+        english = standing_words(campaign)
+        with speaking("de"):
+            german = standing_words(campaign)
+    assert "EXX_reversal" in german[0]
+    assert "wie angegeben" in german[0]
     with Campaign.open(path, write=False) as campaign:
-        assert standing_words(campaign) == expected
+        with speaking("de"):
+            assert standing_words(campaign) == german
+        assert standing_words(campaign) == english
 
 
 def test_where_it_is_allowed_the_promise_counts_and_the_verdict_says_so(tmp_path: Path) -> None:
@@ -111,9 +97,7 @@ def test_where_it_is_allowed_the_promise_counts_and_the_verdict_says_so(tmp_path
         assert words.endswith('unchecked = "allow" is stated.')
 
 
-def test_once_it_has_ended_its_status_says_the_verdict_of_the_report(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_once_it_has_ended_its_status_says_the_verdict_of_the_report(tmp_path: Path) -> None:
     path = tmp_path / "c.axiscal"
     with _read(path) as campaign:
         assert (campaign.status().verdict, campaign.status().verdict_words) == ("", "")
@@ -122,7 +106,6 @@ def test_once_it_has_ended_its_status_says_the_verdict_of_the_report(
         assert campaign.status().verdict == ruling_of(campaign.ruled()).verdict
         assert said == f"unchecked. {vouched_of(campaign.case(), ruling_of(campaign.ruled()).defence).words}"
         assert said.startswith(f"unchecked. {NAMED}")
-    monkeypatch.setattr(knowing, "concluded", None)  # nothing is found anew
     with Campaign.open(path, write=False) as campaign:
         assert campaign.status().verdict_words == said
         assert campaign.status().verdict == "unchecked"

@@ -41,7 +41,7 @@ class Attained:
     """Whether an accuracy is reached, in words; where none is, which one is promised that is not vouched for.
 
     vouched : standard uncertainty that the readings can vouch for, m
-    found : where one is promised, what they could not show; not kept for the next command
+    found : where one is promised, what they could not show
     """
 
     reached: str | None = None

@@ -42,12 +42,6 @@ def _found_anew(before: Absorbed, readings: Sequence[Reading], implausible: Mapp
     return absorbed(Absorbed.nothing(case, weighed(case, readings, implausible)), readings, implausible)
 
 
-def costly(known: Absorbed, start: int) -> bool:
-    """Return whether one of the readings from `start` on made us weigh all of very many again."""
-    sizes = ((count, each.chi_square) for count, each in enumerate(known.innovations[start:], start + 1))
-    return any(count > _EACH and _worth_a_look(count, float(np.sqrt(square))) for count, square in sizes)
-
-
 def _worth_a_look(count: int, size: float) -> bool:
     """Return whether the last of so many readings makes us weigh all again as it comes.  size : of its surprise"""
     return size >= (_SURPRISING if count <= _EACH else SURPRISING)
