@@ -85,7 +85,7 @@ class Measured:
 class Road:
     """A main path.  target : seconds aimed at; arguments : of the command, made in a folder
 
-    long : only with --long, and its calls are not counted; again : after the same command, which left what it keeps
+    long : only with --long, and its calls are not counted; again : after the same command, which has written its plan
     """
 
     name: str
@@ -199,19 +199,16 @@ ROADS = (
     Road("next, no reading, again", "0.25", recorded("next", 0), again=True),
     Road("status, no reading", "0.25", recorded("status", 0)),
     Road("next, 60 readings, first time", "0.4", recorded("next", 60)),
-    Road("status, 60 readings", "0.4", recorded("status", 60), again=True),
-    Road("status, 500 readings, first time", "0.6", recorded("status", 500)),
-    Road("status, 500 readings, again", "0.6", recorded("status", 500), again=True),
+    Road("status, 60 readings", "0.4", recorded("status", 60)),
+    Road("status, 500 readings", "0.6", recorded("status", 500)),
     Road("finish, 60 readings", "1.5", recorded("finish", 60)),
     Road("finish, 500 readings", "3", recorded("finish", 500)),
-    Road("status, 2,000 readings, first time", "1", recorded("status", 2000), long=True),
-    Road("status, 2,000 readings, again", "1", recorded("status", 2000), long=True, again=True),
+    Road("status, 2,000 readings", "1", recorded("status", 2000), long=True),
     Road("finish, 2,000 readings", "8", recorded("finish", 2000), long=True),
     Road("estimate, three axes, learnt, 501", "5", estimated(501)),
     Road("estimate, three axes, learnt, 2,001", "12", estimated(2001), long=True),
     Road("estimate, 1,000 unknowns x 10,000", "30, 1 GB", dense, long=True),
-    Road("status, 1,000 unknowns x 10,000, first time", "2", dense_record("status"), long=True),
-    Road("status, 1,000 unknowns x 10,000, again", "2", dense_record("status"), long=True, again=True),
+    Road("status, 1,000 unknowns x 10,000", "2", dense_record("status"), long=True),
 )
 
 

@@ -10,9 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.campaign import knowing
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.kept import FEWEST_ANSWERED
 from axiscal.cli import outputs
 from axiscal.cli.app import run
 from axiscal.record import durable
@@ -52,21 +50,21 @@ def complaint(capsys: pytest.CaptureFixture[str]) -> str:
 def agreed(out: Path, name: str = "manifest.json") -> dict[str, object]:
     """Return the manifest of a folder after every file in it has been compared.
 
-    The record grows, and what is known is kept in a hidden file beside it: neither is a result.
+    The record grows, and is no result.
     """
     manifest: dict[str, object] = json.loads((out / name).read_text())
     files = manifest["files"]
     assert isinstance(files, dict)
     found = {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()}
-    assert set(files) == found - {name, "campaign.axiscal", ".campaign.axiscal.known"}
+    assert set(files) == found - {name, "campaign.axiscal"}
     for file, digest in files.items():
         assert hashlib.sha256((out / file).read_bytes()).hexdigest() == digest
     return manifest
 
 
 def beside(folder: Path) -> list[str]:
-    """Return the hidden files of a folder but the one in which it is kept what is known."""
-    return [path.name for path in folder.glob(".*") if path.suffix != ".known"]
+    """Return the hidden files of a folder."""
+    return [path.name for path in folder.glob(".*")]
 
 
 def measured(folder: Path) -> Path:
@@ -148,21 +146,18 @@ def test_a_run_goes_on_in_the_record_whose_results_it_wrote(folder: Path) -> Non
     agreed(folder / "out")
 
 
-def test_results_written_beside_their_record_leave_what_its_status_asks_for(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_results_written_beside_their_record_say_what_its_status_says(
+    folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    target = f'readings = {FEWEST_ANSWERED}\nrms = "0.001 um"'
-    (folder / "campaign.toml").write_text(CAMPAIGN.replace("readings = 4", target))
+    (folder / "campaign.toml").write_text(CAMPAIGN.replace("readings = 4", 'readings = 8\nrms = "0.001 um"'))
     for words in (["run", "campaign.toml", "--source", "sim:3"], ["finish", "out/campaign.axiscal"]):
         assert run([*words, "--out", "out"]) == 0
-        with monkeypatch.context() as patched:
-            for name in ("estimated", "concluded", "ruled", "timed"):
-                patched.setattr(knowing, name, None)  # nothing is found anew
-            capsys.readouterr()
-            assert run(["status", "out/campaign.axiscal", "--json"]) == 0
+        capsys.readouterr()
+        assert run(["status", "out/campaign.axiscal", "--json"]) == 0
         said, result = json.loads(capsys.readouterr().out), json.loads((folder / "out" / "result.json").read_text())
-        assert said["readings"] == FEWEST_ANSWERED
+        assert said["readings"] == 8
         assert said["rms_um"] == pytest.approx(result["rms_um"], abs=1e-6)
+        assert not beside(folder / "out")
 
 
 def test_a_full_disk_leaves_the_earlier_results(

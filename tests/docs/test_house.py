@@ -36,6 +36,8 @@ FILES_THAT_MAY = {
     "linuxcnc.py": "one control: its programs, the source of readings that it moves, and the demo with it",
     "notes.py": "what is said to the reader of tables, in a folder for each control",
 }
+PICKLES = {"pickle", "_pickle", "cloudpickle", "dill", "joblib", "shelve", "marshal"}
+"""They make objects of what a file says, so that whoever writes the file says what is made."""
 FORBIDDEN = re.compile("|".join([re.escape(name) for name in REGISTRIES] + WORKPLACE))
 
 
@@ -118,6 +120,31 @@ def test_a_cache_is_asked_with_numbers_and_texts_only() -> None:
     ]
     assert asked
     assert [each for each in asked if each[2] not in {"int", "float", "str"}] == []
+
+
+def test_nothing_is_pickled() -> None:
+    """Nor does numpy read objects: `allow_pickle` stays off."""
+    found = [
+        (path.relative_to(ROOT).as_posix(), said)
+        for path in _committed()
+        if path.suffix == ".py"
+        for said in _pickling(ast.parse(_text(path)))
+    ]
+    assert found == []
+
+
+def _pickling(tree: ast.Module) -> Iterator[str]:
+    """Yield what pickles, or allows it."""
+    for node in ast.walk(tree):
+        match node:
+            case ast.Import(names=names):
+                yield from (each.name for each in names if each.name.partition(".")[0] in PICKLES)
+            case ast.ImportFrom(module=str(module)) if module.partition(".")[0] in PICKLES:
+                yield module
+            case ast.keyword(arg="allow_pickle", value=value) if ast.unparse(value) != "False":
+                yield "allow_pickle"
+            case ast.Attribute(attr="read_pickle" | "to_pickle" as name):
+                yield name
 
 
 def test_files_stay_small() -> None:

@@ -19,7 +19,6 @@ from typing import Self
 from axiscal.campaign.default_planner import plan_ahead
 from axiscal.campaign.ending import BUDGET, Ended, count_reached, out_of_reach
 from axiscal.campaign.interrupt import noted_interrupts
-from axiscal.campaign.kept import Kept
 from axiscal.campaign.knowing import Knowing
 from axiscal.campaign.milestones import Milestone, Status
 from axiscal.campaign.possible import described, refuse_of_branch, refuse_unreadable
@@ -77,7 +76,7 @@ class Campaign(Closing):
         self._record, self.description, self._planner = record, description, planner
         self.state = record.state()
         self._first = record.events()[0]
-        self._knowing = Knowing(description, Kept(record.path, self._first, self.state.mounted))
+        self._knowing = Knowing(description)
 
     @classmethod
     def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = plan_ahead) -> Self:
@@ -108,7 +107,7 @@ class Campaign(Closing):
 
     def case(self) -> Case:
         """Return what the description makes of the mathematics."""
-        return self._knowing.case(self.state.readings)
+        return self._knowing.case
 
     def known(self) -> Estimation:
         """Return what the readings make known while others are to follow."""
@@ -122,7 +121,7 @@ class Campaign(Closing):
         return self.known()
 
     def concluded(self) -> Estimation:
-        """Return what the readings make known if they are all: from the record alone, and nothing that was kept."""
+        """Return what the readings make known if they are all."""
         return self._knowing.concluded(self.state.readings)
 
     def ruled(self) -> Estimation:
@@ -270,7 +269,7 @@ class Campaign(Closing):
     def status(self) -> Status:
         """Return where the campaign stands; of one that has ended, what its report says."""
         ended = self.state.finished is not None
-        accuracy = self._knowing.accuracy(self.state.readings, ended)
+        accuracy = self._knowing.so_far(self.state.readings, ended).accuracy
         if ended:
             return Status(self.state, accuracy, self._seconds(), None, *self._knowing.verdict(self.state.readings))
         return Status(self.state, accuracy, self._seconds(), self.reached())
@@ -339,18 +338,12 @@ class Campaign(Closing):
         """Write a copy of the record, in the place of an earlier one; raises RecordError if there is anything else."""
         write_copy(self._record, path)
 
-    def leave_answers(self, copy: Path) -> None:
-        """Leave beside a copy of the record, if that has ended, what the first look at it would find anew."""
-        if self.state.finished is not None:
-            self._knowing.leave(self.state.readings, copy)
-
     def refuse_other(self, path: Path) -> None:
         """Raise RecordError if there is something at `path` that is more than an earlier copy of this record."""
         refuse_other(self._record, path)
 
     def close(self) -> None:
         """Close the record."""
-        self._knowing.close()
         self._record.close()
 
     def _append(self, *events: Event) -> None:
@@ -363,9 +356,8 @@ class Campaign(Closing):
         new = state.mounted[len(self.state.mounted) :]
         self.state = state
         if new:
-            self._knowing.close()
             self.description = with_mounted(self.description, new)
-            self._knowing = Knowing(self.description, Kept(self._record.path, self._first, state.mounted))
+            self._knowing = Knowing(self.description)
 
     def _clock(self) -> float:
         """Return the seconds since the record was begun; never less than at the reading before."""
@@ -376,7 +368,7 @@ class Campaign(Closing):
         return self._knowing.timed(self.state.readings)
 
     def _seconds(self) -> float:
-        return self._knowing.seconds(self.state.readings)
+        return self._times().seconds
 
     def _over_budget(self, seconds: float) -> bool:
         budget = self.description.target.budget

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from typing import TypeGuard
 
-from axiscal.campaign.ending import BUDGET, DOES_NOT_FIT, OUT_OF_REACH
+from axiscal.campaign.ending import BUDGET, CONTRADICT, OUT_OF_REACH
 from axiscal.language.spoken import counted, said
 
 ENDINGS = (
     BUDGET,
-    DOES_NOT_FIT,
+    CONTRADICT,
     OUT_OF_REACH,
     "nothing is left to measure",
     "ended by the operator",
@@ -29,7 +29,7 @@ def ends_by_accuracy(kept: object) -> TypeGuard[str]:
     """Return whether something that was kept says why an accuracy asks for no more readings, or "" where it does."""
     if not isinstance(kept, str):
         return False
-    return kept in ("", DOES_NOT_FIT) or any(form.fullmatch(kept) for form in (_REACHED, _BEYOND))
+    return kept in ("", CONTRADICT) or any(form.fullmatch(kept) for form in (_REACHED, _BEYOND))
 
 
 def because_text(because: str) -> str:

@@ -28,7 +28,7 @@ class MeasuredVolume(NamedTuple):
 
 
 class Yardsticks:
-    """The last few yardsticks and volumes, each by what it follows from; none is written to a file with a case."""
+    """The last few yardsticks and volumes, each by what it follows from."""
 
     def __init__(self) -> None:
         self._yardsticks: dict[Hashable, Yardstick] = {}
@@ -41,9 +41,6 @@ class Yardsticks:
     def volume(self, grounds: Hashable, find: Callable[[], MeasuredVolume]) -> MeasuredVolume:
         """Return the volume of these grounds.  find : it, where it is not among the last few"""
         return _among(self._volumes, grounds, find)
-
-    def __reduce__(self) -> tuple[type[Yardsticks], tuple[()]]:
-        return Yardsticks, ()
 
 
 def _among(known: dict[Hashable, Found], grounds: Hashable, find: Callable[[], Found]) -> Found:

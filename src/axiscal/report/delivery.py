@@ -64,7 +64,6 @@ def _delivered(campaign: Campaign, estimation: Estimation, out: Path, extras: Ex
     with result_set(out, live=live) as folder:
         if live is None:
             campaign.copy(folder / RECORD)
-        campaign.leave_answers(folder / RECORD)
         wanted = dict.fromkeys((*campaign.description.controls, _ALWAYS))
         with stage("tables", 1, 3):
             written_for = [_tables(estimation, name, folder / "tables", summary) for name in wanted]

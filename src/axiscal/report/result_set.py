@@ -19,15 +19,12 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
-from axiscal.campaign.kept import answers_beside, kept_beside
 from axiscal.record.durable import exchanged, is_running, sync_folder, written
 from axiscal.report.summary import RecordState
 
 RECORD = "campaign.axiscal"
 MANIFEST = "manifest.json"
 _RESULTS = {RECORD, MANIFEST, "result.json", "report.html", "report.pdf", "data", "certificate.xml", "tables"}
-_KEPT = {beside(Path(RECORD)).name for beside in (answers_beside, kept_beside)}
-"""Beside the record, and no results: what is known is found again where they are gone."""
 _BEFORE = "before.json"
 _SCHEMA = "axiscal-manifest/1"
 _STAGING = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.(?P<kind>new|old)")
@@ -79,7 +76,7 @@ def mend(folder: Path) -> None:
 def write_manifest(folder: Path, record: RecordState, versions: Mapping[str, str], name: str = MANIFEST) -> None:
     """Write what a set consists of: state of the record, programs, the SHA-256 of every file; raises OSError."""
     every = (path for path in folder.rglob("*") if path.is_file())
-    files = sorted(path for path in every if path.suffix != ".axiscal" and path.name not in _KEPT)
+    files = sorted(path for path in every if path.suffix != ".axiscal")
     document = {
         "schema": _SCHEMA,
         "record": {"file": record.file, "event": record.event, "hash": record.hash},
@@ -100,7 +97,7 @@ def _holds_nothing_else(folder: Path, manifest: str) -> bool:
     real, here = folder.resolve(), Path.cwd()
     if folder.is_symlink() or os.path.ismount(real) or real == here or real in here.parents:
         return False
-    own = _listed(folder / manifest) | {manifest} | ({RECORD, *_KEPT} if manifest == MANIFEST else set())
+    own = _listed(folder / manifest) | {manifest} | ({RECORD} if manifest == MANIFEST else set())
     first = {PurePosixPath(name).parts[0] for name in own}
     alone = all(path.name in first for path in folder.iterdir()) and set(_files(folder)) <= own
     return alone and os.access(real.parent, os.W_OK)
@@ -132,10 +129,7 @@ def _inside(name: str) -> bool:
 
 
 def _beside(folder: Path, live: Path | None) -> Path | None:
-    """Return a new folder beside, with the record that is written to in both, and what is kept beside the record.
-
-    None where a file cannot be in two.
-    """
+    """Return a new folder beside, with the record that is written to in both; None where a file cannot be in two."""
     staging = folder.parent / f".{folder.name}.{os.getpid()}.new"
     staging.mkdir()
     if live is not None:
@@ -144,9 +138,6 @@ def _beside(folder: Path, live: Path | None) -> Path | None:
         except OSError:
             shutil.rmtree(staging)
             return None
-        for name in _KEPT:
-            with contextlib.suppress(OSError):
-                os.link(folder / name, staging / name)
     return staging
 
 
