@@ -19,7 +19,7 @@ from axiscal.compensation.on_top import informed
 from axiscal.document import shown
 from axiscal.document.bounded import bounded_content
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.ruled import ruling_of
+from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.report.delivery import deliver_export, introduced
@@ -129,12 +129,12 @@ def export(
     loader = None if load is None else _loader(load, to)
     options = replace(options, old_files=read_old(on_top_of or ()))
     with Campaign.open(record, write=False) as campaign:
-        estimation = campaign.ruled()
+        estimation = campaign.concluded()
         options = informed(options, estimation.case.description, to)
         options = replace(options, origin=record_state(campaign).hash)
         offered = _offered(estimation.estimate(), to, options, ini)
-        ruling = ruling_of(estimation)
-        factor = ruling.expanded.factor(estimation.accuracy.rms) if ruling.promises else None
+        withheld = estimation.agreement.withheld
+        factor = None if withheld else expanded_uncertainty(estimation).factor(estimation.accuracy.rms)
         doubts = [finding.text for finding in findings(estimation)]
         offered = introduced(offered, factor, doubts, record_state(campaign))
         sent = None if loader is None else loader.taken(offered.files)

@@ -53,7 +53,7 @@ def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str) -> Sum
     whole = f"The results in {out} are whole, those of before or the new ones"
     again = again or f"write them by: axiscal finish {campaign.path} --out {out}"
     try:
-        return deliver(campaign, campaign.ruled(), out, extras)
+        return deliver(campaign, campaign.concluded(), out, extras)
     except OSError as failure:
         what = f"The results were not written: {failure.strerror or failure}"
         remedy = f"Check the permissions and the room on the disk; those of before, if any, stand whole; then {again}"

@@ -36,7 +36,6 @@ class Target:
     aligned : a rigid motion of the part is not counted: it is probed
     expanded : U, of the TCP in space over the volume with 95 %, m
     counted : whether deviations of the TCP along x, y and z of the workpiece frame count
-    unchecked : an accuracy counts as reached by what the model promises, although the readings could not contradict it
     """
 
     rms: float | None
@@ -48,7 +47,6 @@ class Target:
     part: PartVolume | None = None
     aligned: bool = False
     expanded: float | None = None
-    unchecked: bool = False
     counted: Counted = EVERY_WAY
 
     @property
@@ -77,13 +75,12 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
         raise _fault(document, "part and volume exclude one another", "Give one of them", "part")
     volume = _volume(table, machine, document) if part is None else _around(part, machine, document)
     aligned = part is not None if table.aligned is None else table.aligned
-    allowed = table.unchecked == "allow"
     if not table.directions:
         remedy = 'Give one or more of "x", "y", "z", such as directions = ["z"] for a height'
         raise _fault(document, "no direction is left in which the tool point counts", remedy, "directions")
     x, y, z = (way in table.directions for way in ("x", "y", "z"))
     limits = table.rms, table.worst, table.readings, table.budget
-    return Target(*limits, volume, table.criterion, part, aligned, table.U, allowed, (x, y, z))
+    return Target(*limits, volume, table.criterion, part, aligned, table.U, (x, y, z))
 
 
 def _around(part: PartVolume, machine: Machine, document: Document) -> tuple[tuple[float, float], ...]:

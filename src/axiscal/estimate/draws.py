@@ -1,7 +1,7 @@
-"""The most probable sizes, and draws of the sizes that readings leave possible.
+"""The most probable sizes, and draws of those that readings leave possible.
 
-In x, where the prior is standard normal, Fisher scoring climbs to the mode: (J I J + 1) step = J g − x, J = dθ/dx. About
-it stands a normal whose two halves along each principal axis have their own width, measured by two likelihoods each (as
+In x, where the prior is standard normal, Fisher scoring climbs to the mode: (J I J + 1) step = J g − x, J = dθ/dx.
+About it stands a normal whose two halves along each principal axis have their own width, measured by two likelihoods each (as
 INLA does); 64 evenly spread points of it, four of them of the prior, carry the weights
 
     w ∝ L(θ) φ(x) / (0.94 q(x) + 0.06 φ(x)),    Σ w = 1,    effective number 1/Σ w²
@@ -103,7 +103,8 @@ def mode(space: Space, start: Array | None = None) -> Mode:
             value, gradient, information = _pull(space, x)
         else:
             damped = max(_MORE * damped, 0.05)
-    return Mode(x, np.linalg.inv(information), value)
+    covariance: Array = np.linalg.inv(information)
+    return Mode(x, covariance, value)
 
 
 def _pull(space: Space, x: Array) -> tuple[float, Array, Array]:

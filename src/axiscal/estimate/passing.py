@@ -24,6 +24,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import times_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal.numerics.gaussian import lower_root
 
 _FUNCTIONS = 20
 _NODES = 10
@@ -39,7 +40,7 @@ _SINGLE = 1e-9
 
 
 class Passing(NamedTuple):
-    """columns : (m, q) of all numbers, m or rad, sizes as usual; size_at : (q,) number of the θ of each, −1 for none."""
+    """columns : (m, q) of all numbers, m or rad, sizes as usual; size_at : (q,) number of each one's θ, −1 for none."""
 
     columns: Array
     size_at: NDArray[np.intp]
@@ -100,8 +101,8 @@ def _of_zeros(mine: _Mine, numbers: int) -> Iterator[tuple[Kind, Array]]:
     functions: list[tuple[Kind, Array]] = [("drift", _drift_size(mine) * drift)]
     if mine.length <= _LONGEST and numbers <= _MOST:
         apart = np.abs(mine.clock[:, None] - mine.clock[None]) / _CYCLE_SECONDS
-        root = np.linalg.cholesky(exponential(apart) + _SINGLE * np.eye(len(apart)))
-        functions.append(("cycle", CYCLE.size * noise * root))
+        root: Array = CYCLE.size * noise * lower_root(exponential(apart) + _SINGLE * np.eye(len(apart)))
+        functions.append(("cycle", root))
     for number in range(len(directions_of(mine.setup))):
         for kind, function in functions:
             columns = np.zeros((numbers, function.shape[1]))
@@ -121,7 +122,7 @@ def _of_axes(observation: Observation, mine: _Mine, numbers: int) -> Iterator[tu
     """Yield the columns of the growth of each linear axis that moves in a set-up and whose positions are an error."""
     nodes = np.linspace(0.0, 1.0, _NODES)
     correlation = matern32(np.abs(nodes[:, None] - nodes[None]) / _MEMORY)
-    root = np.linalg.cholesky(correlation + _SINGLE * np.eye(_NODES))
+    root = lower_root(correlation + _SINGLE * np.eye(_NODES))
     hats = np.column_stack([np.interp(mine.share, nodes, each) for each in np.eye(_NODES)]) @ root
     machine, levers = observation.machine, None
     for k in mine.setup.moves:

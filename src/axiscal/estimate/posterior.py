@@ -157,9 +157,9 @@ def _of_draw(
     sigma = np.exp(np.append(theta, 0.0))[problem.groups]
     found = []
     for mine, block in zip(parts, blocks, strict=True):
-        covariance = np.linalg.inv(block)
+        covariance: Array = np.linalg.inv(block)
         residual = covariance @ weighted[mine]
-        wide = covariance + np.diag((BAD.size * sigma[mine]) ** 2)
+        wide: Array = covariance + np.diag((BAD.size * sigma[mine]) ** 2)
         good = float(residual @ weighted[mine]) + _log_det(covariance)
         bad = float(residual @ np.linalg.solve(wide, residual)) + _log_det(wide)
         found.append((residual, covariance, 0.5 * (good - bad)))

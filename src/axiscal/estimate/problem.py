@@ -1,7 +1,7 @@
-"""All readings as one linear problem: y = Z z + v, z ~ N(0, D R(l) D), v ~ N(0, σ²), each number over its own noise.
+"""All readings as one linear problem: y = Z z + v, z ~ N(0, D R(l) D), v ~ N(0, σ²), each over its own noise.
 
-D are the sizes and R the correlations of the unknowns; both depend on θ. What does not is applied to Z once. The columns
-stand in this order: what only readings suffer (drift, cycle, growth), rests of the cells that were visited, the errors,
+D are the sizes and R the correlations of the unknowns; both depend on θ. What does not is applied to Z once. The
+columns stand in this order: what only readings suffer (drift, cycle, growth), rests of the cells that were visited, the errors,
 the unknowns of the set-ups. The last two are what is answered.
 """
 
@@ -28,7 +28,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.gaussian import eigen_root
 
 _NUGGET = 1e-9
-"""Added to correlations of one: long lengths make knots nearly equal, and a Cholesky factor needs more than rounding."""
+"""Added to correlations of one: long lengths make knots nearly equal, and Cholesky needs more than rounding."""
 _WIDE = 0.06
 """Share of the travel over which half of the variance of a rest is common."""
 MOST_COLUMNS = 700
@@ -98,8 +98,8 @@ class PlaneUnknowns:
 
     def bends(self, theta: Array, roots: Array) -> Array:
         """Return M = L⁻¹ (∂ prior/∂log l) L⁻ᵀ, (1, c, c)."""
-        slope = sum(self.plane.prior_by_length(self.plane.entry.std, self._stretch(theta), side) for side in (0, 1))
-        half = np.linalg.solve(roots[0], slope)
+        first, second = (self.plane.prior_by_length(self.plane.entry.std, self._stretch(theta), k) for k in (0, 1))
+        half = np.linalg.solve(roots[0], first + second)
         result: Array = np.linalg.solve(roots[0], half.T)[None]
         return result
 
@@ -144,7 +144,7 @@ class Problem:
     @property
     def first(self) -> int:
         """The first column that is answered."""
-        return self.rows.shape[1] - self.answered
+        return int(self.rows.shape[1]) - self.answered
 
     def only(self, kept: NDArray[np.bool_]) -> Problem:
         """Return the problem with some of its numbers.  kept : (m,)"""

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from axiscal.estimate.problem import MOST_NUMBERS, Problem
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import back_solution, inverse_of_product, solution, solution_of_product
+from axiscal.numerics.gaussian import lower_root
 
 _Bent = tuple[int, NDArray[np.intp], Array]
 """Number of the θ of a length, the columns of a curve, and M."""
@@ -140,7 +141,7 @@ class Numbers:
         """Return everything at sizes θ."""
         covariance, _, roots = self.terms(theta, slopes=False)
         try:
-            root = np.linalg.cholesky(covariance)
+            root = lower_root(covariance)
         except np.linalg.LinAlgError:
             return None
         return _InNumbers(self, theta, root, roots)
@@ -261,7 +262,7 @@ class Unknowns:
         matrix = self.whitened(total, theta, roots)
         matrix[np.diag_indices_from(matrix)] += 1.0
         try:
-            root = np.linalg.cholesky(matrix)
+            root = lower_root(matrix)
         except np.linalg.LinAlgError:
             return None
         return _InUnknowns(self, theta, root, roots)

@@ -134,7 +134,7 @@ def _alike(entry: ErrorEntry, kind: Kind, machine: Machine) -> tuple[bool, ...] 
 
 
 def _rests(machine: Machine, usual: bool) -> list[tuple[str, ...]]:
-    """Return the names of errors that share the size of their rough part: all with usual causes, else those to learn."""
+    """Return the names of errors that share the size of their rough part: all with usual causes, else some."""
     groups = dict[bool, list[str]]()
     for entry in machine.errors:
         if entry.first_rest > 0 and (usual or entry.rest_estimated):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from axiscal.estimate.agreement import Explained
+from axiscal.estimate.agreement import Agreement, Explained
 from axiscal.estimation.estimation import Estimation
 from axiscal.language.spoken import listed, put, said
 
@@ -36,3 +36,15 @@ def mistake_words(each: Explained, known: Estimation) -> str:
     if each.mistake == "shifted":
         return said('the values of "{setup}" belong to the place before or after. Check their order', setup=names[0])
     return said('the values of "{setup}" and "{other}" are swapped', setup=names[0], other=names[1])
+
+
+def agreement_document(found: Agreement) -> dict[str, object]:
+    """Return whether readings agree, for JSON."""
+    return {
+        "readings": found.count,
+        "agreeing": found.agreeing,
+        "c2": found.c2,
+        "p": found.p,
+        "contradict": found.contradicts,
+        "explained": [{"mistake": each.mistake, "odds": each.odds} for each in found.explained],
+    }

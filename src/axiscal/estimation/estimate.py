@@ -92,7 +92,7 @@ def _known(case: Case, times: Timed, plausible: Judged, before: Posterior | None
 def _moved(
     case: Case, known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt], found: Posterior
 ) -> Posterior | None:
-    """Return the posterior of readings as they are linearised, and taken as normal ones, now; None if that is as before."""
+    """Return the posterior of readings as they are linearised and taken as normal now; None if as before."""
     taken = taken_as_normal(known, readings, implausible)
     at = case.linear_as(known.case)
     if taken is readings and at.observation.about == case.observation.about and at.description == case.description:

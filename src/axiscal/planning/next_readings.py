@@ -27,7 +27,6 @@ from axiscal.measurement.reading import Reading
 from axiscal.planning.overrun import with_room
 from axiscal.planning.plan_basis import at_gap, in_gap
 from axiscal.planning.plane_start import plane_start
-from axiscal.planning.read_again import to_read_again
 from axiscal.record.events import Gap
 
 _CANDIDATES = 2000
@@ -51,10 +50,6 @@ def planned_places(
     beyond = _promised(limits, case, knowledge)
     if not len(task.lattice):
         return ()
-    if beyond and not left and readings:
-        once_more = [p for p in to_read_again(case, knowledge, readings) if not in_gap(case, p, gaps)]
-        if again := _within(case, readings[-1], once_more[: _few(limits)], limits.budget):
-            return again
     if beyond:
         limits = replace(limits, readings=max(_few(limits), len(left)), rms=None, worst=None)
     if begin := _first(case, task, readings, gaps):
