@@ -1,8 +1,8 @@
 """The most probable sizes, and draws of those that readings leave possible.
 
 In x, where the prior is standard normal, Fisher scoring climbs to the mode: (J I J + 1) step = J g − x, J = dθ/dx.
-About it stands a normal whose two halves along each principal axis have their own width, measured by two likelihoods each (as
-INLA does); 64 evenly spread points of it, four of them of the prior, carry the weights
+About it stands a normal whose two halves along each principal axis have their own width, measured by two likelihoods
+each (as INLA does); 64 evenly spread points of it, four of them of the prior, carry the weights
 
     w ∝ L(θ) φ(x) / (0.94 q(x) + 0.06 φ(x)),    Σ w = 1,    effective number 1/Σ w²
 """
@@ -31,6 +31,10 @@ _TOLD = 0.3
 _NARROWEST, _WIDEST = 0.5, 2.0
 _WIDE = 1.05
 _EDGE = 1e-9
+_ENOUGH = 12.0
+"""Draws that have to count where others are drawn about them."""
+_ROUND = 0.01
+"""Added to their covariance: twelve draws of ten sizes lie in a plane, nearly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,12 +68,14 @@ class Weighed:
     """Draws with their weights by some readings; those without any weight are left out.
 
     thetas : (n, k); weights : (n,), their sum is 1; given : of each; log_evidence : log p(y), up to a constant
+    every : weights of all draws, those that are left out among them
     """
 
     thetas: Array
     weights: Array
     given: tuple[Given, ...]
     log_evidence: float
+    every: Array
 
     @property
     def effective(self) -> float:
@@ -103,8 +109,7 @@ def mode(space: Space, start: Array | None = None) -> Mode:
             value, gradient, information = _pull(space, x)
         else:
             damped = max(_MORE * damped, 0.05)
-    covariance: Array = np.linalg.inv(information)
-    return Mode(x, covariance, value)
+    return Mode(x, np.asarray(np.linalg.inv(information), dtype=float), value)
 
 
 def _pull(space: Space, x: Array) -> tuple[float, Array, Array]:
@@ -134,6 +139,22 @@ def draws(space: Space, best: Mode, count: int = COUNT) -> Draws:
     proposal = -0.5 * np.sum(scaled**2, axis=1) - np.log(wings.mean(axis=0)).sum() + 0.5 * np.sum(x**2, axis=1)
     share = few / count
     return Draws(space.problem.sizes, x, np.logaddexp(np.log1p(-share) + proposal, np.log(share)))
+
+
+def redrawn(space: Space, drawn: Draws, found: Weighed, count: int = 2 * COUNT) -> Draws:
+    """Return more draws about those that carry weight, where few of the first ones did.
+
+    Their mean and covariance are taken with weights raised to a power, such that enough of them count.
+    """
+    power, spread = 1.0, found.every
+    while 1 / np.sum((spread / spread.sum()) ** 2) < _ENOUGH and power > _EDGE:
+        power /= 2
+        spread = found.every**power
+    weights = spread / spread.sum()
+    centre = weights @ drawn.x
+    apart = drawn.x - centre
+    covariance = (apart.T * weights) @ apart + _ROUND * np.eye(len(centre))
+    return draws(space, Mode(centre, covariance, _density(space, centre)), count)
 
 
 def _wings(space: Space, best: Mode, widths: Array, axes: Array) -> Array:
@@ -170,4 +191,4 @@ def weighed(space: Space, drawn: Draws) -> Weighed:
     weights /= weights.sum()
     kept = np.flatnonzero(weights > _NOTHING)
     found = tuple(each for each in (given[i] for i in kept) if each is not None)
-    return Weighed(thetas[kept], weights[kept] / weights[kept].sum(), found, evidence)
+    return Weighed(thetas[kept], weights[kept] / weights[kept].sum(), found, evidence, weights)

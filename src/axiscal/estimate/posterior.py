@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimate.agreement import Agreement, agreement
-from axiscal.estimate.draws import Draws, Mode, Weighed, draws, mode, weighed
+from axiscal.estimate.draws import Draws, Mode, Weighed, draws, mode, redrawn, weighed
 from axiscal.estimate.model import BAD
 from axiscal.estimate.problem import Problem
 from axiscal.estimate.sizes import Kind
@@ -93,6 +93,9 @@ def posterior(
             best = mode(space, None if best is None else best.x)
             drawn, stale = draws(space, best), False
             found = weighed(space, drawn)
+            if found.effective < _RENEWED:
+                drawn = redrawn(space, drawn, found)
+                found = weighed(space, drawn)
         left = _left_out(mine, found)
         doubtful = {i: each.odds for i, each in left.items() if i not in accepted}
         worst = max(doubtful, key=lambda i: doubtful[i], default=None)
@@ -157,7 +160,7 @@ def _of_draw(
     sigma = np.exp(np.append(theta, 0.0))[problem.groups]
     found = []
     for mine, block in zip(parts, blocks, strict=True):
-        covariance: Array = np.linalg.inv(block)
+        covariance: Array = np.asarray(np.linalg.inv(block), dtype=float)
         residual = covariance @ weighted[mine]
         wide: Array = covariance + np.diag((BAD.size * sigma[mine]) ** 2)
         good = float(residual @ weighted[mine]) + _log_det(covariance)

@@ -1,8 +1,8 @@
 """All readings as one linear problem: y = Z z + v, z ~ N(0, D R(l) D), v ~ N(0, σ²), each over its own noise.
 
 D are the sizes and R the correlations of the unknowns; both depend on θ. What does not is applied to Z once. The
-columns stand in this order: what only readings suffer (drift, cycle, growth), rests of the cells that were visited, the errors,
-the unknowns of the set-ups. The last two are what is answered.
+columns stand in this order: what only readings suffer (drift, cycle, growth), rests of the cells that were visited,
+the errors, the unknowns of the set-ups. The last two are what is answered.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import linear_values, places_of, rows_at
 from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import eigen_root
+from axiscal.numerics.gaussian import eigen_root, lower_root
 
 _NUGGET = 1e-9
 """Added to correlations of one: long lengths make knots nearly equal, and Cholesky needs more than rounding."""
@@ -93,7 +93,7 @@ class PlaneUnknowns:
         """Return L with L Lᵀ the prior at the lengths, (1, c, c)."""
         covariance = self.plane.prior(self.plane.entry.std, self._stretch(theta))
         covariance[np.diag_indices_from(covariance)] *= 1 + _NUGGET
-        root: Array = np.linalg.cholesky(covariance)[None]
+        root: Array = lower_root(covariance)[None]
         return root
 
     def bends(self, theta: Array, roots: Array) -> Array:
