@@ -59,7 +59,7 @@ def planned_places(
     if len(coming):
         coming = renewed(task, limits, coming, patience)
     if not len(coming):
-        coming = _begun(task, limits, patience)
+        coming = _begun(task, limits, patience, case.description.usual)
     return tuple(place for place in with_rooms(case, coming) if not in_gap(case, place, gaps))
 
 
@@ -72,10 +72,10 @@ def _first(case: Case, task: Task, readings: Sequence[Reading], gaps: Sequence[G
     return tuple(place for place in places if not in_gap(case, place, gaps))
 
 
-def _begun(task: Task, limits: Limits, patience: float) -> Places:
+def _begun(task: Task, limits: Limits, patience: float, shake: bool) -> Places:
     """Return the readings of a new plan."""
     try:
-        return make_plan(task, limits, patience=patience, bounded=False).places
+        return make_plan(task, limits, patience=patience, bounded=False, shake=shake).places
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         return make_plan(task, Limits(1), patience=patience, bounded=False).places
 
