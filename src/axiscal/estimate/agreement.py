@@ -93,8 +93,7 @@ def agreement(problem: Problem, found: Weighed, z: Array) -> Agreement:
     count = len(z)
     if not count:
         return NOTHING_READ
-    squares = [float(problem.values @ given.precision(problem.values[:, None])[:, 0]) for given in found.given]
-    tails = [chi_square_tail(len(problem.values), square) for square in squares]
+    tails = [chi_square_tail(len(problem.values), given.square) for given in found.given]
     numbers = len(problem.values) / count
     largest = count * chi_square_tail(numbers, float(np.max(z**2)) * numbers)
     p = min(1.0, 2 * min(float(found.weights @ np.array(tails)), largest))

@@ -4,7 +4,9 @@ In x, where the prior is standard normal, Fisher scoring climbs to the mode: (J 
 About it stands a normal whose two halves along each principal axis have their own width, measured by two likelihoods
 each (as INLA does); 64 evenly spread points of it, four of them of the prior, carry the weights
 
-    w ∝ L(θ) φ(x) / (0.94 q(x) + 0.06 φ(x)),    Σ w = 1,    effective number 1/Σ w²
+    w ∝ L(θ) φ(x) / (15/16 q(x) + 1/16 φ(x)),    Σ w = 1,    effective number 1/Σ w²
+
+none above √n times their mean (Ionides 2008): one draw in a far tail would decide alone.
 """
 
 from __future__ import annotations
@@ -20,7 +22,8 @@ from axiscal.numerics.from_scipy import normal_quantile, normal_share
 from axiscal.numerics.spread import even_points
 
 COUNT = 64
-_FROM_PRIOR = 0.06
+_EACH = 16
+"""One draw of so many is of the prior."""
 _STEPS = 30
 _LONGEST = 1.5
 _SETTLED = 0.3
@@ -29,7 +32,7 @@ _DAMPED, _MORE, _LESS = 1e-3, 20.0, 0.2
 _TOLD = 0.3
 """Standard deviation from which on an axis is worth two likelihoods: of a smaller one the normal is enough."""
 _NARROWEST, _WIDEST = 0.5, 2.0
-_WIDE = 1.05
+_WIDE = 1.2
 _EDGE = 1e-9
 _ENOUGH = 12.0
 """Draws that have to count where others are drawn about them."""
@@ -100,7 +103,7 @@ def mode(space: Space, start: Array | None = None) -> Mode:
     for _ in range(_STEPS):
         damping = damped * np.diag(np.diagonal(information))
         step = np.linalg.solve(information + damping, gradient)
-        step *= min(1.0, _LONGEST / float(np.max(np.abs(step))))
+        step *= _LONGEST / max(_LONGEST, float(np.max(np.abs(step))))
         if float(gradient @ step) < _SETTLED * 0.1:
             break
         there = _density(space, x + step)
@@ -131,13 +134,14 @@ def draws(space: Space, best: Mode, count: int = COUNT) -> Draws:
     axes = axes * np.sign(axes[np.argmax(np.abs(axes), axis=0), np.arange(k)])
     widths = np.sqrt(np.maximum(values, 0.0))
     wings = _WIDE * _wings(space, best, widths, axes)
-    few = int(np.ceil(_FROM_PRIOR * count))
+    # one in so many is of the prior: the first ones would all lie on one side, of a single size
+    of_prior = np.arange(count) % _EACH == _EACH // 2
     points = normal_quantile(np.clip(even_points(count, k), _EDGE, 1 - _EDGE))
-    x = np.where(np.arange(count)[:, None] < few, points, best.x + _halved(points, wings) @ axes.T)
+    x = np.where(of_prior[:, None], points, best.x + _halved(points, wings) @ axes.T)
     apart = (x - best.x) @ axes
     scaled = apart / np.where(apart > 0, wings[1], wings[0])
     proposal = -0.5 * np.sum(scaled**2, axis=1) - np.log(wings.mean(axis=0)).sum() + 0.5 * np.sum(x**2, axis=1)
-    share = few / count
+    share = float(of_prior.mean())
     return Draws(space.problem.sizes, x, np.logaddexp(np.log1p(-share) + proposal, np.log(share)))
 
 
@@ -188,6 +192,7 @@ def weighed(space: Space, drawn: Draws) -> Weighed:
     logs = np.array([-np.inf if each is None else each.value for each in given]) - drawn.log_proposal
     weights = np.exp(logs - logs.max())
     evidence = float(logs.max() + np.log(weights.mean()))
+    weights = np.minimum(weights, weights.mean() * np.sqrt(len(weights)))
     weights /= weights.sum()
     kept = np.flatnonzero(weights > _NOTHING)
     found = tuple(each for each in (given[i] for i in kept) if each is not None)

@@ -13,8 +13,8 @@ of the machine: with h the regression of the unknowns on it, m += ½ h r, C += h
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,14 +22,17 @@ from numpy.typing import NDArray
 from axiscal.estimate.agreement import Agreement, agreement
 from axiscal.estimate.draws import Draws, Mode, Weighed, draws, mode, redrawn, weighed
 from axiscal.estimate.model import BAD
-from axiscal.estimate.problem import Problem
+from axiscal.estimate.problem import MOST_NUMBERS, Problem
+from axiscal.estimate.room import space_of
 from axiscal.estimate.sizes import Kind
-from axiscal.estimate.spaces import Given, space_of
+from axiscal.estimate.spaces import Given, parts_of
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 
 _ODDS = 0.01 / 0.99
 _MOST_BAD = 0.2
+_DOUBTED = 3.0
+"""Standard deviations from which on all draws are asked about one of many readings."""
 _RENEWED = 10.0
 """Effective number of draws below which they are drawn anew."""
 
@@ -88,8 +91,8 @@ def posterior(
         apart = [*never, *bad]
         mine = problem.only(~np.isin(problem.reading, apart)) if apart else problem
         space = space_of(mine)
-        found = weighed(space, drawn) if drawn is not None else None
-        if found is None or best is None or stale or found.effective < _RENEWED:
+        found = weighed(space, drawn) if drawn is not None and not stale else None
+        if found is None or best is None or found.effective < _RENEWED:
             best = mode(space, None if best is None else best.x)
             drawn, stale = draws(space, best), False
             found = weighed(space, drawn)
@@ -113,12 +116,17 @@ def posterior(
 
 def _moments(found: Weighed) -> tuple[Array, Array, Array]:
     """Return mean and covariance of the answered unknowns, and the means of the rests, over the draws."""
-    answers = [each.answer() for each in found.given]
-    mean = np.sum([w * each.mean for w, each in zip(found.weights, answers, strict=True)], axis=0)
-    covariance = np.zeros((len(mean),) * 2)
-    for weight, each in zip(found.weights, answers, strict=True):
-        apart = each.mean - mean
-        covariance += weight * (each.covariance + np.outer(apart, apart))
+    about, total = np.zeros(0), np.zeros((0, 0))
+    shift = np.zeros(0)
+    for number, (weight, given) in enumerate(zip(found.weights, found.given, strict=True)):
+        answer = given.answer()
+        if number == 0:
+            about, shift, total = answer.mean, np.zeros_like(answer.mean), np.zeros_like(answer.covariance)
+        apart = answer.mean - about  # of the first: open zeros are large beside what draws differ by
+        shift += weight * apart
+        answer.covariance[...] += np.outer(apart, apart)
+        total += np.multiply(answer.covariance, weight, out=answer.covariance)
+    mean, covariance = about + shift, total - np.outer(shift, shift)
     cells = np.sum([w * each.cells() for w, each in zip(found.weights, found.given, strict=True)], axis=0)
     return mean, covariance, cells
 
@@ -131,43 +139,54 @@ def _sizes(problem: Problem, found: Weighed) -> dict[tuple[Kind, str], float]:
 
 
 def _left_out(problem: Problem, found: Weighed) -> dict[int, LeftOut]:
-    """Return what the others expect of each reading, by its index."""
-    starts = np.flatnonzero(np.diff(problem.reading, prepend=-1))
-    parts = np.split(np.arange(len(problem.reading)), starts[1:])
-    each = [_of_draw(problem, given, theta, parts) for given, theta in zip(found.given, found.thetas, strict=True)]
+    """Return what the others expect of each reading, by its index.
+
+    Of many numbers the heaviest draw says it first, and all draws of those readings only that it doubts.
+    """
     result = dict[int, LeftOut]()
-    for place, mine in enumerate(parts):
-        residuals, covariances, ratios = zip(*(one[place] for one in each), strict=True)
-        residual = np.sum([w * r for w, r in zip(found.weights, residuals, strict=True)], axis=0)
-        spread = np.sum(
-            [
-                w * (c + np.outer(r - residual, r - residual))
-                for w, r, c in zip(found.weights, residuals, covariances, strict=True)
-            ],
-            axis=0,
+    for part in parts_of(problem.reading):
+        each = (
+            _of_draws(problem, found, part) if len(problem.values) <= MOST_NUMBERS else _of_many(problem, found, part)
         )
-        odds = _ODDS * float(found.weights @ np.exp(np.minimum(ratios, 600.0)))
-        z = float(np.sqrt(residual @ np.linalg.solve(spread, residual) / len(residual)))
-        result[int(problem.reading[mine[0]])] = LeftOut(residual, spread, odds, z)
+        result.update(zip(problem.reading[part[:, 0]].tolist(), each, strict=True))
+    return dict(sorted(result.items()))
+
+
+def _of_many(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[LeftOut]:
+    """Return what the others expect of many readings of k numbers.  part : (r, k)"""
+    heaviest = int(np.argmax(found.weights))
+    alone = replace(found, thetas=found.thetas[[heaviest]], weights=np.ones(1), given=(found.given[heaviest],))
+    result = _of_draws(problem, alone, part)
+    doubted = [i for i, each in enumerate(result) if each.z > _DOUBTED]
+    if doubted:
+        for i, each in zip(doubted, _of_draws(problem, found, part[doubted]), strict=True):
+            result[i] = each
     return result
 
 
-def _of_draw(
-    problem: Problem, given: Given, theta: Array, parts: Sequence[NDArray[np.intp]]
-) -> list[tuple[Array, Array, float]]:
-    """Return residual, covariance and log ratio of bad over good of each reading at one draw."""
-    weighted, blocks = given.left_out()
-    sigma = np.exp(np.append(theta, 0.0))[problem.groups]
-    found = []
-    for mine, block in zip(parts, blocks, strict=True):
-        covariance: Array = np.asarray(np.linalg.inv(block), dtype=float)
-        residual = covariance @ weighted[mine]
-        wide: Array = covariance + np.diag((BAD.size * sigma[mine]) ** 2)
-        good = float(residual @ weighted[mine]) + _log_det(covariance)
-        bad = float(residual @ np.linalg.solve(wide, residual)) + _log_det(wide)
-        found.append((residual, covariance, 0.5 * (good - bad)))
-    return found
+def _of_draws(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[LeftOut]:
+    """Return what the others expect of readings of k numbers each, over all draws.  part : (r, k)"""
+    each = [_of_draw(problem, given, theta, part) for given, theta in zip(found.given, found.thetas, strict=True)]
+    residuals, covariances, ratios = (np.array(one) for one in zip(*each, strict=True))
+    residual = np.einsum("n,nrk->rk", found.weights, residuals)
+    apart = residuals - residual
+    spread = np.einsum("n,nrkl->rkl", found.weights, covariances + apart[..., :, None] * apart[..., None, :])
+    odds = _ODDS * found.weights @ np.exp(np.minimum(ratios, 600.0))
+    squares = np.sum(residual * np.linalg.solve(spread, residual[..., None])[..., 0], axis=1) / part.shape[1]
+    return [LeftOut(*one) for one in zip(residual, spread, odds.tolist(), np.sqrt(squares).tolist(), strict=True)]
 
 
-def _log_det(matrix: Array) -> float:
-    return float(np.linalg.slogdet(matrix)[1])
+def _of_draw(problem: Problem, given: Given, theta: Array, part: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+    """Return residuals (r, k), covariances (r, k, k) and log ratios of bad over good (r,) of readings at one draw."""
+    weighted, blocks = given.left_out(part)
+    covariances: Array = np.asarray(np.linalg.inv(blocks), dtype=float)
+    residuals = (covariances @ weighted[..., None])[..., 0]
+    sigma = np.exp(np.append(theta, 0.0))[problem.groups[part]]
+    wide = covariances + (BAD.size * sigma[:, :, None]) ** 2 * np.eye(part.shape[1])
+    inner = np.sum(residuals * np.linalg.solve(wide, residuals[..., None])[..., 0], axis=1)
+    gain = np.sum(residuals * weighted, axis=1) - inner - _log_dets(blocks) - _log_dets(wide)
+    return residuals, covariances, np.asarray(0.5 * gain)
+
+
+def _log_dets(matrices: Array) -> Array:
+    return np.asarray(np.linalg.slogdet(matrices)[1])

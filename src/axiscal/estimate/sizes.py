@@ -3,7 +3,7 @@
 θ = f q(x), x ~ N(0, 1), q the quantile of Student's t of four degrees. In x the prior is exactly normal, so a size of
 which readings tell nothing is drawn exactly. With the tail p = Φ(−|x|) and α = 4 p (1 − p) (Shaw 2006, eq. 37)
 
-    q = ±2 √( cos(⅓ arccos √α)/√α − 1 )
+    q = ±2 √( cos(⅓ φ)/√α − 1 ) = ±2 √( 2 sin(⅔ φ) sin(⅓ φ)/√α ),    φ = arccos √α
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ from axiscal.numerics.from_scipy import normal_share
 Kind = Literal["std", "length", "rest", "reversal", "together", "drift", "cycle", "growth", "noise"]
 _FARTHEST = 7.0
 """Of |θ|, a factor of a thousand: beyond it lies nothing but overflow."""
+_FARTHEST_X = 30.0
+"""Of |x|: its tail of 1e-197 still has a power of 2.5."""
 
 
 class Size(NamedTuple):
@@ -63,11 +65,11 @@ class Sizes:
 
     def at(self, x: Array) -> tuple[Array, Array]:
         """Return θ and dθ/dx, (..., k) each.  x : (..., k)"""
-        tail = normal_share(-np.abs(x))
-        root = np.sqrt(np.maximum(4 * tail * (1 - tail), np.finfo(float).tiny))
-        square = np.cos(np.arccos(np.minimum(root, 1.0)) / 3) / root - 1
-        quantile = 2 * np.sqrt(np.maximum(square, 0.0))
-        density = 0.375 * (1 + quantile**2 / 4) ** -2.5
-        slope = self.spreads * np.exp(-0.5 * x**2) / np.sqrt(2 * np.pi) / density
-        theta = self.spreads * np.sign(x) * quantile
+        near = np.minimum(np.abs(x), _FARTHEST_X)
+        tail = normal_share(-near)
+        root = np.sqrt(4 * tail * (1 - tail))
+        third = np.arctan2(1 - 2 * tail, root) / 3  # the arc cosine of the root, but exact near x = 0 as well
+        theta = self.spreads * np.sign(x) * 2 * np.sqrt(2 * np.sin(2 * third) * np.sin(third) / root)
+        density = 0.375 * (root / np.cos(third)) ** 2.5  # since 1 + q²/4 = cos ⅓φ / √α
+        slope = self.spreads * np.exp(-0.5 * near**2) / np.sqrt(2 * np.pi) / density
         return np.clip(theta, -_FARTHEST, _FARTHEST), np.where(np.abs(theta) < _FARTHEST, slope, 0.0)

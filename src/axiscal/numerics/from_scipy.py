@@ -154,10 +154,25 @@ def products_of_rows(
     return found.row[kept].astype(np.intp), found.col[kept].astype(np.intp), found.data[kept]
 
 
+def root_in_place(matrix: Array) -> Array | None:
+    """Return F with F Fᵀ the symmetric matrix that has this lower triangle, (n, n); None where it has none.
+
+    matrix : (n, n), in rows; its memory becomes that of F
+    """
+    if not matrix.size:
+        return matrix
+    upper, fault = _function("scipy.linalg.lapack", "dpotrf")(matrix.T, lower=0, overwrite_a=1)
+    root: Array | None = None if fault else upper.T
+    return root
+
+
 def inverse_of_product(lower: Array) -> Array:
     """Return (L Lᵀ)⁻¹, (n, n).  lower : (n, n), lower triangular"""
-    half = np.tril(_function("scipy.linalg.lapack", "dpotri")(lower, lower=1)[0])
-    result: Array = half + np.tril(half, -1).T
+    if not lower.size:
+        return lower.copy()  # which LAPACK refuses
+    # what stands in rows is the transpose of what LAPACK reads in columns: without a copy its upper triangle
+    half = np.triu(_function("scipy.linalg.lapack", "dpotri")(lower.T, lower=0)[0])
+    result: Array = half + np.triu(half, 1).T
     return result
 
 
