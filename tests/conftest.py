@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import settings
 
 from tests import shapes
+
+if TYPE_CHECKING:
+    from tests.web.browser import Browser
 
 os.environ["AXISCAL_PROGRESS"] = "off"  # what commands say in tests does not hang on how long they take
 shapes.install()  # before anything of the package is loaded
@@ -25,6 +29,15 @@ def _one_thread() -> Iterator[None]:
 
     with one_thread():
         yield
+
+
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    """Chromium, one for all tests that look at pages."""
+    from tests.web.browser import Browser
+
+    with Browser(tmp_path_factory.mktemp("chromium")) as running:
+        yield running
 
 
 def _skipped(config: pytest.Config) -> list[str]:

@@ -25,6 +25,8 @@ from axiscal.measurement.place import Places
 from axiscal.simulation import Simulator
 from tests.generators import touched_table as table
 
+pytestmark = pytest.mark.long
+
 SEED = 3
 CONTROL = "linuxcnc-volumetric"
 CAMPAIGN = table.CAMPAIGN.replace("\n\n[target]", '\ntool_length = "1 um"\ntool_eccentricity = "0.5 um"\n\n[target]')

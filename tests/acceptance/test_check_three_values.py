@@ -26,6 +26,8 @@ from axiscal.simulation import Simulator
 from tests.acceptance.test_verification import MACHINE
 from tests.generators.reaches import reach_of
 
+pytestmark = pytest.mark.long
+
 NEAR = '[[setups]]\nname = "nest"\ninstrument = "tracker"\nnoise = "0.4 um"\nstation = ["0 mm", "-900 mm", "0 mm"]\n'
 TRACKER = '[[setups]]\nname = "afar"\ninstrument = "tracker"\nnoise = "1 um"\nstation = ["0 mm", "-900 mm", "0 mm"]\n'
 PROBE = '[[setups]]\nname = "along y"\ninstrument = "probe"\ndirection = "y"\nnoise = "0.4 um"\n' + reach_of(MACHINE)

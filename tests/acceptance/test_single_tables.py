@@ -25,6 +25,8 @@ from axiscal.simulation import Simulator, VirtualMachine
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
 
+pytestmark = pytest.mark.long
+
 MACHINE = machine_text(
     "w-X'-b-Y-Z-t",
     {"X": (0, 300), "Y": (0, 200), "Z": (0, 150)},

@@ -123,6 +123,7 @@ def readings(truth: VirtualMachine, places: Places, control: Control | None, see
     )
 
 
+@pytest.mark.long
 def test_places_are_new_apart_and_of_both_kinds(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
     estimate, used, control = state
     chosen = plan_check(estimate, description().setups, candidates(), used, control, 12)
@@ -205,6 +206,7 @@ def test_growth_that_is_known_is_not_taken_for_a_deviation(
     assert other.left == pytest.approx(one.left, abs=1e-12)
 
 
+@pytest.mark.long
 def test_agreement_is_as_frequent_as_it_says(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
     """On machines drawn from the belief itself p is uniform: below 0.1 one time in ten."""
     estimate, used, control = state

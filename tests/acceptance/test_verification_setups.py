@@ -139,6 +139,7 @@ def test_as_found_values_that_are_nonsense_do_not_pass(factor: float) -> None:
     assert "contradict" in told
 
 
+@pytest.mark.long
 def test_the_change_is_as_unlikely_as_it_says() -> None:
     """Readings with the tables, of fresh noise each time: p below 0.1 one time in ten."""
     results = [judged(readings(s), readings(s + 1000, tables=1.0), Unknown("growth", 1e-9)).changed for s in range(300)]

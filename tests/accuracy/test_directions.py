@@ -146,6 +146,7 @@ def test_directions_that_are_none_are_refused(line: str) -> None:
         described(line)
 
 
+@pytest.mark.long
 def test_plan_run_and_files_of_a_bed_say_that_the_height_counts(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -115,6 +115,7 @@ def test_the_covariances_at_the_poses_have_the_variances_as_traces(tmp_path: Pat
     assert traces == pytest.approx(case.yardstick.variances(factor), rel=1e-9)
 
 
+@pytest.mark.long
 def test_u_holds_95_percent_of_the_deviations_left_on_virtual_machines(tmp_path: Path) -> None:
     """Each machine's deviations less the estimate, the shift that the laser's zero hides taken off, within U."""
     case = _case(tmp_path)

@@ -22,6 +22,7 @@ mpmath = pytest.importorskip("mpmath")  # untyped: Any
 GOLDEN = Path(__file__).resolve().parents[1] / "golden"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("case", "limit"), list(zip(CASES, LIMITS, strict=True)))
 def test_twenty_thousand_updates_keep_their_digits(case: tuple[float, float], limit: float) -> None:
     """A million: `python -m tests.certify.belief`."""
@@ -31,6 +32,7 @@ def test_twenty_thousand_updates_keep_their_digits(case: tuple[float, float], li
     assert verdict.bad == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("updates", [1, 63, 64, 1000])
 def test_the_reference_is_reached_from_the_first_reading_on(updates: int) -> None:
     verdict = judged(*CASES[1], updates=updates, seed=updates)
@@ -92,6 +94,7 @@ def test_sequential_is_the_batch_formula() -> None:
     assert np.abs(found.covariance - (c - gain @ rows @ c)).max() < 1e-10 * np.abs(found.covariance).max()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("decades", range(0, 13, 2))
 @pytest.mark.parametrize("size", [3, 30])
 def test_random_models_agree_with_eighty_digits(size: int, decades: int) -> None:

@@ -87,6 +87,7 @@ def test_kernel_poses_the_same_problem(posed: Posed, seed: int) -> None:
         assert not features(features.nothing).any()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("posed", EVERY, ids=lambda posed: f"{posed.case.letter}-{posed.criterion}")
 def test_our_pick_gains_at_least_what_random_candidates_gain(posed: Posed) -> None:
     pick, random_pick = ours.picker(posed), random_candidates.picker(posed)
@@ -97,6 +98,7 @@ def test_our_pick_gains_at_least_what_random_candidates_gain(posed: Posed) -> No
         taken = np.concatenate([taken, other[None]])
 
 
+@pytest.mark.long
 def test_our_adapters_choose_what_they_say() -> None:
     posed = Posed(CASES[0], "joint")
     listed = ours.candidate_picker(posed)

@@ -112,6 +112,7 @@ def _endless(monkeypatch: pytest.MonkeyPatch, body: str) -> None:
     monkeypatch.setattr(subprocess, "Popen", start)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("body", ["while True: pass", "import time; time.sleep(60)"])
 def test_the_limit_of_time_ends_a_process(monkeypatch: pytest.MonkeyPatch, body: str) -> None:
     _endless(monkeypatch, body)
@@ -124,6 +125,7 @@ def test_the_limit_of_memory_ends_a_process(monkeypatch: pytest.MonkeyPatch) -> 
     assert sorry == "ended beyond 0.05 GB"
 
 
+@pytest.mark.long
 def test_the_plain_baseline_runs_and_is_kept(tmp_path: Path) -> None:
     outcome = runner.run(rival_of("numpy"), Posed(CASES[0], "joint"), Bounds(120.0))
     assert not outcome.sorry

@@ -124,6 +124,7 @@ def ignore(milestone: Milestone) -> None:
     pass
 
 
+@pytest.mark.long
 def test_a_target_of_u_is_reached_when_the_u_that_is_promised_is_within_it(start: Start) -> None:
     """Not before 1.96 standard uncertainties of the model are; and with departures and scales averaged over."""
     campaign = start('U = "6 um"\nunchecked = "allow"')

@@ -123,13 +123,13 @@ def test_whether_causes_compete_is_not_asked_of_the_first_readings(
 
 def test_each_answer_is_found_once_for_the_same_readings(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with Campaign.open(record) as campaign:
-        first = campaign.status(), campaign.standing(), campaign.watched(), campaign.ruled()
+        first = campaign.status(), campaign.reached(), campaign.watched(), campaign.ruled()
         for name in ("concluded", "ruled", "standing", "watched_so_far", "contest"):
             monkeypatch.setattr(knowing, name, None)
-        assert (campaign.status(), campaign.standing(), campaign.watched(), campaign.ruled()) == first
+        assert (campaign.status(), campaign.reached(), campaign.watched(), campaign.ruled()) == first
         campaign.undo()
         with pytest.raises(TypeError):  # of other readings they say nothing
-            campaign.standing()
+            campaign.reached()
 
 
 @pytest.mark.parametrize("scales", SCALES)

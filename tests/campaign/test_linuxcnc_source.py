@@ -24,6 +24,7 @@ direction = "x"
 """
 
 
+@pytest.mark.long
 def test_without_linuxcnc_it_says_what_to_install(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

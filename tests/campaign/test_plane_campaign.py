@@ -35,6 +35,7 @@ noise = "2 um"
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scales", ["stated", "estimate"])
 def test_a_virtual_bed_is_planned_read_and_estimated(scales: str, tmp_path: Path) -> None:
     (tmp_path / "machine.toml").write_text(MACHINE)

@@ -81,6 +81,7 @@ def test_an_absurd_value_is_not_recorded(value: float, tmp_path: Path) -> None:
         assert campaign.state.readings == ()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("std", [0.0, -1e-6, 9e-11, 1e-300])
 def test_a_standard_deviation_that_no_reading_has_is_not_recorded(std: float, tmp_path: Path) -> None:
     """One of 1e-9 um was, and each command after it ended with a defect."""

@@ -223,6 +223,7 @@ def _state(child: Path) -> str:
         return "Z"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("where", ["stdout", "stderr"])
 def test_a_flood_is_bounded(
     where: str, opened: Opened, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tests.certify import endings
 
 
@@ -11,6 +13,7 @@ def test_a_target_that_a_plan_reaches_is_reached() -> None:
     assert found.reached
 
 
+@pytest.mark.long
 def test_ten_readings_more_do_not_bring_what_no_reading_can() -> None:
     found = endings.infeasible(3)
     assert found is not None

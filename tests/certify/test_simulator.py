@@ -93,6 +93,7 @@ def test_an_axis_that_does_not_come_is_seen() -> None:
     assert "comes over" in faults(APART, np.tile(trace.poses[-1], (len(trace.poses), 1)))
 
 
+@pytest.mark.long
 @pytest.mark.linuxcnc
 @pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed")
 @pytest.mark.parametrize("seed", [1, BAR])

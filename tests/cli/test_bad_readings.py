@@ -51,6 +51,7 @@ def _table(folder: Path, seed: int, column: str, factor: float, count: int = 20)
     return path
 
 
+@pytest.mark.long
 def test_a_source_that_slips_to_mm_is_stopped_and_its_reading_kept(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -67,6 +68,7 @@ def test_a_source_that_slips_to_mm_is_stopped_and_its_reading_kept(
         assert np.max(np.abs(kept.concluded().knowledge.belief.mean[:21])) < 50e-6
 
 
+@pytest.mark.long
 def test_one_value_typed_in_mm_is_flagged_at_once_and_stays_so(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -63,6 +63,7 @@ def test_a_record_takes_a_log_once_and_says_what_lacks(log: Path, capsys: pytest
     assert run(["record", "one.axiscal", "1 um", "--log", str(log)]) == 2
 
 
+@pytest.mark.long
 def test_programs_with_a_log_are_written_by_the_command(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

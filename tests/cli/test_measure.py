@@ -125,6 +125,7 @@ noise = "1 um"
 )
 
 
+@pytest.mark.long
 def test_a_set_up_is_left_and_the_plan_goes_on_without_it(tmp_path: Path) -> None:
     (tmp_path / "campaign.toml").write_text(TWO_SETUPS)
     start = [sys.executable, "-m", "axiscal.cli", "start", "campaign.toml", "mill.axiscal"]
@@ -146,6 +147,7 @@ def test_a_set_up_is_left_and_the_plan_goes_on_without_it(tmp_path: Path) -> Non
         assert [(gap.reason, gap.whole) for gap in campaign.state.skipped] == [("no", True), ("nor this one", True)]
 
 
+@pytest.mark.long
 def test_stopping_says_what_the_tables_would_reach_and_asks_first(folder: Path) -> None:
     terminal = Terminal(folder)
     terminal.until(STANDS)
@@ -169,6 +171,7 @@ def test_stopping_says_what_the_tables_would_reach_and_asks_first(folder: Path) 
         assert campaign.state.finished == "ended by the operator"
 
 
+@pytest.mark.long
 def test_a_campaign_of_the_five_axis_machine_from_the_prompt_alone(tmp_path: Path) -> None:
     begun(tmp_path, {"campaign.toml": TWO_SPHERES}, ("start", "campaign.toml", "mill.axiscal"))
     terminal = Terminal(tmp_path)
@@ -188,6 +191,7 @@ def test_a_campaign_of_the_five_axis_machine_from_the_prompt_alone(tmp_path: Pat
     assert (tmp_path / "mill-results" / "report.html").is_file()
 
 
+@pytest.mark.long
 def test_the_prompt_speaks_german(folder: Path) -> None:
     terminal = Terminal(folder, "--language", "de")
     assert "das Messgerät aufbauen (Laserinterferometer)" in terminal.until("Eingabetaste, wenn es steht, oder ? > ")
@@ -218,6 +222,7 @@ def test_a_number_before_the_set_up_stands_is_no_reading(folder: Path) -> None:
     assert kept(folder) == []
 
 
+@pytest.mark.long
 def test_a_pause_goes_on_where_it_was_and_does_not_mount_again(folder: Path) -> None:
     first = Terminal(folder)
     first.until(STANDS)
@@ -237,6 +242,7 @@ def test_a_pause_goes_on_where_it_was_and_does_not_mount_again(folder: Path) -> 
     assert kept(folder) == [2.0]
 
 
+@pytest.mark.long
 def test_a_question_that_another_program_has_answered_is_not_answered_twice(folder: Path) -> None:
     terminal = Terminal(folder)
     terminal.until(STANDS)
@@ -256,6 +262,7 @@ def test_a_question_that_another_program_has_answered_is_not_answered_twice(fold
     assert terminal.ended() == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("blow", [signal.SIGKILL, signal.SIGHUP])
 def test_what_was_said_to_be_on_the_disk_is_there_after_a_kill(folder: Path, blow: signal.Signals) -> None:
     terminal = Terminal(folder)

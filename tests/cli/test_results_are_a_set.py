@@ -138,6 +138,7 @@ def test_results_may_be_written_where_one_stands(folder: Path) -> None:
     assert Path("report.html").exists()
 
 
+@pytest.mark.long
 def test_a_run_goes_on_in_the_record_whose_results_it_wrote(folder: Path) -> None:
     assert run(["run", "campaign.toml", "--source", "sim:3", "--out", "out"]) == 0
     assert run(["undo", "out/campaign.axiscal"]) == run(["undo", "out/campaign.axiscal"]) == 0
@@ -146,6 +147,7 @@ def test_a_run_goes_on_in_the_record_whose_results_it_wrote(folder: Path) -> Non
     agreed(folder / "out")
 
 
+@pytest.mark.long
 def test_results_written_beside_their_record_say_what_its_status_says(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -179,6 +181,7 @@ def test_a_full_disk_leaves_the_earlier_results(
     assert not beside(folder)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("source", ["csv:nowhere.csv", "exec:./nothing-here", "nonsense"])
 def test_a_source_that_cannot_be_opened_leaves_nothing_in_the_way(folder: Path, source: str) -> None:
     assert run(["run", "campaign.toml", "--source", source, "--out", "out"]) != 0
@@ -186,6 +189,7 @@ def test_a_source_that_cannot_be_opened_leaves_nothing_in_the_way(folder: Path, 
     assert run(["run", "campaign.toml", "--source", "sim:3", "--out", "out"]) == 0
 
 
+@pytest.mark.long
 def test_a_run_that_ended_before_its_first_reading_is_begun_anew(folder: Path) -> None:
     assert run(["run", "campaign.toml", "--source", "exec:false", "--out", "out"]) == 1
     (folder / "campaign.toml").write_text(CAMPAIGN.replace("readings = 4", "readings = 3"))

@@ -31,6 +31,7 @@ def _rows(folder: Path) -> list[tuple[str, str, str]]:
         return list(database.execute("SELECT key, result, error FROM cases ORDER BY key"))
 
 
+@pytest.mark.long
 def test_processes_give_the_bytes_that_one_gives_and_what_is_there_is_not_computed_again(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -85,6 +86,7 @@ def test_a_scheduler_beside_workers_is_wrong_usage(tmp_path: Path) -> None:
     assert run(["study", str(written(tmp_path)), "--workers", "2", "--scheduler", "tcp://127.0.0.1:9"]) == 2
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="needs SIGINT of another process")
 def test_ctrl_c_ends_at_once_and_keeps_what_is_done(tmp_path: Path) -> None:
     file, out = written(tmp_path, STUDY.replace("machines = 2", "machines = 400")), tmp_path / "out"

@@ -22,6 +22,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.long
 def test_learn_explain_and_a_campaign_by_the_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file, page = folder / "slide.type.json", folder / "slide.html"
     assert run(["type", "learn", str(folder / "records"), "--out", str(file), "--page", str(page), "--json"]) == 0
@@ -37,6 +38,7 @@ def test_learn_explain_and_a_campaign_by_the_file(folder: Path, capsys: pytest.C
     assert run(["start", str(folder / "campaign.toml"), str(folder / "new.axiscal"), "--json"]) == 0
 
 
+@pytest.mark.long
 def test_a_record_carries_what_its_sisters_taught(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["start", str(folder / "campaign.toml"), str(folder / "new.axiscal"), "--json"]) == 0
     for record in (folder / "records").iterdir():
@@ -60,6 +62,7 @@ def test_two_priors_and_a_damaged_type_are_sentences(folder: Path, capsys: pytes
     assert "axiscal type learn" in " ".join(capsys.readouterr().err.split())
 
 
+@pytest.mark.long
 def test_virtual_sisters_fill_a_folder_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "campaign.toml").write_text(CAMPAIGN.format(first="").replace('rms = "2 um"', "readings = 6"))
     command = ["type", "rehearse", str(folder / "campaign.toml"), "--machines", "2", "--out", str(folder / "virtual")]

@@ -42,6 +42,7 @@ def seen(campaign: CampaignDescription, pose: Array) -> tuple[float, float]:
     return far, math.degrees(math.acos(towards[0] / far))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("instrument", ["tracker", "tracer"])
 def test_a_reading_is_asked_for_only_where_it_is_seen(instrument: str) -> None:
     campaign = described('range = ["1.2 m", "1.5 m"]\nfaces = "x"\nsight = "50 deg"', instrument)

@@ -20,6 +20,7 @@ def problem(seed: int) -> Problem:
     return random_problem(np.random.default_rng(seed))
 
 
+@pytest.mark.long
 def test_the_step_reaches_the_certified_gain(record_property: Callable[[str, object], None]) -> None:
     verdicts = [judged(problem(seed)) for seed in range(20_000, 20_000 + CASES)]
     record_property("certified one-joint cases", len(verdicts))

@@ -67,6 +67,7 @@ def lengths(observation: Observation, poses: Array, approaches: Array, reach: Ar
     return total
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", CASES)
 def test_no_reading_is_above_the_bound_and_one_is_near_it(name: str) -> None:
     found, gap = case(name), 0.02
@@ -84,6 +85,7 @@ def test_no_reading_is_above_the_bound_and_one_is_near_it(name: str) -> None:
     assert setup.chart.feasible(largest.places.poses).all()
 
 
+@pytest.mark.long
 def test_a_level_that_nothing_reaches_is_what_is_said() -> None:
     found = case("a ball held")
     reach = along(found.observation, 1)

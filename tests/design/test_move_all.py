@@ -112,6 +112,7 @@ def test_what_stands_on_a_raster_stays() -> None:
     assert moved(asked.state, places) is places
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("instrument", ["rtest", "sphere"])
 def test_readings_on_a_chart_move_along_its_coordinates_and_can_still_be_taken(instrument: str) -> None:
     text = f'''

@@ -30,6 +30,7 @@ def with_zeros(std: float, candidates: int, instrument: str = "indicator") -> Ta
     return problem(asked.observation.machine, (first, second), candidates)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("std", [1e-6, 3e-5, 1e-3])
 @pytest.mark.parametrize("instrument", ["indicator", "rtest"])
 @pytest.mark.parametrize("readings", [1, 2, 3])

@@ -32,6 +32,7 @@ def test_seven_readings_on_seven_knots_anywhere() -> None:
     assert plan.value / proof.bound.value == pytest.approx(1.056, abs=3e-3)
 
 
+@pytest.mark.long
 def test_three_stacked_splines_cannot_be_measured_better() -> None:
     asked = splines(3, 7, 0.01, 500)
     plan = make_plan(asked, Limits(readings=20), bounded=False)
@@ -39,6 +40,7 @@ def test_three_stacked_splines_cannot_be_measured_better() -> None:
     assert 1.0 <= plan.value / proof.bound.value < 1.005
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(5))
 def test_no_random_plan_is_below_it(seed: int) -> None:
     generator = np.random.default_rng(seed)
@@ -63,6 +65,7 @@ def plates(rest: float = 0.0) -> Task:
     return problem(machine, setups, 400)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rest", [0.0, 1e-6])
 def test_no_search_beats_a_proof_with_several_set_ups_sides_and_a_raster(rest: float) -> None:
     asked = plates(rest)
@@ -117,6 +120,7 @@ def test_lever_arms_are_refused() -> None:
         prove(asked.state, asked.lattice, asked.lattice.at(0))
 
 
+@pytest.mark.long
 def test_a_proof_that_closes_no_more_ends_with_the_gap_that_is_left() -> None:
     asked = plates()
     plan, rounds = make_plan(asked, Limits(readings=9), bounded=False), list[str]()

@@ -25,6 +25,7 @@ def _asked(text: str) -> Task:
     return problem(machine, (probe(machine),), 300)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("text", [WARPED, LEVERED], ids=["a plane", "with lever arms"])
 def test_the_bound_lies_below_every_plan_and_is_closed(text: str) -> None:
     asked = _asked(text)

@@ -90,13 +90,14 @@ def test_after_a_reading_elsewhere_no_worse_than_what_was_left_and_about_as_good
 
 
 def test_a_rejected_reading_is_made_up_for_where_an_accuracy_is_asked_for() -> None:
-    target = 0.55 * ASKED.yardstick.measure(ASKED.belief).seen
+    before = ASKED.yardstick.measure(ASKED.belief)
+    target = before.floor + 0.55 * (before.rms - before.floor)
     limits = Limits(readings=60, rms=target)
     plan = make_plan(ASKED, limits, patience=0.0, bounded=False)
     assert plan.met
     half = len(plan.places) // 2
-    before, bad = taken(ASKED, part(plan.places, 0, half)), plan.places.at(half)
-    without = taken(before, bad, believed=False)
+    first, bad = taken(ASKED, part(plan.places, 0, half)), plan.places.at(half)
+    without = taken(first, bad, believed=False)
     rest = renewed(without, limits, part(plan.places, half + 1))
     assert limits.met(ASKED.yardstick.measure(taken(without, rest).belief))
     assert len(rest) >= len(part(plan.places, half + 1))
@@ -106,8 +107,8 @@ def test_what_came_to_be_too_much_is_left_out() -> None:
     after = taken(ASKED, part(PLAN, 0, 4))
     assert len(renewed(after, Limits(readings=6), part(PLAN, 4))) == 6
     assert len(renewed(after, Limits(readings=12), part(PLAN, 4))) == 12
-    known = after.yardstick.measure(taken(after, part(PLAN, 4)).belief).seen
-    enough = renewed(after, Limits(readings=10, rms=1.2 * known), part(PLAN, 4))
+    known = after.yardstick.measure(taken(after, part(PLAN, 4)).belief)
+    enough = renewed(after, Limits(readings=10, rms=1.2 * known.rms), part(PLAN, 4))
     assert len(enough) < 10
 
 

@@ -52,6 +52,7 @@ def _plan(asked: Task, readings: int) -> Plan:
     return make_plan(asked, Limits(readings=readings), bounded=False)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", TASKS)
 def test_other_last_bits_make_the_same_plan(name: str) -> None:
     asked, readings = TASKS[name]
@@ -65,6 +66,7 @@ def test_other_last_bits_make_the_same_plan(name: str) -> None:
         assert other.value == pytest.approx(plan.value, rel=1e-7)
 
 
+@pytest.mark.long
 def test_two_axes_that_are_alike_may_still_be_planned_otherwise_and_hardly_worse() -> None:
     """Where both axes can change places as well, a step refused by a hair leads elsewhere; J to 0.2 % so far."""
     asked = splines(2, 5, 0.1)
@@ -72,6 +74,7 @@ def test_two_axes_that_are_alike_may_still_be_planned_otherwise_and_hardly_worse
     assert [_plan(_turned(asked, seed), 10).value for seed in range(4)] == pytest.approx([plan.value] * 4, rel=5e-3)
 
 
+@pytest.mark.long
 def test_the_number_of_threads_does_not_count() -> None:
     found = []
     for threads in (1, 2):

@@ -86,6 +86,7 @@ def gains_along(case: Case, scorer: Scorer, climb: ChartClimb, number: int, valu
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", CASES)
 def test_nowhere_along_a_coordinate_is_there_a_better_reading(name: str) -> None:
     case, scorer, lattice = begun(name)
@@ -117,6 +118,7 @@ def test_pieces_are_all_that_can_be_taken() -> None:
         assert np.mean(taken != within) < 1e-3
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", CASES)
 def test_the_best_step_is_a_pose_that_can_be_taken_and_no_other_that_was_tried_is_better(name: str) -> None:
     case, scorer, lattice = begun(name)

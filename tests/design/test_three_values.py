@@ -69,6 +69,7 @@ def _falls(asked: Task, places: Places, pool: Pool, indices: Array) -> Array:
     return np.array([before - dense_value(asked, Places.joined([places, pool.lattice.at(int(i))])) for i in indices])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("three", "beams"), [((0,), {}), ((1,), {}), ((0, 1), {}), ((0,), {1: 4}), ((1,), {0: 2}), ((), {0: 2, 1: 4})]
 )
@@ -170,6 +171,7 @@ def test_no_plan_of_three_values_is_below_its_bound(three: tuple[int, ...]) -> N
         assert dense_value(asked, chosen) >= bound.value
 
 
+@pytest.mark.long
 def test_a_plan_knows_that_each_reading_brings_three_values() -> None:
     """Along the diagonal alone it would take about three times as many."""
     asked = mixed(200, (0, 1))

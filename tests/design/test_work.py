@@ -52,6 +52,7 @@ PATHS: dict[str, tuple[Callable[[], object], int]] = {
 """What is done, and how many calls it took when this was written, with a few more."""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", PATHS)
 def test_the_main_paths_ask_for_no_more_than_they_did(name: str) -> None:
     work, most = PATHS[name]

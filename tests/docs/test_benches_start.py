@@ -15,6 +15,7 @@ BENCHES = DOCS.parent / "benchmarks"
 OF_OURS = [path for path in sorted(BENCHES.glob("bench_*.py")) if "from benchmarks" in path.read_text(encoding="utf-8")]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("path", OF_OURS, ids=lambda path: path.stem)
 def test_a_bench_that_shares_with_others_finds_them_from_any_folder(path: Path, tmp_path: Path) -> None:
     """As the interpreter starts a script: its own folder is the first that modules are looked for in."""

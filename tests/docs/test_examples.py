@@ -23,7 +23,12 @@ _NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 ROTARY = Path(__file__).resolve().parents[3] / "shared" / "data" / "rotary" / "spindle_runout_fixed_z.csv"
 
 
-@pytest.fixture(scope="module", params=EXAMPLES, ids=lambda path: path.stem)
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param(path, id=path.stem, marks=() if path == EXAMPLES[0] else pytest.mark.long) for path in EXAMPLES
+    ],
+)
 def example(request: pytest.FixtureRequest) -> tuple[Path, dict[str, Any]]:
     """Return each example with what it finds."""
     return request.param, found(request.param)

@@ -29,6 +29,7 @@ def test_the_page_has_every_story() -> None:
         assert told(path)[2] in text, "run `make docs`"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("cell", [c for c in CELLS if c["cell_type"] == "code"], ids=lambda cell: str(cell["id"]))
 def test_a_cell_runs_and_shows_its_picture(
     cell: dict[str, Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

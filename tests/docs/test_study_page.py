@@ -13,6 +13,7 @@ from tests.docs.howtos import DOCS, follow
 PAGE = DOCS / "study.md"
 
 
+@pytest.mark.long
 def test_the_example_gives_an_answer_to_each_question_that_is_answered_there(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

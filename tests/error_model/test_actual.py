@@ -99,6 +99,7 @@ def test_no_machine_is_farther_from_linear_along_a_direction_than_its_bound(name
     _held_along(model, rng, factor)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(12))
 def test_nor_is_a_made_up_machine(seed: int) -> None:
     _held_along(ErrorModel(random_machine(seed)), np.random.default_rng(seed), 5.0)

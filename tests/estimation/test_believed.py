@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from axiscal.demo.five_axis import description
 from axiscal.description.campaign import campaign_from_texts
@@ -45,6 +46,7 @@ approach = "both"
 """
 
 
+@pytest.mark.long
 def test_a_probe_that_evens_out_both_sides_needs_none_of_the_linear_axes() -> None:
     case = Case(description())
     setup = next(each for each in case.description.setups if each.mean_sides)

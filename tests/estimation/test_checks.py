@@ -41,6 +41,7 @@ def test_the_square_is_that_of_the_four_readings_that_cost_least_predicted_from_
     assert found.found**2 * 4 == pytest.approx(float(errors @ np.linalg.solve(spread, errors)), rel=1e-4)
 
 
+@pytest.mark.long
 def test_promises_that_are_right_are_missed_by_chance_only() -> None:
     chances = [_chance(seed, 0.0) for seed in range(60)]
     assert sum(chance < 0.05 for chance in chances) <= 8

@@ -85,6 +85,7 @@ def test_a_prior_that_is_no_campaign_is_refused(tmp_path: Path) -> None:
         read_campaign(_campaign(tmp_path, 'prior = "last.axiscal"\nkept = 1.5'), target_needed=False)
 
 
+@pytest.mark.long
 def test_an_inherited_prior_stays_where_noises_and_rests_are_learnt(tmp_path: Path) -> None:
     _record(tmp_path, _curve(8e-6), "", "last.axiscal")
     rng, found = np.random.default_rng(5), {}

@@ -37,6 +37,7 @@ def test_learnt_bands_are_no_wider_than_what_was_stated(name: str, headline: flo
     assert known.fit.widening.size > 20
 
 
+@pytest.mark.long
 def test_a_band_wider_than_stated_is_said_with_the_reason() -> None:
     known = estimated_from(Runs.of("ess_muts_x"), "all scales")
     low = 'machine = "m"\nscales = "estimate"\n[target]\nreadings = 1\n[[setups]]\nname = "gauge"\n'
@@ -55,6 +56,7 @@ def test_a_band_wider_than_stated_is_said_with_the_reason() -> None:
     assert "the readings" in said
 
 
+@pytest.mark.long
 def test_more_readings_never_make_the_estimate_worse_beyond_chance() -> None:
     """True RMS of the curve on virtual machines whose stated prior is three times too small, scales learnt."""
     description, true = described("one-axis", 1 / 3, "estimate")

@@ -39,6 +39,7 @@ def test_every_fifth_reading_is_a_check_at_least_three_and_at_most_twelve(readin
     assert (None if found is None else found.count) == checks
 
 
+@pytest.mark.long
 def test_the_index_is_the_second_order_over_the_noise_of_machines_drawn_from_the_belief() -> None:
     case = tracers("20 mm", "5 mm")
     _, readings = read(case, 1)
@@ -59,6 +60,7 @@ def test_the_index_is_the_second_order_over_the_noise_of_machines_drawn_from_the
     assert indices(found, []).shape == (0,)
 
 
+@pytest.mark.long
 def test_what_a_better_place_moves_is_what_an_estimate_made_there_says() -> None:
     """In standard deviations, RMS over all directions; a reading that counts for nothing moves nothing."""
     case = tracers("3 mm", "1 mm")

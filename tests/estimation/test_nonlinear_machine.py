@@ -65,6 +65,7 @@ def _nees(known: Absorbed, truth: Array) -> float:
     return float(np.mean(white**2))
 
 
+@pytest.mark.long
 def test_location_errors_of_a_millimetre_and_a_milliradian_keep_their_bands() -> None:
     """Twice as far off as the band says when taken as linear; as far as it says after chord rounds."""
     case, linear, exact = _case("1 mm", "1 mrad"), [], []
@@ -98,6 +99,7 @@ def test_the_rounds_end_where_the_exact_chain_gives_the_readings() -> None:
     assert case.errors.rows(poses, sides) @ mean + beside == pytest.approx(chain, abs=2e-8)
 
 
+@pytest.mark.long
 def test_rows_at_the_machine_as_believed_bring_bands_and_parameters_to_agreement() -> None:
     """Zeros of half a degree: what the chord leaves is many times the band, at the machine itself it is the band."""
     case, chord, moved = _case("3 mm", "3 mrad", "0.5 deg"), [], []

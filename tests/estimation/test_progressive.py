@@ -70,6 +70,7 @@ def test_the_curvature_of_a_tracker_is_the_difference_of_what_it_shows() -> None
             assert found[:, j, k] == pytest.approx(second, abs=1e-5)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 def test_stations_anywhere_within_300_mm_are_found_by_shares_as_from_closed_form(seed: int) -> None:
     case = tracers("300 mm", "100 mm")
@@ -88,6 +89,7 @@ def test_stations_anywhere_within_300_mm_are_found_by_shares_as_from_closed_form
     assert 0.5 < by_shares.cost / (len(problem.values) / 2) < 1.5
 
 
+@pytest.mark.long
 def test_a_station_and_its_mirror_image_are_refused_with_the_reading_that_decides() -> None:
     case = tracers("300 mm", "100 mm")
     machine, _ = read(case, 0)
@@ -104,6 +106,7 @@ def test_a_station_and_its_mirror_image_are_refused_with_the_reading_that_decide
     assert known.knowledge.belief.mean[columns] == pytest.approx(truth, abs=2e-3)
 
 
+@pytest.mark.long
 def test_what_is_said_of_the_prior_is_said_about_stations_as_found() -> None:
     """About stations that are 300 mm off no prior fits; about those that were found this one does."""
     case = tracers("300 mm", "100 mm")

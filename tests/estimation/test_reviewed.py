@@ -68,6 +68,7 @@ def test_the_verdicts_are_those_of_a_look_after_every_surprise(slips: Mapping[in
     assert float(np.max(np.abs(known.knowledge.belief.mean - naive.knowledge.belief.mean) / std)) < 0.5
 
 
+@pytest.mark.long
 def test_readings_that_came_together_say_what_they_say_one_by_one() -> None:
     readings = _wrong(read(machine(3), 250), FIRST | LATER)
     together = estimated(CASE, readings)

@@ -93,6 +93,7 @@ def test_where_its_neighbour_is_as_likely_the_bad_one_none_is_left_out() -> None
     assert sum(ruling.comparison.slips) == pytest.approx(ruling.comparison.explanations[0].odds)
 
 
+@pytest.mark.long
 def test_readings_of_the_model_itself_hold_where_they_could_have_said_otherwise() -> None:
     verdicts = [ruling_of(ruled(concluded(CASE, in_two_rounds(read(machine(seed), 60))))).verdict for seed in range(10)]
     assert verdicts.count("holds") >= 8
@@ -121,7 +122,7 @@ def test_nonsense_contradicts_every_explanation_and_reaches_no_target() -> None:
     known = concluded(CASE, nonsense)
     assert ruling_of(ruled(known)).verdict == "contradicted"
     assert known.accuracy.rms < 3e-6
-    assert standing(CASE.description.target, known).reached == DOES_NOT_FIT
+    assert standing(CASE.description.target, known) == DOES_NOT_FIT
 
 
 def test_the_verdict_is_the_same_every_time() -> None:
@@ -142,6 +143,7 @@ def test_what_is_said_to_be_open_is_what_the_verdict_is_about_where_the_headline
     assert (ruling.verdict == "unchecked") == ruling.defence.unchecked
 
 
+@pytest.mark.long
 def test_a_promise_that_its_readings_nearly_hold_is_raised_until_they_do_and_no_farther_than_a_fifth() -> None:
     """Else the last digit of a promise would decide. The definition is that of the verdict, by the naive way."""
     raised = []

@@ -109,6 +109,7 @@ def test_what_exact_values_would_take_away_is_what_another_prior_leaves() -> Non
     assert {each.name for each in open_ones.shown_by} <= known
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("changes", [(), UNMEASURED])
 def test_one_machine_in_fifty_is_worse_than_what_is_borne(changes: Changes) -> None:
     case, taken = five_axes(changes)

@@ -34,6 +34,7 @@ def read_at_once(case: Case, seed: int, points: int, flat: float | None = None) 
     return machine, readings
 
 
+@pytest.mark.long
 def test_the_estimate_is_that_of_four_set_ups_with_the_same_distances() -> None:
     case, apart = at_once("5 mm", "10 mm"), tracers("5 mm", "10 mm")
     _, readings = read_at_once(case, 2, 12)
@@ -55,6 +56,7 @@ def test_the_estimate_is_that_of_four_set_ups_with_the_same_distances() -> None:
     np.testing.assert_allclose(one, other, rtol=1e-8)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(2))
 def test_four_stations_anywhere_within_300_mm_are_found(seed: int) -> None:
     case = at_once("300 mm", "100 mm")
@@ -73,6 +75,7 @@ def test_four_stations_anywhere_within_300_mm_are_found(seed: int) -> None:
     assert np.abs(start - truth).max() < 0.05
 
 
+@pytest.mark.long
 def test_a_mirror_image_of_one_of_them_is_refused_with_its_number() -> None:
     """From points in one plane the image of any of the stations fits as well; the fourth stands far above it."""
     case = at_once("300 mm", "100 mm")

@@ -98,6 +98,7 @@ def test_the_history_is_what_was_known_after_each_reading(scales: str) -> None:
     assert moments[24].seconds == known.seconds
 
 
+@pytest.mark.long
 def test_where_stations_stand_and_what_cannot_be_is_known_from_the_first_reading_of_a_history_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -169,6 +170,7 @@ def test_readings_that_cannot_be_are_refused() -> None:
         belief.update_many(np.ones((2, 1)), np.zeros(2), np.array([1.0, np.nan]), np.ones(2), np.arange(2))
 
 
+@pytest.mark.long
 def test_readings_that_come_at_once_are_judged_as_those_that_come_one_by_one() -> None:
     """A bad one amid the others, which is found out by those that follow it."""
     case = mixed()

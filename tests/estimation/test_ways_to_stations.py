@@ -92,6 +92,7 @@ def test_an_image_is_as_far_from_every_place_of_a_plane_and_behind_it() -> None:
     assert mirrored(CASE, readings, CASE.prior.mean, 1) == []
 
 
+@pytest.mark.long
 def test_the_polish_ends_where_scipy_ends_and_never_above_its_start() -> None:
     _, readings = read(CASE, 3)
     problem = BentReadings(CASE, readings)
@@ -115,6 +116,7 @@ def test_the_polish_ends_where_scipy_ends_and_never_above_its_start() -> None:
     assert from_far.cost == pytest.approx(found.cost, rel=1e-6)
 
 
+@pytest.mark.long
 def test_each_share_is_nearly_linear_against_the_noise_that_it_leaves_and_they_make_up_the_whole() -> None:
     _, readings = read(CASE, 0)
     problem = BentReadings(CASE, readings)
@@ -139,6 +141,7 @@ def test_each_share_is_nearly_linear_against_the_noise_that_it_leaves_and_they_m
     )
 
 
+@pytest.mark.long
 def test_where_all_is_linear_one_share_is_the_whole_and_is_plain_conditioning() -> None:
     case = tracers("1 um", "1 um")
     _, readings = read(case, 2)
@@ -159,6 +162,7 @@ def _conditioned(problem: BentReadings, about: Array) -> Array:
     return np.asarray(np.linalg.solve(np.eye(slopes.shape[1]) + slopes.T @ slopes, slopes.T @ left), dtype=float)
 
 
+@pytest.mark.long
 def test_shares_that_come_to_no_end_are_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     _, readings = read(CASE, 0)
     monkeypatch.setattr(shares_module, "_MOST", 4)

@@ -39,6 +39,7 @@ def _from_both_sides(case: Case) -> Case:
     return replace(there, both=frozenset([quiet[0].name]))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("made", [_elsewhere, _bent, _rougher, _from_both_sides])
 def test_it_is_what_a_case_by_itself_finds(made: Callable[[Case], Case]) -> None:
     case = made(_STATED)
@@ -51,6 +52,7 @@ def test_it_is_what_a_case_by_itself_finds(made: Callable[[Case], Case]) -> None
     assert one.moments.rest == pytest.approx(other.moments.rest, rel=1e-14)
 
 
+@pytest.mark.long
 def test_cases_that_differ_only_in_where_readings_are_linear_share_one() -> None:
     mill = Case(replace(_STATED.description, setups=_STATED.description.setups[:1]))
     assert mill.linear_about(_POINT).yardstick is mill.yardstick

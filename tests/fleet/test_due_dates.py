@@ -58,6 +58,7 @@ def _known(rng: np.random.Generator, truth: Array, stated: Array) -> tuple[Inher
     return Inherited(gain @ read.values, stated - gain @ rows @ stated), read
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("once", "yearly"), [(0.9, 1.0), (0.97, 0.95)])
 def test_what_is_kept_is_learnt_from_pairs(once: float, yearly: float) -> None:
     rng, stated, pairs = np.random.default_rng(8), np.eye(30), list[Pair]()
@@ -252,6 +253,7 @@ def test_a_calendar_without_dates_is_empty() -> None:
     assert "VEVENT" not in calendar([], datetime(2030, 1, 1, tzinfo=UTC))
 
 
+@pytest.mark.long
 def test_tables_leave_what_their_control_cannot_hold(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Of a slide with reversal a table of both sides leaves nothing, and a height map is none for it at all."""
     files = [folder / "b.axiscal"]
@@ -302,6 +304,7 @@ def test_a_target_of_u_is_read_from_the_campaign(folder: Path) -> None:
     assert 30e-6 / 2.2 < (machine.target or 0.0) < 30e-6 / 1.5  # the factor between both, as docs/conventions.md has it
 
 
+@pytest.mark.long
 def test_a_tolerance_of_the_worst_place_and_measuring_again(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A machine that is due by its worst place is due before its RMS passes; a renewed one is less known."""
     command = ["due", str(folder), "--today", "2030-01-01", "--target", "15 um", "--tolerance", "35 um", "--again"]
@@ -348,6 +351,7 @@ def test_a_machine_that_no_readings_make_good_enough_says_so(
     assert "again: no readings reach 2 um" in capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_without_a_target_the_worst_place_decides_alone(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = slide(serial="R").text.replace('rms = "2 um"', "readings = 12")
     described = campaign_from_texts(text, "campaign.toml", slide(serial="R").machine.text, "machine.toml")
@@ -365,6 +369,7 @@ def test_without_a_target_the_worst_place_decides_alone(folder: Path, capsys: py
     assert "as its last campaign left it" not in said
 
 
+@pytest.mark.long
 def test_no_plan_of_no_readings_is_made_where_what_is_known_meets_the_target(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

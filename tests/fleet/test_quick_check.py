@@ -31,6 +31,7 @@ def _read(check: QuickCheck, errors: Array, seed: int, places: tuple[Place, ...]
     return measured(virtual, described, places, seed)
 
 
+@pytest.mark.long
 def test_false_alarms_are_as_rare_as_said_and_a_crash_is_found() -> None:
     described, rng = slide(), np.random.default_rng(12)
     model = ErrorModel(described.machine)
@@ -65,6 +66,7 @@ reach = { X = ["10 mm", "490 mm"] }
 """
 
 
+@pytest.mark.long
 def test_what_a_control_cannot_hold_is_no_alarm_where_its_tables_are_named() -> None:
     """A table of X holds no straightness in y: 40 um of it stay, which are no change of the machine."""
     machine = slide().machine.text.replace("EXX_rev", 'EYX = { std = "20 um", knots = 7, length = "150 mm" }\nEXX_rev')

@@ -76,6 +76,7 @@ def test_what_is_wrong_with_a_record_is_a_sentence(folder: Path, capsys: pytest.
     assert run(["fleet", str(folder / "nowhere")]) == 1
 
 
+@pytest.mark.long
 def test_a_machine_without_a_serial_number_is_one_of_its_own(tmp_path: Path) -> None:
     shop(tmp_path, 3)
     (tmp_path / "fork.axiscal").write_bytes((tmp_path / "slide-0.axiscal").read_bytes())

@@ -63,6 +63,7 @@ def sent(database: Database, file: Path) -> Synced:
         return synced(database, record, file.stem)
 
 
+@pytest.mark.long
 def test_what_a_type_teaches_is_the_same_from_the_store(folder: Path, tmp_path: Path) -> None:
     taught = []
     for source in (str(folder), "store:"):
@@ -85,6 +86,7 @@ def test_a_campaign_names_a_type_in_the_store(folder: Path, tmp_path: Path) -> N
         campaign_with_sisters(tmp_path / "campaign.toml")
 
 
+@pytest.mark.long
 def test_due_check_and_pages_are_the_same_from_the_store(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -100,6 +102,7 @@ def test_due_check_and_pages_are_the_same_from_the_store(
     assert run(["check", "store:slide-0", "--plan", str(tmp_path / "check.csv"), "--readings", "4"]) == 0
 
 
+@pytest.mark.long
 def test_the_list_of_a_store_estimates_each_once(folder: Path) -> None:
     told = list[str]()
     found = shop_list(STORE, told.append)
@@ -111,6 +114,7 @@ def test_the_list_of_a_store_estimates_each_once(folder: Path) -> None:
     assert told == []
 
 
+@pytest.mark.long
 def test_of_two_that_went_on_differently_one_counts(folder: Path, server: RunningServer, tmp_path: Path) -> None:
     mine, other = tmp_path / "mine.axiscal", tmp_path / "other.axiscal"
     write_record(mine, slide(serial="9"), read_on(6)[:6])

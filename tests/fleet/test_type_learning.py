@@ -52,6 +52,7 @@ def test_a_record_measured_with_a_type_prior_teaches_the_same(tmp_path: Path, re
     assert learnt_type(with_prior).text() == taught
 
 
+@pytest.mark.long
 def test_each_record_that_cannot_teach_is_named_with_its_reason(tmp_path: Path, records: list[Path]) -> None:
     (tmp_path / "torn.axiscal").write_bytes(records[0].read_bytes()[:-200])
     (tmp_path / "text.axiscal").write_text("no record")

@@ -128,6 +128,7 @@ def _kept(twin: Twin, years: float) -> Array:
     return kept
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("renewed", ["", "X", "Y"])
 def test_rms_and_the_chance_that_the_worst_place_is_beyond_are_those_of_machines_drawn_one_by_one(
     twin: Twin, renewed: str

@@ -34,6 +34,7 @@ def test_the_evidence_is_the_average_of_the_densities_written_out() -> None:
     assert compared(observation, readings).evalue == pytest.approx(total, rel=1e-4)
 
 
+@pytest.mark.long
 def test_readings_of_the_model_itself_hardly_ever_contradict_it() -> None:
     observation = axis()
     found = [compared(observation, attacked(observation, seed, 20)) for seed in range(80)]
@@ -53,6 +54,7 @@ def test_what_is_watched_while_measuring_is_what_the_verdict_takes_into_account(
     assert along[2].evalue == 1.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("attack", "names"),
     [("drift", {"drift", "levelling"}), ("jump", {"jump"}), ("pitch 50", {"pitch"}), ("bad", {"bad"})],

@@ -34,6 +34,7 @@ def test_the_value_is_the_smallest_chance_of_any_of_them() -> None:
     assert contrast(parts, y).value == pytest.approx(wanted)
 
 
+@pytest.mark.long
 def test_chance_exceeds_the_threshold_in_one_campaign_of_twenty() -> None:
     rng = np.random.default_rng(3)
     parts, _ = _parts(rng)

@@ -58,6 +58,7 @@ def _read(smoothness: float, seed: int) -> list[Reading]:
     return [Reading("laser", (x,), (1,), float(v)) for x, v in zip(at, values, strict=True)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("smoothness", "seed"), [(2.5, 1), (0.5, 2)])
 def test_shares_are_those_of_an_integral_over_a_fine_grid(smoothness: float, seed: int) -> None:
     case, readings = _case(), _read(smoothness, seed)

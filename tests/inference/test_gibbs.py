@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from axiscal.inference.sisters.data_equation import DataEquation
 from axiscal.inference.sisters.gibbs import half_covariance, swept
@@ -24,6 +25,7 @@ def _figures(state: Sisters) -> Array:
     ])  # fmt: skip
 
 
+@pytest.mark.long
 @one_thread()
 def test_readings_drawn_anew_after_each_sweep_leave_the_prior_as_it_is() -> None:
     """Geweke 2004: sweeping and drawing readings in turn has the joint prior as its stationary distribution."""

@@ -34,6 +34,7 @@ def test_draws_give_the_moments_of_a_density_that_is_no_normal() -> None:
     assert found.weights.sum() == pytest.approx(1.0)
 
 
+@pytest.mark.long
 def test_how_probable_readings_are_at_any_scales_is_the_mean_over_draws_from_their_prior() -> None:
     observation = observed('noise = "1 um"')
     scales = (Scale("std", "EXX", 10e-6), Scale("noise", "it", 1e-6))

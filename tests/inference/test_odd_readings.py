@@ -54,6 +54,7 @@ def test_bounded_readings_leave_what_many_weighted_draws_leave(bound: float) -> 
     assert std == pytest.approx(spread, rel=0.15)  # where two intervals meet the density is not normal: 12 %
 
 
+@pytest.mark.long
 def test_chips_leave_what_every_way_they_may_have_fallen_leaves() -> None:
     """Where nothing decides which reading is right the exact density has two humps; the band is narrower there."""
     off, widths = zip(*(_with_one_chip(seed) for seed in range(40)), strict=True)

@@ -35,6 +35,7 @@ from axiscal.simulation import VirtualMachine
 
 pytestmark = [
     pytest.mark.linuxcnc,
+    pytest.mark.long,
     pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
 ]
 

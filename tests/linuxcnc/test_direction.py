@@ -20,6 +20,7 @@ from tests.linuxcnc import tilting_table
 
 pytestmark = [
     pytest.mark.linuxcnc,
+    pytest.mark.long,
     pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
 ]
 

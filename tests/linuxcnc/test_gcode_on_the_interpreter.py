@@ -22,6 +22,7 @@ from tests.certify.gcode_traces import canonical_calls, interpreter, read_canoni
 
 pytestmark = [
     pytest.mark.linuxcnc,
+    pytest.mark.long,
     pytest.mark.skipif(interpreter() is None, reason="Debian package linuxcnc-uspace is not installed"),
 ]
 

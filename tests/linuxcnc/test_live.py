@@ -30,6 +30,7 @@ from tests.linuxcnc.bench import Bench, running
 
 pytestmark = [
     pytest.mark.linuxcnc,
+    pytest.mark.long,
     pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
     pytest.mark.skipif(not can_load("axiscal_balls"), reason="needs Debian's linuxcnc-uspace-dev and gcc"),
 ]

@@ -16,6 +16,7 @@ from axiscal.lab.linuxcnc import Joint, Settings, available, can_load
 from axiscal.lab.linuxcnc.configuration import files as lab_files
 from tests.linuxcnc.test_closed_loop import known
 
+pytestmark = pytest.mark.long
 NEEDS = [
     pytest.mark.linuxcnc,
     pytest.mark.skipif(not available(), reason="needs Debian's linuxcnc-uspace"),

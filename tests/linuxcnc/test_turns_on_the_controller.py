@@ -10,6 +10,7 @@ from tests.compensation.test_rotary_turns import deviation, exported, known
 
 pytestmark = [
     pytest.mark.linuxcnc,
+    pytest.mark.long,
     pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
 ]
 

@@ -25,6 +25,7 @@ from tests.linuxcnc.test_closed_loop import known, rms, spread
 
 pytestmark = [
     pytest.mark.linuxcnc,
+    pytest.mark.long,
     pytest.mark.skipif(not available(), reason="needs Debian's linuxcnc-uspace"),
     pytest.mark.skipif(not can_load("axiscal_vcomp"), reason="needs Debian's linuxcnc-uspace-dev and gcc"),
 ]

@@ -17,6 +17,7 @@ from tests.generators.texts import machine_text
 
 pytestmark = [
     pytest.mark.linuxcnc,
+    pytest.mark.long,
     pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
 ]
 

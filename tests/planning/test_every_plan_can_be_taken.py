@@ -51,6 +51,15 @@ def blocks() -> list[tuple[str, str]]:
 _FEW = 4
 """Readings of a plan: every one of more would be held to the same rules."""
 CAMPAIGNS = [(str(path.relative_to(ROOT)), path.read_text(encoding="utf-8")) for path in FILES] + blocks()
+_AT_ONCE = (
+    "tests/scenarios/campaigns/rtest/campaign.toml",
+    "tests/scenarios/campaigns/printer/campaign.toml",
+    "campaign.md 0",
+)
+"""Machines of five axes, of a printer and of one axis; the others are left to `make test-long`."""
+CASES = [
+    pytest.param(name, text, id=name, marks=() if name in _AT_ONCE else pytest.mark.long) for name, text in CAMPAIGNS
+]
 
 
 def described(name: str, text: str) -> CampaignDescription:
@@ -77,7 +86,7 @@ def _read(case: Case, place: Place) -> Reading:
     return Reading(place.setup, place.pose, place.approach, 0.0, others=(0.0,) * (values - 1), time=0.0)
 
 
-@pytest.mark.parametrize(("name", "text"), CAMPAIGNS, ids=[name for name, _ in CAMPAIGNS])
+@pytest.mark.parametrize(("name", "text"), CASES)
 def test_every_reading_of_an_example_can_be_taken(name: str, text: str) -> None:
     campaign = described(name, text)
     if any(setup.lacks for setup in campaign.setups):

@@ -55,6 +55,7 @@ def test_nothing_is_planned_in_a_gap(case: Case) -> None:
     assert all(abs(place.pose[0] - first.pose[0]) >= 0.01 for place in places)
 
 
+@pytest.mark.long
 def test_what_is_left_of_a_plan_is_kept_where_it_is_best(case: Case) -> None:
     (here, *left) = next_places(case, case.knowledge, ())
     taken = [reading(here.pose[0])]

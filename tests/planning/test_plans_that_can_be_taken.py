@@ -92,6 +92,7 @@ def ways_stay_right(campaign: CampaignDescription, places: tuple[Place, ...], ta
     return found
 
 
+@pytest.mark.long
 def test_every_sphere_of_the_demo_is_where_the_probe_goes() -> None:
     campaign = description()
     places = planned(campaign, 8)
@@ -107,6 +108,7 @@ def test_every_sphere_of_the_demo_is_where_the_probe_goes() -> None:
     assert met  # with so few readings not every ball is worth a visit
 
 
+@pytest.mark.long
 def test_a_nest_is_read_at_its_ball_and_keeps_in_touch() -> None:
     campaign = described(NEST)
     places = planned(campaign, 6)
@@ -163,6 +165,7 @@ def with_reversals(text: str, *kept: str) -> CampaignDescription:
     return campaign_from_texts(text, "campaign.toml", machine, "dmu60")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("text", [NEST + COARSE, BAR + 'raster = { arc = "10 deg" }\n'])
 def test_in_touch_all_axes_come_from_sides_that_one_way_has(text: str) -> None:
     """Sides of axes without a reversal tell a program where to come from, too: all must be those of one way in."""
@@ -182,6 +185,7 @@ def test_in_touch_all_axes_come_from_sides_that_one_way_has(text: str) -> None:
     assert any(come != 0 for place in places for come in place.approach)
 
 
+@pytest.mark.long
 def test_slides_come_to_three_touches_as_they_touch_whether_or_not_they_have_a_reversal() -> None:
     """From the other side the radius that is larger would show with the other sign."""
     campaign = with_reversals(NEST.replace("rtest", "sphere") + COARSE + "touches = 3\n", "ECC_reversal")

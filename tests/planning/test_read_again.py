@@ -32,6 +32,7 @@ def test_a_promise_beside_a_large_noise_asks_for_what_was_read(again: int) -> No
     assert places[0].pose == taken[-1].pose
 
 
+@pytest.mark.long
 def test_where_enough_was_read_twice_or_nothing_is_promised_other_places_are() -> None:
     first = read()
     seen = {reading.pose for reading in first}

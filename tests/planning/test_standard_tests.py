@@ -54,7 +54,9 @@ def described(name: str) -> tuple[CampaignDescription, Said]:
     return campaign, Said(text, campaign.machine)
 
 
-@pytest.mark.parametrize("name", TESTS)
+@pytest.mark.parametrize(
+    "name", [name if name.endswith("CK") else pytest.param(name, marks=pytest.mark.long) for name in TESTS]
+)
 def test_it_is_planned_programmed_and_read(name: str) -> None:
     campaign, said = described(name)
     case = Case(campaign)

@@ -83,6 +83,7 @@ def plans(campaign: Campaign) -> list[Planned]:
     return [stored.event for stored in campaign._record.events() if isinstance(stored.event, Planned)]
 
 
+@pytest.mark.long
 def test_readings_taken_as_planned_leave_one_plan(start: Start) -> None:
     campaign, source = start()
     read(campaign, source, 16)
@@ -91,6 +92,7 @@ def test_readings_taken_as_planned_leave_one_plan(start: Start) -> None:
     assert [place.pose for place in plan.places] == [reading.pose for reading in campaign.state.readings]
 
 
+@pytest.mark.long
 def test_a_rejected_reading_is_not_counted_and_the_rest_is_renewed(start: Start) -> None:
     campaign, source = start()
     read(campaign, source, 9)
@@ -136,6 +138,7 @@ def test_a_reading_elsewhere_or_taken_back_renews_the_rest(start: Start) -> None
     assert len(plans(campaign)) == 3
 
 
+@pytest.mark.long
 def test_a_reading_with_other_noise_than_planned_renews_the_rest(start: Start) -> None:
     campaign, source = start()
     read(campaign, source, 3)
@@ -145,6 +148,7 @@ def test_a_reading_with_other_noise_than_planned_renews_the_rest(start: Start) -
         assert campaign.state.plan_basis == basis
 
 
+@pytest.mark.long
 def test_a_place_that_is_rejected_twice_is_not_asked_for_again(start: Start) -> None:
     campaign, source = start()
     read(campaign, source, 13)
@@ -188,6 +192,7 @@ def test_where_a_zero_drifts_a_plan_rests_on_the_clock(drift: str, basis: list[s
     assert [plan_basis(case, readings, (), 0) for readings in taken] == basis
 
 
+@pytest.mark.long
 def test_an_accuracy_is_read_until_it_is_reached_and_no_further(tmp_path: Path) -> None:
     (tmp_path / "c.toml").write_text(TEXT.replace("readings = 16", 'rms = "0.7 um"'))
     description = read_campaign(tmp_path / "c.toml")

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from axiscal.exceptions import RecordError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import (
@@ -190,3 +191,13 @@ def test_what_was_not_planned_asks_for_the_plan_to_be_renewed(events: list[Event
     state = fold(stored([CREATED, *events]))
     assert state.renew == renew
     assert state.plan_basis == "7 rejected"
+
+
+def test_half_a_character_is_neither_written_nor_read() -> None:
+    for each in (Noted("half \ud800"), Skipped("\udce9", True), Finished("\udfff")):
+        with pytest.raises(RecordError, match="half a character"):
+            encode(each)
+    with pytest.raises(PayloadError, match="cannot be read"):
+        decode("noted", r'{"text":"half \ud800"}')
+    whole = Noted("whole \U0001f600 \x1b")
+    assert decode(*encode(whole)) == whole

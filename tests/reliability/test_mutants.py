@@ -61,6 +61,7 @@ def test_tests_of_a_line_come_fastest_first_and_of_one_run_at_loading_from_the_f
     assert covered.tests_of("other.py", [1]) == []
 
 
+@pytest.mark.long
 def test_a_change_is_noticed_by_the_tests_that_are_chosen_alone(tmp_path: Path) -> None:
     (tmp_path / "room.py").write_text("def half(x):\n    return x / 2\n")
     trial = tmp_path / "test_room.py"

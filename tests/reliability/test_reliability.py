@@ -32,28 +32,33 @@ def test_reading_a_record_writes_nothing_so_that_a_full_or_read_only_disk_does_n
     assert record_faults.read().lost == 0
 
 
+@pytest.mark.long
 def test_a_fault_while_a_record_is_written_loses_nothing_acknowledged() -> None:
     trial = record_faults.written()
     assert (trial.lost, trial.tried > 40) == (0, True)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("first", [True, False])
 def test_a_fault_while_results_are_written_leaves_a_whole_set(first: bool) -> None:
     trial: Trial = set_faults.alone(first)
     assert (trial.lost, trial.tried > 40) == (0, True)
 
 
+@pytest.mark.long
 def test_results_among_other_files_are_whole_where_there_is_a_manifest() -> None:
     trial = set_faults.with_others()
     assert (trial.lost, trial.tried > 40) == (0, True)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("command", "every"), [("start", 5), ("init", 7), ("export, over earlier tables", 17)])
 def test_a_fault_in_a_command_loses_nothing_and_blocks_nothing(command: str, every: int) -> None:
     trial = command_faults.tried(command, every)
     assert (trial.lost, trial.detail, trial.tried > 4) == (0, "", True)
 
 
+@pytest.mark.long
 def test_a_kill_while_a_record_is_brought_leaves_nothing_behind_its_second_try() -> None:
     trial = command_faults.tried("bring", hows=("kill",))
     assert (trial.lost, trial.detail, trial.tried > 4) == (0, "", True)
@@ -68,6 +73,7 @@ def test_a_record_that_lacks_its_end_is_damaged() -> None:
     assert changed.ends().lost == 0
 
 
+@pytest.mark.long
 def test_lost_power_leaves_everything_that_was_acknowledged() -> None:
     assert power_loss.lost(150).lost == 0
 
@@ -76,10 +82,12 @@ def test_a_clock_that_goes_back_changes_no_order() -> None:
     assert changed.clock().lost == 0
 
 
+@pytest.mark.long
 def test_killed_writers_leave_everything_that_they_acknowledged_in_the_file_alone() -> None:
     assert writers.killed(10).lost == 0
 
 
+@pytest.mark.long
 def test_eight_processes_at_once_lose_and_double_nothing() -> None:
     assert writers.at_once(8, 10).lost == 0
 
@@ -120,6 +128,7 @@ def test_a_bad_file_is_one_error_of_ours_or_still_good(kind: bad_files.Kind, tmp
     assert refused > FEWER.get(kind.name, 10)
 
 
+@pytest.mark.long
 def test_other_surroundings_give_the_same_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
     def few(_seeds: int, _folder: Path) -> Iterator[same_bytes.Surroundings]:
         yield same_bytes.Surroundings(

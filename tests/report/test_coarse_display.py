@@ -153,6 +153,7 @@ def estimated(folder: Path, step: float, campaign: str) -> tuple[str, list[str]]
     return " ".join(printed.split()), [warning["code"] for warning in document["warnings"]]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("learnt", [False, True])
 def test_estimate_says_it_until_it_is_stated(tmp_path: Path, learnt: bool) -> None:
     said = "move in steps of 10 um, 20 times its noise"

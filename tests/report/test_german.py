@@ -89,6 +89,7 @@ def test_templates_say_every_word(name: str) -> None:
     assert words - {"axiscal", "min", "RMS", "SHA"} == set()
 
 
+@pytest.mark.long
 def test_the_language_is_that_of_the_campaign_or_the_one_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("AXISCAL_LANGUAGE", raising=False)
     monkeypatch.setenv("LANG", "de_DE.UTF-8")  # the same campaign gives the same bytes on any computer

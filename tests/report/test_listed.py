@@ -43,6 +43,7 @@ def test_the_page_lists_the_first_ones_and_names_the_file_of_all(language: str) 
     assert "data/readings.csv" in listing
 
 
+@pytest.mark.long
 def test_the_paper_does_the_same(tmp_path: Path) -> None:
     if shutil.which("pdftotext") is None:
         pytest.skip("Debian package poppler-utils is not installed")

@@ -5,8 +5,6 @@ from __future__ import annotations
 import html
 import json
 import re
-import shutil
-import subprocess
 from dataclasses import fields, is_dataclass, replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -32,6 +30,7 @@ from axiscal.report.summary import (
     TableOffer,
     TruthCheck,
 )
+from tests.web.browser import Browser
 
 TRAVEL = {"C": (0.0, 360.0), "B": (-30.0, 110.0), "Y": (0.0, 500.0), "X": (0.0, 600.0), "Z": (0.0, 500.0)}
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'`&{{ 7*7 }}\u2028javascript:alert(3)"
@@ -316,54 +315,40 @@ def test_the_page_is_light(page: str) -> None:
     assert len(render(five_axis_summary(600)).encode()) < 1e6
 
 
-def _chromium(url: str, folder: Path) -> tuple[str, list[str]]:
-    """Return the page as drawn by a browser without network, and what went wrong on its console."""
-    browser = shutil.which("chromium")
-    if browser is None:
-        pytest.skip("Debian package chromium is not installed")
-    options = ["--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--no-first-run"]
-    options += ["--disable-background-networking", "--disable-component-update", "--disable-sync"]
-    options += ["--enable-logging=stderr", "--virtual-time-budget=20000", f"--user-data-dir={folder / 'profile'}"]
-    done = subprocess.run(
-        [browser, *options, "--dump-dom", url], capture_output=True, text=True, timeout=180, check=True
-    )
-    wrong = re.compile(r"Uncaught|Refused|violat|Error|error|Failed|WARN|alert")
-    return done.stdout, [line for line in done.stderr.splitlines() if "CONSOLE" in line and wrong.search(line)]
-
-
 @pytest.mark.chromium
 @pytest.mark.parametrize("text", [None, HOSTILE])
-def test_a_browser_shows_the_page_without_an_error(summary: Summary, tmp_path: Path, text: str | None) -> None:
+def test_a_browser_shows_the_page_without_an_error(
+    browser: Browser, summary: Summary, tmp_path: Path, text: str | None
+) -> None:
     shown = summary if text is None else _with_every_text(summary, text)
     file = tmp_path / "report.html"
     file.write_text(render(shown), encoding="utf-8")
-    drawn, errors = _chromium(file.as_uri(), tmp_path)
+    drawn, errors = browser.drawn(file.as_uri())
     assert errors == []
     assert drawn.count('class="picture"') >= len(summary.curves)
 
 
 @pytest.mark.chromium
-def test_the_browser_check_notices_a_broken_page(page: str, tmp_path: Path) -> None:
+def test_the_browser_check_notices_a_broken_page(browser: Browser, page: str, tmp_path: Path) -> None:
     file = tmp_path / "report.html"
-    file.write_text(page.replace('"use strict";', '"use strict"; alert(1);'), encoding="utf-8")
-    _, errors = _chromium(file.as_uri(), tmp_path)
-    assert errors
+    file.write_text(page.replace('"use strict";', '"use strict"; nothing();'), encoding="utf-8")
+    assert browser.drawn(file.as_uri())[1]
 
 
 @pytest.mark.chromium
 @pytest.mark.parametrize("width", [1400, 768, 390])
-def test_nothing_is_cut_and_no_words_lie_on_each_other(page: str, tmp_path: Path, width: int) -> None:
-    found = _laid_out(page, tmp_path, width)
+def test_nothing_is_cut_and_no_words_lie_on_each_other(browser: Browser, page: str, tmp_path: Path, width: int) -> None:
+    found = _laid_out(browser, page, tmp_path, width)
     assert found == {"width": width, "beyond": [], "overlapping": [], "cut": [], "holes": []}
 
 
 @pytest.mark.chromium
-def test_the_layout_check_notices_what_is_wrong(page: str, tmp_path: Path) -> None:
+def test_the_layout_check_notices_what_is_wrong(browser: Browser, page: str, tmp_path: Path) -> None:
     broken = page.replace("</main>", '<div style="width: 3000px; margin-top: 300px">x</div></main>')
     tick = re.search(r'<text x="[^"]*" y="[^"]*"', page)
     assert tick is not None
     twice = broken.replace(tick[0], f"{tick[0]}>lies on the other</text>{tick[0]}", 1)
-    found = _laid_out(twice, tmp_path, 1400)
+    found = _laid_out(browser, twice, tmp_path, 1400)
     assert found["beyond"]
     assert found["overlapping"]
     assert found["holes"]
@@ -416,7 +401,7 @@ window.addEventListener("load", () => {
 """
 
 
-def _laid_out(page: str, folder: Path, width: int) -> dict[str, Any]:
+def _laid_out(browser: Browser, page: str, folder: Path, width: int) -> dict[str, Any]:
     """Return what lies beyond the page or on something else, in a frame of a width, as the browser lays it out."""
     free = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", page)
     (folder / "inner.html").write_text(free.replace("</body>", f"<script>{_MEASURE}</script></body>"), encoding="utf-8")
@@ -425,6 +410,6 @@ def _laid_out(page: str, folder: Path, width: int) -> dict[str, Any]:
         "document.getElementById('found').textContent = e.data; })</script>"
         f'<iframe src="inner.html" style="width:{width}px;height:900px;border:0"></iframe></body>'
     )
-    drawn, _ = _chromium((folder / "outer.html").as_uri(), folder)
+    drawn, _ = browser.drawn((folder / "outer.html").as_uri(), "document.getElementById('found').textContent")
     found: dict[str, Any] = json.loads(html.unescape(drawn.split('id="found">')[1].split("</pre>")[0]))
     return found

@@ -14,7 +14,7 @@ from axiscal.numerics import Array
 from axiscal.reproduction.experiment import Experiment, document, run, table
 from axiscal.reproduction.paper_page import render
 from axiscal.reproduction.stack import GreedyPlan
-from tests.report.test_page import _chromium as chromium
+from tests.web.browser import Browser
 
 SEQUENCE = [8.435996, 6.86244, 5.29228, 3.73376, 2.21355, 1.07741, 0.62000, 0.19634, 0.09769, 0.07641, 0.06404]
 """J, computed independently of this project."""
@@ -63,6 +63,7 @@ def test_dense_algebra_gives_the_same_variances(experiment: Experiment, name: st
     np.testing.assert_allclose(plan.overall_variances, expected, rtol=1e-6)
 
 
+@pytest.mark.long
 def test_the_squared_error_of_simulated_splines_is_the_overall_variance(experiment: Experiment) -> None:
     errors = experiment.squared_errors
     deviation = errors.mean(axis=0) - experiment.single.overall_variances
@@ -95,6 +96,7 @@ def test_no_lattice_point_beats_a_reading_chosen(experiment: Experiment) -> None
     assert max(experiment.lattice_excess) <= 1e-9
 
 
+@pytest.mark.long
 def test_the_document_is_the_one_outsiders_rely_on(experiment: Experiment) -> None:
     numbers = json.loads(json.dumps(document(experiment), allow_nan=False))
     assert numbers["schema"] == "axiscal-reproduce/1"
@@ -104,6 +106,7 @@ def test_the_document_is_the_one_outsiders_rely_on(experiment: Experiment) -> No
     assert all(f" {value:.5f} " in table(experiment) for value in experiment.single.overall_variances)
 
 
+@pytest.mark.long
 def test_the_command_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert command(["reproduce", "--json", "--out", str(tmp_path / "paper")]) == 0
     printed = json.loads(capsys.readouterr().out)
@@ -118,10 +121,11 @@ def test_the_command_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFix
     assert station["linear_additive_um"][-1] > 100 * station["whole_um"][-1]
 
 
+@pytest.mark.long
 @pytest.mark.chromium
-def test_a_browser_draws_every_figure(experiment: Experiment, tmp_path: Path) -> None:
+def test_a_browser_draws_every_figure(browser: Browser, experiment: Experiment, tmp_path: Path) -> None:
     page = tmp_path / "reproduce.html"
     page.write_text(render(experiment), encoding="utf-8")
-    drawn, errors = chromium(page.as_uri(), tmp_path)
+    drawn, errors = browser.drawn(page.as_uri())
     assert errors == []
     assert drawn.count('class="picture"') == 3 + 2 + 12 + 2 + 2

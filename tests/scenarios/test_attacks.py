@@ -34,12 +34,14 @@ def test_there_are_at_least_sixteen_ways_of_being_wrong() -> None:
     assert len(BY_WORDS) == len(ATTACKS)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scales", ["stated", "estimate"])
 def test_a_drift_is_no_silent_failure(scales: str) -> None:
     found = [outcome(BY_WORDS["drift, 10 µm"], "even", scales, seed) for seed in range(3)]
     assert not any(each.silent for each in found)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scales", ["stated", "estimate"])
 def test_what_two_axes_do_together_is_no_silent_failure(scales: str) -> None:
     found = [outcome(BY_WORDS["two axes: twist, 20 µm"], "random", scales, seed) for seed in range(3)]
@@ -47,6 +49,7 @@ def test_what_two_axes_do_together_is_no_silent_failure(scales: str) -> None:
     assert np.exp(np.mean(np.log([each.ratio for each in found]))) < 1.5
 
 
+@pytest.mark.long
 def test_scales_that_were_learnt_hide_no_departure_that_the_stated_ones_show() -> None:
     """Rests of three times as stated explain a reversal that varies: then what is promised has grown with them."""
     varies = BY_WORDS["reversal that varies, 8 µm"]
@@ -64,6 +67,7 @@ def test_what_is_in_another_unit_is_refused_and_a_turned_sign_is_not_seen() -> N
     assert turned.inside < 0.5
 
 
+@pytest.mark.long
 def test_another_tool_is_no_error_of_five_axes_and_another_pivot_is() -> None:
     none, tool, pivot = (BY_WORDS[f"five axes: {words}"] for words in ("nothing", "tool 50 µm too long", PIVOT))
     right, longer, aside = (outcome(each, "even", "stated", 3) for each in (none, tool, pivot))
@@ -88,11 +92,13 @@ def test_it_is_beyond_the_promise_where_that_leaves_less_to_one_machine_in_fifty
     assert "beyond" not in next(attack_rows(filled(2, ratio=1.6), 2))
 
 
+@pytest.mark.long
 def test_few_unknowns_leave_more_to_one_machine_in_fifty_than_many() -> None:
     one, many = (outcome(BY_WORDS[name], "planned", "stated", 1).rare for name in ("five axes: nothing", "nothing"))
     assert 1.0 < many < one < np.sqrt(stats.chi2.isf(0.02, 1))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [5004, 5021, 5077, 5094])
 def test_a_step_in_a_gap_of_random_places_is_not_silent(seed: int) -> None:
     """Twice as far off as promised, all four: the readings leave a tenth of a metre and more between them."""

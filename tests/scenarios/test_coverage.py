@@ -23,9 +23,11 @@ SAMPLES = {
     "dmu60": (10, 100),
 }
 """Readings and virtual machines."""
+MANY = sorted(set(SAMPLES) - {"one-axis"})
+"""Those whose plans take seconds each."""
 
 
-@pytest.fixture(scope="module", params=SAMPLES)
+@pytest.fixture(scope="module", params=["one-axis", *(pytest.param(name, marks=pytest.mark.long) for name in MANY)])
 def trial(request: pytest.FixtureRequest) -> tuple[Trial, list[Covered]]:
     """Return each built-in machine with its coverage."""
     readings, machines = SAMPLES[request.param]
@@ -53,6 +55,7 @@ def test_a_band_that_is_too_narrow_is_noticed() -> None:
     assert "EXX" in beyond(trial.judged(400))
 
 
+@pytest.mark.long
 def test_the_gain_matrix_is_the_estimate_of_a_campaign() -> None:
     trial = Trial("three-axis-mill", readings=12)
     machine = trial.drawn(3)
@@ -63,6 +66,7 @@ def test_the_gain_matrix_is_the_estimate_of_a_campaign() -> None:
     assert np.abs((estimation.knowledge.belief.mean - trial.gain @ values) / std).max() < 1e-8
 
 
+@pytest.mark.long
 def test_values_are_those_that_a_source_would_give() -> None:
     """Without noise, reading by reading."""
     trial = Trial("three-axis-mill", readings=12)

@@ -10,6 +10,7 @@ from benchmarks.trust.kept import Keeping, Trial
 from benchmarks.trust.virtual import covered, gross, held
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("wrong", [1 / 3, 3.0])
 def test_bands_hold_when_the_prior_is_wrong_by_three_and_the_report_says_so(wrong: float) -> None:
     found = covered("one-axis", wrong, 25)
@@ -18,6 +19,7 @@ def test_bands_hold_when_the_prior_is_wrong_by_three_and_the_report_says_so(wron
     assert found.misfit > 0.7
 
 
+@pytest.mark.long
 def test_one_gross_error_among_thirty_readings_is_found() -> None:
     moved = gross(50e-6, 8)
     assert moved.rejected == 1.0
@@ -25,6 +27,7 @@ def test_one_gross_error_among_thirty_readings_is_found() -> None:
     assert moved.naive > 5.0
 
 
+@pytest.mark.long
 def test_machines_that_were_tried_are_not_tried_again_and_give_the_same(tmp_path: Path) -> None:
     tried: list[Trial] = []
 

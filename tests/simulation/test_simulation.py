@@ -35,6 +35,7 @@ def _scatter(drawn: Array, expected: Array) -> float:
     return float(np.max(np.abs(found - expected)[error > 0] / error[error > 0]))
 
 
+@pytest.mark.long
 def test_drawn_curves_scatter_as_the_prior_says_rests_included() -> None:
     whole = load_machine("one-axis")
     machine = replace(whole, errors=tuple(replace(e, rest=8e-6 if e.rest else None) for e in whole.errors))
@@ -49,6 +50,7 @@ def test_drawn_curves_scatter_as_the_prior_says_rests_included() -> None:
     assert np.abs(drawn.mean(axis=0)).max() < 5 * np.sqrt(expected.max() / 3000)
 
 
+@pytest.mark.long
 def test_errors_of_one_machine_are_independent_of_each_other() -> None:
     machine = load_machine("dmu60")
     simulator, middle = Simulator(machine, ()), np.array([[0.1, 0.1, 0.1, 0.1, 0.1]])
@@ -118,6 +120,7 @@ def test_a_curve_of_an_axis_that_is_not_there_is_refused() -> None:
         Simulator(load_machine("one-axis"), ()).with_curves({"EYY": curve}, seed=1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("name", "readings"), [("three-axis-mill", 40), ("dmu60", 60), ("printer-gantry", 30)])
 def test_the_plus_minus_holds_on_virtual_machines(name: str, readings: int) -> None:
     """200 machines from the prior, read through their full kinematics: NEES and the share inside 95 % bands.

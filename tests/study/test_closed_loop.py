@@ -34,6 +34,7 @@ class Wild(SimulatedSource):
         return found if request.reading % 7 else replace(found, value=found.value + 60e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("campaign", "stop", "source"),
     [

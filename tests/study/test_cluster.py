@@ -64,6 +64,7 @@ def _sorted(found: list[Done]) -> list[Done]:
     return sorted(found, key=lambda done: done.key)
 
 
+@pytest.mark.long
 def test_a_cluster_gives_what_one_process_gives(address: str) -> None:
     questions = numbers(3 * cluster.IN_FLIGHT)
     assert _sorted(list(Cluster(address, "same")(refusing_odd, questions))) == _sorted(
@@ -107,6 +108,7 @@ def test_workers_of_another_version_are_refused(address: str, monkeypatch: pytes
         list(Cluster(address, "version")(doubled_slowly, numbers(3)))
 
 
+@pytest.mark.long
 def test_a_scheduler_that_goes_away_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "_LOST", 2.0)
     with _scheduler() as (where, process), _started("worker", where, "--nthreads", "1", "--no-dashboard"):

@@ -65,6 +65,13 @@ class Browser:
         page.shade(dark=dark)
         return page
 
+    def drawn(self, url: str, there: str = "true") -> tuple[str, list[str]]:
+        """Return a page as drawn once an expression is true in it, and what its console complains of."""
+        page = self.page(800, 600)
+        page.open(url)
+        page.until(there)
+        return str(page.value("document.documentElement.outerHTML")), page.complaints()
+
     def call(self, method: str, session: str = "", **parameters: Any) -> dict[str, Any]:
         """Return what the browser answers to a command."""
         self._number += 1

@@ -69,6 +69,7 @@ def test_an_answer_to_a_question_that_has_been_answered_is_refused_and_nothing_i
     assert page.call("skips", after=seen, reason="late").status == 409
 
 
+@pytest.mark.long
 def test_of_many_answers_at_once_one_is_kept(page: Served) -> None:
     seen, answers = page.state()["last"], []
 
@@ -85,6 +86,7 @@ def test_of_many_answers_at_once_one_is_kept(page: Served) -> None:
     assert kept(page) == won
 
 
+@pytest.mark.long
 def test_who_waits_is_told_of_a_reading_from_another_program(page: Served) -> None:
     first = page.state()
     version = first["version"]
@@ -135,6 +137,7 @@ def test_what_is_typed_is_understood_before_it_is_sent(page: Served) -> None:
     assert "no word known here" in page.call("typed?text=twelve").document["sentence"]
 
 
+@pytest.mark.long
 def test_a_set_up_is_left_by_a_skip_of_the_rest(page: Served) -> None:
     done = page.call("skips", after=page.state()["last"], reason="the beam is lost", rest=True)
     assert done.document["sentence"].startswith('Left "laser"')
@@ -143,6 +146,7 @@ def test_a_set_up_is_left_by_a_skip_of_the_rest(page: Served) -> None:
     assert page.state()["question"]["number"] == 1
 
 
+@pytest.mark.long
 def test_a_note_answers_nothing_so_who_has_seen_the_state_before_may_still_answer(page: Served) -> None:
     before = page.state()
     assert (before["due"]["ask"], before["due"]["temperature_degc"]) == (True, None)
@@ -169,6 +173,7 @@ def test_the_outlook_is_the_volume_the_way_and_what_the_plan_will_reach(page: Se
     assert squares**0.5 == pytest.approx(state["progress"]["now"]["rms_um"], rel=0.05)  # the same volume, evenly
 
 
+@pytest.mark.long
 def test_the_table_of_a_control_is_the_one_that_would_be_written(page: Served) -> None:
     for text in ("1.5", "-1", "0.5", "2"):
         page.call("readings", after=page.state()["last"], text=text)
@@ -182,6 +187,7 @@ def test_the_table_of_a_control_is_the_one_that_would_be_written(page: Served) -
     assert page.call("table?control=abacus").document["refusal"].startswith('"abacus" is not a controller')
 
 
+@pytest.mark.long
 def test_the_description_names_every_document_and_every_answer(page: Served) -> None:
     described = page.call("openapi.json").document
     assert set(described["paths"]) == {
@@ -209,9 +215,19 @@ def test_a_record_that_went_away_is_said(page: Served) -> None:
     page.record.with_name("gone.axiscal").rename(page.record)
 
 
+@pytest.mark.long
 def test_ending_while_it_still_thinks_is_no_fault(tmp_path: Path) -> None:
     with served(started(tmp_path, TWO_SPHERES)) as running:  # looks at what it said when it has ended
         line = http.client.HTTPConnection("127.0.0.1", running.port, timeout=PATIENCE)
         line.request("GET", "/api/1/outlook", headers={"Authorization": f"Bearer {running.token}"})
         time.sleep(0.1)  # the request is there, its answer takes longer than the server waits
     line.close()
+
+
+@pytest.mark.parametrize(("step", "key"), [("notes", "text"), ("skips", "reason")])
+def test_half_a_character_and_a_book_are_refused(page: Served, step: str, key: str) -> None:
+    after = {"after": page.state()["last"]} if step == "skips" else {}
+    for text in ("half \ud800", "a" * 2001):
+        assert 400 <= page.call(step, **after, **{key: text}).status < 500
+    assert page.state()["notes"] == []
+    assert page.state()["question"]["number"] == 1

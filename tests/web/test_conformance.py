@@ -48,6 +48,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("path", "method"), OPERATIONS)
 @pytest.mark.parametrize("mode", [schemathesis.GenerationMode.POSITIVE, schemathesis.GenerationMode.NEGATIVE])
 def test_every_answer_is_as_described(page: Served, path: str, method: str, mode: schemathesis.GenerationMode) -> None:

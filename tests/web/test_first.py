@@ -120,36 +120,34 @@ def test_nothing_is_written_over(tmp_path: Path) -> None:
 
 
 @pytest.mark.chromium
-def test_the_form_by_keyboard_at_every_size(tmp_path: Path) -> None:
-    (tmp_path / "chromium").mkdir()
-    with Browser(tmp_path / "chromium") as browser:
-        page = browser.page(1400, 900)
-        with form(tmp_path, told="are written") as server:
-            page.open(server.address)
-            page.until("document.activeElement.id === 'source'")
-            assert "token" not in page.value("location.href")
-            page.value("(s => { s.value = '0'; s.dispatchEvent(new Event('change')); })(document.activeElement)")
-            page.until("document.querySelectorAll('#axes input').length === 2")
-            looked_at(page)
-            for text in ("-300", "0"):
-                page.press("Tab")
-                page.type(text)
-            page.press("Tab")  # how it is built: left as it is supposed
+def test_the_form_by_keyboard_at_every_size(browser: Browser, tmp_path: Path) -> None:
+    page = browser.page(1400, 900)
+    with form(tmp_path, told="are written") as server:
+        page.open(server.address)
+        page.until("document.activeElement.id === 'source'")
+        assert "token" not in page.value("location.href")
+        page.value("(s => { s.value = '0'; s.dispatchEvent(new Event('change')); })(document.activeElement)")
+        page.until("document.querySelectorAll('#axes input').length === 2")
+        looked_at(page)
+        for text in ("-300", "0"):
             page.press("Tab")
-            page.press(" ")
-            tab_to(page, "target")
-            page.type("20 um")
-            tab_to(page, "look")
-            page.press("Enter")
-            page.until("!document.getElementById('files').hidden")
-            looked_at(page)
-            page.value("document.querySelectorAll('details').forEach(each => { each.open = true; })")
-            looked_at(page)
-            tab_to(page, "target")
-            page.press("Enter")
-            page.until("document.querySelectorAll('#after li').length === 3")
-            looked_at(page)
-            assert page.complaints() == []
-            page.value("document.documentElement.removeAttribute('lang')")
-            assert [rule.partition(":")[0] for rule in page.broken_rules()] == ["html-has-lang"]
+            page.type(text)
+        page.press("Tab")  # how it is built: left as it is supposed
+        page.press("Tab")
+        page.press(" ")
+        tab_to(page, "target")
+        page.type("20 um")
+        tab_to(page, "look")
+        page.press("Enter")
+        page.until("!document.getElementById('files').hidden")
+        looked_at(page)
+        page.value("document.querySelectorAll('details').forEach(each => { each.open = true; })")
+        looked_at(page)
+        tab_to(page, "target")
+        page.press("Enter")
+        page.until("document.querySelectorAll('#after li').length === 3")
+        looked_at(page)
+        assert page.complaints() == []
+        page.value("document.documentElement.removeAttribute('lang')")
+        assert [rule.partition(":")[0] for rule in page.broken_rules()] == ["html-has-lang"]
     assert read_campaign(tmp_path / "mill" / "campaign.toml").machine.axis("Z").travel == (-0.3, 0.0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -60,13 +59,6 @@ PALE = """(() => {
   return found;
 })()"""
 """Texts with less contrast than 4.5 to 1 (WCAG 2.2, 1.4.3)."""
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    """Chromium."""
-    with Browser(tmp_path_factory.mktemp("chromium")) as running:
-        yield running
 
 
 def kept(record: Path) -> list[float]:
@@ -173,6 +165,7 @@ def test_a_whole_campaign_by_keyboard_alone(browser: Browser, tmp_path: Path) ->
     assert (tmp_path / "mill-results" / "report.html").is_file()
 
 
+@pytest.mark.long
 @pytest.mark.chromium
 def test_a_campaign_of_the_five_axis_machine_by_keyboard_alone(browser: Browser, tmp_path: Path) -> None:
     record = started(tmp_path, TWO_SPHERES)
@@ -203,6 +196,7 @@ def test_a_campaign_of_the_five_axis_machine_by_keyboard_alone(browser: Browser,
     assert kept(record) == [1.2, 0.4, -2.5, 1.0, 0.0]
 
 
+@pytest.mark.long
 @pytest.mark.chromium
 def test_the_page_speaks_german_and_programs_are_answered_in_english(browser: Browser, tmp_path: Path) -> None:
     record = started(tmp_path)
@@ -233,6 +227,7 @@ def test_the_page_speaks_german_and_programs_are_answered_in_english(browser: Br
         assert page.complaints() == []
 
 
+@pytest.mark.long
 @pytest.mark.chromium
 def test_two_windows_see_each_other_and_none_answers_for_the_other(browser: Browser, tmp_path: Path) -> None:
     record = started(tmp_path)
@@ -275,6 +270,7 @@ def hostile_texts() -> list[str]:
     return [*marked, *scripts][:1000]
 
 
+@pytest.mark.long
 @pytest.mark.chromium
 def test_a_thousand_hostile_texts_stay_text_in_every_field(browser: Browser, tmp_path: Path) -> None:
     texts = hostile_texts()

@@ -21,7 +21,7 @@ from axiscal.campaign.ending import BUDGET, Ended, count_reached, out_of_reach
 from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.knowing import Knowing
 from axiscal.campaign.milestones import Milestone, Status
-from axiscal.campaign.possible import described, refuse_of_branch, refuse_unreadable
+from axiscal.campaign.possible import described, kept_text, refuse_of_branch, refuse_unreadable
 from axiscal.campaign.refusing import refuse_endless, refuse_implausible
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.campaign.versions import versions
@@ -209,16 +209,12 @@ class Campaign(Closing):
         rest : neither can any other of its set-up, which is left
         """
         asked = self.open_question()
-        if not reason.strip():
-            raise ReadingError("the reason is empty", "Say why the reading cannot be taken")
-        self._append(Skipped(reason.strip(), rest))
+        self._append(Skipped(kept_text(reason, "reason", "Say why the reading cannot be taken"), rest))
         return asked
 
     def note(self, text: str) -> None:
         """Keep a sentence in the record, for those who read it later; it may come after the end."""
-        if not text.strip():
-            raise ReadingError("the note is empty", "Write what is to be kept in the record")
-        self._append(Noted(text.strip()))
+        self._append(Noted(kept_text(text, "note", "Write what is to be kept in the record")))
 
     def undo(self) -> Undoable:
         """Take back the last reading, skip or finish, and return it; its question is open again."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from typing import TypeGuard
 
 from axiscal.campaign.ending import BUDGET, CONTRADICT, OUT_OF_REACH
 from axiscal.language.spoken import counted, said
@@ -23,13 +22,6 @@ _REACHED = re.compile(r"(rms|worst|U) target reached")
 _BEYOND = re.compile(
     r"(rms|worst|U) target cannot be reached: endless readings would leave ([0-9.e+-]+) um, these leave ([0-9.e+-]+) um"
 )
-
-
-def ends_by_accuracy(kept: object) -> TypeGuard[str]:
-    """Return whether something that was kept says why an accuracy asks for no more readings, or "" where it does."""
-    if not isinstance(kept, str):
-        return False
-    return kept in ("", CONTRADICT) or any(form.fullmatch(kept) for form in (_REACHED, _BEYOND))
 
 
 def because_text(because: str) -> str:

@@ -17,6 +17,8 @@ from axiscal.record.events import Asked, Event, Mounted, Planned, Recorded, Stor
 from axiscal.record.log import EventLog
 from axiscal.units import format_quantity
 
+LONGEST_TEXT = 2000
+"""Characters of a note or a reason that a person types; a matter of taste."""
 _LEAST = 1e-12
 """m or rad: a hundredth of what may be said; beside a standard deviation below it nothing of an estimate is left."""
 _LATEST = 1e10
@@ -36,6 +38,20 @@ def described(record: EventLog) -> CampaignDescription:
     )
     _refuse_impossible(record.events(), description, record.path)
     return with_mounted(description, record.state().mounted)
+
+
+def kept_text(text: str, what: str, remedy: str) -> str:
+    """Return a note or a reason without the blanks about it; raises ReadingError for an empty one or a book.
+
+    what : it is; remedy : where it is empty
+    """
+    text = text.strip()
+    if not text:
+        raise ReadingError(f"the {what} is empty", remedy)
+    if len(text) > LONGEST_TEXT:
+        shorter = f"Write up to {LONGEST_TEXT}, and say there in which file the rest is"
+        raise ReadingError(f"the {what} has {len(text)} characters", shorter)
+    return text
 
 
 def refuse_absurd(*values: float) -> None:

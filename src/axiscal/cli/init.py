@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import Language
-from axiscal.cli.printing import say
+from axiscal.cli.printing import ask, say
 from axiscal.cli.texts import count_text
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.first_files import Beginning, first_files, of_builtin, of_ini, write_files
@@ -142,7 +142,7 @@ def _asked(question: str, known: Iterable[str]) -> str:
     names = ", ".join(known)
     say(f"{question}{f' ({names})' if names else ''}")
     try:
-        return input("> ").strip()
+        return ask("> ").strip()
     except EOFError:
         remedy = "Give --machine or --from, --instrument and --target"
         raise DescriptionError("Nobody answered", remedy) from None

@@ -146,7 +146,7 @@ def plan(
         refuse_unless_provable(case)
     if target is not None:
         refuse_out_of_reach(case, limits)
-    elif readings is budget is None and (said := out_of_reach(case)) is not None:
+    elif readings is None and budget is None and (said := out_of_reach(case)) is not None:
         tell(f"Mind: {said}")
     if compare is not None:
         _compared(case, limits, how, compare, json)

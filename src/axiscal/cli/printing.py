@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 import textwrap
 from collections.abc import Mapping
@@ -10,6 +11,8 @@ from typing import TextIO
 
 WIDTH = 100
 """Columns; a matter of taste."""
+_STEERING = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+"""Characters that a terminal obeys rather than shows, all but tab and new line, and halves of characters."""
 
 
 def say(text: str) -> None:
@@ -35,8 +38,18 @@ def say_document(document: Mapping[str, object]) -> None:
     say(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
 
 
+def ask(prompt: str) -> str:
+    """Return the line that a person types behind a prompt."""
+    return input(visible(prompt))
+
+
+def visible(text: str) -> str:
+    """Return text that steers no terminal: such characters as JSON writes them, so that a document stays the same."""
+    return _STEERING.sub(lambda found: json.dumps(found[0])[1:-1], text)
+
+
 def _write(stream: TextIO, text: str) -> None:
     """Write text to a stream that may not know every character."""
     encoding = getattr(stream, "encoding", None) or "utf-8"
-    stream.write(text.encode(encoding, "replace").decode(encoding))
+    stream.write(visible(text).encode(encoding, "replace").decode(encoding))
     stream.flush()

@@ -8,7 +8,7 @@ from pathlib import Path
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ended_words import because_text
 from axiscal.campaign.ending import Ended
-from axiscal.cli.printing import say
+from axiscal.cli.printing import ask, say
 from axiscal.cli.prompt_texts import expected_text, headline, help_text, mounting_text, question_lines
 from axiscal.cli.texts import micrometres
 from axiscal.exceptions import AxiscalError, OvertakenError
@@ -71,7 +71,7 @@ class Prompt:
         then = _Then.SAME
         while then is _Then.SAME:
             try:
-                typed = answer(input(prompt), question.setup)
+                typed = answer(ask(prompt), question.setup)
                 then = self._heed(typed, question) if standing else self._heed_mounting(typed, question)
             except OvertakenError:
                 self.campaign.looked_at_again()
@@ -97,7 +97,7 @@ class Prompt:
                 say(f"  {take_back(self.campaign).sentence}")
                 return _Then.ANEW
             case "skip":
-                self.campaign.skip(typed.text or input("  " + said("why can it not be taken?") + " "))
+                self.campaign.skip(typed.text or ask("  " + said("why can it not be taken?") + " "))
                 say("  " + said("skipped; the plan is made anew around it"))
                 return _Then.ANEW
             case "leave":
@@ -119,7 +119,7 @@ class Prompt:
             far = "That is {size} standard deviations from what is expected, {expected}."
             say("  " + said(far, size=decimals(f"{surprise:.1f}"), expected=expected_text(question)))
             choice = said("Type k to keep it, v to keep it and vouch for it, Enter to read again:")
-            word = input(f"  {choice} ").strip().lower()
+            word = ask(f"  {choice} ").strip().lower()
             if word not in ("k", "v"):
                 return _Then.SAME
             vouched = word == "v"
@@ -139,7 +139,7 @@ class Prompt:
         return _Then.ANEW
 
     def _note(self, text: str) -> None:
-        self.campaign.note(text or input("  " + said("what is to be kept in the record?") + " "))
+        self.campaign.note(text or ask("  " + said("what is to be kept in the record?") + " "))
         say("  " + said("noted; it is on the disk"))
 
     def _stop(self) -> _Then:
@@ -152,7 +152,7 @@ class Prompt:
         for line in tables_lines(self.campaign):
             say(f"  {line}")
         choice = said("Type yes to end it here and write the results, Enter to go on:")
-        if input(f"  {choice} ").strip().lower() not in ("yes", "y", said("yes")):
+        if ask(f"  {choice} ").strip().lower() not in ("yes", "y", said("yes")):
             return _Then.SAME
         return _Then.FINISH
 
@@ -168,7 +168,7 @@ class Prompt:
         then = _Then.SAME
         while then is _Then.SAME:
             try:
-                then = self._heed_at_end(*input(prompt).strip().partition(" ")[::2])
+                then = self._heed_at_end(*ask(prompt).strip().partition(" ")[::2])
             except AxiscalError as failure:
                 say(f"  {failure}")
         return then

@@ -16,7 +16,7 @@ import numpy as np
 
 from axiscal.estimate.draws import draws, mode, weighed
 from axiscal.estimate.problem import Problem, problem
-from axiscal.estimate.spaces import space_of
+from axiscal.estimate.room import space_of
 from axiscal.estimate.usual import Learnable, sizes_of
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, drawn

@@ -14,7 +14,7 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.reading_rows import blank_readings
 
 
-class Wanted(NamedTuple):
+class WantedAccuracy(NamedTuple):
     """An accuracy that is asked for, and what endless readings would leave of it, m."""
 
     name: str
@@ -22,12 +22,12 @@ class Wanted(NamedTuple):
     floor: float
 
 
-def asked(target: Target, yardstick: Yardstick) -> tuple[Wanted, ...]:
+def asked(target: Target, yardstick: Yardstick) -> tuple[WantedAccuracy, ...]:
     """Return the accuracies that a target asks for; a campaign ends at the first that is reached."""
     rms, worst = yardstick.floors
-    found = [] if target.rms is None else [Wanted("rms", target.rms, rms)]
-    found += [] if target.worst is None else [Wanted("worst", target.worst, worst)]
-    found += [] if target.expanded is None else [Wanted("U", target.expanded, expanded_floor(yardstick).space)]
+    found = [] if target.rms is None else [WantedAccuracy("rms", target.rms, rms)]
+    found += [] if target.worst is None else [WantedAccuracy("worst", target.worst, worst)]
+    found += [] if target.expanded is None else [WantedAccuracy("U", target.expanded, expanded_floor(yardstick).space)]
     return tuple(found)
 
 

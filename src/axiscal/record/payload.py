@@ -8,6 +8,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any
 
+from axiscal.document.quoting import shown
+from axiscal.exceptions import RecordError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import Asked, Created, Event, Finished, Mounted, Noted, Planned, Recorded, Skipped, Undone
@@ -27,9 +29,20 @@ class PayloadError(ValueError):
 
 
 def encode(event: Event) -> tuple[str, str]:
-    """Return kind and JSON text; raise ValueError if a number is not finite."""
+    """Return kind and JSON text; raise ValueError if a number is not finite, RecordError for what is no text."""
     text = json.dumps(_fields(event), allow_nan=False, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
+    _refuse_halves(text)
     return type(event).__name__.lower(), text
+
+
+def _refuse_halves(text: str) -> None:
+    """Raise RecordError for halves of characters: no file can hold them. Bytes of an argument may become such."""
+    try:
+        text.encode()
+    except UnicodeEncodeError as error:
+        said = shown(text[: error.end].rpartition('"')[2][-40:])
+        remedy = "Type the text anew, or rename the file, on a terminal that writes UTF-8; nothing was kept"
+        raise RecordError(f"{said} ends in a byte that is no UTF-8, or in half a character", remedy) from None
 
 
 def decode(kind: str, text: str) -> Event:
@@ -95,6 +108,7 @@ def _whole(value: object) -> int:
 def _text(value: object) -> str:
     if not isinstance(value, str):
         raise ValueError(f"{value!r} is not text")
+    value.encode()  # UnicodeEncodeError, a ValueError, for half a character
     return value
 
 

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-TEXT = 2000
-"""Characters of a text that a person types; a matter of taste."""
+from axiscal.campaign.possible import LONGEST_TEXT
+
 LONGEST = 25.0
 """s that a request may wait for news: less than what programs between us and a browser would take for a fault."""
 After = Annotated[int, Field(ge=0, description="`last` of the state that is answered; 409 if it has changed")]
@@ -252,7 +252,7 @@ class WaitQuery(Shape):
 class TypedQuery(Shape):
     """A text as it is typed."""
 
-    text: Annotated[str, Field(max_length=TEXT)]
+    text: Annotated[str, Field(max_length=LONGEST_TEXT)]
 
 
 class KeepRequest(Shape):
@@ -262,7 +262,7 @@ class KeepRequest(Shape):
     """
 
     after: After
-    text: Annotated[str, Field(max_length=TEXT)]
+    text: Annotated[str, Field(max_length=LONGEST_TEXT)]
     keep: bool = False
     vouch: bool = False
 
@@ -271,14 +271,14 @@ class SkipRequest(Shape):
     """The reading asked for cannot be taken; rest : nor any other of its set-up, which is left."""
 
     after: After
-    reason: Annotated[str, Field(max_length=TEXT)]
+    reason: Annotated[str, Field(max_length=LONGEST_TEXT)]
     rest: bool = False
 
 
 class NoteRequest(Shape):
     """A sentence for the record; it answers no question, so no state has to be named."""
 
-    text: Annotated[str, Field(max_length=TEXT)]
+    text: Annotated[str, Field(max_length=LONGEST_TEXT)]
 
 
 class StepRequest(Shape):
