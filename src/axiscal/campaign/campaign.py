@@ -31,7 +31,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import Timed, elapsed
-from axiscal.exceptions import AmbiguityError, ReadingError, RecordError
+from axiscal.exceptions import AmbiguityError, RecordError
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading

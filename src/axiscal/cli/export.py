@@ -19,6 +19,7 @@ from axiscal.compensation.on_top import informed
 from axiscal.document import shown
 from axiscal.document.bounded import bounded_content
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.agreement_words import agreement_words
 from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
@@ -133,10 +134,13 @@ def export(
         options = informed(options, estimation.case.description, to)
         options = replace(options, origin=record_state(campaign).hash)
         offered = _offered(estimation.estimate(), to, options, ini)
-        withheld = estimation.agreement.withheld
-        factor = None if withheld else expanded_uncertainty(estimation).factor(estimation.accuracy.rms)
+        if estimation.agreement.withheld and not anyway:
+            remedy = "Take readings again, or write the files all the same with --anyway"
+            raise TableError(agreement_words(estimation), remedy, record)
+        factor = expanded_uncertainty(estimation).factor(estimation.accuracy.rms)
         doubts = [finding.text for finding in findings(estimation)]
-        offered = introduced(offered, factor, doubts, record_state(campaign))
+        agreement = agreement_words(estimation) if estimation.readings else ""
+        offered = introduced(offered, factor, doubts, agreement, record_state(campaign))
         sent = None if loader is None else loader.taken(offered.files)
         deliver_export(offered, out, record_state(campaign))
     if not json:

@@ -45,10 +45,13 @@ def _wave(entry: ErrorEntry) -> Iterator[ErrorEntry]:
 
 
 def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[PlaneEntry]:
-    """Yield what pairs of linear axes do together that move in one set-up."""
-    pairs = dict.fromkeys(
-        pair for setup in setups for pair in combinations([k for k in setup.moves if not machine.axes[k].rotary], 2)
-    )
+    """Yield what pairs of linear axes do together that move in one set-up without a rotary one.
+
+    Not on machines with rotary axes, where it would add half as many unknowns again.
+    """
+    if any(axis.rotary for axis in machine.axes):
+        return
+    pairs = dict.fromkeys(pair for setup in setups for pair in combinations(setup.moves, 2))
     stds = {entry.name: entry.std for entry in machine.errors if entry.kind == "motion"}
     for pair in pairs:
         axes = [machine.axes[k] for k in pair]
@@ -69,7 +72,10 @@ def _as_usual(entry: ErrorEntry, axis: Axis) -> ErrorEntry:
         return entry
     white = REST.size * entry.std if entry.rest is None else entry.rest
     rest = float(np.hypot(white, ROUGH.size * entry.std))
-    return replace(entry, length=entry.length or _LENGTH * axis.length, rest=rest, rest_estimated=False)
+    if entry.length is None:
+        knots = entry.knot_count(axis)  # as they are: a length alone would ask for others
+        entry = replace(entry, length=_LENGTH * axis.length, knots=knots, spacing=None)
+    return replace(entry, rest=rest, rest_estimated=False)
 
 
 def _rough_plane(entry: PlaneEntry) -> PlaneEntry:

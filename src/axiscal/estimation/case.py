@@ -67,6 +67,7 @@ class Case:
     rivals : beliefs of which the readings are to say which one holds; the first of them is `inherited`
     larger : times that what no allowed reading sees counts, where bands are so many times as wide as the model's
     yardsticks : found so far, of all cases that are made from this one
+    sized_from : the case before its sizes were learnt, whose yardstick it has but for the rests; None for itself
     """
 
     description: CampaignDescription
@@ -76,6 +77,7 @@ class Case:
     rivals: tuple[Rival, ...] = ()
     larger: float = 1.0
     yardsticks: Yardsticks = field(default_factory=Yardsticks, repr=False)
+    sized_from: Case | None = field(default=None, repr=False)
 
     @cached_property
     def sides(self) -> tuple[Case, ...]:
@@ -116,7 +118,9 @@ class Case:
         """Return the case with priors and noise at other sizes.  sizes : factors by kind and owner"""
         machine = rescaled_machine(self.description.machine, sizes)
         setups = rescaled_setups(self.description.setups, sizes)
-        return self._plain(replace(self.description, machine=machine, setups=setups))
+        return replace(
+            self._plain(replace(self.description, machine=machine, setups=setups)), sized_from=self.sized_from or self
+        )
 
     @property
     def bends(self) -> bool:
@@ -215,6 +219,8 @@ class Case:
     @cached_property
     def yardstick(self) -> Yardstick:
         """The figures over the target's volume; a constant shift that is mostly unseen is not counted."""
+        if self.sized_from is not None and not (self.about is not None and self.about.bent):
+            return self.sized_from.yardstick.with_rests_of(self.errors)
         grounds = *self._over_what, self.description.setups, self.both, Itself(self.inherited), self.larger
         return self.yardsticks.yardstick(grounds, self._found_yardstick)
 
