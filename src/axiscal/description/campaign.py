@@ -155,6 +155,7 @@ def _described(
     from axiscal.description.programs import read_driving
     from axiscal.description.setups import Surroundings, read_setups
     from axiscal.description.target import read_target
+    from axiscal.description.type_b import refers_to_20
     from axiscal.document import read_model
 
     table = read_model(document, CampaignTable)
@@ -162,7 +163,9 @@ def _described(
     artefacts = read_artefacts(table.artefacts, document)
     tool = _tool(table, document, usual_doubts)
     printer = usual_doubts and set(table.controls) <= _PRINTERS  # records of before know no such probe
-    around = Surroundings(machine, document, artefacts, tool, asking, usual_doubts, printer)
+    at_20 = refers_to_20(table, artefacts, document)
+    target = replace(target, refers_to="20 degC" if at_20 else "as read")
+    around = Surroundings(machine, document, artefacts, tool, asking, usual_doubts, printer, at_20)
     setups = read_setups(table.setups, around)
     driving = read_driving(table.programs, machine, document)
     setups = tuple(replace(setup, driving=driving) for setup in setups)

@@ -47,6 +47,7 @@ class TargetTable(Table):
     aligned: bool | None = Field(None, examples=["true"])
     directions: list[Literal["x", "y", "z"]] = Field(default=["x", "y", "z"], examples=['["z"]'])
     criterion: Literal["volume", "joint", "worst"] = Field("volume", examples=['"volume"'])
+    refers_to: Literal["20 degC", "as read"] | None = Field(None, examples=['"20 degC"'])
     unchecked: Literal["refuse", "allow"] = Field("refuse", examples=['"allow"'])
 
 
@@ -63,6 +64,7 @@ class SetupTable(Table):
     temperature_std: QuantityText | None = Field(None, examples=['"0.2 K"'])
     expansion: QuantityText | None = Field(None, examples=['"11.7 um/m/K"'])
     expansion_std: QuantityText | None = Field(None, examples=['"1 um/m/K"'])
+    type_b: dict[str, QuantityText] = Field(default={}, examples=['{ scale = "0.2 um/m", air = "0.3 um/m" }'])
     base: QuantityText | None = Field(None, examples=['"100 mm"'])
     station: list[QuantityText] | None = Field(None, examples=['["0 mm", "0 mm", "-300 mm"]'])
     stations: list[list[QuantityText]] | None = Field(None, examples=['[["0 mm", "0 mm", "0 mm"], […]]'])

@@ -17,6 +17,7 @@ from axiscal.machine import Axis, Machine
 from axiscal.units import format_quantity, parse_quantity
 
 Criterion = Literal["volume", "joint", "worst"]
+RefersTo = Literal["20 degC", "as read"]
 MOST_READINGS = 100_000
 """Weeks of measuring; whoever says more has slipped."""
 _LOOKED_AT, _FEWEST = 1000, 20
@@ -35,6 +36,7 @@ class Target:
     part : where the work is done, instead of a volume of axes; the volume is then the box around its poses
     aligned : a rigid motion of the part is not counted: it is probed
     expanded : U, of the TCP in space over the volume with 95 %, m
+    refers_to : the temperature for which it is to be good: 20 °C (ISO 1), or that of the readings
     counted : whether deviations of the TCP along x, y and z of the workpiece frame count
     """
 
@@ -48,6 +50,7 @@ class Target:
     aligned: bool = False
     expanded: float | None = None
     counted: Counted = EVERY_WAY
+    refers_to: RefersTo = "as read"
 
     @property
     def accurate(self) -> bool:

@@ -1,8 +1,8 @@
 """All readings as one linear problem: y = Z z + v, z ~ N(0, D R(l) D), v ~ N(0, σ²), each over its own noise.
 
 D are the sizes and R the correlations of the unknowns; both depend on θ. What does not is applied to Z once. The
-columns stand in this order: what only readings suffer (drift, cycle, growth), rests of the cells that were visited,
-the errors, the unknowns of the set-ups. The last two are what is answered.
+columns stand in this order: what no reading shows (type B), what only readings suffer (drift, cycle, growth), rests of
+the cells that were visited, the errors, the unknowns of the set-ups. The last two are what is answered.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from axiscal.error_model.plane import PlaneError
 from axiscal.error_model.prior import distances, matern, matern_by_length
 from axiscal.estimate.passing import passing_columns
 from axiscal.estimate.sizes import Kind, Sizes
+from axiscal.estimate.type_b import type_b_columns
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
@@ -193,9 +194,9 @@ def problem(
     noise = np.sqrt(variances)
     names = [setup.name for setup in observation.setups]
     groups = np.where(np.isnan(stated), sizes.indices("noise", names)[setups], -1)
-    passing = passing_columns(observation, readings, places, reading, sizes) if usual else None
-    blocks = [] if passing is None else [passing.columns]
-    size_at = [] if passing is None else [passing.size_at]
+    passing = [type_b_columns(observation, readings, places, reading, usual)]
+    passing += [passing_columns(observation, readings, places, reading, sizes)] if usual else []
+    blocks, size_at = [each.columns for each in passing], [each.size_at for each in passing]
     start = sum(block.shape[1] for block in blocks)
     answered = observation.errors.size + len(observation.unknowns)
     own, own_size, curves, roots = builder.errors(found.rows, start + len(cells))

@@ -40,10 +40,12 @@ class Answer(NamedTuple):
 
 
 class Given(Protocol):
-    """Everything at one set of sizes.  value : log L; square : yᵀK⁻¹y"""
+    """Everything at one set of sizes.  value : log L; square : yᵀK⁻¹y; theta : (k,); roots : of the curves' priors"""
 
     value: float
     square: float
+    theta: Array
+    roots: list[Array]
 
     def slope(self) -> Slope:
         """Return value, gradient and information."""
