@@ -18,8 +18,8 @@ from axiscal.compensation.old_files import read_old
 from axiscal.compensation.on_top import informed
 from axiscal.document import shown
 from axiscal.document.bounded import bounded_content
-from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.agreement_words import agreement_words
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from axiscal.estimate.agreement import Agreement, agreement
 from axiscal.estimate.draws import Draws, Mode, Weighed, draws, mode, redrawn, weighed
+from axiscal.estimate.heavy_tails import Volume, shares_that_count
 from axiscal.estimate.model import BAD
 from axiscal.estimate.problem import MOST_NUMBERS, Problem
 from axiscal.estimate.room import space_of
@@ -75,12 +76,17 @@ class Posterior:
 
 @one_thread()
 def posterior(
-    problem: Problem, before: Posterior | None = None, never: Iterable[int] = (), sure: Iterable[int] = ()
+    problem: Problem,
+    before: Posterior | None = None,
+    never: Iterable[int] = (),
+    sure: Iterable[int] = (),
+    over: Volume | None = None,
 ) -> Posterior:
     """Return the posterior of a problem.
 
     before : of nearly the same readings, whose draws are weighed anew while they are good for it
     never : readings that are not used; sure : readings that are not taken out
+    over : the volume by which draws with large sizes are cut
     """
     bad = dict[int, LeftOut]()
     accepted, count = frozenset(sure), len(np.unique(problem.reading))
@@ -107,33 +113,43 @@ def posterior(
         bad[worst] = left[worst]
         stale = True
     assert drawn is not None
-    mean, covariance, cells = _moments(found)
-    sizes = _sizes(mine, found)
+    moments = _moments(found, over)
+    sizes = _sizes(mine, found, moments.counted)
     agreed = agreement(mine, found, np.array([each.z for each in left.values()]))
-    known = dict(zip(problem.cells, cells.tolist(), strict=True))
-    return Posterior(mean, covariance, known, sizes, found.effective, bad, agreed, left, drawn, best)
+    known = dict(zip(problem.cells, moments.cells.tolist(), strict=True))
+    return Posterior(moments.mean, moments.covariance, known, sizes, found.effective, bad, agreed, left, drawn, best)
 
 
-def _moments(found: Weighed) -> tuple[Array, Array, Array]:
-    """Return mean and covariance of the answered unknowns, and the means of the rests, over the draws."""
-    about, total = np.zeros(0), np.zeros((0, 0))
-    shift = np.zeros(0)
-    for number, (weight, given) in enumerate(zip(found.weights, found.given, strict=True)):
-        answer = given.answer()
-        if number == 0:
-            about, shift, total = answer.mean, np.zeros_like(answer.mean), np.zeros_like(answer.covariance)
-        apart = answer.mean - about  # of the first: open zeros are large beside what draws differ by
-        shift += weight * apart
-        answer.covariance[...] += np.outer(apart, apart)
-        total += np.multiply(answer.covariance, weight, out=answer.covariance)
-    mean, covariance = about + shift, total - np.outer(shift, shift)
+@dataclass(frozen=True, eq=False)
+class _Moments:
+    """mean (k,), covariance (k, k); cells : means of rests (c,); counted : factor on each draw's covariance, (d,)"""
+
+    mean: Array
+    covariance: Array
+    cells: Array
+    counted: Array
+
+
+def _moments(found: Weighed, over: Volume | None) -> _Moments:
+    """Return the moments over the draws, those with the largest sizes cut to what they add to U."""
+    answers = [each.answer() for each in found.given]
+    about = answers[0].mean  # open zeros are large beside what draws differ by
+    shift = np.sum([w * (each.mean - about) for w, each in zip(found.weights, answers, strict=True)], axis=0)
+    aparts = [each.mean - about - shift for each in answers]
+    counted = np.ones(len(answers))
+    if over is not None:
+        each = zip(answers, aparts, found.thetas, strict=True)
+        counted = shares_that_count(np.array([over.square(a.covariance, b, c) for a, b, c in each]), found.weights)
+    total = np.zeros_like(answers[0].covariance)
+    for weight, answer, apart in zip(found.weights * counted, answers, aparts, strict=True):
+        total += weight * (answer.covariance + np.outer(apart, apart))
     cells = np.sum([w * each.cells() for w, each in zip(found.weights, found.given, strict=True)], axis=0)
-    return mean, covariance, cells
+    return _Moments(about + shift, total, cells, counted)
 
 
-def _sizes(problem: Problem, found: Weighed) -> dict[tuple[Kind, str], float]:
-    """Return the root mean square of each size, as a factor on what is stated."""
-    squares = found.weights @ np.exp(2 * found.thetas) if len(problem.sizes) else np.zeros(0)
+def _sizes(problem: Problem, found: Weighed, counted: Array) -> dict[tuple[Kind, str], float]:
+    """Return the root mean square of each size, as a factor on what is stated.  counted : (d,) of each draw"""
+    squares = (found.weights * counted) @ np.exp(2 * found.thetas) if len(problem.sizes) else np.zeros(0)
     pairs = zip(problem.sizes.of, np.sqrt(squares).tolist(), strict=True)
     return {(size.kind, owner): factor for size, factor in pairs for owner in size.owners}
 

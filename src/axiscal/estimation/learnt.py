@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from axiscal.estimate.heavy_tails import Volume
 from axiscal.estimate.posterior import Posterior, posterior
 from axiscal.estimate.problem import problem
 from axiscal.estimation.case import Case
@@ -50,7 +51,17 @@ def posterior_of(
     """Return the posterior of readings where a case has them linear.  case : with the sizes as stated"""
     posed = problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
     sure = [index for index, reading in enumerate(readings) if reading.accepted]
-    return posterior(posed, before, implausible, sure)
+    return posterior(posed, before, implausible, sure, volume_of(case))
+
+
+def volume_of(case: Case) -> Volume:
+    """Return what unknowns and rests do over the volume of a case.  case : with the sizes as stated"""
+    yardstick, terms = case.yardstick, case.errors.terms
+    size_at = case.sizes.indices("rest", [term.name for term in terms])
+    varies = size_at >= 0
+    levers = np.array([yardstick.moments.levers[term.name] for term in terms])
+    rests = np.array([term.rest for term in terms]) ** 2 * levers
+    return Volume(yardstick.root.matrix, rests[varies], size_at[varies])
 
 
 def verdict_of(found: Posterior, count: int) -> Verdict:
