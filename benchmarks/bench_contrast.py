@@ -19,14 +19,14 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.stats import beta, chi2
-
 from axiscal.accuracy.damage import FALSE_ALARM, needed
 from axiscal.inference.contradiction import SURE, watched, whitened
 from axiscal.inference.contrast import contrasts, threshold
-from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.departures import IN_PLANS, Departure, departures
+from numpy.typing import NDArray
+from scipy.stats import beta, chi2
+
+from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution

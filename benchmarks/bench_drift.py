@@ -21,12 +21,12 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
+from axiscal.estimation.ruled import ruled, ruling_of
 
 from axiscal.accuracy.expanded import expanded
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread

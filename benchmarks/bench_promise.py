@@ -11,26 +11,13 @@ all readings of the axis longer alike, and counts what no reading shows.
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from axiscal.accuracy.expanded import expanded
-from axiscal.belief import Belief
-from axiscal.error_model.model import ErrorModel
-from axiscal.estimation.case import Case
-from axiscal.numerics.threads import one_thread
-from axiscal.promise.heavy_tails import Volume
-from axiscal.promise.posterior import posterior
-from axiscal.promise.problem import problem
-from axiscal.promise.sizes import Sizes
-from axiscal.promise.type_b import SaidOfSetup
-from axiscal.promise.usual import Learnable, rescaled_machine, sizes_of, usual_machine
-from benchmarks.trust.attacks import ATTACKS, Attack, Passing, attacked
+from benchmarks.trust.attacks import ATTACKS, Attack, Passing, outcome
 from benchmarks.trust.benches import PLACES
 
 _FIRST = 7000
@@ -52,34 +39,6 @@ _LENGTHS = (
 )
 
 
-@one_thread()
-def met(attack: Attack, places: str, seed: int, said: Mapping[str, SaidOfSetup] | None = None) -> tuple[float, float]:
-    """Return the ratio of true to promised RMS, and the share of the volume inside U.
-
-    said : of set-ups by name, where what no reading shows counts
-    """
-    found = attacked(attack, places, "stated", seed)
-    described = found.stated.description
-    machine = usual_machine(described.machine, described.setups)
-    case = replace(found.stated, description=replace(described, machine=machine))
-    sizes = sizes_of(machine, described.setups, Learnable("roughly", usual=True, inherited=False))
-    known = posterior(problem(case.observation, found.readings, sizes, said=said), over=_volume(case, sizes))
-    wide = replace(case, description=replace(described, machine=rescaled_machine(machine, known.sizes)))
-    belief = Belief(known.mean, known.agreement.inflation * (known.covariance + known.covariance.T) / 2)
-    promised = wide.yardstick.measure(belief).rms
-    size = found.sizes_left(ErrorModel(machine).rows(*found.places) @ known.mean[: case.errors.size])
-    inside = float(np.mean(size <= expanded(wide.yardstick, belief).space))
-    return float(np.sqrt(np.mean(size**2))) / promised, inside
-
-
-def _volume(case: Case, sizes: Sizes) -> Volume:
-    """Return what unknowns and rests do over the volume."""
-    terms, moments = case.errors.terms, case.yardstick.moments
-    size_at = sizes.indices("rest", [term.name for term in terms])
-    rests = np.array([term.rest**2 * moments.levers[term.name] for term in terms])
-    return Volume(case.yardstick.root.matrix, rests[size_at >= 0], size_at[size_at >= 0])
-
-
 def main() -> None:
     """Print a table for Markdown."""
     machines = int(sys.argv[1]) if len(sys.argv) > 1 else 20
@@ -90,14 +49,15 @@ def main() -> None:
         + " |"
     )
     print("|---" * (len(PLACES) + 1) + "|")
-    said: Mapping[str, SaidOfSetup] | None = {} if bench == "lengths" else None
     asked = [attack for attack in ATTACKS if attack.bench == bench and attack.words not in _REFUSED]
     for attack in _LENGTHS if bench == "lengths" else asked:
         row = []
         for places in PLACES:
-            each = np.array([met(attack, places, _FIRST + index, said) for index in range(machines)])
-            ratio, share = float(np.exp(np.mean(np.log(each[:, 0])))), float(np.mean(each[:, 0] > 1.5))
-            row.append(f"{np.mean(each[:, 1]):.0%}, {ratio:.2f}, {share:.0%}")
+            seeds = range(_FIRST, _FIRST + machines)
+            each = [outcome(attack, places, "stated", seed, bench == "lengths") for seed in seeds]
+            ratios = np.array([one.ratio for one in each])
+            ratio, share = float(np.exp(np.mean(np.log(ratios)))), float(np.mean(ratios > 1.5))
+            row.append(f"{np.mean([one.inside for one in each]):.0%}, {ratio:.2f}, {share:.0%}")
         print(f"| {attack.words} | {' | '.join(row)} |", flush=True)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from axiscal.estimation.ruled import ruled, ruling_of
 
 from axiscal.accuracy.expanded import expanded
 from axiscal.description.campaign import campaign_from_texts
@@ -13,7 +14,6 @@ from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array

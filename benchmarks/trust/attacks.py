@@ -10,23 +10,20 @@ import numpy as np
 from axiscal.accuracy.expanded import expanded
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
+from axiscal.promise.type_b import type_b_names
+from axiscal.promise.usual import usual_machine
 from axiscal.simulation import Simulator, VirtualMachine
 from benchmarks.trust.benches import BENCHES, Changes, Name, case_of, visits
 
-_WORSE = 1.5
-"""A truth of so many times the promise, without a word, is a silent failure."""
-_RARE, _DRAWS = 0.02, 4000
-"""What a promise leaves to one right machine in fifty, by so many draws, is no failure: it is part of the promise."""
 _POSES, _MINUTE = 200, 60.0
 _MOVED = 50e-6
 """m, by which a tool is longer, or an axis line elsewhere, than stated."""
@@ -163,25 +160,14 @@ def _x(poses: Array) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """ratio : of true to promised RMS, as the headline promises it; inside : share of the volume no farther off than U
+    """ratio : of true to promised RMS; inside : share of the volume no farther off than U
 
-    word : the verdict; rare : the ratio that one machine in fifty exceeds where all is as the model says
+    withheld : nothing is promised, since the readings contradict each other
     """
 
     ratio: float
     inside: float
-    word: str
-    rare: float
-
-    @property
-    def silent(self) -> bool:
-        """Whether it is much worse than promised, and nothing says so."""
-        return self.ratio > _WORSE and self.word == "holds"
-
-    @property
-    def broken(self) -> bool:
-        """Whether it is so and worse than the promise itself leaves possible, however few unknowns make most of it."""
-        return self.silent and self.ratio > self.rare
+    withheld: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,31 +227,32 @@ def attacked(attack: Attack, places: str, scales: str, seed: int) -> Attacked:
 
 
 @one_thread()
-def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
-    """Return what one machine's readings promise, and what is true."""
+def outcome(attack: Attack, places: str, scales: str, seed: int, lengths: bool = False) -> Outcome:
+    """Return what one machine's readings promise, and what is true.
+
+    lengths : what no reading shows counts; else instruments are perfect
+    """
     met = attacked(attack, places, scales, seed)
     try:
         refuse_implausible([replace(each, line=1) for each in met.readings], met.stated.description, "readings")
     except ReadingError:
-        return Outcome(np.nan, np.nan, "refused", np.nan)
-    known = ruled(concluded(met.stated, met.readings))
-    ruling, alone = ruling_of(known), expanded(known.banded.case.yardstick, known.banded.knowledge.belief)
-    promised = known.accuracy.rms * max(ruling.expanded.space / alone.space, 1.0)
+        return Outcome(np.nan, np.nan, withheld=True)
+    described = met.stated.description
+    setups = tuple(
+        replace(setup, at_20=lengths, stated=() if lengths else _perfect(setup)) for setup in described.setups
+    )
+    machine = usual_machine(described.machine, described.setups)
+    described = replace(described, machine=machine, setups=setups, usual=True, sure="roughly")
+    known = concluded(replace(met.stated, description=described), met.readings)
+    belief = known.banded.knowledge.belief
     size = met.sizes_left(known.estimate().deviation(*met.places))
-    inside = float(np.mean(size <= ruling.expanded.space))
-    return Outcome(float(np.sqrt(np.mean(size**2))) / promised, inside, ruling.verdict, _rare(known))
+    inside = float(np.mean(size <= expanded(known.banded.case.yardstick, belief).space))
+    return Outcome(float(np.sqrt(np.mean(size**2))) / known.accuracy.rms, inside, known.agreement.withheld)
 
 
-def _rare(known: Estimation) -> float:
-    """Return how many times the promise the RMS over the volume is in one of fifty machines that are as it says.
-
-    With R² = Σλz² + rests, λ the variances of what is left over the volume along its own directions: of many alike the
-    ratio is near 1, of a single one 2.3.
-    """
-    root = known.banded.case.yardstick.root.of(known.banded.knowledge.belief.factor)
-    parts, whole = np.linalg.svd(root, compute_uv=False) ** 2, known.accuracy.rms**2
-    drawn = np.random.default_rng(0).standard_normal((_DRAWS, len(parts))) ** 2 @ parts
-    return float(np.sqrt(np.quantile(drawn + max(whole - parts.sum(), 0.0), 1 - _RARE) / whole))
+def _perfect(setup: Setup) -> tuple[tuple[str, float], ...]:
+    """Return sizes of nothing for what no reading shows."""
+    return tuple((name, 0.0) for name in type_b_names(setup.instrument))
 
 
 def _with_tool(attack: Attack, offsets: Offsets) -> Offsets:

@@ -7,10 +7,10 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from axiscal.inference.contradiction import SURE, compared
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.error_model.model import ErrorModel
-from axiscal.inference.contradiction import SURE, compared
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.simulation import Simulator

@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from axiscal.estimation.ruled import ruled, ruling_of
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.planning.planner import next_places

@@ -199,7 +199,7 @@ def test_growth_that_is_known_is_not_taken_for_a_deviation(
     truth, setups = simulator().drawn(SEED), description().setups
     places = plan_check(estimate, setups, candidates(), used, control, 8)
     left = readings(truth, places, control, 2)
-    warm = (replace(setups[0], growth=1e-4), *setups[1:])
+    warm = (replace(setups[0], warmer=10.0, expansion=1e-5), *setups[1:])
     grown = tuple(replace(r, value=r.value + 1e-4 * (r.pose[0] - 0.15)) if r.setup == "along x" else r for r in left)
     one, other = judge(estimate, setups, left, left, control, 6e-6), judge(estimate, warm, grown, grown, control, 6e-6)
     assert max(abs(g.value - r.value) for g, r in zip(grown, left, strict=True)) > 1e-6

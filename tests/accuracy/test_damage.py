@@ -6,9 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from scipy import stats
-
 from axiscal.accuracy.damage import FALSE_ALARM, KAPPA, Harm, bearable, hidden, needed
+from scipy import stats
 
 
 @pytest.mark.parametrize(("degrees", "value"), [(1, 15.365), (2, 17.948), (3, 19.796)])

@@ -11,6 +11,7 @@ from typing import NoReturn, Protocol
 
 import numpy as np
 import pytest
+from axiscal.estimation.ruled import ruling_of
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import DOES_NOT_FIT, OUT_OF_REACH, Ended, reaches
@@ -18,7 +19,6 @@ from axiscal.campaign.milestones import Milestone
 from axiscal.campaign.sources import Answer, Request, Skip
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.ruled import ruling_of
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError, SourceError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading

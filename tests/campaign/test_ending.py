@@ -6,6 +6,9 @@ import re
 from dataclasses import replace
 
 import pytest
+from axiscal.estimation.ruled import ruled, ruling_of
+from axiscal.estimation.statements import Resting, Statement
+from axiscal.report.verdict import verdict_words
 
 from axiscal.campaign.ending import reaches, standing
 from axiscal.description.campaign import campaign_from_texts
@@ -13,10 +16,7 @@ from axiscal.description.target import Target
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.ruled import ruled, ruling_of
-from axiscal.estimation.statements import Resting, Statement
 from axiscal.planning.feasibility import out_of_reach
-from axiscal.report.verdict import verdict_words
 from tests.generators.laser_axis import CASE, closed, machine, read
 
 HIDDEN = """

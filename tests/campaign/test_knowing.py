@@ -8,16 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from axiscal.estimation.deciding import FEWEST, contest
+from axiscal.estimation.ruled import ruled
+from axiscal.estimation.watching import watched_so_far
 
 from axiscal.campaign import knowing
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.estimation import estimate
 from axiscal.estimation.case import Case
-from axiscal.estimation.deciding import FEWEST, contest
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.ruled import ruled
-from axiscal.estimation.watching import watched_so_far
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
 from axiscal.simulation import Simulator

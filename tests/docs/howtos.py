@@ -11,12 +11,13 @@ import shlex
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from axiscal.estimation.ruled import ruled
+
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.registry import export
 from axiscal.description.campaign import read_campaign
-from axiscal.estimation.ruled import ruled
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.place import Place
 from axiscal.report.arrow_pictures import volume_panels

@@ -99,19 +99,30 @@ class RejectedReading(Fields):
 class Warning(Fields):
     """An entry of `warnings`."""
 
-    code: str = Field(description="lack-of-fit, aliasing, prior-misfit, drift, outlier, unobservable, …")
+    code: str = Field(description="aliasing, prior-misfit, drift, outlier, unobservable, …")
     error: str | None = Field(description="the error it is about")
     text: str = Field(description="in words")
 
 
-class CheckedReadings(Fields):
-    """`checks`: readings that were kept out, predicted from the others, and then used."""
+class MistakeValue(Fields):
+    """An entry of `explained`: a mistake that explains readings that contradict each other, the likeliest first."""
 
-    count: int = Field(description="how many readings")
-    promised_um: float = Field(description="the expanded uncertainty that the model promises")
-    found_um: float = Field(description="the same as the check readings show it")
-    low: float = Field(description="lower end of its interval of 95 %, um")
-    high: float = Field(description="upper end, um")
+    mistake: str = Field(description="jump, sign, unit, swapped or shifted")
+    odds: float = Field(description="beside no mistake")
+    setups: list[str] = Field(description="whose readings")
+    text: str = Field(description="in words, with what to do about it")
+
+
+class AgreementValue(Fields):
+    """`agreement`: each reading is left out and expected from the others."""
+
+    count: int = Field(description="readings that were compared")
+    agreeing: int = Field(description="of them within three standard deviations of what the others say")
+    c2: float = Field(description="mean square of what readings are off, in standard deviations")
+    p: float = Field(description="probability of readings that agree no better")
+    contradict: bool = Field(description="whether `p` is below 0.001")
+    explained: list[MistakeValue] = Field(description="mistakes that are named")
+    text: str = Field(description="in a sentence; empty before the first reading")
 
 
 class BudgetSource(Fields):
@@ -159,28 +170,20 @@ class Result(Fields):
     readings: int = Field(description="how many were taken")
     minutes: float = Field(description="machine time")
     stopped_because: str = Field(description="why the campaign ended, in words")
-    verdict: Literal["holds", "widened", "contradicted", "unchecked"] = Field(
-        description="what the readings say of the model (docs/conventions.md, Verdicts)"
-    )
-    verdict_words: str = Field(description="the same in a sentence")
+    agreement: AgreementValue = Field(description="whether the readings agree with each other")
     U_um: float | None = Field(
-        description="expanded uncertainty of the tool point in space over the volume: no farther off with 95 %; null "
-        "where contradicted"
+        description="expanded uncertainty of the tool point in space over the volume: no farther off with 95 %; it and "
+        "those down to `worst_um` are null where readings contradict each other and no mistake explains it"
     )
     U_axis_um: dict[str, float] | None = Field(description="the same along x, y and z of the workpiece frame")
     U_worst_um: float | None = Field(description="the same in space at the worst place of the volume")
     U_level: float | None = Field(description="the probability that they hold: 0.95")
-    k: float | None = Field(description="coverage factor, `U_um` over `u_um`")
-    u_um: float | None = Field(
-        description="standard uncertainty, RMS, of the distribution that `U_um` is of: `rms_um`, or more where what "
-        "else could explain the readings promises less than the model"
-    )
+    k: float | None = Field(description="coverage factor, `U_um` over `rms_um`")
     U_holds_for: str | None = Field(
         description="tool, volume, temperature and errors that they were evaluated for, in words"
     )
-    checks: CheckedReadings | None = Field(description="check readings, predicted before they were used")
-    rms_um: float = Field(description="standard uncertainty of the tool point, RMS over the volume (k = 1)")
-    worst_um: float = Field(description="largest standard deviation in the volume")
+    rms_um: float | None = Field(description="standard uncertainty of the tool point, RMS over the volume (k = 1)")
+    worst_um: float | None = Field(description="largest standard deviation in the volume")
     unseen_rms_um: float = Field(description="what no allowed reading can take away")
     budget: list[BudgetSource] = Field(description="where the uncertainty comes from")
     linear_to_um: float | None = Field(
@@ -215,8 +218,10 @@ class Result(Fields):
 
 def page() -> str:
     """Return the page: a table for each kind of object."""
-    tables = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading, CheckedReadings)
-    return "\n".join([_HEAD, *(_table(each) for each in (*tables, BudgetSource, VolumeValue, Warning, TableValue))])
+    tables = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading, AgreementValue)
+    return "\n".join(
+        [_HEAD, *(_table(each) for each in (*tables, MistakeValue, BudgetSource, VolumeValue, Warning, TableValue))]
+    )
 
 
 def _table(model: type[Fields]) -> str:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from axiscal.inference.evidence import Evidence
+from axiscal.inference.scales import all_scales
 from scipy.special import gamma, kv
 
 from axiscal.error_model import prior
 from axiscal.error_model.model import ErrorModel
 from axiscal.exceptions import DescriptionError
-from axiscal.inference.evidence import Evidence
-from axiscal.inference.scales import all_scales
 from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading

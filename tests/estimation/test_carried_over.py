@@ -7,6 +7,8 @@ from typing import cast
 
 import numpy as np
 import pytest
+from axiscal.inference.fit import Fit
+from axiscal.inference.widening import Widening
 
 from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorModel
@@ -17,8 +19,6 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.membership import Membership
 from axiscal.estimation.membership_words import farthest, membership_words
-from axiscal.inference.fit import Fit
-from axiscal.inference.widening import Widening
 from axiscal.machine import machine_from_text
 from axiscal.numerics import Array
 from axiscal.promise.problem import Inherited

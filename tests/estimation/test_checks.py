@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from axiscal.estimation.checks import checked
 from scipy import stats
 
-from axiscal.estimation.checks import checked
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.inference.weighted_fit import Fitted
 from tests.generators.laser_axis import CASE, machine, plus, read

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from axiscal.estimation.deciding import Contest, _rivals, contest
-from axiscal.estimation.estimate import estimated
 from axiscal.inference.contradiction import SIZES, Explanation, Watched, watched
-from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.departures import Family, departures
+
+from axiscal.estimation.estimate import estimated
+from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.promise.problem import Inherited

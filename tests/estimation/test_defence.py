@@ -8,19 +8,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy import stats
-
 from axiscal.accuracy.damage import FALSE_ALARM, KAPPA, hidden
-from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Defence, defence, vouched
 from axiscal.estimation.departed_volume import field
 from axiscal.estimation.effect_map import EffectMap, largest
+from axiscal.estimation.vouching import defended
+from axiscal.measurement.departures import IN_PLANS, Departure, departures
+from scipy import stats
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.knowledge import Knowledge, block
-from axiscal.estimation.vouching import defended
 from axiscal.inference.weighted_fit import Fitted
-from axiscal.measurement.departures import IN_PLANS, Departure, departures
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.simulation import Simulator

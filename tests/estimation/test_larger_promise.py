@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from axiscal.estimation.ruled import _raised, ruled, ruling_of
+from axiscal.estimation.vouching import defended
 
 from axiscal.accuracy.expanded import expanded
 from axiscal.campaign.campaign import Campaign
@@ -17,8 +19,6 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.ruled import _raised, ruled, ruling_of
-from axiscal.estimation.vouching import defended
 from axiscal.report.curves import constants
 from axiscal.report.result_document import result_json
 from axiscal.report.summarising import Extras, summarise

@@ -9,6 +9,9 @@ from typing import cast
 
 import numpy as np
 import pytest
+from axiscal.estimation.ruled import _belief, _inflation
+from axiscal.inference.averaging import Average
+from axiscal.inference.contradiction import Comparison, Explanation
 from scipy import stats
 
 from axiscal.belief import Belief, Innovations
@@ -22,10 +25,7 @@ from axiscal.estimation.inheritance import drifted
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.located import _towards
 from axiscal.estimation.membership import Membership
-from axiscal.estimation.ruled import _belief, _inflation
 from axiscal.estimation.uncertain import as_standard, expanded_uncertainty
-from axiscal.inference.averaging import Average
-from axiscal.inference.contradiction import Comparison, Explanation
 from axiscal.numerics.gaussian import unique_root
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 

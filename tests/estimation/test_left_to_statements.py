@@ -8,7 +8,6 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-
 from axiscal.accuracy.damage import KAPPA
 from axiscal.estimation.statements import LeftOpen, Resting, Single, Statement, resting
 

@@ -6,9 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from axiscal.estimation.checks import checked
 
 from axiscal.estimation.absorbed import Absorbed, absorbed
-from axiscal.estimation.checks import checked
 from axiscal.estimation.learnt import counts_to_learn_from, learnt
 from axiscal.estimation.located import located
 from axiscal.estimation.nonlinearity import SETTLED, indices, moved_by

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from axiscal.estimation.defence import Defence, Departed, defence
 from scipy import stats
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import Defence, Departed, defence
 from axiscal.measurement.reading import Reading
 
 CAMPAIGN = """machine = "m"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from axiscal.inference.misfit import misfits
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
@@ -13,7 +14,6 @@ from axiscal.estimation.progressive.polish import polished
 from axiscal.estimation.progressive.shares import shares
 from axiscal.estimation.progressive.starts import closed_form
 from axiscal.exceptions import AmbiguityError
-from axiscal.inference.misfit import misfits
 from axiscal.machine import load_machine
 from axiscal.measurement.instruments.distance import Distance
 from axiscal.measurement.instruments.kind import Nominal

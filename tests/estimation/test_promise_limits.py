@@ -8,13 +8,13 @@ from itertools import islice
 
 import numpy as np
 import pytest
-
 from axiscal.accuracy.damage import KAPPA
 from axiscal.estimation.defence import Defence, Departed, defence, vouched
 from axiscal.estimation.effect_map import EffectMap
 from axiscal.estimation.scatter import Scatter
 from axiscal.estimation.statements import Resting
 from axiscal.measurement.departures import IN_PLANS, Departure, Family, departures
+
 from axiscal.measurement.reading import Reading
 from tests.estimation.test_defence import axis, readings
 

@@ -8,12 +8,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from axiscal.estimation.reviewed import _due_before, _worth_a_look, reviewed
 
 from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.learnt import weighed
-from axiscal.estimation.reviewed import _due_before, _worth_a_look, reviewed
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.reading import Reading
 from tests.generators.laser_axis import CASE, machine, read

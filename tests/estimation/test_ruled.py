@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from axiscal.estimation.ruled import ruled, ruling_of
+from axiscal.estimation.vouching import defended
+from axiscal.estimation.watching import watched_so_far
 
 from axiscal.accuracy.expanded import expanded
 from axiscal.campaign.ending import DOES_NOT_FIT, standing
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.ruled import ruled, ruling_of
-from axiscal.estimation.vouching import defended
-from axiscal.estimation.watching import watched_so_far
 from axiscal.inference.outliers import Doubt
 from axiscal.simulation import VirtualMachine
 from tests.generators.laser_axis import CASE, in_two_rounds, machine, plus, read

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from axiscal.accuracy.damage import KAPPA
+from axiscal.estimation.defence import Defence, defence
+from axiscal.inference.fit import drawn
+
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation import defence as defence_module
 from axiscal.estimation.case import Case
-from axiscal.estimation.defence import Defence, defence
-from axiscal.inference.fit import drawn
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from axiscal.accuracy.damage import KAPPA
-from axiscal.estimation import statements
-from axiscal.estimation.case import Case
 from axiscal.estimation.defence import Defence, defence
 from axiscal.estimation.effect_map import EffectMap
 from axiscal.estimation.statements import LeftOpen, Resting, Single, singles
+
+from axiscal.estimation import statements
+from axiscal.estimation.case import Case
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array

@@ -6,15 +6,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+from axiscal.estimation.departed_volume import field as left_over_the_volume
+from axiscal.estimation.statements import _least
+from axiscal.measurement.departures import Departure
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.estimation.departed_volume import field as left_over_the_volume
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.mirrors import _decisive
-from axiscal.estimation.statements import _least
 from axiscal.machine import load_machine
-from axiscal.measurement.departures import Departure
 from axiscal.numerics.stages import Stage, listening
 from benchmarks.nonlinear.stations import tracers
 from tests.estimation.test_off_the_lines import plate

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from axiscal.inference.fit import Fit
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -21,7 +22,6 @@ from axiscal.estimation.learnt import counts_to_learn_from, learnt
 from axiscal.estimation.located import located
 from axiscal.estimation.updating import blocks
 from axiscal.exceptions import ShapeError
-from axiscal.inference.fit import Fit
 from axiscal.inference.outliers import NOTHING, Doubt, Verdict
 from axiscal.measurement.reading import Reading
 from benchmarks.nonlinear.stations import read, tracers

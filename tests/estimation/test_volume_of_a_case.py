@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from axiscal.estimation.checks import checked
 
 from axiscal.accuracy.part import POSES
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.budget import budget
 from axiscal.estimation.case import Case
-from axiscal.estimation.checks import checked
 from axiscal.estimation.estimate import concluded
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.reading_rows import seen

@@ -6,12 +6,12 @@ import json
 from pathlib import Path
 
 import pytest
+from axiscal.estimation.ruled import ruled, ruling_of
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.exceptions import RecordError
 from axiscal.fleet.bringing import brought
 from axiscal.fleet.shop_list import shop_list, target_words

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from axiscal.guide.contradicted import contradicted_words
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.guide.contradicted import contradicted_words
 from axiscal.measurement.reading import Reading
 from tests.generators.laser_axis import CASE, machine, plus, read
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from axiscal.estimation.deciding import Contest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.texts import question_document, question_text
-from axiscal.estimation.deciding import Contest
 from axiscal.guide.question import Question
 from axiscal.measurement.place import Place
 from axiscal.record.events import Asked

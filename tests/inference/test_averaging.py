@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import multivariate_normal
-
 from axiscal.inference.averaging import Term, average, prior_sizes
 from axiscal.inference.contradiction import MODEL, PRIOR, SIZES
 from axiscal.inference.evidence import Evidence
 from axiscal.inference.scales import Scale
 from axiscal.inference.terms import evidence_of
 from axiscal.measurement.departures import Departure, departures, followed
+from scipy.stats import multivariate_normal
+
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array

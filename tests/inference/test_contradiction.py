@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import multivariate_normal
-
 from axiscal.inference.contradiction import FITS, PRIOR, SIZES, SURE, compared, watched
 from axiscal.inference.evidence import Evidence
 from axiscal.measurement.departures import departures
+from scipy.stats import multivariate_normal
+
 from axiscal.measurement.reading import Reading
 from benchmarks.trust.causes import attacked, axis
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from axiscal.inference.contrast import contrast, explained_squares
 from scipy import stats
 
-from axiscal.inference.contrast import contrast, explained_squares
 from axiscal.numerics import Array
 
 

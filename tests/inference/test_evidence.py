@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import multivariate_normal
-
-from axiscal.error_model.model import ErrorModel
 from axiscal.inference.contradiction import common_factors
 from axiscal.inference.evidence import Evidence
 from axiscal.inference.fit import fit
 from axiscal.inference.scales import Scales, all_scales, wanted
+from scipy.stats import multivariate_normal
+
+from axiscal.error_model.model import ErrorModel
 from axiscal.machine import Machine, machine_from_text
 from axiscal.machine.entry import ROUGH
 from axiscal.measurement.observation import Observation

@@ -6,6 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from axiscal.inference.evidence import Evidence
+from axiscal.inference.fit import FAMILIES, fit
+from axiscal.inference.scales import SPREADS, wanted
+from axiscal.inference.widening import posterior
 from scipy.stats import multivariate_normal
 
 from axiscal.description.campaign import campaign_from_texts
@@ -14,10 +18,6 @@ from axiscal.error_model.prior import distances, matern, matern_by_length
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.exceptions import DescriptionError
-from axiscal.inference.evidence import Evidence
-from axiscal.inference.fit import FAMILIES, fit
-from axiscal.inference.scales import SPREADS, wanted
-from axiscal.inference.widening import posterior
 from axiscal.machine import machine_from_text
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array

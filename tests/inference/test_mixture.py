@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from axiscal.error_model.prior import between_knots
 from axiscal.inference.evidence import Evidence
 from axiscal.inference.fit import fit
 from axiscal.inference.mixture import mixture
 from axiscal.inference.scales import Scale, log_prior_precision
+
+from axiscal.error_model.prior import between_knots
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import multivariate_normal
-
-from axiscal.error_model.model import ErrorModel
 from axiscal.inference.evidence import Evidence
 from axiscal.inference.fit import fit
 from axiscal.inference.scales import Scales, all_scales
+from scipy.stats import multivariate_normal
+
+from axiscal.error_model.model import ErrorModel
 from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from axiscal.error_model.model import ErrorModel
 from axiscal.inference.error_priors import by_length, prior_of
 from axiscal.inference.priors_at_once import PriorsAtOnce
 from axiscal.inference.scales import Scale, all_scales, length_owners
+
+from axiscal.error_model.model import ErrorModel
 from axiscal.machine import Machine, load_machine, machine_from_text
 from axiscal.machine.entry import ROUGH, ErrorEntry
 from axiscal.machine.plane_entry import PlaneEntry

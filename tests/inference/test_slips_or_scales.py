@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from axiscal.inference.fit import fit
+from axiscal.inference.slips_or_scales import fit_without_slips
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.learnt import learnt
-from axiscal.inference.fit import fit
-from axiscal.inference.slips_or_scales import fit_without_slips
 from axiscal.measurement.reading import Reading
 from axiscal.simulation import Simulator
 

@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-
-from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.case import Case
 from axiscal.estimation.deciding import _decided
 from axiscal.estimation.defence import Departed
 from axiscal.estimation.effect_map import EffectMap
 from axiscal.inference.contradiction import SIZES, Comparison, Explanation, compared, watched
-from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.departures import IN_PLANS, Departure, departures
+from numpy.typing import NDArray
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.reading import Reading
 from axiscal.simulation import Simulator
 from benchmarks.trust.benches import case_of

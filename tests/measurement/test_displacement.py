@@ -94,7 +94,11 @@ def test_growth_shows_as_far_as_it_goes_along_the_direction(
     unknowns = (Unknown("growth", 1e-6),)
     times = (0.0, 0.0, 0.0)
     setup = Setup("s", "interferometer", direction, (x,), park, 1e-6, unknowns, *times, (0.0, 0.0), "both")
-    warm, place, at = replace(setup, growth=STRAIN), Nominal(machine, poses, (x,)), np.array(direction)
+    warm, place, at = (
+        replace(setup, warmer=5.0, expansion=STRAIN / 5.0),
+        Nominal(machine, poses, (x,)),
+        np.array(direction),
+    )
     hand = share * np.array([-0.35, 0.0, 0.25])
     model, still = Displacement(), Actual(np.zeros((3, 3)), np.zeros((3, 3)))
     assert model.unknown_effect(setup, "growth", at, place) == pytest.approx(hand, abs=1e-15)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from axiscal.inference.evidence import Evidence
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import open_source
@@ -18,7 +19,6 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.zero_drift import paths
 from axiscal.exceptions import DescriptionError, ReadingError, UnitError
-from axiscal.inference.evidence import Evidence
 from axiscal.inference.repeats import trend
 from axiscal.machine import load_machine
 from axiscal.measurement.drift import MEMORY, STEP, Course, wandering

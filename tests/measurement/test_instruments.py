@@ -137,7 +137,7 @@ def test_lengths_are_brought_to_twenty_degrees_with_their_uncertainty() -> None:
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ('temperature = "23 degC"', "temperature and expansion go together"),
+        ('temperature_std = "-1 K"', "-1 K"),
         ('temperature = "23 K/s"\nexpansion = "11.7 um/m/K"', "23 K/s"),
         ('temperature = "23 degC"\nexpansion = "11.7 um"', "11.7 um"),
     ],

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from axiscal.inference.evidence import Evidence
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.case import Case
-from axiscal.inference.evidence import Evidence
 from axiscal.machine import load_machine
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import TOOL, Actual, Nominal

@@ -6,10 +6,10 @@ import itertools
 
 import numpy as np
 import pytest
+from axiscal.measurement.departures import SAG, TWIST, Departure, departures, joint_shape
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.error_model.model import ErrorModel
-from axiscal.measurement.departures import SAG, TWIST, Departure, departures, joint_shape
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import xml.etree.ElementTree as ET
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -13,9 +14,12 @@ from axiscal.error_model.iso230 import words
 from axiscal.exceptions import SummaryError
 from axiscal.machine import load_machine
 from axiscal.machine.questions import which_way
+from axiscal.report.calibration_certificate import SI, certificate
 from axiscal.report.figures import accuracy, innovations, places
+from axiscal.report.headline import NOT_KNOWN, first_lines
 from axiscal.report.page import render
-from axiscal.report.promises import Uncertainty
+from axiscal.report.promises import ReadingAgreement, Uncertainty
+from axiscal.report.result_document import result_json
 from axiscal.report.summary import ConstantSummary, CurveSummary, HistoryRow, Summary
 
 EXPANDED = Uncertainty(23.4, (11.0, 12.0, 13.0), 51.0, 1.65, "for a tool of 120 mm")
@@ -94,7 +98,7 @@ def test_a_surprise_off_the_scale_stands_at_the_edge_as_a_triangle() -> None:
     ]
 
 
-def test_targets_are_judged_in_the_verdict() -> None:
+def test_targets_are_judged_on_the_first_lines() -> None:
     page = render(_bare(target_rms_um=15.0, target_worst_um=30.0, readings=1, minutes=0.2))
     assert "After 1 reading in less than a minute" in page
     assert "(target 15\u00a0µm: reached)" in page
@@ -137,3 +141,26 @@ def test_what_cannot_be_seen_is_shown_as_far_as_it_counts(unseen: float, drawn: 
     labels = str(accuracy(summary)["views"]["readings"]["annotations"])
     assert ("cannot be seen" in labels) is drawn
     assert f"<dt>cannot be seen</dt><dd>{said}" in render(summary)
+
+
+AT_ODDS = ReadingAgreement(24, 11, 80.0, 1e-9, True, words="The readings contradict each other (p = 1e-09)")
+
+
+def test_readings_that_contradict_each_other_leave_no_uncertainty() -> None:
+    summary = _bare(agreement=AT_ODDS, withheld=True, readings=24, target_u_um=50.0, curves=[_plain_curve([0.0], 9.0)])
+    page, result, lines = render(summary), result_json(summary), first_lines(summary).splitlines()
+    assert "the tool point is <strong>not known</strong>" in page
+    assert "23.4" not in page
+    assert "14.2\u00a0µm RMS" not in page
+    assert f'<p class="mark">{AT_ODDS.words}</p>' in page
+    assert [result[name] for name in ("U_um", "U_axis_um", "U_worst_um", "k", "rms_um", "worst_um")] == [None] * 6
+    assert (result["agreement"]["contradict"], result["agreement"]["text"]) == (True, AT_ODDS.words)
+    assert lines == [NOT_KNOWN, f"{AT_ODDS.words}.", "U, target 50 um: not reached."]
+    assert f"{{{SI}}}valueExpandedMUXMLList" not in {each.tag for each in ET.fromstring(certificate(summary)).iter()}
+
+
+def test_what_is_printed_anyway_says_on_each_page_that_readings_contradict() -> None:
+    summary = _bare(agreement=AT_ODDS, readings=24)
+    assert result_json(summary)["U_um"] == 23.4
+    assert f'<p class="mark">{AT_ODDS.words}</p>' in render(summary)
+    assert 'class="mark"' not in render(_bare())

@@ -14,7 +14,6 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.ruled import ruled
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.language.spoken import Said, resaid, speaking
 from axiscal.report.page import render
@@ -38,12 +37,12 @@ def summary(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     folder, out = CAMPAIGNS / request.param, tmp_path_factory.mktemp("german") / "out"
     run(["estimate", str(folder / "campaign.toml"), str(folder / GIVEN[request.param]), "--out", str(out)])
     with Campaign.open(out / "campaign.axiscal", write=False) as campaign:
-        return summarise(campaign, ruled(campaign.concluded()), Extras())
+        return summarise(campaign, campaign.concluded(), Extras())
 
 
 def _sentences(summary: Summary) -> Iterator[str]:
     """Yield every text of a summary that is a sentence for people, and no name that somebody gave."""
-    yield from (summary.title, summary.stopped_because, summary.verdict_words)
+    yield from (summary.title, summary.stopped_because, summary.agreement.words)
     yield from (summary.expanded.conditions, *summary.observability, *summary.questions)
     yield from (finding.text for finding in summary.warnings)
     yield from (curve.caption for curve in (*summary.curves, *summary.reversals))
@@ -52,7 +51,7 @@ def _sentences(summary: Summary) -> Iterator[str]:
     yield from (row.words for row in summary.budget)
     yield from (rejection.reason for rejection in summary.rejected)
     yield from (use.instrument for use in summary.setups)
-    yield from () if summary.checks is None else (summary.checks.words,)
+    yield from (mistake.words for mistake in summary.agreement.explained)
     yield from () if summary.linear is None else (summary.linear.words,)
 
 
@@ -78,7 +77,7 @@ def test_numbers_have_a_comma(summary: Summary) -> None:
 def test_results_stay_english_whoever_asks(summary: Summary) -> None:
     usual = result_json(summary)
     with speaking("de"):
-        assert resaid(summary).verdict_words != summary.verdict_words
+        assert resaid(summary).agreement.words != summary.agreement.words
         assert result_json(summary) == usual
 
 

@@ -16,7 +16,7 @@ import pytest
 from axiscal.error_model.iso230 import words
 from axiscal.report.gallery import groups, panel_figure
 from axiscal.report.page import render
-from axiscal.report.promises import Uncertainty
+from axiscal.report.promises import ReadingAgreement, Uncertainty
 from axiscal.report.summary import (
     ConstantSummary,
     CurvePoint,
@@ -25,7 +25,6 @@ from axiscal.report.summary import (
     HistoryRow,
     Iso230,
     Rejection,
-    ResidualCheck,
     SetupUse,
     Summary,
     TableOffer,
@@ -163,9 +162,7 @@ def five_axis_summary(readings: int = 60) -> Summary:
         rejected=[
             Rejection(31, "set-up 3", {"B": 20.0, "C": 180.0}, 14.6, "7.3 standard deviations from what was expected.")
         ],
-        warnings=[
-            Finding("lack-of-fit", "EXX", "The X curve has detail finer than 25 mm that this model does not follow.")
-        ],
+        warnings=[Finding("prior-misfit", "EXX", "EXX, size: 2.4 times as large as stated or usual.")],
         tables=[
             TableOffer("x.comp", "LinuxCNC", "X", "0.4 µm between its rows"),
             TableOffer("curves.csv", "any", "all"),
@@ -174,7 +171,7 @@ def five_axis_summary(readings: int = 60) -> Summary:
         target_worst_um=4.0,
         truth=TruthCheck(1.93, 1.71, 22.4),
         iso230=[block],
-        reading_residual=ResidualCheck(57.3, 60, 0.58),
+        agreement=ReadingAgreement(60, 59, 1.03, 0.4, words="59 of 60 readings agree with the others"),
         versions={"axiscal": "0.1.0", "numpy": "2.2.0"},
         files=["readings.csv"],
     )

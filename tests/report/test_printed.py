@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from axiscal.report.printed import pdf
-from tests.report.test_edges import _bare
+from tests.report.test_edges import AT_ODDS, _bare
 from tests.report.test_page import HOSTILE, _with_every_text, five_axis_summary
 
 
@@ -46,3 +47,9 @@ def test_any_text_is_only_text(tmp_path: Path) -> None:
 
 def test_a_campaign_without_readings_can_be_printed(tmp_path: Path) -> None:
     assert "Before any reading" in _words(pdf(_bare()), tmp_path)
+
+
+def test_readings_that_contradict_each_other_are_marked_on_each_page(tmp_path: Path) -> None:
+    pages = _words(pdf(replace(five_axis_summary(20), agreement=AT_ODDS)), tmp_path).split("\f")[:-1]
+    assert len(pages) > 2
+    assert all(AT_ODDS.words in page for page in pages)

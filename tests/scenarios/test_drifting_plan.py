@@ -6,14 +6,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+from axiscal.accuracy.damage import KAPPA
+from axiscal.estimation.ruled import ruled
+from axiscal.estimation.vouching import defended
 from scipy import stats
 
-from axiscal.accuracy.damage import KAPPA
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.ruled import ruled
-from axiscal.estimation.vouching import defended
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.simulation import Simulator

@@ -62,7 +62,7 @@ class Check:
     @classmethod
     def of(cls, campaign: Campaign, controller: str) -> Check:
         """Return the check of a campaign; raises InputError for a controller that its tables cannot be made for."""
-        estimation = campaign.ruled()
+        estimation = campaign.concluded()
         estimate = estimation.estimate()
         tables = registry.export(estimate, controller, ExportOptions())
         return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)

@@ -8,7 +8,7 @@ Everything else is. What endless readings would leave of it is the floor.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -19,7 +19,7 @@ from axiscal.accuracy.alignment import Alignment
 from axiscal.accuracy.criterion import Gram, Root
 from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import Box, Counted, VolumeMoments
+from axiscal.error_model.volume import Box, Counted, VolumeMoments, of_rests
 from axiscal.measurement.candidates import corners
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
@@ -49,6 +49,13 @@ def attainable(limit: float, floor: float) -> float:
     return limit if floor <= limit else float(np.hypot(limit, floor))
 
 
+_BY_PLACES = (
+    "_shift", "root", "steady", "unseen_rms", "_unseen_total", "_unseen_shift", "shifts", "poses", "places", "rows",
+    "_every_row", "_here", "_hidden", "evenly",
+)  # fmt: skip
+"""What a yardstick has found that depends on no size of a rest."""
+
+
 def _summed(parts: Array) -> Array:
     """Return the sums of the first 0, 1, 2, ... parts."""
     return np.concatenate([np.zeros_like(parts[:1]), np.cumsum(parts, axis=0)])
@@ -76,6 +83,13 @@ class Yardstick:
     zeroed: tuple[bool, bool, bool] = (False, False, False)
     sample: Array | None = None
     alignment: Alignment | None = None
+
+    def with_rests_of(self, errors: ErrorModel) -> Yardstick:
+        """Return the same yardstick for errors of other sizes: what follows from places alone is not found again."""
+        other = replace(self, errors=errors, moments=of_rests(errors, self.moments))
+        for name in _BY_PLACES:
+            other.__dict__[name] = getattr(self, name)
+        return other
 
     @property
     def counted(self) -> Counted:

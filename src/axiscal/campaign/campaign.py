@@ -28,12 +28,10 @@ from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.mounted_anew import with_mounted
 from axiscal.estimation.case import Case
-from axiscal.estimation.deciding import Contest
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import Timed, elapsed
 from axiscal.exceptions import AmbiguityError, RecordError
-from axiscal.inference.contradiction import Watched
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
@@ -124,10 +122,6 @@ class Campaign(Closing):
         """Return what the readings make known if they are all."""
         return self._knowing.concluded(self.state.readings)
 
-    def ruled(self) -> Estimation:
-        """Return the same with the verdict: what results say."""
-        return self._knowing.ruled(self.state.readings)
-
     def next(self, *, beyond: bool = False) -> Asked | Ended:
         """Return the reading to take; the same one until it is answered.
 
@@ -158,21 +152,15 @@ class Campaign(Closing):
             places = self._planner(
                 known.case, known.to_plan_by, known.readings, known.outliers, self._not_to_read(), left
             )
-            if (found := self.contest()) is not None:
-                places = found.place, *places
             if places or left:
                 self._append(Planned(places, self._plan_basis()))
         return self.state.plan
-
-    def contest(self) -> Contest | None:
-        """Return which causes compete for what contradicts the model, and which reading decides; None where none do."""
-        return self._knowing.contest(self.state.readings, self._not_to_read())
 
     def _plan_stands(self) -> bool:
         return bool(self.state.plan) and not self.state.renew and self._plan_basis() == self.state.plan_basis
 
     def _plan_basis(self) -> str:
-        return self._knowing.plan_basis(self.state.readings, self._not_to_read())
+        return self._knowing.plan_basis(self.state.readings)
 
     def _not_to_read(self) -> tuple[Gap, ...]:
         """Return where nothing is to be asked for: what was skipped, and set-ups as they stood for a branch alone."""
@@ -253,10 +241,6 @@ class Campaign(Closing):
             said = self._knowing.standing(self.state.readings, ended)
         return said or (BUDGET if self._over_budget(self._seconds()) else None)
 
-    def watched(self) -> Watched:
-        """Return the e-value after the readings so far, and what explains them best."""
-        return self._knowing.watched(self.state.readings, self.state.finished is not None)
-
     def looked_at_again(self) -> State:
         """Return the state as the file has it now."""
         self._take_in(self._record.state())
@@ -265,10 +249,8 @@ class Campaign(Closing):
     def status(self) -> Status:
         """Return where the campaign stands; of one that has ended, what its report says."""
         ended = self.state.finished is not None
-        accuracy = self._knowing.so_far(self.state.readings, ended).accuracy
-        if ended:
-            return Status(self.state, accuracy, self._seconds(), None, *self._knowing.verdict(self.state.readings))
-        return Status(self.state, accuracy, self._seconds(), self.reached())
+        known = self._knowing.so_far(self.state.readings, ended)
+        return Status(self.state, known.accuracy, self._seconds(), None if ended else self.reached(), known.agreement)
 
     def seconds(self, places: Sequence[Place] = ()) -> float:
         """Return the machine time that the readings took, and places would take after them, s."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 
-from axiscal.campaign.ending import BUDGET, DOES_NOT_FIT, OUT_OF_REACH
+from axiscal.campaign.ending import BUDGET, CONTRADICT, OUT_OF_REACH
 from axiscal.language.spoken import counted, said
 
 ENDINGS = (
     BUDGET,
-    DOES_NOT_FIT,
+    CONTRADICT,
     OUT_OF_REACH,
     "nothing is left to measure",
     "ended by the operator",

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from axiscal.accuracy.yardstick import Accuracy, attainable
 from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.ruled import GROSS, ruled, ruling_of
 from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.planning.promise import asked
 from axiscal.units import to_unit
 
 FUTILE = 50
 OUT_OF_REACH = f"target out of reach: the last {FUTILE} readings improved it by less than 1 %"
-DOES_NOT_FIT = "the readings do not fit the model: they scatter several times as much as it says"
+CONTRADICT = "the readings contradict each other, and no single mistake explains it"
 BUDGET = "time budget used"
 _REACHED = "target reached"
 _HARDLY = 0.99
@@ -36,13 +35,9 @@ def count_reached(target: Target, count: int) -> str | None:
 
 
 def standing(target: Target, known: Estimation) -> str | None:
-    """Return in words why an accuracy asks for no more readings, by the verdict; None where it does."""
-    if _said(target, known) is None:
-        return None
-    if known.misfit() > GROSS:
-        return DOES_NOT_FIT
-    judged = ruled(known)
-    return _said(target, judged) if ruling_of(judged).promises else DOES_NOT_FIT
+    """Return in words why an accuracy asks for no more readings; None where it does."""
+    found = _said(target, known)
+    return CONTRADICT if found is not None and known.agreement.withheld else found
 
 
 def reaches(target: Target, known: Estimation) -> bool | None:

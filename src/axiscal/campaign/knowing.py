@@ -2,12 +2,11 @@
 
 knowing = Knowing(description)
 known = knowing.known(readings)
-rivals = knowing.contest(readings, skipped)
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable
 from functools import cached_property
 from typing import TypeVar, cast
 
@@ -15,19 +14,13 @@ from axiscal.campaign.ending import standing
 from axiscal.campaign.milestones import Milestone
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
-from axiscal.estimation.deciding import FEWEST, Contest, contest
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.ruled import ruled
 from axiscal.estimation.timed import Timed, timed
-from axiscal.estimation.watching import watched_so_far
 from axiscal.exceptions import AmbiguityError
-from axiscal.inference.contradiction import Watched
-from axiscal.language.spoken import said
 from axiscal.measurement.reading import Reading
 from axiscal.planning.plan_basis import plan_basis
-from axiscal.record.events import Gap
 
 Readings = tuple[Reading, ...]
 Found = TypeVar("Found")
@@ -56,33 +49,15 @@ class Knowing:
         """Return what the readings make known if they are all."""
         return self._once("concluded", readings, lambda: concluded(self.case, readings))
 
-    def ruled(self, readings: Readings) -> Estimation:
-        """Return the same with the verdict: what a report says."""
-        return self._once("ruled", readings, lambda: ruled(self.concluded(readings)))
-
-    def contest(self, readings: Readings, skipped: tuple[Gap, ...]) -> Contest | None:
-        """Return which causes compete for what contradicts the model, and which reading decides; None where none do."""
-        if len(readings) < FEWEST:
-            return None
-        return self._once(("contest", skipped), readings, lambda: contest_of(self.known(readings), skipped))
-
-    def plan_basis(self, readings: Readings, skipped: tuple[Gap, ...]) -> str:
-        """Return what a plan made now rests on, in words: what is known, and causes between which a reading decides."""
-        return basis_words(self.known(readings), self.contest(readings, skipped))
+    def plan_basis(self, readings: Readings) -> str:
+        """Return what a plan made now rests on, in words."""
+        known = self.known(readings)
+        return plan_basis(known.case, known.readings, known.outliers)
 
     def standing(self, readings: Readings, ended: bool = False) -> str | None:
-        """Return why an accuracy asks for no more readings, by the verdict.  ended : no others are to follow"""
+        """Return why an accuracy asks for no more readings.  ended : no others are to follow"""
         target = self._description.target
         return self._once(("standing", ended), readings, lambda: standing(target, self.so_far(readings, ended)))
-
-    def verdict(self, readings: Readings) -> tuple[str, str]:
-        """Return the verdict of a report on all readings as its word in `result.json`, and in the language spoken."""
-        ruling = self.so_far(readings, ended=True).ruling
-        return ("", "") if ruling is None else (ruling.verdict, said(ruling.verdict))
-
-    def watched(self, readings: Readings, ended: bool = False) -> Watched:
-        """Return the e-value after the readings, and what explains them best.  ended : no others are to follow"""
-        return self._once(("watched", ended), readings, lambda: watched_so_far(self.so_far(readings, ended)))
 
     def so_far(self, readings: Readings, ended: bool) -> Estimation:
         """Return what the readings make known.  ended : no others are to follow, and it is what a report says
@@ -92,9 +67,9 @@ class Knowing:
         if not ended:
             return self.known(readings)
         try:
-            return self._once("in the end", readings, lambda: self.ruled(readings))
+            return self.concluded(readings)
         except AmbiguityError:
-            return self._once("in the end", readings, lambda: self.known(readings))
+            return self.known(readings)
 
     def _once(self, what: Hashable, readings: Readings, find: Callable[[], Found]) -> Found:
         """Return what follows from exactly these readings, found when it is first asked for."""
@@ -121,17 +96,3 @@ class Knowing:
             known = estimated(self.case, readings[:taken], known)
             milestones.append(Milestone(taken, reading, known.accuracy, known.seconds))
         return tuple(milestones)
-
-
-def contest_of(known: Estimation, skipped: Sequence[Gap] = ()) -> Contest | None:
-    """Return which causes compete by what readings make known; None where none do, or too few were taken."""
-    return contest(known, skipped) if len(known.readings) >= FEWEST else None
-
-
-def basis_words(known: Estimation, found: Contest | None) -> str:
-    """Return what a plan made now rests on, in words.  found : the causes between which a reading decides"""
-    basis = plan_basis(known.case, known.readings, known.outliers, known.learnt_from)
-    if found is None:
-        return basis
-    rivals = (f"{each.family} of {each.owner}" for each in (found.first, found.second))
-    return f"{basis}{', ' if basis else ''}to decide between {' and '.join(rivals)} after {len(known.readings)}"

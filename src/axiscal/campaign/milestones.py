@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.measurement.reading import Reading
+from axiscal.promise.agreement import NOTHING_READ, Agreement
 from axiscal.record.events import State
 
 
@@ -13,15 +14,14 @@ from axiscal.record.events import State
 class Status:
     """Where the campaign stands: seconds of machine time used, and why it would stop now, if it would.
 
-    verdict, verdict_words : of one that has ended, its word and a sentence; "" of others, and where the report has none
+    agreement : whether the readings agree with each other
     """
 
     state: State
     accuracy: Accuracy
     seconds: float
     reached: str | None
-    verdict: str = ""
-    verdict_words: str = ""
+    agreement: Agreement = NOTHING_READ
 
 
 @dataclass(frozen=True, slots=True)

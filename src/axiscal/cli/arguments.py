@@ -81,6 +81,9 @@ Log = Annotated[
 Programs = Annotated[
     Path, typer.Option("--programs", metavar="DIR", help="With --log: the folder of these programs and their lists.")
 ]
+Anyway = Annotated[
+    bool, typer.Option("--anyway", help="Write U and tables although the readings contradict each other, and say so.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 Out = Annotated[
     Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for record, result.json, report and tables.")

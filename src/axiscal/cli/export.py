@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import Json, RecordFile
+from axiscal.cli.arguments import Anyway, Json, RecordFile
 from axiscal.cli.printing import say, say_document
 from axiscal.compensation import registry
 from axiscal.compensation.export_options import ExportOptions
@@ -18,8 +18,9 @@ from axiscal.compensation.old_files import read_old
 from axiscal.compensation.on_top import informed
 from axiscal.document import shown
 from axiscal.document.bounded import bounded_content
+from axiscal.estimation.agreement_words import agreement_words
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.ruled import ruling_of
+from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.report.delivery import deliver_export, introduced
@@ -95,6 +96,7 @@ def export(
             help="klipper: moonraker:HOST, reprapfirmware: duet:HOST; the height map is put into it and is in force.",
         ),
     ] = None,
+    anyway: Anyway = False,
     json: Json = False,
 ) -> None:
     """Write compensation files for a control, read back and tried in a simulated one before they are offered.
@@ -129,14 +131,17 @@ def export(
     loader = None if load is None else _loader(load, to)
     options = replace(options, old_files=read_old(on_top_of or ()))
     with Campaign.open(record, write=False) as campaign:
-        estimation = campaign.ruled()
+        estimation = campaign.concluded()
         options = informed(options, estimation.case.description, to)
         options = replace(options, origin=record_state(campaign).hash)
         offered = _offered(estimation.estimate(), to, options, ini)
-        ruling = ruling_of(estimation)
-        factor = ruling.expanded.factor(estimation.accuracy.rms) if ruling.promises else None
+        if estimation.agreement.withheld and not anyway:
+            remedy = "Take readings again, or write the files all the same with --anyway"
+            raise TableError(agreement_words(estimation), remedy, record)
+        factor = expanded_uncertainty(estimation).factor(estimation.accuracy.rms)
         doubts = [finding.text for finding in findings(estimation)]
-        offered = introduced(offered, factor, doubts, record_state(campaign))
+        agreement = agreement_words(estimation) if estimation.readings else ""
+        offered = introduced(offered, factor, doubts, agreement, record_state(campaign))
         sent = None if loader is None else loader.taken(offered.files)
         deliver_export(offered, out, record_state(campaign))
     if not json:

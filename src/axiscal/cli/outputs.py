@@ -9,24 +9,30 @@ from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
 from axiscal.report.delivery import deliver
-from axiscal.report.headline import first_lines
+from axiscal.report.headline import NOT_KNOWN, first_lines
 from axiscal.report.result_document import result_json
 from axiscal.report.summarising import Extras
 from axiscal.report.summary import Summary
-from axiscal.report.verdict import NOT_KNOWN
 
 
 def write_outputs(
-    campaign: Campaign, out: Path, *, as_json: bool, extras: Extras | None = None, again: str = ""
+    campaign: Campaign,
+    out: Path,
+    *,
+    as_json: bool,
+    extras: Extras | None = None,
+    again: str = "",
+    anyway: bool = False,
 ) -> None:
     """Write record, tables, result and report of a finished campaign to a folder and print them.
 
     again : what to do after a failure, by default another `finish`
+    anyway : U and tables are written although the readings contradict each other
     Raises RecordError, TableError; AxiscalError after Ctrl-C; ReadingError, when all is written, where the readings
     contradict every explanation.
     """
 
-    summary = _delivered(campaign, out, extras or Extras(compared=True), again)
+    summary = _delivered(campaign, out, extras or Extras(compared=True), again, anyway)
     if as_json:
         say_document(result_json(summary))
     else:
@@ -49,11 +55,11 @@ def _tell(summary: Summary, out: Path) -> None:
         say(f"Mind: {warning.text}")
 
 
-def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str) -> Summary:
+def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str, anyway: bool) -> Summary:
     whole = f"The results in {out} are whole, those of before or the new ones"
     again = again or f"write them by: axiscal finish {campaign.path} --out {out}"
     try:
-        return deliver(campaign, campaign.ruled(), out, extras)
+        return deliver(campaign, campaign.concluded(), out, extras, anyway)
     except OSError as failure:
         what = f"The results were not written: {failure.strerror or failure}"
         remedy = f"Check the permissions and the room on the disk; those of before, if any, stand whole; then {again}"

@@ -30,7 +30,7 @@ def predict(
 
     wanted = read_poses(poses)
     with Campaign.open(record, write=False) as campaign:
-        found = predict_poses(campaign.ruled(), wanted, poses)
+        found = predict_poses(campaign.concluded(), wanted, poses)
     if json:
         rows = [{"mean_um": each.mean_um, "std_um": each.std_um} for each in found]
         say_document({"schema": "axiscal-predict/1", "poses": rows})

@@ -13,11 +13,10 @@ from axiscal.cli.prompt_texts import expected_text, headline, help_text, mountin
 from axiscal.cli.texts import micrometres
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.guide.answers import Value, Word, action, answer
-from axiscal.guide.contradicted import contradicted_words
 from axiscal.guide.expectation import SURPRISING
 from axiscal.guide.progress import Progress
 from axiscal.guide.question import Question
-from axiscal.guide.second_thoughts import doubted, others_doubted
+from axiscal.guide.second_thoughts import contradictions, doubted, others_doubted
 from axiscal.guide.stopping import controls_of, table_left
 from axiscal.guide.taking_back import take_back
 from axiscal.language.spoken import counted, decimals, said
@@ -129,7 +128,7 @@ class Prompt:
         kept = self.campaign.record(value, accepted=vouched, others=tuple(others))
         at = question.go or said('set-up "{setup}"', setup=question.setup.name)
         say("  " + said("kept reading {number} at {place}; it is on the disk", number=kept.number, place=at))
-        for sentence in [*others_doubted(self.campaign, before), *contradicted_words(self.campaign)]:
+        for sentence in [*others_doubted(self.campaign, before), *contradictions(self.campaign)]:
             say("  " + said("Mind: {sentence}", sentence=sentence))
         return _Then.ANEW
 

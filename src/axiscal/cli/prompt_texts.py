@@ -65,7 +65,6 @@ def question_lines(question: Question) -> str:
         (said("parked"), question.parked),
         (said("at"), question.touch),
         (said("again"), question.again),
-        (said("decides"), question.decides),
         (said("sign"), question.sign),
         (said("expect"), expected_text(question)),
     )

@@ -17,9 +17,8 @@ from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text, next_text, question_document
 from axiscal.exceptions import RecordError
 from axiscal.guide.answers import value_texts
-from axiscal.guide.contradicted import contradicted_words
 from axiscal.guide.question import asked_text
-from axiscal.guide.second_thoughts import doubted, others_doubted
+from axiscal.guide.second_thoughts import contradictions, doubted, others_doubted
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import place_text, reading_unit, shown_pose
@@ -95,11 +94,10 @@ def record(
             surprise, mind = _doubt(campaign)
             said = [mind, *others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else ""]
             said += [] if stood is None else [stood.left_for(campaign, kept)]
-            said += contradicted_words(campaign)
+            said += contradictions(campaign)
             minded = [sentence for sentence in said if sentence]
             message = "\n".join([_kept(campaign, kept), *(f"Mind: {sentence}" for sentence in minded)])
-            evalue = campaign.watched().evalue
-            document = _kept_document(campaign, kept) | {"evalue": evalue} | {"surprise": surprise, "mind": minded}
+            document = _kept_document(campaign, kept) | {"surprise": surprise, "mind": minded}
         question = campaign.next() if then_next else None
         if question is not None:
             document |= {"next": question_document(campaign, question)}

@@ -44,7 +44,7 @@ def report(
 
     target = record.with_suffix(".html") if out is None else _page(out)
     with Campaign.open(record, write=False) as campaign:
-        summary = summarise(campaign, campaign.ruled(), Extras(files=[str(record)]))
+        summary = summarise(campaign, campaign.concluded(), Extras(files=[str(record)]))
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target, language)
     say(f"The report is in {target}.{_compared(target, schema)}")

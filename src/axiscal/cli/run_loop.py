@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import DOES_NOT_FIT, OUT_OF_REACH
+from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH
 from axiscal.campaign.sources import Source, open_source
 from axiscal.cli.arguments import CampaignFile, Json, Out
 from axiscal.cli.outputs import write_outputs
@@ -119,8 +119,8 @@ def _refuse_unreached(campaign: Campaign) -> None:
         what = f"The target is out of reach: {OUT_OF_REACH.partition(': ')[2]}"
         remedy = f"Add set-ups that see what these cannot, give less noise or a wider target; {written}"
         raise TargetError(what, remedy, source)
-    if campaign.state.finished == DOES_NOT_FIT:
-        what = f"The target cannot be said to be reached: {DOES_NOT_FIT}"
+    if campaign.state.finished == CONTRADICT:
+        what = f"The target cannot be said to be reached: {CONTRADICT}"
         remedy = 'See the warnings, review std and noise or let scales = "estimate" learn them'
         raise TargetError(what, f"{remedy}; {written}", source)
 

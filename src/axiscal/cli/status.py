@@ -6,11 +6,11 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text
+from axiscal.estimation.agreement_words import agreement_document, agreement_words
 from axiscal.estimation.membership_words import membership_words
 from axiscal.estimation.type_prior import is_type_text
-from axiscal.guide.contradicted import contradicted_words
 from axiscal.guide.question import asked_text
-from axiscal.inference.contradiction import SURE
+from axiscal.guide.second_thoughts import contradictions
 from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit
 
@@ -38,19 +38,16 @@ def _lines(campaign: Campaign) -> list[str]:
         f"{description.machine.name}: {count_text(len(state.readings), 'reading')}, "
         f"{format_quantity(status.seconds, 'min', 3)} of machine time",
         accuracy_text(status.accuracy, target.rms, target.worst),
-        f"odds against the model {campaign.watched().evalue:.2g} to 1 (contradicted from {SURE:.0f})",
+        agreement_words(campaign.known()),
     ]
     if sisters := _sisters(campaign):
         lines.append(f"{sisters[:1].upper()}{sisters[1:]}")
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
     lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
     if state.finished is not None:
-        words = status.verdict_words
-        verdict = [f"Verdict: {words}{'' if words.endswith('.') else '.'}"] if words else []
-        return [*lines, *verdict, f"Finished: {state.finished}"]
+        return [*lines, f"Finished: {state.finished}"]
     if status.reached is not None:
         lines.append(f"Reached: {status.reached}. End it: axiscal finish {campaign.path} --out DIR")
-    lines += [f"Mind: {sentence}" for sentence in contradicted_words(campaign)]
     return [*lines, question_text(campaign, state.pending)] if state.pending else lines
 
 
@@ -77,10 +74,8 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "target": _target(campaign),
         "reached": status.reached,
         "finished": state.finished,
-        "verdict": status.verdict or None,
-        "verdict_words": status.verdict_words or None,
-        "mind": contradicted_words(campaign),
-        "evalue": campaign.watched().evalue,
+        "agreement": agreement_document(status.agreement),
+        "mind": contradictions(campaign),
         "sisters": _sisters(campaign) or None,
         "question": campaign.request(state.pending).message() if state.pending else None,
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],

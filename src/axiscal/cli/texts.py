@@ -6,7 +6,6 @@ from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended
 from axiscal.guide.question import coming_text, go_text, parked_text, touch_text
-from axiscal.guide.rivals import deciding_text
 from axiscal.guide.sign import reads_text
 from axiscal.language.spoken import decimals
 from axiscal.measurement.place_texts import reading_unit, value_names
@@ -24,15 +23,14 @@ def question_text(campaign: Campaign, asked: Asked) -> str:
     """Return what the operator is to do."""
     setup = campaign.description.setup(asked.place.setup)
     values = ", ".join(f"{name.upper() or 'VALUE'} {reading_unit(setup)}" for name in value_names(setup))
-    words = coming_text, touch_text, parked_text, deciding_text
-    coming, touch, parked, decides = (word(campaign, asked) for word in words)
+    words = coming_text, touch_text, parked_text
+    coming, touch, parked = (word(campaign, asked) for word in words)
     lines = [
         f'Reading {asked.reading}: set-up "{setup.name}", {setup.instrument}, reads {reads_text(setup)}',
         f"  go to     {go_text(campaign, asked)}",
         f"  coming    {coming}" if coming else "",
         f"  {'at       ' if setup.artefact else 'the way  '} {touch}" if touch else "",
         f"  parked    {parked}" if parked else "",
-        f"  decides   {decides}" if decides else "",
         f'  then      axiscal record {campaign.path} "{values}"',
     ]
     return "\n".join(line for line in lines if line)
@@ -49,8 +47,7 @@ def question_document(campaign: Campaign, asked: Asked | Ended) -> dict[str, obj
     """Return the question, or why there is none, as the document `axiscal-next/1`."""
     if isinstance(asked, Ended):
         return {"schema": "axiscal-next/1", "question": None, "stop": asked.because}
-    decides = deciding_text(campaign, asked)
-    return {"schema": "axiscal-next/1", "question": campaign.request(asked).message(), "stop": None, "decides": decides}
+    return {"schema": "axiscal-next/1", "question": campaign.request(asked).message(), "stop": None}
 
 
 def accuracy_text(known: Accuracy, rms: float | None, worst: float | None) -> str:

@@ -53,7 +53,7 @@ def run_demo(
         if isinstance(first, Asked):
             planned((first.place, *campaign.state.plan))
         campaign.run(SimulatedSource(truth, SEED), watch)
-        estimation = campaign.ruled()
+        estimation = campaign.concluded()
         extras = Extras(truth=truth, truth_check=truth_check(estimation, truth), compared=True)
         return deliver(campaign, estimation, out, extras)
 

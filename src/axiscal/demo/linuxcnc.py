@@ -130,7 +130,7 @@ def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
             campaign.run(source, _unwatched)
         finally:
             source.close()
-        estimation, readings = campaign.ruled(), len(campaign.state.readings)
+        estimation, readings = campaign.concluded(), len(campaign.state.readings)
     offers = [export(estimation.estimate(), "linuxcnc", options)]
     if can_load("axiscal_vcomp"):
         offers.append(export(estimation.estimate(), "linuxcnc-volumetric", replace(options, pivots=False)))

@@ -13,8 +13,10 @@ from axiscal.description.target import Target
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
+from axiscal.machine.entry import Sure
 from axiscal.measurement.instruments.kind import CARRIED
 from axiscal.measurement.setup import Setup, Vector
+from axiscal.promise.usual import usual_machine
 from axiscal.units import format_quantity
 
 if TYPE_CHECKING:
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
 
 _PRINTERS = {"klipper", "marlin", "reprapfirmware"}
 _ACTIVE = 'Write false, true, or the files that are active, such as ["X.comp", "Y.comp"]'
+_SCALES: dict[str | None, Sure] = {None: "roughly", "stated": "well", "estimate": "roughly"}
+"""What campaigns said before there was `sure`."""
 _LONGEST_DOUBT = 0.1
 """m."""
 _TRUED = 5e-6
@@ -36,7 +40,8 @@ class CampaignDescription:
 
     setups : in the order of the file; text, source : the campaign.toml it came from, and where that was read
     machine_source : the file or the built-in name of the machine, whose text is `machine.text`
-    scales_estimated : sizes, smoothness, rests and noise are learnt from the readings
+    sure : how well stated sizes and lengths of errors are known, where an error does not say it itself
+    usual : with what usually goes wrong; else what is stated and nothing besides, the model of the paper
     prior_text : the campaign whose result is the prior (see `heritage`), or what its type has taught; empty for none
     sisters : records of machines of its type, to learn from; doubt : that it is no sister, None as the type says
     kept : share of each error that is as that campaign found it
@@ -53,7 +58,8 @@ class CampaignDescription:
     text: str
     source: str
     machine_source: str
-    scales_estimated: bool = False
+    sure: Sure = "exactly"
+    usual: bool = False
     prior_text: str = ""
     kept: float = 1.0
     compensation_active: bool | tuple[str, ...] | None = None
@@ -149,6 +155,7 @@ def _described(
     from axiscal.description.programs import read_driving
     from axiscal.description.setups import Surroundings, read_setups
     from axiscal.description.target import read_target
+    from axiscal.description.type_b import refers_to_20
     from axiscal.document import read_model
 
     table = read_model(document, CampaignTable)
@@ -156,7 +163,9 @@ def _described(
     artefacts = read_artefacts(table.artefacts, document)
     tool = _tool(table, document, usual_doubts)
     printer = usual_doubts and set(table.controls) <= _PRINTERS  # records of before know no such probe
-    around = Surroundings(machine, document, artefacts, tool, asking, usual_doubts, printer)
+    at_20 = refers_to_20(table, artefacts, document)
+    target = replace(target, refers_to="20 degC" if at_20 else "as read")
+    around = Surroundings(machine, document, artefacts, tool, asking, usual_doubts, printer, at_20)
     setups = read_setups(table.setups, around)
     driving = read_driving(table.programs, machine, document)
     setups = tuple(replace(setup, driving=driving) for setup in setups)
@@ -164,7 +173,8 @@ def _described(
         remedy = 'Add at least one of rms = "2 um", worst = "4 um", readings = 40, budget = "90 min" under [target]'
         raise DescriptionError("nothing would ever stop this campaign", remedy, document.path, document.line("target"))
     _refuse_budget(target, setups, document)
-    learnt = table.scales == "estimate"
+    usual = table.usual == "on"
+    machine = usual_machine(machine, setups) if usual else machine
     source = str(document.path)
     active, said = _active(table.compensation_active, document), read_particulars(table, machine, document)
     sisters = sisters_named(table.sisters, document)
@@ -176,7 +186,8 @@ def _described(
         text=document.text,
         source=source,
         machine_source=machine_source,
-        scales_estimated=learnt,
+        sure=table.sure or _SCALES[table.scales],
+        usual=usual,
         prior_text=prior_text,
         kept=table.kept,
         compensation_active=active,

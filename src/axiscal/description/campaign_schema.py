@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from axiscal.description.artefact_schema import ArtefactTable
 from axiscal.document import Angle, Length, QuantityText, Time
+from axiscal.machine.entry import Sure
 
 ControlName = Literal[
     "csv",
@@ -46,6 +47,7 @@ class TargetTable(Table):
     aligned: bool | None = Field(None, examples=["true"])
     directions: list[Literal["x", "y", "z"]] = Field(default=["x", "y", "z"], examples=['["z"]'])
     criterion: Literal["volume", "joint", "worst"] = Field("volume", examples=['"volume"'])
+    refers_to: Literal["20 degC", "as read"] | None = Field(None, examples=['"20 degC"'])
     unchecked: Literal["refuse", "allow"] = Field("refuse", examples=['"allow"'])
 
 
@@ -62,6 +64,7 @@ class SetupTable(Table):
     temperature_std: QuantityText | None = Field(None, examples=['"0.2 K"'])
     expansion: QuantityText | None = Field(None, examples=['"11.7 um/m/K"'])
     expansion_std: QuantityText | None = Field(None, examples=['"1 um/m/K"'])
+    type_b: dict[str, QuantityText] = Field(default={}, examples=['{ scale = "0.2 um/m", air = "0.3 um/m" }'])
     base: QuantityText | None = Field(None, examples=['"100 mm"'])
     station: list[QuantityText] | None = Field(None, examples=['["0 mm", "0 mm", "-300 mm"]'])
     stations: list[list[QuantityText]] | None = Field(None, examples=['[["0 mm", "0 mm", "0 mm"], […]]'])
@@ -138,7 +141,9 @@ class CampaignTable(Table):
     """The whole of campaign.toml."""
 
     machine: str = Field(examples=['"machine.toml"'])
-    scales: Literal["stated", "estimate"] = Field("stated", examples=['"estimate"'])
+    usual: Literal["on", "off"] = Field("on", examples=['"off"'])
+    sure: Sure | None = Field(None, examples=['"well"'])
+    scales: Literal["stated", "estimate"] | None = Field(None, examples=['"estimate"'])
     prior: str | None = Field(None, examples=['"last.axiscal"'])
     compensation_active: bool | str | list[str] | None = Field(None, examples=["false", '"old/X.comp"'])
     controls: list[ControlName] = Field(default=["linuxcnc"], examples=['["sinumerik"]'])

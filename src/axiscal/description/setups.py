@@ -17,6 +17,7 @@ from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader
 from axiscal.description.squares import on_square
 from axiscal.description.stations import stations_of
 from axiscal.description.target import coordinate
+from axiscal.description.type_b import material_of, stated_of
 from axiscal.description.vectors import WAYS, spot, unit_vector
 from axiscal.document import Document, nearest, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
@@ -31,10 +32,6 @@ from axiscal.units import EXAMPLES, format_quantity, parse_quantity
 
 LONGEST_NAME = 80
 """Characters of a name that still fits on a line of a program."""
-_REFERENCE = 293.15
-"""20 degC (ISO 1), K."""
-_ALONG = 0.99
-"""Cosine; growth along an axis is meant where the direction is within 8 deg of it, and no set-up is between."""
 _SHORTEST_REACH = 4.0
 """A reach is longer than so many overruns."""
 _DIAGONAL = 1 / math.sqrt(3)
@@ -49,6 +46,7 @@ class Surroundings:
     asking : readings are to be asked for, so that every set-up must say where it can be read
     usual_doubts : zeros of which nothing is stated may wander as those of their instrument do
     printer : the probe is that of a 3D printer
+    at_20 : what is found refers to 20 °C
     """
 
     machine: Machine
@@ -58,6 +56,7 @@ class Surroundings:
     asking: bool
     usual_doubts: bool
     printer: bool = False
+    at_20: bool = False
 
 
 def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, ...]:
@@ -110,7 +109,7 @@ class _Reader:
         with self._at("noise"):
             noise = usual.noise if table.noise is None else _positive(table.noise, usual.reads)
         resolution = self._resolution(usual)
-        growth, spread = self._growth(usual, direction, moves)
+        material = material_of(table, usual, around.machine, direction, moves, self._at)
         base = self._base(usual)
         unknowns = self._unknowns(usual, moves, site)
         unknowns = of_each(unknowns, len(stations)) if stations else unknowns
@@ -123,7 +122,7 @@ class _Reader:
             moves=moves,
             park=self._park(moves) if site is None else site.park,
             noise=math.hypot(noise, resolution / math.sqrt(12.0)),
-            unknowns=(*unknowns, *spread),
+            unknowns=(*unknowns, *material.unknowns),
             setup_time=self._time("setup_time", usual.setup_time * self._mountings(site)),
             settle=self._time("settle", usual.settle),
             reading_time=self._time("reading_time", usual.reading_time),
@@ -131,7 +130,10 @@ class _Reader:
             approach=table.approach,
             station=station,
             stations=stations,
-            growth=growth,
+            warmer=material.warmer,
+            expansion=material.expansion,
+            at_20=around.at_20,
+            stated=(*material.stated, *stated_of(table, usual, self._at)),
             base=base,
             drift=rate,
             drift_said=said,
@@ -216,31 +218,6 @@ class _Reader:
             if base < 0:
                 raise DescriptionError(f"{shown(text)} is not a length", 'Give one such as "100 mm"')
         return base
-
-    def _growth(
-        self, usual: Instrument, direction: Vector, moves: tuple[int, ...]
-    ) -> tuple[float, tuple[Unknown, ...]]:
-        """Return by which strain the material is longer than at 20 °C, and the unknown that its uncertainty is."""
-        table = self._table
-        if table.temperature is None and table.expansion is None:
-            return 0.0, ()
-        with self._at("temperature" if table.temperature is not None else "expansion"):
-            if table.temperature is None or table.expansion is None:
-                raise DescriptionError("temperature and expansion go together", "Give both, or neither of them")
-            self._refuse_growth(usual, direction, moves)
-            warmer = parse_quantity(table.temperature, "temperature") - _REFERENCE
-            coefficient = parse_quantity(table.expansion, "expansion")
-            degrees = parse_quantity(table.temperature_std or "0 K", "temperature_difference")
-            doubt = parse_quantity(table.expansion_std or "0 um/m/K", "expansion")
-        std = math.hypot(coefficient * degrees, warmer * doubt)
-        return coefficient * warmer, (Unknown("growth", std),) if std > 0 else ()
-
-    def _refuse_growth(self, usual: Instrument, direction: Vector, moves: tuple[int, ...]) -> None:
-        linear = [self._machine.axes[index] for index in moves if not self._machine.axes[index].rotary]
-        along = len(linear) == 1 and abs(sum(a * b for a, b in zip(linear[0].direction, direction, strict=True)))
-        if "growth" not in usual.model.unknown_reads or not along or along < _ALONG:
-            what = "a temperature corrects a length along the one linear axis that moves, and this set-up reads none"
-            raise DescriptionError(what, "Take temperature and expansion out, or name the axis in moves")
 
     def _station(self) -> Vector | None:
         return None if self._table.station is None else spot(self._table.station)

@@ -17,6 +17,7 @@ from axiscal.machine import Axis, Machine
 from axiscal.units import format_quantity, parse_quantity
 
 Criterion = Literal["volume", "joint", "worst"]
+RefersTo = Literal["20 degC", "as read"]
 MOST_READINGS = 100_000
 """Weeks of measuring; whoever says more has slipped."""
 _LOOKED_AT, _FEWEST = 1000, 20
@@ -35,8 +36,8 @@ class Target:
     part : where the work is done, instead of a volume of axes; the volume is then the box around its poses
     aligned : a rigid motion of the part is not counted: it is probed
     expanded : U, of the TCP in space over the volume with 95 %, m
+    refers_to : the temperature for which it is to be good: 20 °C (ISO 1), or that of the readings
     counted : whether deviations of the TCP along x, y and z of the workpiece frame count
-    unchecked : an accuracy counts as reached by what the model promises, although the readings could not contradict it
     """
 
     rms: float | None
@@ -48,8 +49,8 @@ class Target:
     part: PartVolume | None = None
     aligned: bool = False
     expanded: float | None = None
-    unchecked: bool = False
     counted: Counted = EVERY_WAY
+    refers_to: RefersTo = "as read"
 
     @property
     def accurate(self) -> bool:
@@ -77,13 +78,12 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
         raise _fault(document, "part and volume exclude one another", "Give one of them", "part")
     volume = _volume(table, machine, document) if part is None else _around(part, machine, document)
     aligned = part is not None if table.aligned is None else table.aligned
-    allowed = table.unchecked == "allow"
     if not table.directions:
         remedy = 'Give one or more of "x", "y", "z", such as directions = ["z"] for a height'
         raise _fault(document, "no direction is left in which the tool point counts", remedy, "directions")
     x, y, z = (way in table.directions for way in ("x", "y", "z"))
     limits = table.rms, table.worst, table.readings, table.budget
-    return Target(*limits, volume, table.criterion, part, aligned, table.U, allowed, (x, y, z))
+    return Target(*limits, volume, table.criterion, part, aligned, table.U, (x, y, z))
 
 
 def _around(part: PartVolume, machine: Machine, document: Document) -> tuple[tuple[float, float], ...]:

@@ -23,7 +23,6 @@ from axiscal.error_model.volume import of_rests, volume_moments
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.tool_doubt import tool_doubt
 from axiscal.estimation.yardsticks import MeasuredVolume, Yardsticks
-from axiscal.inference.scales import Scale, Scales, all_scales, wanted
 from axiscal.machine.description import Machine
 from axiscal.measurement.about import About
 from axiscal.measurement.artefact import reads_as
@@ -41,6 +40,8 @@ from axiscal.numerics import Array
 from axiscal.numerics.remembered import Itself
 from axiscal.numerics.spread import even_points
 from axiscal.promise.problem import Inherited
+from axiscal.promise.sizes import Kind, Sizes
+from axiscal.promise.usual import Learnable, rescaled_machine, rescaled_setups, sizes_of
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAYS = 1e-8
@@ -66,6 +67,7 @@ class Case:
     rivals : beliefs of which the readings are to say which one holds; the first of them is `inherited`
     larger : times that what no allowed reading sees counts, where bands are so many times as wide as the model's
     yardsticks : found so far, of all cases that are made from this one
+    sized_from : the case before its sizes were learnt, whose yardstick it has but for the rests; None for itself
     """
 
     description: CampaignDescription
@@ -75,6 +77,7 @@ class Case:
     rivals: tuple[Rival, ...] = ()
     larger: float = 1.0
     yardsticks: Yardsticks = field(default_factory=Yardsticks, repr=False)
+    sized_from: Case | None = field(default=None, repr=False)
 
     @cached_property
     def sides(self) -> tuple[Case, ...]:
@@ -83,14 +86,11 @@ class Case:
         return alone or (self,)
 
     @cached_property
-    def variable(self) -> tuple[Scale, ...]:
-        """The scales that the description asks to be learnt; where the prior was inherited only noises and rests.
-
-        What an earlier campaign knew of the curves is more than their size and smoothness, and stays.
-        """
-        machine, setups = self.description.machine, self.description.setups
-        scales = all_scales(machine, setups) if self.description.scales_estimated else wanted(machine)
-        return scales if self.inherited is None else tuple(s for s in scales if s.kind in ("noise", "rest"))
+    def sizes(self) -> Sizes:
+        """The sizes that readings may teach."""
+        described = self.description
+        may = Learnable(described.sure, described.usual, self.inherited is not None)
+        return sizes_of(described.machine, described.setups, may)
 
     def seconds_of(self, before: Place | Reading | None, place: Place | Reading) -> float:
         """Return the time of a reading after another one; of the first of a set-up with mounting it."""
@@ -114,10 +114,13 @@ class Case:
             seconds[list(numbers)] = ways_there + reading_seconds(setup)
         return seconds
 
-    def rescaled(self, scales: Scales) -> Case:
-        """Return the case with priors and noise as learnt."""
-        machine, setups = scales.machine(self.description.machine), scales.setups(self.description.setups)
-        return self._plain(replace(self.description, machine=machine, setups=setups))
+    def rescaled(self, sizes: Mapping[tuple[Kind, str], float]) -> Case:
+        """Return the case with priors and noise at other sizes.  sizes : factors by kind and owner"""
+        machine = rescaled_machine(self.description.machine, sizes)
+        setups = rescaled_setups(self.description.setups, sizes)
+        return replace(
+            self._plain(replace(self.description, machine=machine, setups=setups)), sized_from=self.sized_from or self
+        )
 
     @property
     def bends(self) -> bool:
@@ -216,6 +219,8 @@ class Case:
     @cached_property
     def yardstick(self) -> Yardstick:
         """The figures over the target's volume; a constant shift that is mostly unseen is not counted."""
+        if self.sized_from is not None and not (self.about is not None and self.about.bent):
+            return self.sized_from.yardstick.with_rests_of(self.errors)
         grounds = *self._over_what, self.description.setups, self.both, Itself(self.inherited), self.larger
         return self.yardsticks.yardstick(grounds, self._found_yardstick)
 

@@ -19,14 +19,14 @@ from axiscal.estimation.learnt import Learnt
 from axiscal.estimation.machine_estimate import Estimate, rest_means
 from axiscal.estimation.map_grid import map_grid
 from axiscal.estimation.membership import Membership
-from axiscal.estimation.ruling import Ruling
 from axiscal.estimation.timed import Timed
-from axiscal.inference.fit import Fit
 from axiscal.inference.implausible import objection
 from axiscal.inference.outliers import FEWEST, Doubt
 from axiscal.measurement.place_texts import reading_text
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.remembered import remembered
+from axiscal.promise.agreement import NOTHING_READ, Agreement
+from axiscal.promise.posterior import Posterior
 
 _TRIMMED = 0.1
 
@@ -46,10 +46,8 @@ class Estimation:
 
     readings : each with its time; seconds : of machine time that they take; innovations : of each
     outliers : the readings that are not believed, first those that cannot be, then those that others contradict
-    fit : the scales, None where none were learnt; learnt_from : number of readings that they were learnt from
-    banded : case and knowledge with the bands that are printed: they count that scales are only learnt
+    banded : case and knowledge with the bands that are printed, sizes averaged over
     accuracy : how well the machine is known, with these bands
-    ruling : what may be promised of it, where that was asked
     membership : how probable the rival beliefs are, None where there is one; side : the one that it was found by
     """
 
@@ -60,12 +58,9 @@ class Estimation:
     seconds: float
     innovations: tuple[Innovations, ...]
     outliers: tuple[Doubt, ...]
-    fit: Fit | None
-    learnt_from: int
     banded: Banded
     accuracy: Accuracy
     stages: Stages
-    ruling: Ruling | None = None
     membership: Membership | None = None
     side: int = 0
 
@@ -73,6 +68,16 @@ class Estimation:
     def whole(self) -> Belief:
         """The belief at the most probable scales: of all rivals together where there are some."""
         return self.knowledge.belief if self.membership is None else self.membership.belief
+
+    @property
+    def posterior(self) -> Posterior | None:
+        """The posterior of errors, set-ups and sizes; None before the first reading."""
+        return self.stages.learnt.found
+
+    @property
+    def agreement(self) -> Agreement:
+        """Whether the readings agree with each other."""
+        return NOTHING_READ if self.posterior is None else self.posterior.agreement
 
     @property
     def to_plan_by(self) -> Knowledge:
@@ -88,7 +93,8 @@ class Estimation:
         """Return what tables are made of: the belief about the machine, over the volume of the target."""
         description, wide = self.case.description, self.banded
         grid = map_grid(description.machine, description.setups, self.readings)
-        rests = rest_means(wide.knowledge.observation, wide.knowledge.belief.mean)
+        found = self.posterior
+        rests = rest_means(wide.case.errors, {} if found is None else found.cells)
         belief, yardstick = wide.knowledge.belief, wide.case.yardstick
         place = description.target.volume, grid, rests, yardstick.sample, yardstick.alignment, yardstick.counted
         return Estimate(wide.case.errors, belief, *place)

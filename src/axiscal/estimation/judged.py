@@ -27,7 +27,7 @@ class Judged:
     def none(cls, case: Case) -> Judged:
         """Return the judgement of no readings."""
         mean = np.zeros(case.errors.size) if case.inherited is None else case.inherited.mean
-        slack = _LEARNABLE if case.description.scales_estimated else 1.0
+        slack = _LEARNABLE if case.description.sure == "roughly" else 1.0
         return cls(Plausibility.stated(case.observation, case.errors.prior_covariance(), mean, slack), {})
 
 

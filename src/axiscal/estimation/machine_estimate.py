@@ -15,7 +15,6 @@ from axiscal.error_model.actual import deviation_of
 from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import EVERY_WAY, Box, Counted
 from axiscal.machine.description import Machine
-from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 
 _SILENT = 0.95
@@ -106,13 +105,13 @@ class Estimate:
         return at_positions
 
 
-def rest_means(observation: Observation, mean: Array) -> Mapping[int, Array]:
+def rest_means(errors: ErrorModel, cells: Mapping[tuple[int, int], float]) -> Mapping[int, Array]:
     """Return the mean of the rest in every cell, of displacements by the index of their error.
 
-    mean : (size,) of all unknowns
+    cells : means of the rests of visited cells by (term, cell), m or rad
     """
-    functions, found = observation.errors.terms, dict[int, Array]()
-    for (index, cell), column in observation.cells.items():
-        if functions[index].kind == "motion" and not functions[index].angular:
-            found.setdefault(index, np.zeros(functions[index].cell_count))[cell] = mean[column]
+    terms, found = errors.terms, dict[int, Array]()
+    for (index, cell), mean in cells.items():
+        if terms[index].kind == "motion" and not terms[index].angular:
+            found.setdefault(index, np.zeros(terms[index].cell_count))[cell] = mean
     return MappingProxyType(found)

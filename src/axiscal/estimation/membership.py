@@ -16,8 +16,8 @@ from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case, Rival
 from axiscal.estimation.displayed import displayed
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.learnt import weighed
-from axiscal.inference.outliers import NOTHING, Doubt
+from axiscal.estimation.learnt import posterior_of
+from axiscal.inference.outliers import Doubt
 from axiscal.inference.reading_set import ReadingSet
 from axiscal.inference.sisters.belonging import Moments, moments_of, shares_of
 from axiscal.inference.sisters.data_equation import data_equation
@@ -75,12 +75,12 @@ def shares_of_rivals(
     before: Array = each / each.sum()
     if not readings:
         return before
-    weights = np.array(weighed(widest, readings, implausible).weights)
-    counts = [index for index in range(len(readings)) if weights[index] > NOTHING and index not in implausible]
+    bad = posterior_of(widest, readings, implausible).bad
+    counts = [index for index in range(len(readings)) if index not in bad and index not in implausible]
     if not counts:
         return before
     numbers = ReadingSet(widest.observation, [readings[index] for index in counts])
-    data = data_equation(numbers, weights[counts], np.zeros((widest.errors.size, 0)))
+    data = data_equation(numbers, np.ones(len(counts)), np.zeros((widest.errors.size, 0)))
     return shares_of(data, [Moments(*rival.belief) for rival in rivals], before)
 
 

@@ -12,9 +12,8 @@ from axiscal.estimation.progressive.bent_readings import BentReadings
 from axiscal.estimation.progressive.polish import Optimum, polished
 from axiscal.estimation.progressive.starts import mirrored
 from axiscal.exceptions import AmbiguityError
-from axiscal.inference.fit import drawn
 from axiscal.measurement.place_texts import place_text
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, drawn
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 

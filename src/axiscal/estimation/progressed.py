@@ -16,8 +16,7 @@ from axiscal.estimation.progressive.bent_readings import BentReadings
 from axiscal.estimation.progressive.polish import Optimum, polished
 from axiscal.estimation.progressive.shares import shares
 from axiscal.estimation.progressive.starts import closed_form
-from axiscal.inference.fit import drawn
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, drawn
 
 _MOST = 200
 """Readings by which stations are found: of time; all of them count once these are found."""

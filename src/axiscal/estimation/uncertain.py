@@ -11,9 +11,7 @@ from axiscal.numerics.threads import one_thread
 
 @one_thread()
 def expanded_uncertainty(known: Estimation) -> Expanded:
-    """Return the expanded uncertainties of what readings made known: those of the verdict where there is one."""
-    if known.ruling is not None:
-        return known.ruling.expanded
+    """Return the expanded uncertainties of what readings made known: sizes averaged over."""
     wide = known.banded
     return expanded(wide.case.yardstick, wide.knowledge.belief)
 

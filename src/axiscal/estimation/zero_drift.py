@@ -27,7 +27,7 @@ class Path:
 
 def paths(estimation: Estimation, setup: Setup) -> list[Path]:
     """Return the way of each zero of a set-up at the times of its readings; none where no drift is stated."""
-    observation, belief = estimation.banded.knowledge.observation, estimation.banded.knowledge.belief
+    observation, belief = estimation.knowledge.observation, estimation.knowledge.belief
     times = np.array(sorted({r.time for r in estimation.readings if r.setup == setup.name and r.time is not None}))
     found = []
     for (index, _), course in observation.courses.items():

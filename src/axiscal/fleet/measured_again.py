@@ -26,7 +26,7 @@ def again(known: Estimation) -> CampaignDescription:
 def case_again(described: CampaignDescription, prior: Inherited) -> Case:
     """Return the case of a machine of which so much is known; readings and minutes end it no more."""
     target = replace(described.target, readings=None, budget=None)
-    plain = replace(described, prior_text="", sisters=None, doubt=None, target=target, scales_estimated=False)
+    plain = replace(described, prior_text="", sisters=None, doubt=None, target=target, sure="exactly", usual=False)
     return Case(plain, prior)
 
 

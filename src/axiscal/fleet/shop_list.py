@@ -12,7 +12,7 @@ from axiscal.campaign.versions import versions
 from axiscal.description.target import Target
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.ruled import ruled, ruling_of
+from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.exceptions import AxiscalError
 from axiscal.fleet.sister_records import why_not
 from axiscal.record.events import Recorded
@@ -148,13 +148,12 @@ def _found(file: Path) -> Known:
     if not state.readings:
         return Known(*said, ended, None, None, "", "it has no readings")
     try:
-        known = ruled(concluded(case_of(description), state.readings))
-        ruling = ruling_of(known)
+        known = concluded(case_of(description), state.readings)
     except AxiscalError as fault:
         return Known(*said, ended, None, None, "", why_not(fault))
-    if not ruling.promises:
-        return Known(*said, ended, None, None, ruling.verdict)
-    return Known(*said, ended, known.accuracy.rms, ruling.expanded.space, ruling.verdict)
+    if known.agreement.withheld:
+        return Known(*said, ended, None, None, "contradict")
+    return Known(*said, ended, known.accuracy.rms, expanded_uncertainty(known).space, "agree")
 
 
 def target_words(target: Target) -> str:

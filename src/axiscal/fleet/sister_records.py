@@ -18,7 +18,6 @@ from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.ruled import GROSS
 from axiscal.estimation.type_prior import SisterRecord
 from axiscal.exceptions import AxiscalError, InputError, RecordError, UnreachableError
 from axiscal.inference.outliers import NOTHING
@@ -223,8 +222,8 @@ def equation_of(record: MachineRecord, errors: ErrorModel) -> DataEquation:
     """
     plain = replace(record.description, prior_text="", sisters=None, doubt=None)
     known = concluded(Case(plain), record.readings)
-    if known.misfit() > GROSS:
-        what = f"its readings scatter {known.misfit():.1f} times as much as its model says"
+    if known.agreement.withheld:
+        what = f"its readings contradict each other (p = {known.agreement.p:.1g})"
         raise RecordError(what, "Look at its report", record.file)
     weights = np.array(known.stages.absorbed.weights(0, len(known.readings), known.stages.judged.implausible))
     counts = [index for index, weight in enumerate(weights) if weight > NOTHING]

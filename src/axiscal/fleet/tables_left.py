@@ -17,14 +17,13 @@ from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.offer import spread_poses
 from axiscal.compensation.on_top import informed
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.ruled import ruled
 from axiscal.numerics import Array
 
 
 def control_of(known: Estimation, controller: str) -> Control:
     """Return what a control does with the tables of a campaign; raises TableError where none can be made for it."""
     options = informed(ExportOptions(), known.case.description, controller)
-    return registry.export(ruled(known).estimate(), controller, options).control
+    return registry.export(known.estimate(), controller, options).control
 
 
 def left_at(known: Estimation, control: Control, poses: Array, approaches: Array) -> Array:

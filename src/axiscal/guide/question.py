@@ -9,7 +9,6 @@ import numpy as np
 from axiscal.campaign.campaign import Campaign
 from axiscal.guide.axis_places import axis_places
 from axiscal.guide.expectation import Expectation, expectation
-from axiscal.guide.rivals import deciding_text
 from axiscal.guide.sign import sign_text
 from axiscal.language.spoken import said
 from axiscal.machine.kinematics import frames
@@ -35,7 +34,6 @@ class Question:
     coming: str
     touch: str
     again: str
-    decides: str
     parked: str
     sign: str
     unit: str
@@ -53,7 +51,6 @@ class Question:
             coming=coming_text(campaign, asked),
             touch=touch_text(campaign, asked),
             again=again_text(campaign, asked),
-            decides=deciding_text(campaign, asked),
             parked=parked_text(campaign, asked),
             sign=sign_text(setup),
             unit=reading_unit(setup),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.estimation.agreement_words import agreement_words
 from axiscal.language.spoken import decimals, said
 from axiscal.measurement.place_texts import reading_text, reading_unit
 from axiscal.units import format_quantity
@@ -35,6 +36,14 @@ def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
         )
         minds.append(said(strange, size=decimals(f"{size:.1f}")))
     return minds
+
+
+def contradictions(campaign: Campaign) -> list[str]:
+    """Return what is to be said of readings that contradict each other; nothing where they agree, or at the end."""
+    if campaign.state.finished is not None:
+        return []
+    known = campaign.known()
+    return [agreement_words(known)] if known.agreement.contradicts else []
 
 
 def _shown(campaign: Campaign, index: int) -> str:

@@ -35,7 +35,7 @@ def controls_of(campaign: Campaign) -> tuple[str, ...]:
 
 def table_left(campaign: Campaign, controller: str) -> TableLeft:
     """Return what the table of a control would do if the readings so far were all; nothing is written."""
-    estimation = campaign.ruled()
+    estimation = campaign.concluded()
     try:
         options = informed(ExportOptions(), campaign.description, controller)
         offered = registry.export(estimation.estimate(), controller, options)

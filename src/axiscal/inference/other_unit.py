@@ -1,6 +1,6 @@
 """Whether readings fit better if they were written in another unit: evidence for y, 1000 y and y/1000.
 
-    p(y | f) = f^m N(f y; 0, K),    averaged over scales that are off by common factors
+    p(y | f) = f^m p(f y),    averaged over sizes that nobody knows better than roughly
 
 so that a machine that is three times as good, or an instrument five times as noisy, as stated is no other unit. Inches
 are not looked for: a machine or a bed 25 times as good as stated exists, and fits no worse.
@@ -9,16 +9,17 @@ are not looked for: a machine or a bed 25 times as good as stated exists, and fi
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.inference.contradiction import averaged_likelihood
-from axiscal.inference.evidence import Evidence
-from axiscal.inference.fit import drawn
-from axiscal.inference.scales import all_scales
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, drawn
+from axiscal.promise.draws import draws, mode, weighed
+from axiscal.promise.problem import Problem, problem
+from axiscal.promise.usual import Learnable, sizes_of
+from axiscal.promise.which_space import space_of
 
 FACTORS = (1000.0, 1 / 1000.0)
 """By definition: mm for um, and back."""
@@ -43,18 +44,27 @@ def other_unit(observation: Observation, readings: Sequence[Reading]) -> OtherUn
         mine = drawn([reading for reading in readings if reading.setup == setup.name], _MOST)
         if len(mine) < _FEWEST or any(reading.std is not None for reading in mine):
             continue
-        evidence = Evidence(observation, mine, all_scales(observation.errors.machine, observation.setups))
-        stated = averaged_likelihood(evidence)
-        odds = {factor: (_multiplied(evidence, factor) - stated) / np.log(10.0) for factor in FACTORS}
+        sizes = sizes_of(observation.machine, observation.setups, Learnable("roughly", usual=True, inherited=False))
+        posed = problem(observation, mine, sizes)
+        stated = _log_evidence(posed)
+        odds = {factor: (_multiplied(posed, factor) - stated) / np.log(10.0) for factor in FACTORS}
         best = max(odds, key=lambda factor: odds[factor])
         if odds[best] > _CERTAIN:
             return OtherUnit(setup.name, best, float(odds[best]))
     return None
 
 
-def _multiplied(evidence: Evidence, factor: float) -> float:
+def _multiplied(posed: Problem, factor: float) -> float:
     """Return log p of the readings if f times their values are right; minus infinity if these would be nothing."""
-    other = evidence.multiplied(factor)
-    if other.chi_square() < _LEAST_FIT * len(evidence.values):
+    other = replace(posed, values=factor * posed.values)
+    stated = space_of(other).given(np.zeros(len(posed.sizes)))
+    square = np.inf if stated is None else float(other.values @ stated.precision(other.values[:, None])[:, 0])
+    if square < _LEAST_FIT * len(other.values):
         return -np.inf
-    return averaged_likelihood(other) + len(evidence.values) * float(np.log(factor))
+    return _log_evidence(other) + len(other.values) * float(np.log(factor))
+
+
+def _log_evidence(posed: Problem) -> float:
+    """Return log p(y), the sizes averaged over."""
+    space = space_of(posed)
+    return weighed(space, draws(space, mode(space))).log_evidence

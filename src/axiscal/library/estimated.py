@@ -19,7 +19,6 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.machine_estimate import Band
 from axiscal.estimation.prediction import tcp_prediction
-from axiscal.estimation.ruled import ruled, ruling_of
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError
 from axiscal.fleet.with_sisters import campaign_with_sisters
@@ -30,6 +29,7 @@ from axiscal.library.quantity import Quantity, si
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
+from axiscal.promise.agreement import Agreement
 from axiscal.report.delivery import write_files
 from axiscal.units import to_unit
 
@@ -47,7 +47,7 @@ def estimate(campaign: Case | str | Path, readings: Sequence[Reading] | str | Pa
         campaign.description if isinstance(campaign, Case) else campaign_with_sisters(campaign, target_needed=False)
     )
     at_hand = _read(readings, description) if isinstance(readings, str | Path) else tuple(readings)
-    return Estimated(ruled(concluded(case_of(description), at_hand)))
+    return Estimated(concluded(case_of(description), at_hand))
 
 
 def _read(file: str | Path, description: CampaignDescription) -> tuple[Reading, ...]:
@@ -73,9 +73,9 @@ class Estimated(Mapping[str, Curve]):
         return self.estimation.accuracy.rms
 
     @property
-    def verdict(self) -> str:
-        """What the readings say of the model: holds, widened, contradicted or unchecked (docs/conventions.md)."""
-        return ruling_of(self.estimation).verdict
+    def agreement(self) -> Agreement:
+        """Whether the readings agree with each other."""
+        return self.estimation.agreement
 
     def __getitem__(self, name: str) -> Curve:
         """Return one error; raises KeyError for a name that the machine has not."""

@@ -5,10 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.axis import Axis
 from axiscal.machine.names import ErrorName, Kind, parse_error_name
+
+Sure = Literal["roughly", "well", "exactly"]
+"""How well the stated size and length of an error are known."""
 
 DEFAULT_KNOTS = 7
 FEWEST_INTERVALS = 4
@@ -40,6 +44,7 @@ class ErrorEntry:
     harmonics : waves to a period, at most, of an error of the shape "pitch"; 0 for others
     joints : where an error of the shape "step" steps, m or rad
     fine : knots of which nothing is said are as close as a rough curve needs them
+    sure : how well std and length are known; None for what the campaign says of all
     smoothness_averaged : curves of each smoothness are averaged over, by how probable they make the readings
     """
 
@@ -57,6 +62,7 @@ class ErrorEntry:
     joints: tuple[float, ...] = ()
     fine: bool = False
     smoothness_averaged: bool = False
+    sure: Sure | None = None
 
     @property
     def parts(self) -> ErrorName:

@@ -93,7 +93,7 @@ def _prior(document: Document, keys: Keys, table: ErrorTable, name: ErrorName, a
     knots, smoothness = _one(table.knots), smoothness_of(table, averaged=True)
     shape = shaped(document, keys, table, name, axis)
     entry = ErrorEntry(name.canonical, std, knots, spacing, length, rest, estimated, line, period, smoothness, *shape)
-    return replace(entry, smoothness_averaged=table.smoothness == AVERAGED)
+    return replace(entry, smoothness_averaged=table.smoothness == AVERAGED, sure=table.sure)
 
 
 def _one(value: Value | tuple[Value, Value] | None) -> Value | None:

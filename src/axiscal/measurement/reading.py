@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from axiscal.measurement.place import Place
 
@@ -55,3 +58,11 @@ class Reading:
     def values(self) -> tuple[float, ...]:
         """All numbers of the reading, m or rad."""
         return (self.value, *self.others)
+
+
+def drawn(readings: Sequence[Reading], most: int) -> list[Reading]:
+    """Return all readings, or so many of them, drawn the same way each time."""
+    if len(readings) <= most:
+        return list(readings)
+    chosen = np.sort(np.random.default_rng(0).choice(len(readings), most, replace=False))
+    return [readings[int(i)] for i in chosen]

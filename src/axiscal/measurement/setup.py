@@ -26,6 +26,9 @@ _SOFT = 0.1
 FINEST = 1e-10
 """No reading is known better than this, m or rad: an atom's width. Smaller noise is a slip, and ends in rounding."""
 
+STEEL = 11.7e-6
+"""1/K, of what scales, screws and workpieces are made of as a rule."""
+
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
@@ -55,7 +58,10 @@ class Setup:
     approach : directions from which a moving axis comes to a position; "both" is needed to see reversal
     station : where a tracker, tracer or ball bar stands, m, in the workpiece frame
     stations : of tracers that read at once, one number each; none where one instrument reads
-    growth : thermal expansion of the measured material at its temperature against 20 °C, a strain
+    warmer : by how much the measured material is warmer than 20 °C, K; None where nobody says
+    expansion : coefficient of thermal expansion of the measured material, 1/K
+    at_20 : what is found of the machine refers to 20 °C, not to the temperature that it was read at
+    stated : sizes of causes that no reading shows, by name, where no default holds (see `promise.type_b`)
     found : how far from there its station has been found so far, m, or by how much a tracker is turned, rad; of several
         stations one after another; None is nowhere else
     base : how far apart the feet of a level stand that is stepped along the way of the axis that moves, m; its poses
@@ -92,7 +98,10 @@ class Setup:
     station: Vector | None = None
     stations: tuple[Vector, ...] = ()
     found: tuple[float, ...] | None = None
-    growth: float = 0.0
+    warmer: float | None = None
+    expansion: float = STEEL
+    at_20: bool = False
+    stated: tuple[tuple[str, float], ...] = ()
     base: float | None = None
     drift: float = 0.0
     drift_said: SaidOfDrift = "nothing"
@@ -120,6 +129,11 @@ class Setup:
         if self.chart is None or self.chart.size == len(self.moves):
             return self.moves
         return tuple(k for k in self.moves if axes[k].rotary and self.length is None)
+
+    @property
+    def growth(self) -> float:
+        """Thermal expansion of the measured material against 20 °C, as far as it is known, a strain."""
+        return self.expansion * (self.warmer or 0.0)
 
     @property
     def standing(self) -> tuple[Vector, ...]:

@@ -27,7 +27,6 @@ from axiscal.measurement.reading import Reading
 from axiscal.planning.overrun import with_room
 from axiscal.planning.plan_basis import at_gap, in_gap
 from axiscal.planning.plane_start import plane_start
-from axiscal.planning.read_again import to_read_again
 from axiscal.record.events import Gap
 
 _CANDIDATES = 2000
@@ -51,10 +50,6 @@ def planned_places(
     beyond = _promised(limits, case, knowledge)
     if not len(task.lattice):
         return ()
-    if beyond and not left and readings:
-        once_more = [p for p in to_read_again(case, knowledge, readings) if not in_gap(case, p, gaps)]
-        if again := _within(case, readings[-1], once_more[: _few(limits)], limits.budget):
-            return again
     if beyond:
         limits = replace(limits, readings=max(_few(limits), len(left)), rms=None, worst=None)
     if begin := _first(case, task, readings, gaps):
@@ -64,7 +59,7 @@ def planned_places(
     if len(coming):
         coming = renewed(task, limits, coming, patience)
     if not len(coming):
-        coming = _begun(task, limits, patience)
+        coming = _begun(task, limits, patience, case.description.usual)
     return tuple(place for place in with_rooms(case, coming) if not in_gap(case, place, gaps))
 
 
@@ -77,10 +72,10 @@ def _first(case: Case, task: Task, readings: Sequence[Reading], gaps: Sequence[G
     return tuple(place for place in places if not in_gap(case, place, gaps))
 
 
-def _begun(task: Task, limits: Limits, patience: float) -> Places:
+def _begun(task: Task, limits: Limits, patience: float, shake: bool) -> Places:
     """Return the readings of a new plan."""
     try:
-        return make_plan(task, limits, patience=patience, bounded=False).places
+        return make_plan(task, limits, patience=patience, bounded=False, shake=shake).places
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         return make_plan(task, Limits(1), patience=patience, bounded=False).places
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -17,24 +18,33 @@ from axiscal.record.events import Asked, Gap
 
 _NEAR = 0.01
 """Places within this share of each axis' travel are one place."""
+_FIRST, _GROWTH = 5, 1.34
 _AS_STATED = 1.2
 """By this factor a reading's own std may differ from its set-up's noise before it tells more or less than planned."""
 
 
-def plan_basis(case: Case, readings: Sequence[Reading], doubts: Sequence[Doubt], learnt_from: int) -> str:
+def plan_basis(case: Case, readings: Sequence[Reading], doubts: Sequence[Doubt]) -> str:
     """Return what a plan made now rests on beside where readings were taken, in words; empty for nothing.
 
     Where a zero drifts it rests on the clock as well: markers are due by it.
-    doubts : readings that are not, or less, believed; learnt_from : number of readings that the scales were learnt from
+    doubts : readings that are not believed
     """
     noise = {setup.name: setup.noise for setup in case.description.setups}
-    said = [f"scales of {learnt_from} readings"] if learnt_from else []
+    said = [f"sizes of {count} readings"] if len(case.sizes) and (count := _learnt_from(len(readings))) else []
     said += [f"{doubt.reading + 1} {'rejected' if doubt.rejected else 'doubted'}" for doubt in doubts]
     passed = int((readings[-1].time or 0.0) // EVERY) if readings else 0
     if passed and any(setup.drift > 0 for setup in case.description.setups):
         said.append(f"{passed} times {EVERY / 60:.0f} min")
     other = [n for n, r in enumerate(readings, 1) if r.std is not None and not _alike(r.std, noise[r.setup])]
     return ", ".join([*said, *(f"noise of {number}" for number in other)])
+
+
+def _learnt_from(count: int) -> int:
+    """Return the last number of readings, by a third more each time, after which sizes make a plan anew."""
+    due, following = 0, _FIRST
+    while following <= count:
+        due, following = following, math.ceil(following * _GROWTH)
+    return due
 
 
 def twice_rejected(case: Case, readings: Sequence[Reading], doubts: Sequence[Doubt]) -> tuple[Gap, ...]:

@@ -49,7 +49,7 @@ def plane_start(case: Case, readings: Sequence[Reading]) -> Places:
 
 def _learns_a_plane(case: Case, setup: Setup) -> bool:
     """Return whether a set-up moves two axes alone that act together, sees it, and its size is to be learnt."""
-    learnt = {scale.owner for scale in case.variable if scale.kind == "std"}
+    learnt = {owner for size in case.sizes.of if size.kind == "together" for owner in size.owners}
     levers = np.abs(case.observation.levers(0, np.array([setup.park])))[:, len(case.errors.functions) :, 0]
     seen = zip(case.errors.planes, levers.max(axis=0).tolist(), strict=True)
     plain = setup.chart is None and setup.base is None

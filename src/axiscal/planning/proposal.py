@@ -51,7 +51,7 @@ def proposed(
     task = replace(task, memory=how.memory)
     if only is not None:
         task = replace(task, lattice=task.lattice.within(np.isin(task.lattice.setups, only)))
-    return Proposal(make_plan(task, limits, bounded=bounded, progress=progress))
+    return Proposal(make_plan(task, limits, bounded=bounded, shake=case.description.usual, progress=progress))
 
 
 def refuse_unless_provable(case: Case) -> None:

@@ -1,5 +1,8 @@
 """The most probable sizes, and draws of those that readings leave possible.
 
+Sizes of which the readings tell little by where they were taken, the information at x = 0 below a half of the prior's,
+stay as stated: nothing but a statement would be drawn from.
+
 In x, where the prior is standard normal, Fisher scoring climbs to the mode: (J I J + 1) step = J g − x, J = dθ/dx.
 About it stands a normal whose two halves along each principal axis have their own width, measured by two likelihoods
 each (as INLA does); 64 evenly spread points of it, four of them of the prior, carry the weights
@@ -14,6 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import normal_quantile, normal_share
@@ -26,6 +30,8 @@ COUNT = 64
 """With 64 the RMS was 0.69 to 1.17 of that of 512 draws, with 32 down to 0.66 (120 to 900 readings)."""
 _EACH = 16
 """One draw of so many is of the prior."""
+_TAUGHT = 0.5
+"""Of the prior's information; see the top."""
 _STEPS = 30
 """Of Fisher scoring, which settles in about ten; more would not be a maximum either."""
 _LONGEST = 1.5
@@ -50,19 +56,20 @@ _ROUND = 0.01
 
 @dataclass(frozen=True, eq=False)
 class Mode:
-    """x : (k,) most probable; covariance : (k, k) of the normal there; value : log L φ"""
+    """x : (k,) most probable, 0 of sizes that stay as stated; taught : (t,) which do not
+
+    covariance : (t, t) of the normal there; value : log L φ
+    """
 
     x: Array
+    taught: NDArray[np.intp]
     covariance: Array
     value: float
 
 
 @dataclass(frozen=True, eq=False)
 class Draws:
-    """x : (n, k); log_proposal : (n,) of the mixture that they are drawn from, over φ(x)
-
-    They depend on places and times more than on values: another look at nearly the same readings weighs them anew.
-    """
+    """x : (n, k); log_proposal : (n,) of the mixture that they are drawn from, over φ(x)"""
 
     sizes: Sizes
     x: Array
@@ -103,19 +110,21 @@ def _valued(found: Given | None, x: Array) -> float:
     return -np.inf if found is None else found.value - 0.5 * float(x @ x)
 
 
-def mode(space: Space, start: Array | None = None) -> Mode:
-    """Return the most probable sizes, climbing from x = 0 or from `start`, (k,)."""
+def mode(space: Space) -> Mode:
+    """Return the most probable sizes, climbing from those that are stated."""
     sizes = space.problem.sizes
-    x = np.zeros(len(sizes)) if start is None else start.copy()
-    if not len(x):
-        return Mode(x, np.zeros((0, 0)), _density(space, x))
-    damped = _DAMPED
+    x = np.zeros(len(sizes))
     found = space.given(sizes.at(x)[0])
     assert found is not None, "a covariance with noise is positive definite"
+    if not len(x):
+        return Mode(x, np.zeros(0, dtype=np.intp), np.zeros((0, 0)), _valued(found, x))
     value, gradient, information = _pull(sizes, found, x)
+    taught = np.flatnonzero(np.diagonal(information) > 1 + _TAUGHT)
+    damped, among = _DAMPED, np.ix_(taught, taught)
     for _ in range(_STEPS):
-        damping = damped * np.diag(np.diagonal(information))
-        step = np.linalg.solve(information + damping, gradient)
+        damping = damped * np.diag(np.diagonal(information)[taught])
+        step = np.zeros(len(x))
+        step[taught] = np.linalg.solve(information[among] + damping, gradient[taught])
         step *= _LONGEST / max(_LONGEST, float(np.max(np.abs(step))))
         if float(gradient @ step) < _SETTLED * 0.1:
             break
@@ -125,7 +134,7 @@ def mode(space: Space, start: Array | None = None) -> Mode:
             value, gradient, information = _pull(sizes, there, x)
         else:
             damped = max(_MORE * damped, 0.05)
-    return Mode(x, np.asarray(np.linalg.inv(information), dtype=float), value)
+    return Mode(x, taught, np.asarray(np.linalg.inv(information[among]), dtype=float), value)
 
 
 def _pull(sizes: Sizes, found: Given, x: Array) -> tuple[float, Array, Array]:
@@ -137,9 +146,9 @@ def _pull(sizes: Sizes, found: Given, x: Array) -> tuple[float, Array, Array]:
 
 def draws(space: Space, best: Mode, count: int = COUNT) -> Draws:
     """Return draws about the mode."""
-    k = len(best.x)
+    k = len(best.taught)
     if k == 0:
-        return Draws(space.problem.sizes, np.zeros((1, 0)), np.zeros(1))
+        return Draws(space.problem.sizes, best.x[None], np.zeros(1))
     values, vectors = np.linalg.eigh(best.covariance)
     axes = settled(values, vectors)
     widths = np.sqrt(np.maximum(values, 0.0))
@@ -147,16 +156,19 @@ def draws(space: Space, best: Mode, count: int = COUNT) -> Draws:
     # one in so many is of the prior: the first ones would all lie on one side, of a single size
     of_prior = np.arange(count) % _EACH == _EACH // 2
     points = normal_quantile(np.clip(even_points(count, k), _EDGE, 1 - _EDGE))
-    x = np.where(of_prior[:, None], points, best.x + _halved(points, wings) @ axes.T)
-    apart = (x - best.x) @ axes
+    centre = best.x[best.taught]
+    own = np.where(of_prior[:, None], points, centre + _halved(points, wings) @ axes.T)
+    apart = (own - centre) @ axes
     scaled = apart / np.where(apart > 0, wings[1], wings[0])
-    proposal = -0.5 * np.sum(scaled**2, axis=1) - np.log(wings.mean(axis=0)).sum() + 0.5 * np.sum(x**2, axis=1)
+    proposal = -0.5 * np.sum(scaled**2, axis=1) - np.log(wings.mean(axis=0)).sum() + 0.5 * np.sum(own**2, axis=1)
     share = float(of_prior.mean())
+    x = np.zeros((count, len(best.x)))
+    x[:, best.taught] = own
     return Draws(space.problem.sizes, x, np.logaddexp(np.log1p(-share) + proposal, np.log(share)))
 
 
-def redrawn(space: Space, drawn: Draws, found: Weighed, count: int = 2 * COUNT) -> Draws:
-    """Return more draws about those that carry weight, where few of the first ones did.
+def redrawn(space: Space, drawn: Draws, best: Mode, found: Weighed, count: int = 2 * COUNT) -> Draws:
+    """Return more draws about those that carry weight, where few of the first ones did.  best : their mode
 
     Their mean and covariance are taken with weights raised to a power, such that enough of them count.
     """
@@ -166,17 +178,19 @@ def redrawn(space: Space, drawn: Draws, found: Weighed, count: int = 2 * COUNT) 
         spread = found.every**power
     weights = spread / spread.sum()
     centre = weights @ drawn.x
-    apart = drawn.x - centre
-    covariance = (apart.T * weights) @ apart + _ROUND * np.eye(len(centre))
-    return draws(space, Mode(centre, covariance, _density(space, centre)), count)
+    apart = (drawn.x - centre)[:, best.taught]
+    covariance = (apart.T * weights) @ apart + _ROUND * np.eye(len(best.taught))
+    return draws(space, Mode(centre, best.taught, covariance, _density(space, centre)), count)
 
 
 def _wings(space: Space, best: Mode, widths: Array, axes: Array) -> Array:
     """Return the widths below and above the mode along each principal axis, (2, k)."""
     wings = np.stack([widths, widths])
     for j in np.flatnonzero(widths > _TOLD).tolist():
+        along = np.zeros(len(best.x))
+        along[best.taught] = axes[:, j]
         for half, sign in enumerate((-1.0, 1.0)):
-            drop = best.value - _density(space, best.x + sign * np.sqrt(2.0) * widths[j] * axes[:, j])
+            drop = best.value - _density(space, best.x + sign * np.sqrt(2.0) * widths[j] * along)
             wings[half, j] *= float(np.clip(1 / np.sqrt(max(drop, _EDGE)), _NARROWEST, _WIDEST))
     return wings
 

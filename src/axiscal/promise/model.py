@@ -10,8 +10,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-Sure = Literal["roughly", "well", "exactly"]
-"""How well the stated size and length of an error are known."""
+from axiscal.machine.entry import Sure
+
 SURE: dict[Sure, float] = {"roughly": 3.0, "well": 1.5, "exactly": 1.0}
 """The factor within which stated size and length are known."""
 

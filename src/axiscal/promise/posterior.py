@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.promise.agreement import Agreement, agreement
-from axiscal.promise.draws import Draws, Mode, Weighed, draws, mode, redrawn, weighed
-from axiscal.promise.heavy_tails import Volume, shares_that_count
+from axiscal.promise.draws import Weighed, draws, mode, redrawn, weighed
 from axiscal.promise.model import BAD
 from axiscal.promise.problem import MOST_NUMBERS, Problem
 from axiscal.promise.sizes import Kind
@@ -79,66 +78,49 @@ class Posterior:
     bad: dict[int, LeftOut]
     agreement: Agreement
     left_out: dict[int, LeftOut]
-    drawn: Draws
-    best: Mode
 
 
 @one_thread()
 def posterior(
     problem: Problem,
-    before: Posterior | None = None,
     never: Iterable[int] = (),
     sure: Iterable[int] = (),
-    over: Volume | None = None,
 ) -> Posterior:
     """Return the posterior of a problem.
 
-    before : of nearly the same readings, whose draws are weighed anew while they are good for it
     never : readings that are not used; sure : readings that are not taken out
-    over : the volume by which draws with large sizes are cut
     """
     bad = dict[int, LeftOut]()
     accepted, count = frozenset(sure), len(np.unique(problem.reading))
-    drawn = before.drawn if before is not None and before.drawn.sizes == problem.sizes else None
-    best = before.best if before is not None and drawn is not None else None
-    stale = False
     while True:
         apart = [*never, *bad]
         mine = problem.only(~np.isin(problem.reading, apart)) if apart else problem
-        space = space_of(mine)
-        found = weighed(space, drawn) if drawn is not None and not stale else None
-        if found is None or best is None or found.effective < _RENEWED:
-            best = mode(space, None if best is None else best.x)
-            drawn, stale = draws(space, best), False
-            found = weighed(space, drawn)
-            if found.effective < _RENEWED:
-                drawn = redrawn(space, drawn, found)
-                found = weighed(space, drawn)
+        found = sized(mine)
         left = _left_out(mine, found)
         doubtful = {i: each.odds for i, each in left.items() if i not in accepted}
         worst = max(doubtful, key=lambda i: doubtful[i], default=None)
         if worst is None or doubtful[worst] <= 1 or len(bad) + 1 > _MOST_BAD * count:
             break
         bad[worst] = left[worst]
-        stale = True
-    assert drawn is not None
-    moments = _moments(found, over)
-    sizes = _sizes(mine, found, moments.counted)
+    moments = _moments(found)
+    sizes = _sizes(mine, found)
     if details := [index for index in bad if _may_be_a_detail(problem, index, bad[index])]:
         others = [*never, *(index for index in bad if index not in details)]
-        whole = _weighed_anew(problem.only(~np.isin(problem.reading, others)))
-        beside = _moments(whole, over)
-        sizes = _half_and_half(sizes, _sizes(mine, whole, beside.counted))
-        moments = moments.half_and_half(beside)
+        whole = sized(problem.only(~np.isin(problem.reading, others)))
+        sizes = _half_and_half(sizes, _sizes(mine, whole))
+        moments = moments.half_and_half(_moments(whole))
     agreed = agreement(mine, found, np.array([each.z for each in left.values()]))
     known = dict(zip(problem.cells, moments.cells.tolist(), strict=True))
-    return Posterior(moments.mean, moments.covariance, known, sizes, found.effective, bad, agreed, left, drawn, best)
+    return Posterior(moments.mean, moments.covariance, known, sizes, found.effective, bad, agreed, left)
 
 
-def _weighed_anew(problem: Problem) -> Weighed:
-    """Return draws about the mode of a problem, with their weights."""
+def sized(problem: Problem) -> Weighed:
+    """Return draws of the sizes of a problem, with their weights."""
     space = space_of(problem)
-    return weighed(space, draws(space, mode(space)))
+    best = mode(space)
+    drawn = draws(space, best)
+    found = weighed(space, drawn)
+    return found if found.effective >= _RENEWED else weighed(space, redrawn(space, drawn, best, found))
 
 
 def _may_be_a_detail(problem: Problem, index: int, left: LeftOut) -> bool:
@@ -158,41 +140,35 @@ def _half_and_half(one: Mapping[_Owned, float], other: Mapping[_Owned, float]) -
 
 @dataclass(frozen=True, eq=False)
 class _Moments:
-    """mean (k,), covariance (k, k); cells : means of rests (c,); counted : factor on each draw's covariance, (d,)"""
+    """mean (k,), covariance (k, k); cells : means of rests (c,)"""
 
     mean: Array
     covariance: Array
     cells: Array
-    counted: Array
 
     def half_and_half(self, other: _Moments) -> _Moments:
         """Return the moments where this answer and another one count one half each."""
         apart = (self.mean - other.mean) / 2
         covariance = (self.covariance + other.covariance) / 2 + np.outer(apart, apart)
-        return _Moments((self.mean + other.mean) / 2, covariance, (self.cells + other.cells) / 2, self.counted)
+        return _Moments((self.mean + other.mean) / 2, covariance, (self.cells + other.cells) / 2)
 
 
-def _moments(found: Weighed, over: Volume | None) -> _Moments:
-    """Return the moments over the draws, those with the largest sizes cut to what they add to U."""
+def _moments(found: Weighed) -> _Moments:
+    """Return the moments over the draws."""
     answers = [each.answer() for each in found.given]
     about = answers[0].mean  # open zeros are large beside what draws differ by
     shift = np.sum([w * (each.mean - about) for w, each in zip(found.weights, answers, strict=True)], axis=0)
     aparts = np.array([each.mean - about - shift for each in answers])
-    counted = np.ones(len(answers))
-    if over is not None:
-        each = zip(answers, aparts, found.thetas, strict=True)
-        counted = shares_that_count(np.array([over.square(a.covariance, b, c) for a, b, c in each]), found.weights)
-    shares = found.weights * counted
-    total = (aparts.T * shares) @ aparts
-    for share, answer in zip(shares, answers, strict=True):
-        total += share * answer.covariance
+    total = (aparts.T * found.weights) @ aparts
+    for weight, answer in zip(found.weights, answers, strict=True):
+        total += weight * answer.covariance
     cells = np.sum([w * each.cells() for w, each in zip(found.weights, found.given, strict=True)], axis=0)
-    return _Moments(about + shift, total, cells, counted)
+    return _Moments(about + shift, total, cells)
 
 
-def _sizes(problem: Problem, found: Weighed, counted: Array) -> dict[tuple[Kind, str], float]:
-    """Return the root mean square of each size, as a factor on what is stated.  counted : (d,) of each draw"""
-    squares = (found.weights * counted) @ np.exp(2 * found.thetas) if len(problem.sizes) else np.zeros(0)
+def _sizes(problem: Problem, found: Weighed) -> dict[tuple[Kind, str], float]:
+    """Return the root mean square of each size, as a factor on what is stated."""
+    squares = found.weights @ np.exp(2 * found.thetas) if len(problem.sizes) else np.zeros(0)
     pairs = zip(problem.sizes.of, np.sqrt(squares).tolist(), strict=True)
     return {(size.kind, owner): factor for size, factor in pairs for owner in size.owners}
 

@@ -7,7 +7,7 @@ the cells that were visited, the errors, the unknowns of the set-ups. The last t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -27,7 +27,6 @@ from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root, unique_root
 from axiscal.promise.passing import passing_columns
 from axiscal.promise.sizes import Kind, Sizes
-from axiscal.promise.type_b import SaidOfSetup
 from axiscal.promise.type_b_columns import type_b_columns
 
 _NUGGET = 1e-9
@@ -180,16 +179,14 @@ def problem(
     sizes: Sizes,
     inherited: Inherited | None = None,
     usual: bool = True,
-    said: Mapping[str, SaidOfSetup] | None = None,
 ) -> Problem:
     """Return readings as a problem.
 
     observation : before any cell is visited; sizes : that vary; usual : with what readings alone usually suffer
-    said : of set-ups by name, where what no reading shows counts; None leaves that out
     """
     places = places_of(observation.setups, readings)
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
-    passing = [] if said is None else [type_b_columns(observation, readings, places, reading, said, usual)]
+    passing = [type_b_columns(observation, readings, places, reading, usual)]
     passing += [passing_columns(observation, readings, places, reading, sizes)] if usual else []
     blocks, size_at = [each.columns for each in passing], [each.size_at for each in passing]
     start = sum(block.shape[1] for block in blocks)

@@ -8,10 +8,9 @@ standard deviation of it does to each number that is read. So K gains b bᵀ, an
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import partial
-from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -32,37 +31,16 @@ WITH_LIGHT = ("interferometer", "tracer", "tracker")
 """Instruments that compare positions with the wavelength."""
 _OF_AIR = float(np.hypot(1.0 * 0.5, 0.27 * 2.0)) * 1e-6
 """Strain: 1 ppm/K of 0.5 K, 0.27 ppm/hPa of 2 hPa."""
-STEEL = 11.7e-6
-"""1/K, of what scales, screws and workpieces are made of as a rule."""
-
-
-@dataclass(frozen=True, slots=True)
-class SaidOfSetup:
-    """What somebody says of the instrument and the material of a set-up; by default nothing.
-
-    at_20 : what is found of the machine refers to 20 °C (ISO 1), not to the temperature that it was read at
-    warmer : by how much the material was measured to be warmer than 20 °C, K, as the growth of the set-up takes it off;
-        None where nobody measured
-    expansion : coefficient of thermal expansion of the material, 1/K
-    sizes : of causes that no reading shows, by name, SI units, where no default holds (`TypeB.size`). An unknown growth
-        of the set-up holds temperature and expansion as far as they stand here, and both where neither does.
-    """
-
-    at_20: bool = True
-    warmer: float | None = None
-    expansion: float = STEEL
-    sizes: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True, eq=False)
 class Read:
-    """The readings of one set-up, and what somebody says of it.
+    """The readings of one set-up.
 
     nominal : places of r readings; ways : (k, r, 3) along or about which each of their numbers reads; values : (k, r)
     """
 
     setup: Setup
-    said: SaidOfSetup
     nominal: Nominal
     ways: Array
     values: Array
@@ -84,7 +62,7 @@ class Read:
 class TypeB:
     """One row of the table.
 
-    name : of the cause, and of the size in `SaidOfSetup.sizes` that replaces the default; instruments : that have it
+    name : of the cause, and of the size in `Setup.stated` that replaces the default; instruments : that have it
     size : default, in SI units: standard deviation, or half width of a rectangular distribution
     unit : in which the size is shown; source : where the default comes from
     shared : whose readings have it in common
@@ -102,28 +80,28 @@ class TypeB:
     source: str
     shared: Shared
     effect: Callable[[Read, float], Array]
-    applies: Callable[[Setup, SaidOfSetup], bool] = lambda setup, said: True
+    applies: Callable[[Setup], bool] = lambda setup: True
     covered: tuple[str, ...] = ()
     longer: float = 0.0
     least: float = 0.0
 
     def size_of(self, read: Read) -> float:
         """Return the size, as stated or by default."""
-        return read.said.sizes.get(self.name, self.size + self.longer * (read.setup.length or 0.0))
+        return dict(read.setup.stated).get(self.name, self.size + self.longer * (read.setup.length or 0.0))
 
     def column(self, read: Read) -> Array:
         """Return what one standard deviation does to each number, (k, r), m or rad."""
         size = self.size_of(read)
         shown = _STDS[self.distribution] * self.effect(read, size)
         largest = float(np.max(np.abs(shown), initial=0.0))
-        if self.least and self.name not in read.said.sizes and 0 < largest < self.least:
+        if self.least and self.name not in dict(read.setup.stated) and 0 < largest < self.least:
             shown = shown * min(self.least / largest, 1 / size)  # never more than all of the reading
         return shown
 
-    def met(self, setup: Setup, said: SaidOfSetup) -> bool:
+    def met(self, setup: Setup) -> bool:
         """Whether a set-up has this cause and nothing else holds it."""
         own = {unknown.name for unknown in setup.unknowns}
-        return setup.instrument in self.instruments and self.applies(setup, said) and not own & set(self.covered)
+        return setup.instrument in self.instruments and self.applies(setup) and not own & set(self.covered)
 
 
 def _scaled(read: Read, size: float) -> Array:
@@ -152,17 +130,17 @@ def _constant(read: Read, size: float) -> Array:
 
 def _in_air(read: Read, size: float) -> Array:
     """Return what air does to a dead path, (k, r)."""
-    return read.said.sizes.get("air", _OF_AIR) * size * read.ones
+    return dict(read.setup.stated).get("air", _OF_AIR) * size * read.ones
 
 
 def _grown(read: Read, size: float) -> Array:
-    return size * read.said.expansion * read.along
+    return size * read.setup.expansion * read.along
 
 
 def _unlike(read: Read, size: float) -> Array:
     """Return what another expansion does, by as much as the material is warm or may be, (k, r)."""
-    said = read.said
-    warmer = said.sizes.get("temperature", TEMPERATURE.size) if said.warmer is None else said.warmer
+    setup = read.setup
+    warmer = dict(setup.stated).get("temperature", TEMPERATURE.size) if setup.warmer is None else setup.warmer
     return size * warmer * read.along
 
 
@@ -193,7 +171,7 @@ def _askew(read: Read, size: float) -> Array:
     return askew
 
 
-def _of_square(setup: Setup, _said: SaidOfSetup) -> bool:
+def _of_square(setup: Setup) -> bool:
     return any(unknown.name in SQUARE for unknown in setup.unknowns)
 
 
@@ -202,11 +180,11 @@ def _against_length(setup: Setup) -> bool:
     return setup.instrument in WITH_LIGHT or (setup.artefact is not None and setup.artefact.calibrated is not None)
 
 
-def _warm(setup: Setup, said: SaidOfSetup, cause: str, measured: bool | None = None) -> bool:
+def _warm(setup: Setup, cause: str, measured: bool | None = None) -> bool:
     """Whether a cause of the material's temperature counts.  measured : only where that is, or is not, measured"""
-    if not said.at_20 or not _against_length(setup) or measured not in (None, said.warmer is not None):
+    if not setup.at_20 or not _against_length(setup) or measured not in (None, setup.warmer is not None):
         return False
-    stated = {"temperature", "expansion"} & set(said.sizes)
+    stated = {"temperature", "expansion"} & set(dict(setup.stated))
     grown = any(unknown.name == "growth" for unknown in setup.unknowns)
     return not (grown and (cause in stated or not stated))
 
@@ -265,3 +243,11 @@ TYPE_B = (
     TypeB("pre_travel", ("probe",), "normal", 1e-6, "um", _ASSUMED, "instrument", _constant, covered=("zero",)),
 )  # fmt: skip
 """What no reading shows, by instrument."""
+
+_OWN_KEYS = ("temperature", "expansion")
+"""Keys of a set-up of their own."""
+
+
+def type_b_names(instrument: str) -> dict[str, TypeB]:
+    """Return the causes of an instrument that the key type_b of a set-up may state, by name."""
+    return {row.name: row for row in TYPE_B if instrument in row.instruments and row.name not in _OWN_KEYS}

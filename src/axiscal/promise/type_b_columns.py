@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.document import shown
-from axiscal.exceptions import DescriptionError
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.observation import Observation, directions_of
@@ -19,11 +16,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.promise.passing import Passing
-from axiscal.promise.type_b import TYPE_B, Read, SaidOfSetup, TypeB
-
-_NOTHING = SaidOfSetup()
-_STRAIN = 1e-9
-"""A temperature and the growth that it makes agree to so much: rounding of 20 °C in K."""
+from axiscal.promise.type_b import TYPE_B, Read, TypeB
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,21 +38,17 @@ def contributions(
     readings: Sequence[Reading],
     places: Places,
     reading: NDArray[np.intp],
-    said: Mapping[str, SaidOfSetup],
     usual: bool = True,
 ) -> list[Contribution]:
     """Return what no reading shows, causes without effect left out.
 
-    reading : (m,) the reading of each number, ascending; said : by name of set-up, of the others nothing
-    usual : with sizes that nobody stated
-    Raises DescriptionError for a set-up, a size or a temperature that is not there.
+    reading : (m,) the reading of each number, ascending; usual : with sizes that nobody stated
     """
-    _check(observation.setups, said)
     found = dict[tuple[str, str], Contribution]()
-    for read, first in _by_setup(observation, readings, places, reading, said):
+    for read, first in _by_setup(observation, readings, places, reading):
         for row in TYPE_B:
-            stated = row.name in read.said.sizes
-            if not row.met(read.setup, read.said) or not (usual or stated):
+            stated = row.name in dict(read.setup.stated)
+            if not row.met(read.setup) or not (usual or stated):
                 continue
             column, owner = np.zeros(len(reading)), _owner(row, read.setup)
             for number, each in enumerate(row.column(read)):
@@ -71,24 +60,6 @@ def contributions(
     return [each for each in found.values() if np.any(each.column)]
 
 
-def _check(setups: Sequence[Setup], said: Mapping[str, SaidOfSetup]) -> None:
-    by_name = {setup.name: setup for setup in setups}
-    for name, each in said.items():
-        if name not in by_name:
-            raise DescriptionError(f"there is no set-up {shown(name)}", f"Known are {', '.join(by_name)}")
-        setup = by_name[name]
-        known = list(dict.fromkeys(row.name for row in TYPE_B if setup.instrument in row.instruments))
-        for cause, size in each.sizes.items():
-            if cause not in known:
-                what = f"{shown(cause)} is not known of an instrument such as this {setup.instrument}"
-                raise DescriptionError(what, f"Known are {', '.join(known)}")
-            if not 0 <= size < math.inf:
-                raise DescriptionError(f"the size {size:g} of {shown(cause)} is none", "Give a number from 0 on, in SI")
-        if each.warmer is not None and not math.isclose(each.expansion * each.warmer, setup.growth, abs_tol=_STRAIN):
-            what = f"{shown(name)} is said to be {each.warmer:g} K warm, and its readings are not corrected for that"
-            raise DescriptionError(what, "Give it temperature and expansion in campaign.toml, or take warmer out")
-
-
 def _owner(row: TypeB, setup: Setup) -> str:
     return {"set-up": setup.name, "instrument": setup.instrument, "machine": ""}[row.shared]
 
@@ -98,7 +69,6 @@ def _by_setup(
     readings: Sequence[Reading],
     places: Places,
     reading: NDArray[np.intp],
-    said: Mapping[str, SaidOfSetup],
 ) -> Iterator[tuple[Read, NDArray[np.intp]]]:
     """Yield the readings of each set-up, and which number of all is the first of each of them, (r,)."""
     for index, chosen in places.by_setup():
@@ -109,7 +79,7 @@ def _by_setup(
         each = [own if along is None else along for along in directions_of(setup)]
         ways = np.stack([model.direction_of(setup, along, nominal) for along in each])
         values = np.array([readings[i].values for i in which], dtype=float).T
-        yield Read(setup, said.get(setup.name, _NOTHING), nominal, ways, values), np.searchsorted(reading, which)
+        yield Read(setup, nominal, ways, values), np.searchsorted(reading, which)
 
 
 def type_b_columns(
@@ -117,9 +87,8 @@ def type_b_columns(
     readings: Sequence[Reading],
     places: Places,
     reading: NDArray[np.intp],
-    said: Mapping[str, SaidOfSetup],
     usual: bool = True,
 ) -> Passing:
     """Return the columns of `contributions`, whose sizes no reading teaches."""
-    columns = [each.column for each in contributions(observation, readings, places, reading, said, usual)]
+    columns = [each.column for each in contributions(observation, readings, places, reading, usual)]
     return Passing(np.array(columns).reshape(-1, len(reading)).T, np.full(len(columns), -1, dtype=np.intp))

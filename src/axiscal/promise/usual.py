@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
-from axiscal.machine.entry import ErrorEntry
+from axiscal.machine.entry import ErrorEntry, Sure
 from axiscal.machine.plane_entry import PlaneEntry, side_name
 from axiscal.measurement.setup import Setup
 from axiscal.promise.model import (
@@ -27,7 +26,6 @@ from axiscal.promise.model import (
     ROUGH,
     SURE,
     TOGETHER,
-    Sure,
 )
 from axiscal.promise.sizes import Kind, Size, Sizes
 
@@ -101,13 +99,12 @@ class Learnable(NamedTuple):
     """Which sizes may be learnt.
 
     sure : how well stated sizes are known where an error does not say; usual : with what usually goes wrong
-    inherited : the errors' prior is an earlier campaign's, whose sizes stay; each : of errors that say it, by name
+    inherited : the errors' prior is an earlier campaign's, whose sizes stay
     """
 
     sure: Sure
     usual: bool
     inherited: bool
-    each: Mapping[str, Sure] = MappingProxyType({})
 
 
 def sizes_of(machine: Machine, setups: Sequence[Setup], may: Learnable) -> Sizes:
@@ -133,7 +130,7 @@ def _of_errors(machine: Machine, may: Learnable) -> Iterator[Size]:
     for kind, most in kinds:
         groups = dict[tuple[float, tuple[bool, ...]], list[str]]()
         for entry in machine.errors:
-            key, factor = _alike(entry, kind, machine), min(SURE[may.each.get(entry.name, may.sure)], most)
+            key, factor = _alike(entry, kind, machine), min(SURE[entry.sure or may.sure], most)
             if key is not None and factor > 1:
                 groups.setdefault((factor, key), []).append(entry.name)
         for (factor, _), names in groups.items():
@@ -196,3 +193,8 @@ def _rescaled(entry: ErrorEntry, axis: Axis, sizes: Mapping[tuple[Kind, str], fl
         knots=knots,
         spacing=None,
     )
+
+
+def rescaled_setups(setups: Sequence[Setup], sizes: Mapping[tuple[Kind, str], float]) -> tuple[Setup, ...]:
+    """Return the set-ups with their noise at other sizes."""
+    return tuple(replace(setup, noise=setup.noise * sizes.get(("noise", setup.name), 1.0)) for setup in setups)

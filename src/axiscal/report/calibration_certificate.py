@@ -157,7 +157,7 @@ def _results(results: ET.Element, summary: Summary) -> None:
         _words(_below(condition, "data"), "text", summary.particulars.temperature)
     result = _below(results, "measurementResult")
     _words(result, "name", summary.title)
-    _words(result, "description", summary.verdict_words)
+    _words(result, "description", summary.agreement.words)
     _all(_below(result, "results"), summary)
 
 
@@ -170,7 +170,7 @@ def _equipment(equipments: ET.Element, use: SetupUse) -> None:
 
 
 def _all(results: ET.Element, summary: Summary) -> None:
-    """Add the tool point's uncertainty unless it is withheld, every curve, every constant of the machine, ISO 230-2."""
+    """Add the tool point, every curve, every constant of the machine, ISO 230-2; uncertainties unless withheld."""
     if not summary.withheld:
         found = summary.expanded
         data = _result(results, f"Expanded uncertainty of the tool point, {LEVEL:.0%}, {found.conditions}")
@@ -179,12 +179,13 @@ def _all(results: ET.Element, summary: Summary) -> None:
         for name, value in (*zip(["along x", "along y", "along z"], found.axes, strict=True), (whole, found.space)):
             _real(listed, name, value, "um")
     for curve in (*summary.curves, *summary.reversals):
-        _curve(results, curve)
+        _curve(results, curve, summary.withheld)
     own = [each for each in summary.constants if ": " not in each.name]
     if own:
         listed = _below(_result(results, "Location errors and constant reversals"), "list")
         for each in own:
-            _real(listed, f"{each.name}: {each.words}", each.mean, each.unit, BAND * each.std)
+            half = None if summary.withheld else BAND * each.std
+            _real(listed, f"{each.name}: {each.words}", each.mean, each.unit, half)
     for block in summary.iso230:
         listed = _below(_result(results, f"ISO 230-2, axis {block.axis}"), "list")
         for name, value in block.figures.items():
@@ -197,10 +198,11 @@ def _result(results: ET.Element, name: str) -> ET.Element:
     return _below(result, "data")
 
 
-def _curve(results: ET.Element, curve: CurveSummary) -> None:
+def _curve(results: ET.Element, curve: CurveSummary, withheld: bool) -> None:
     listed = _below(_result(results, f"{curve.name}: {curve.caption}"), "list")
     _series(listed, f"position of {curve.axis}", curve.position, curve.position_unit)
-    _series(listed, curve.name, curve.mean, curve.value_unit, [BAND * std for std in curve.std])
+    halves = None if withheld else [BAND * std for std in curve.std]
+    _series(listed, curve.name, curve.mean, curve.value_unit, halves)
 
 
 def _real(

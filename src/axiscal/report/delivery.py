@@ -30,12 +30,11 @@ from axiscal.numerics.threads import one_thread
 from axiscal.record.durable import write_whole, written
 from axiscal.report.calibration_certificate import certificate
 from axiscal.report.data_files import data_files
-from axiscal.report.headline import effect_words
+from axiscal.report.headline import NOT_KNOWN, effect_words
 from axiscal.report.result_document import result_json
 from axiscal.report.result_set import RECORD, result_set, write_manifest
 from axiscal.report.summarising import Extras, record_state, summarise
 from axiscal.report.summary import RecordState, Summary, TableEffect, TableOffer
-from axiscal.report.verdict import NOT_KNOWN
 from axiscal.report.volume_error import VolumeError, volume_error
 from axiscal.units import to_unit
 
@@ -46,19 +45,20 @@ _POSES = 2000
 
 
 @one_thread()
-def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extras) -> Summary:
+def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extras, anyway: bool = False) -> Summary:
     """Write record, tables, result and report of a campaign as a set, and return what they say.  Raises OSError.
 
     A table that a control cannot hold is not written; the report says why.
+    anyway : tables and uncertainties are written although readings contradict each other; each page says that they do
     The report is in the language of the campaign, else of the person who ends it, all other files are in English.
     """
     language = language_of_report(campaign.description.particulars)
     with speaking("en"):
-        return _delivered(campaign, estimation, out, extras, language)
+        found = summarise(campaign, estimation, extras)
+        return _delivered(campaign, estimation, out, replace(found, withheld=False) if anyway else found, language)
 
 
-def _delivered(campaign: Campaign, estimation: Estimation, out: Path, extras: Extras, language: str) -> Summary:
-    summary = summarise(campaign, estimation, extras)
+def _delivered(campaign: Campaign, estimation: Estimation, out: Path, summary: Summary, language: str) -> Summary:
     home = out / RECORD
     live = home if home.exists() and campaign.path.exists() and home.samefile(campaign.path) else None
     with result_set(out, live=live) as folder:
@@ -126,7 +126,8 @@ def _tables(
     estimation: Estimation, controller: str, folder: Path, summary: Summary
 ) -> tuple[list[TableOffer], Export | None]:
     """Write the files for one control and return what they hold and leave, or why there are none, and the files."""
-    factor = None if summary.withheld else summary.expanded.factor
+    if summary.withheld:
+        return [TableOffer("none written", controller, "", said(NOT_KNOWN))], None
     warnings = [warning.text for warning in summary.warnings]
     folder.mkdir(parents=True, exist_ok=True)
     try:
@@ -134,8 +135,8 @@ def _tables(
         offered = registry.export(estimation.estimate(), controller, options)
     except (TableError, ReadingError) as refusal:
         return [TableOffer("none written", controller, "", str(refusal))], None
-    said = introduced(offered, factor, warnings, summary.record)
-    write_files(said, folder / controller)
+    whole = introduced(offered, summary.expanded.factor, warnings, summary.agreement.words, summary.record)
+    write_files(whole, folder / controller)
     left, effect = left_out(offered), effect_of(offered)
     axes = {name: name.partition(".")[0].replace("_", " ") for name in offered.files}
     rows = [TableOffer(f"tables/{controller}/{name}", controller, axis, left, effect) for name, axis in axes.items()]
@@ -154,14 +155,16 @@ def effect_of(offered: Export) -> TableEffect:
     return TableEffect(*(to_unit(each, "um") for each in (*offered.effect, offered.expected)))
 
 
-def introduced(offered: Export, factor: float | None, warnings: Sequence[str], record: RecordState | None) -> Export:
+def introduced(
+    offered: Export, factor: float, warnings: Sequence[str], agreement: str, record: RecordState | None
+) -> Export:
     """Return an export whose README.txt says where it comes from, what to expect of it, and last what is doubtful.
 
-    factor : k of the expanded uncertainty, None where nothing is promised
+    factor : k of the expanded uncertainty; agreement : whether the readings agree, "" before the first
     """
-    expected = f"WHAT TO EXPECT IS {NOT_KNOWN[:9].upper()}{NOT_KNOWN[9:]}."
-    if factor is not None:
-        expected = f"{effect_words(offered.controller, effect_of(offered), factor)} (95 %)"
+    expected = f"{effect_words(offered.controller, effect_of(offered), factor)} (95 %)"
+    if agreement:
+        expected = f"{agreement}.\n{expected}"
     text = offered.readme.replace("\nThese files hold ", f"\n{expected}\nThese files hold ", 1)
     if record is not None:
         origin = f"From the record {record.file} at event {record.event}: {record.hash}"

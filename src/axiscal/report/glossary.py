@@ -39,13 +39,6 @@ _WORDS = (
         later("what was stated of the machine before any reading: how large each error may be."),
     ),
     (
-        later("Vouch for"),
-        later(
-            "a standard uncertainty that the readings could defend: a machine that is further off than the model "
-            "allows would have contradicted them before its errors were larger than that."
-        ),
-    ),
-    (
         later("Surprise"),
         later("a reading less what was expected of it just before, in standard deviations of that difference."),
     ),

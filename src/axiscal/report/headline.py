@@ -7,15 +7,14 @@ from typing import NamedTuple
 
 from axiscal.accuracy.expanded import LEVEL
 from axiscal.estimation.case import Case
-from axiscal.language.spoken import counted, listed, resaid, said, spoken_now
+from axiscal.language.spoken import counted, later, listed, resaid, said, spoken_now
 from axiscal.report.drift_words import drift_words
 from axiscal.report.promises import Uncertainty
-from axiscal.report.sentences import figure, quantity, short, spelt
+from axiscal.report.sentences import figure, quantity, short
 from axiscal.report.summary import Summary, TableEffect
 from axiscal.units import said_quantity
 
-_AS_GOOD = 1.02
-"""A standard uncertainty that is larger by a fiftieth is printed alike."""
+NOT_KNOWN = later("Not known: the readings contradict each other")
 _MANY = 12
 """Names in a sentence; a matter of taste."""
 
@@ -58,11 +57,10 @@ def expanded_words(summary: Summary) -> str:
     linear = "".join(f" {line}" for line in linear_lines(summary))
     meant = found.conditions.replace(f" ({named})", "") if named else found.conditions
     what = said(
-        "Expanded uncertainty, {level:.0%}, k = {k:.2f}, {conditions}", level=LEVEL, k=found.k, conditions=meant
+        "Expanded uncertainty, {level:.0%}, k = {k:.2f}, {conditions}", level=LEVEL, k=found.factor, conditions=meant
     )
-    mixed = "".join(f" {spelt(line)}" for line in mixed_lines(summary))
     ways = said("Along {along}; in the worst place {worst}.", along=along, worst=quantity(found.worst, "um"))
-    return f"{what.rstrip(', ')}. {ways}{mixed}{linear}"
+    return f"{what.rstrip(', ')}. {ways}{linear}"
 
 
 class Targets(NamedTuple):
@@ -122,23 +120,6 @@ def table_lines(summary: Summary) -> Sequence[str]:
     return [effect_words(name, effect, summary.expanded.factor) for name, effect in effects.items()]
 
 
-def mixed_lines(summary: Summary) -> Sequence[str]:
-    """Return the standard uncertainty that U is of, where that is more than the model's."""
-    standard = summary.expanded.standard
-    if standard is None or standard <= _AS_GOOD * summary.rms_um:
-        return []
-    mixed = (
-        "U is of a standard uncertainty of {standard:.3g} um RMS: what else could explain the readings counts in it "
-        "and not in the other."
-    )
-    return [said(mixed, standard=standard)]
-
-
-def checked_lines(summary: Summary) -> Sequence[str]:
-    """Return what check readings say of the promise; nothing where none is made."""
-    return [] if summary.checks is None or summary.withheld else [summary.checks.words]
-
-
 def linear_lines(summary: Summary) -> Sequence[str]:
     """Return how far the first order can be off."""
     return [] if summary.linear is None else [summary.linear.words]
@@ -160,7 +141,7 @@ def first_lines(summary: Summary) -> str:
     """Return the same for a terminal, in the language that is spoken."""
     summary = resaid(summary)
     if summary.withheld:
-        return "\n".join([summary.verdict_words, *target_lines(summary)])
+        return "\n".join([said(NOT_KNOWN), *summary.agreement.sentences, *target_lines(summary)])
     found = summary.expanded
     x, y, z = found.axes
     known = said(
@@ -168,7 +149,7 @@ def first_lines(summary: Summary) -> str:
         where=in_space(found),
         space=figure(found.space),
         level=LEVEL,
-        k=found.k,
+        k=found.factor,
         conditions=found.conditions,
     )
     along = said(
@@ -181,6 +162,5 @@ def first_lines(summary: Summary) -> str:
         rms=summary.rms_um,
         worst_rms=summary.worst_um,
     )
-    lines = [known, *target_lines(summary), " ".join([along, *mixed_lines(summary)])]
-    rest = [*linear_lines(summary), summary.verdict_words, *checked_lines(summary)]
-    return "\n".join([*lines, *rest, *table_lines(summary)])
+    lines = [known, *target_lines(summary), along, *linear_lines(summary), *summary.agreement.sentences]
+    return "\n".join([*lines, *table_lines(summary)])

@@ -34,7 +34,6 @@ _FILTERS = {
     "beginning": capital,
 }
 _CODES = {
-    "lack-of-fit": later("more detail than the model follows"),
     "aliasing": later("targets too regular"),
     "prior-misfit": later("not as stated beforehand"),
     "copies": later("readings that come twice"),
@@ -75,7 +74,6 @@ def render(summary: Summary) -> str:
         "code": Markup("<code>{}</code>").format,
         "link": Markup('<a href="{}">{}</a>').format,
         "volume_words": sentences.volume_words(summary, magnified),
-        "residual": sentences.residual_words(summary),
         "first_number": sentences.first_number_words(summary),
         "pairs": pairs(summary),
         "words": words(),

@@ -37,7 +37,6 @@ from axiscal.report.sentences import (
     position_heading,
     position_text,
     quantity,
-    residual_words,
     spelt,
     standardised,
     values_text,
@@ -123,8 +122,8 @@ class _Document:
         s = self._summary
         number = f" {s.particulars.number}" if s.particulars.number else ""
         known = [headline.expanded_words(s), headline.standard_words(s)]
-        lines = [*(headline.target_lines(s) if s.withheld else known), s.verdict_words]
-        lines += [*headline.checked_lines(s), *headline.table_lines(s)]
+        lines = [*(headline.target_lines(s) if s.withheld else known), *s.agreement.sentences]
+        lines += headline.table_lines(s)
         return {
             "language": spoken_now(),
             "messages": {message: said(message, **_LEFT_OPEN) for message in _in_template()},
@@ -136,6 +135,7 @@ class _Document:
             "record": ""
             if s.record is None
             else said("{file}, event {number}", file=s.record.file, number=s.record.event),
+            "mark": spelt(s.agreement.mark),
             "result": _result(s),
             "sentences": [
                 spelt(line) for line in (*lines, said("Stopped because: {because}.", because=s.stopped_because)) if line
@@ -213,14 +213,14 @@ class _Document:
                 "Each reading against what was expected just before it. The band is ±2 standard deviations: about one "
                 "in twenty may lie outside."
             ),
-            residual_words(s),
             *first_number_words(s),
+            *(spelt(line) for line in s.agreement.sentences),
         ]
         errors = headline.errors_named(s)
         people = (said("Operator"), s.particulars.operator), (said("Responsible"), s.particulars.responsible)
         programs = ", ".join(f"{name} {version}" for name, version in sorted(s.versions.items()))
         return {
-            "agreement": [*agreement, *(spelt(line) for line in headline.checked_lines(s))],
+            "agreement": agreement,
             "rejected": [_rejected(each) for each in s.rejected],
             "unseen": [spelt(each) for each in s.observability],
             "questions": list(s.questions),
@@ -248,7 +248,7 @@ class _Document:
 def _result(summary: Summary) -> str:
     """Return the sentence that the report is about."""
     if summary.withheld:
-        unknown = "{occasion} the tool point is {not_known}: the readings contradict every explanation that was tried."
+        unknown = "{occasion} the tool point is {not_known}: the readings contradict each other."
         return said(unknown, occasion=occasion(summary), not_known=said("not known"))
     u = f"U = {quantity(summary.expanded.space, 'um')}"
     words, target = "{occasion} the tool point is known to {u} {where}", headline.targets(summary).u

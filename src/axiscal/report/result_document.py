@@ -8,7 +8,7 @@ from typing import Any
 from axiscal.accuracy.expanded import LEVEL
 from axiscal.report.digits import coordinate, number, numbers
 from axiscal.report.plane_summary import plane_json
-from axiscal.report.promises import CheckReadings, Linear
+from axiscal.report.promises import Linear, ReadingAgreement
 from axiscal.report.summary import (
     BudgetRow,
     ConstantSummary,
@@ -30,12 +30,8 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "readings": summary.readings,
         "minutes": number(summary.minutes, "minutes"),
         "stopped_because": summary.stopped_because,
-        "verdict": summary.verdict,
-        "verdict_words": summary.verdict_words,
+        "agreement": _agreement(summary.agreement),
         **_expanded(summary),
-        "checks": _checks(summary.checks),
-        "rms_um": number(summary.rms_um, "rms_um"),
-        "worst_um": number(summary.worst_um, "worst_um"),
         "unseen_rms_um": number(summary.unseen_rms_um, "unseen_rms_um"),
         "budget": [_source(row) for row in summary.budget],
         **_linear(summary.linear),
@@ -100,11 +96,24 @@ def _targets(summary: Summary) -> dict[str, Any]:
     return found
 
 
-def _checks(found: CheckReadings | None) -> dict[str, Any] | None:
-    if found is None:
-        return None
-    names = ("promised_um", "found_um", "low", "high")
-    return {"count": found.count, **{name: number(getattr(found, name), f"{name} of checks") for name in names}}
+def _agreement(found: ReadingAgreement) -> dict[str, Any]:
+    return {
+        "count": found.count,
+        "agreeing": found.agreeing,
+        "c2": number(found.c2, "c2"),
+        "p": number(found.p, "p of the agreement"),
+        "contradict": found.contradict,
+        "explained": [
+            {
+                "mistake": each.mistake,
+                "odds": number(each.odds, "odds of a mistake"),
+                "setups": list(each.setups),
+                "text": each.words,
+            }
+            for each in found.explained
+        ],
+        "text": found.words,
+    }
 
 
 def _linear(found: Linear | None) -> dict[str, Any]:
@@ -118,7 +127,7 @@ def _linear(found: Linear | None) -> dict[str, Any]:
 
 def _expanded(summary: Summary) -> dict[str, Any]:
     if summary.withheld:
-        return dict.fromkeys(("U_um", "U_axis_um", "U_worst_um", "U_level", "k", "u_um", "U_holds_for"))
+        return dict.fromkeys(("U_um", "U_axis_um", "U_worst_um", "U_level", "k", "U_holds_for", "rms_um", "worst_um"))
     found = summary.expanded
     x, y, z = numbers(found.axes, "U_axis_um", 3)
     return {
@@ -126,9 +135,10 @@ def _expanded(summary: Summary) -> dict[str, Any]:
         "U_axis_um": {"x": x, "y": y, "z": z},
         "U_worst_um": number(found.worst, "U_worst_um"),
         "U_level": LEVEL,
-        "k": number(found.k, "k"),
-        "u_um": number(summary.rms_um, "rms_um") if found.standard is None else number(found.standard, "u_um"),
+        "k": number(found.factor, "k"),
         "U_holds_for": found.conditions,
+        "rms_um": number(summary.rms_um, "rms_um"),
+        "worst_um": number(summary.worst_um, "worst_um"),
     }
 
 

@@ -86,7 +86,7 @@ def duration(minutes: float) -> str:
 
 
 def occasion(summary: Summary) -> str:
-    """Return the opening of the verdict: when the stated accuracy holds."""
+    """Return the opening of the first sentence: after how many readings that is known."""
     if summary.readings == 0:
         return said("Before any reading")
     if summary.minutes > 0:
@@ -109,20 +109,6 @@ def volume_words(summary: Summary, magnified: float) -> str:
         "How far the tool point is from where it was sent, {times} times as long as it is, over the travel of {axes}."
     )
     return said(parked if volume.parked else alone, **told)
-
-
-def residual_words(summary: Summary) -> str:
-    """Return what the readings taken together say of the model, "" before the first."""
-    check = summary.reading_residual
-    if check is None:
-        return ""
-    return said(
-        "Taken together their squares add up to {sum} where {degrees} are to be expected (chi-square); chance alone "
-        "gives as much or more with probability {probability}.",
-        sum=figure(check.chi_square),
-        degrees=check.degrees,
-        probability=figure(check.probability),
-    )
 
 
 def first_number_words(summary: Summary) -> list[str]:

@@ -16,13 +16,13 @@ from axiscal.campaign.ending import reaches
 from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.particulars import Equipment
+from axiscal.estimation.agreement_words import agreement_words, mistake_words
 from axiscal.estimation.case import Case
-from axiscal.estimation.checks import Checks
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.history import Moment, path
 from axiscal.estimation.linearity import linearity
-from axiscal.estimation.ruled import ruling_of
 from axiscal.estimation.type_prior import is_type_text
+from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.language.spoken import resaid, said, speaking
 from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import questions, which_way
@@ -33,11 +33,11 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics.stages import stage
 from axiscal.planning.what_if import traditional
 from axiscal.report.curves import constants, curves
-from axiscal.report.findings import findings, observability, residual_check
+from axiscal.report.findings import findings, observability
 from axiscal.report.headline import conditions, counted_along, in_space
 from axiscal.report.linear import linear_of, not_gaussian
 from axiscal.report.planes import planes
-from axiscal.report.promises import CheckReadings, Uncertainty
+from axiscal.report.promises import NamedMistake, ReadingAgreement, Uncertainty
 from axiscal.report.sources import budget_rows
 from axiscal.report.standard import iso230_blocks
 from axiscal.report.summary import (
@@ -52,7 +52,6 @@ from axiscal.report.summary import (
     TableOffer,
     TruthCheck,
 )
-from axiscal.report.verdict import checks_words, verdict_words
 from axiscal.report.volume_error import volume_error
 from axiscal.simulation import VirtualMachine
 from axiscal.units import said_quantity, to_unit
@@ -96,9 +95,6 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         pairs = zip(rows, usual, strict=False)  # the usual way may have no place for as many readings
         beside = [replace(row, traditional_rms_um=to_unit(rms, "um")) for row, rms in pairs]
         rows = [*beside, *rows[len(beside) :]]
-    ruling = ruling_of(estimation)
-    if ruling.verdict == "widened" or ruling.raised > 1:
-        rows[-1] = _with_figures(rows[-1], estimation)
     linear, expanded = linearity(estimation), _expanded(estimation)
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
     return Summary(
@@ -131,13 +127,11 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         target_reached=reaches(target, estimation),
         truth=extras.truth_check,
         iso230=extras.iso230 or iso230_blocks(description, campaign.state.readings, _refused(estimation)),
-        reading_residual=residual_check(estimation),
         versions=versions(),
         files=extras.files,
         record=record_state(campaign),
-        verdict=ruling.verdict,
-        verdict_words=verdict_words(ruling),
-        checks=_checks(ruling.checks),
+        agreement=_agreement(estimation),
+        withheld=estimation.agreement.withheld,
         volume=volume_error(estimation) if campaign.state.readings else None,
         budget=budget_rows(estimation),
         particulars=description.particulars,
@@ -175,27 +169,25 @@ def open_questions(description: CampaignDescription) -> list[str]:
 
 def _expanded(estimation: Estimation) -> Uncertainty:
     """Return the expanded uncertainties of the headline."""
-    found = ruling_of(estimation).expanded
+    found = expanded_uncertainty(estimation)
     x, y, z = (to_unit(each, "um") for each in found.axes)
     factor = found.factor(estimation.accuracy.rms)
     space, worst = to_unit(found.space, "um"), to_unit(found.worst, "um")
-    standard = to_unit(ruling_of(estimation).standard, "um")
     along = counted_along(estimation.stated)
-    return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated), standard, along)
+    return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated), along)
 
 
-def _checks(found: Checks | None) -> CheckReadings | None:
-    """Return what check readings say, um."""
-    if found is None:
-        return None
-    promised, seen, low, high = (to_unit(each, "um") for each in (found.promised, found.found, found.low, found.high))
-    return CheckReadings(found.count, promised, seen, low, high, checks_words(found))
-
-
-def _with_figures(row: HistoryRow, estimation: Estimation) -> HistoryRow:
-    """Return a row of the history with the standard uncertainties of an estimation."""
-    now = estimation.accuracy
-    return replace(row, rms_um=to_unit(now.rms, "um"), worst_um=to_unit(now.worst, "um"))
+def _agreement(estimation: Estimation) -> ReadingAgreement:
+    """Return whether the readings agree with each other."""
+    found, setups = estimation.agreement, estimation.stated.description.setups
+    named = [
+        NamedMistake(
+            each.mistake, each.odds, [setups[index].name for index in each.setups], mistake_words(each, estimation)
+        )
+        for each in found.explained
+    ]
+    words = agreement_words(estimation) if found.count else ""
+    return ReadingAgreement(found.count, found.agreeing, found.c2, found.p, found.contradicts, named, words)
 
 
 def record_state(campaign: Campaign) -> RecordState:

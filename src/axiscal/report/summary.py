@@ -10,9 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from axiscal.description.particulars import NOTHING_SAID, Particulars
-from axiscal.estimation.ruling import VerdictWord
 from axiscal.report.plane_summary import PlaneSummary
-from axiscal.report.promises import CheckReadings, Linear, Uncertainty
+from axiscal.report.promises import NOTHING_READ, Linear, ReadingAgreement, Uncertainty
 from axiscal.report.volume_error import VolumeError
 
 Position = Mapping[str, float]
@@ -120,7 +119,7 @@ class ConstantSummary:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A warning: `code` is one of lack-of-fit aliasing prior-misfit drift outlier unobservable copies …"""
+    """A warning: `code` is one of aliasing prior-misfit drift outlier unobservable copies …"""
 
     code: str
     error: str | None
@@ -196,15 +195,6 @@ class Iso230:
 
 
 @dataclass(frozen=True, slots=True)
-class ResidualCheck:
-    """Chi-square of the readings against what was predicted; `probability` of a value at least as large."""
-
-    chi_square: float
-    degrees: int
-    probability: float
-
-
-@dataclass(frozen=True, slots=True)
 class BudgetRow:
     """One source of the uncertainty in words, its standard uncertainty over the volume, um, and share of the square."""
 
@@ -224,7 +214,10 @@ class RecordState:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Everything the report shows."""
+    """Everything the report shows.
+
+    withheld : no uncertainty is printed: the readings contradict each other, and no mistake explains it
+    """
 
     title: str
     machine: str
@@ -255,21 +248,14 @@ class Summary:
     target_reached: bool | None = None
     truth: TruthCheck | None = None
     iso230: Sequence[Iso230] = ()
-    reading_residual: ResidualCheck | None = None
     versions: Mapping[str, str] = field(default_factory=dict)
     files: Sequence[str] = ()
     record: RecordState | None = None
-    verdict: VerdictWord = "holds"
-    verdict_words: str = ""
-    checks: CheckReadings | None = None
+    agreement: ReadingAgreement = NOTHING_READ
+    withheld: bool = False
     volume: VolumeError | None = None
     budget: Sequence[BudgetRow] = ()
     particulars: Particulars = NOTHING_SAID
     checksums: Mapping[str, str] = field(default_factory=dict)
     ended: str = ""
     linear: Linear | None = None
-
-    @property
-    def withheld(self) -> bool:
-        """Whether no accuracy is promised."""
-        return self.verdict == "contradicted"

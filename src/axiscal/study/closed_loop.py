@@ -7,7 +7,6 @@ from dataclasses import replace
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.default_planner import plan_ahead
 from axiscal.campaign.ending import count_reached, out_of_reach, standing
-from axiscal.campaign.knowing import basis_words, contest_of
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.campaign.sources.source import Request
 from axiscal.description.campaign import CampaignDescription
@@ -17,6 +16,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.planning.plan_basis import plan_basis
 from axiscal.simulation import VirtualMachine
 from axiscal.study.study_case import Stop
 
@@ -61,10 +61,10 @@ def replanned(case: Case, stop: Stop, truth: VirtualMachine, number: int) -> tup
         reached = target.accurate and standing(target, known) is not None
         if reached or count_reached(target, len(reader.readings)) or out_of_reach(target, path):
             return reader.readings
-        found = contest_of(known)
-        if not plan or basis_words(known, found) != basis:
+        now = plan_basis(known.case, known.readings, known.outliers)
+        if not plan or now != basis:
             plan = plan_ahead(known.case, known.to_plan_by, known.readings, known.outliers, (), plan)
-            plan, basis = plan if found is None else (found.place, *plan), basis_words(known, found)
+            basis = now
         if not plan or (target.budget is not None and reader.until(plan[0]) > target.budget):
             return reader.readings
         reader.take(plan[0])

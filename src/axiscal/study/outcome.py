@@ -16,7 +16,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.ruled import ruled, ruling_of
+from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.machine.description import Machine, machine_from_text
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
@@ -102,7 +102,7 @@ def outcome(question: StudyCase) -> dict[str, Any]:
     ready = prepared(question.variant)
     truth = ready.simulator.drawn(_number(question.seed, question.machine))
     readings = _read(ready, truth, question)
-    known = ruled(concluded(ready.case, readings))
+    known = concluded(ready.case, readings)
     found = _figures(known, truth, question)
     return {FIGURES[name].column: _rounded(found[name], name) for name in question.variant.keep}
 
@@ -139,7 +139,7 @@ def taken(case: Case, truth: VirtualMachine, places: tuple[Place, ...], number: 
 
 
 def _figures(known: Estimation, truth: VirtualMachine, question: StudyCase) -> dict[str, Any]:
-    ruling, accuracy = ruling_of(known), known.accuracy
+    expanded, accuracy = expanded_uncertainty(known), known.accuracy
     size = np.linalg.norm(left_over(known, truth), axis=1)
     low, high = np.array(known.case.description.target.volume).T
     rng = np.random.default_rng((_number(question.seed, question.machine), 8))
@@ -151,13 +151,13 @@ def _figures(known: Estimation, truth: VirtualMachine, question: StudyCase) -> d
         "minutes": to_unit(known.seconds, "min"),
         "rms": to_unit(accuracy.rms, "um"),
         "worst": to_unit(accuracy.worst, "um"),
-        "U": to_unit(ruling.expanded.space, "um"),
+        "U": to_unit(expanded.space, "um"),
         "true_rms": to_unit(float(np.sqrt(np.mean(size**2))), "um"),
         "true_worst": to_unit(float(size.max()), "um"),
-        "within_U": float(np.mean(size <= ruling.expanded.space)),
+        "within_U": float(np.mean(size <= expanded.space)),
         "coverage_curves": curves_held(known, truth),
         "coverage_tcp": tcp_held(known, truth, poses, ways),
-        "verdict": ruling.verdict,
+        "verdict": "contradict" if known.agreement.contradicts else "agree",
         "said": " ".join(said),
         "reached": _reached(known),
     }
@@ -185,12 +185,12 @@ def left_over(known: Estimation, truth: VirtualMachine) -> Array:
 
 def _reached(known: Estimation) -> bool | None:
     """Return whether an accuracy that the campaign asks for is printed, and promised; None where none is."""
-    target, ruling = known.case.description.target, ruling_of(known)
+    target = known.case.description.target
     if not target.accurate:
         return None
     pairs = (
         (target.rms, known.accuracy.rms),
         (target.worst, known.accuracy.worst),
-        (target.expanded, ruling.expanded.space),
+        (target.expanded, expanded_uncertainty(known).space),
     )
-    return ruling.promises and any(limit is not None and value <= limit for limit, value in pairs)
+    return not known.agreement.withheld and any(limit is not None and value <= limit for limit, value in pairs)

@@ -14,10 +14,9 @@ from axiscal.campaign.ended_words import because_text
 from axiscal.campaign.ending import Ended
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.guide.answers import Value, answer
-from axiscal.guide.contradicted import contradicted_words
 from axiscal.guide.expectation import SURPRISING
 from axiscal.guide.question import Question, asked_text
-from axiscal.guide.second_thoughts import doubted, others_doubted
+from axiscal.guide.second_thoughts import contradictions, doubted, others_doubted
 from axiscal.guide.stopping import results_beside, table_left
 from axiscal.guide.taking_back import take_back
 from axiscal.language.spoken import decimals, said, speaking
@@ -200,7 +199,7 @@ class Desk:
 
         self._refuse_overtaken(after)
         self.campaign.refuse_other(self.results / RECORD)
-        known = self.campaign.ruled()
+        known = self.campaign.concluded()
         self.campaign.finish()
         try:
             summary = deliver(self.campaign, known, self.results, Extras(compared=True))
@@ -236,7 +235,7 @@ class Desk:
         for language in reversed(self._languages):  # English last: its question is the one that answers belong to
             with speaking(language):
                 self._question, self._ended, self._trouble = self._asked()
-                minds = [*self._minds.get(language, []), *contradicted_words(self.campaign)]
+                minds = [*self._minds.get(language, []), *contradictions(self.campaign)]
                 shown = Shown(self._question, self._ended, self._trouble, minds, self._verdict, course, version)
                 states[language] = state_shape(self.campaign, shown, self.results)
         return states

@@ -99,7 +99,6 @@ def _question(campaign: Campaign, asked: Asked, question: Question) -> QuestionS
         ],
         touch=question.touch,
         again=question.again,
-        decides=question.decides,
         ways=list(ways(question.setup)),
         turns=INSTRUMENTS[question.setup.instrument].reads == "angle",
         sign=question.sign,

@@ -48,7 +48,7 @@ class QuestionShape(Shape):
     """The reading to take. `mount` says whether its set-up has to be mounted first, by `mounting`.
 
     ways : directions, of the workpiece, in which a reading is positive; turns : it is about them
-    again : which reading has been taken there before, in words; decides : between which causes this one decides
+    again : which reading has been taken there before, in words
     names : of the numbers of a reading, x, y, z or those of stations; "" of a single one
     """
 
@@ -61,7 +61,6 @@ class QuestionShape(Shape):
     places: list[CoordinateShape]
     touch: str
     again: str
-    decides: str
     sign: str
     ways: list[tuple[float, float, float]]
     turns: bool

@@ -24,6 +24,7 @@ from axiscal.design.plan.greedy import Setups, Trial, affordable, chosen_setups,
 from axiscal.design.plan.order import arriving, in_order, seconds_each
 from axiscal.design.plan.patience import PATIENCE, Patience
 from axiscal.design.plan.plain_designs import plain_designs
+from axiscal.design.plan.shaken import shaken
 from axiscal.design.plan.task import Clock, Limits, Task, clock
 from axiscal.design.plan.within_limits import fitted
 from axiscal.exceptions import PlanError
@@ -88,12 +89,14 @@ def make_plan(
     *,
     patience: float = PATIENCE,
     bounded: bool = True,
+    shake: bool = False,
     progress: Progress = lambda _: None,
 ) -> Plan:
     """Return a plan that ends at the first limit it reaches. Raises PlanError.
 
     patience : operations that climbing off the lattice may take; the same plan on any machine, and under any load
-    bounded : whether the lower bound is wanted; progress : is given what is being done, in words
+    bounded : whether the lower bound is wanted; shake : whether places are shaken off their regular distances
+    progress : is given what is being done, in words
     """
     _refuse(task, limits)
     times = clock(task)
@@ -105,6 +108,8 @@ def make_plan(
     progress("off the lattice")
     polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
     trial = fitted(task, limits, times, trial)
+    if shake and (moved := shaken(task, pool, trial.scores.places)) is not None:
+        trial = replace(trial, scores=moved)
     progress("the bound")
     bound = _bound(task, limits, times, pool, trial) if bounded else None
     return _plan(task, limits, trial, bound, len(pool))

@@ -115,8 +115,6 @@ function renderQuestion() {
   text("sign", question.sign);
   text("again", question.again);
   show("again", question.again !== "");
-  text("decides", question.decides);
-  show("decides", question.decides !== "");
   drawDirection(find("drawing"), question);
   text("unit", unitText(question.unit));
   find("field").className = question.expected.length > 1 ? "several" : "";
