@@ -44,9 +44,13 @@ class Accuracy(NamedTuple):
         return any(limit is not None and value <= attainable(limit, floor) for value, limit, floor in limits)
 
 
+_NEAR = 1.1
+"""A choice: nearer to the floor each reading takes away less and less."""
+
+
 def attainable(limit: float, floor: float) -> float:
-    """Return what readings can be held to: a limit, or where its floor is above it as much again beyond the floor."""
-    return limit if floor <= limit else float(np.hypot(limit, floor))
+    """Return what readings can be held to: a limit, or where its floor is above it a tenth more than the floor."""
+    return limit if floor <= limit else _NEAR * floor
 
 
 _BY_PLACES = (
