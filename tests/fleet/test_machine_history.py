@@ -47,7 +47,7 @@ def drawn(folder: Path) -> tuple[MachineHistory, str]:
 def test_a_machine_without_a_target_is_left_out_by_name(folder: Path) -> None:
     """Others are drawn; only where no campaign has one the command ends."""
     told = slide(serial="B")
-    text = told.text.replace('rms = "2 um"\nunchecked = "allow"', "readings = 5")
+    text = told.text.replace('rms = "2 um"', "readings = 5")
     without = campaign_from_texts(text, "campaign.toml", told.machine.text, "machine.toml")
     write_record(folder / "b.axiscal", without, read_on(3))
     shop = due_dates(folder.glob("*.axiscal"), TODAY.date())

@@ -35,7 +35,6 @@ EXY_reversal = { std = "3 um" }
 CAMPAIGN = """machine = "machine.toml"
 [target]
 rms = "5 um"
-unchecked = "allow"
 [[setups]]
 name = "laser"
 instrument = "interferometer"

@@ -23,7 +23,6 @@ EXX_reversal = {{ std = "6 um" }}
 CAMPAIGN = """machine = "machine.toml"
 {first}[target]
 rms = "2 um"
-unchecked = "allow"
 [[setups]]
 name = "laser"
 instrument = "interferometer"
