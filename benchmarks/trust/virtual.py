@@ -51,7 +51,7 @@ class Coverage:
 def described(name: str, wrong: float, scales: str) -> tuple[CampaignDescription, Machine]:
     """Return a campaign whose stated prior is the true one times `wrong`, and the machine with the true one.
 
-    scales : "stated", what is stated and nothing besides; "estimate", what usually goes wrong, and sizes that are learnt
+    scales : "stated", what is stated alone; "estimate", what usually goes wrong, and sizes that are learnt
     """
     head = 'usual = "off"\nsure = "exactly"\n' if scales == "stated" else ""
     text = f'machine = "{name}"\n{head}[target]\nreadings = 1\n{SETUPS[name]}'
