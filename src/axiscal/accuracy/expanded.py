@@ -56,7 +56,7 @@ def expanded(yardstick: Yardstick, belief: Belief) -> Expanded:
 
 def expanded_floor(yardstick: Yardstick) -> Expanded:
     """Return the expanded uncertainties that endless readings would leave."""
-    return expanded_of(yardstick.covariances(yardstick.unseen), yardstick.evenly, yardstick.counted)
+    return expanded_of(yardstick.covariances(yardstick.left), yardstick.evenly, yardstick.counted)
 
 
 def expanded_of(covariances: Array, evenly: NDArray[np.bool_], counted: Counted = EVERY_WAY) -> Expanded:

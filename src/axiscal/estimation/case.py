@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -30,7 +30,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import SHIFTS, shifts_of
 from axiscal.measurement.instruments.tracker import TURNS
-from axiscal.measurement.observation import Observation
+from axiscal.measurement.observation import Observation, Rows
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
@@ -41,6 +41,7 @@ from axiscal.numerics.remembered import Itself
 from axiscal.numerics.spread import even_points
 from axiscal.promise.problem import Inherited
 from axiscal.promise.sizes import Kind, Sizes
+from axiscal.promise.type_b_columns import contributions
 from axiscal.promise.usual import Learnable, rescaled_machine, rescaled_setups, sizes_of
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
@@ -221,7 +222,8 @@ class Case:
         """The figures over the target's volume; a constant shift that is mostly unseen is not counted."""
         if self.sized_from is not None and not (self.about is not None and self.about.bent):
             return self.sized_from.yardstick.with_rests_of(self.errors)
-        grounds = *self._over_what, self.description.setups, self.both, Itself(self.inherited), self.larger
+        described = self.description
+        grounds = *self._over_what, described.setups, described.usual, self.both, Itself(self.inherited), self.larger
         return self.yardsticks.yardstick(grounds, self._found_yardstick)
 
     def _found_yardstick(self) -> Yardstick:
@@ -229,12 +231,12 @@ class Case:
         grounds = machine.with_rests(dict.fromkeys(machine.error_names, 0.0)), *others
         moments, sample, alignment = self.yardsticks.volume(grounds, self._found_volume)
         moments = of_rests(self.errors, moments)
-        factor = self.prior.factor
-        unseen = unseen_factor(factor, self._allowed_rows())[: self.errors.size]
+        factor, rows = self.prior.factor, self._allowed_rows()
+        unseen, left = unseen_factor(factor, rows)[: self.errors.size], self._left(factor, rows)
         before, after = (np.sum((moments.mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
         x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
         box = self.description.target.volume
-        return Yardstick(self.errors, box, moments, self.larger * unseen, (x, y, z), sample, alignment)
+        return Yardstick(self.errors, box, moments, self.larger * unseen, left, (x, y, z), sample, alignment)
 
     @property
     def _over_what(self) -> tuple[Machine, Target, Itself[About | None]]:
@@ -283,12 +285,40 @@ class Case:
         sided, reversing = setup.sided(self.errors.machine.axes), self.errors.reversing
         return all(reading.approach[k] in sides for k in sided if k in reversing)
 
+    @cached_property
+    def _allowed(self) -> Places:
+        """Places spread over all that is allowed."""
+        setups = tuple(replace(s, approach="both") if s.name in self.both else s for s in self.description.setups)
+        return spread(self.description.machine, setups, len(self.lattice)) if self.both else self.lattice
+
+    def _allowed_parts(self) -> Iterator[tuple[int, int, Rows]]:
+        """Yield the readings there: index of a set-up, which of their numbers, and its rows."""
+        for index in range(len(self.description.setups)):
+            for number, seen in enumerate(self.observation.rows_each(index, *self._allowed.of(index))):
+                yield index, number, seen
+
     def _allowed_rows(self) -> Array:
         """Return readings spread over all that is allowed, each divided by its noise, (m, size)."""
-        setups = tuple(replace(s, approach="both") if s.name in self.both else s for s in self.description.setups)
-        lattice = spread(self.description.machine, setups, len(self.lattice)) if self.both else self.lattice
-        parts = [seen for i in range(len(setups)) for seen in self.observation.rows_each(i, *lattice.of(i))]
-        return np.concatenate([seen.rows / np.sqrt(seen.variances)[:, None] for seen in parts])
+        parts = self._allowed_parts()
+        return np.concatenate([seen.rows / np.sqrt(seen.variances)[:, None] for _, _, seen in parts])
+
+    def _left(self, factor: Array, rows: Array) -> Array:
+        """Return F (errors, r) with F Fᵀ what endless readings leave of the errors, what no reading shows with it.
+
+        factor : of the prior; rows : of all that is allowed, over their noise
+        """
+        causes = contributions(self.observation, self._allowed, usual=self.description.usual)
+        columns = np.zeros((len(rows), len(causes)))
+        for number, cause in enumerate(causes):
+            column = [
+                cause.effects[index][k] / np.sqrt(seen.variances) if index in cause.effects else 0.0 * seen.variances
+                for index, k, seen in self._allowed_parts()
+            ]
+            columns[:, number] = np.concatenate(column)
+        both = np.zeros((len(factor) + len(causes), factor.shape[1] + len(causes)))
+        both[: len(factor), : factor.shape[1]] = factor
+        both[len(factor) :, factor.shape[1] :] = np.eye(len(causes))
+        return unseen_factor(both, np.hstack([rows, columns]))[: self.errors.size]
 
 
 def _located_by(setup: Setup, unknowns: set[str]) -> tuple[str, ...] | None:

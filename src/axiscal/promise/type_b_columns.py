@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,40 +24,33 @@ class Contribution:
     """One cause that is there.
 
     owner : the set-up or instrument whose readings share it, "" for all; stated : whether its size is no default
-    column : (m,) what one standard deviation does to each number, m or rad
+    effects : what one standard deviation does to each number of the readings of a set-up, (k, r) m or rad, by its index
     """
 
     row: TypeB
     owner: str
     stated: bool
-    column: Array
+    effects: Mapping[int, Array]
 
 
 def contributions(
-    observation: Observation,
-    readings: Sequence[Reading],
-    places: Places,
-    reading: NDArray[np.intp],
-    usual: bool = True,
+    observation: Observation, places: Places, values: Sequence[tuple[float, ...]] | None = None, usual: bool = True
 ) -> list[Contribution]:
     """Return what no reading shows, causes without effect left out.
 
-    reading : (m,) the reading of each number, ascending; usual : with sizes that nobody stated
+    values : of each reading, m or rad; None before they are read; usual : with sizes that nobody stated
     """
     found = dict[tuple[str, str], Contribution]()
-    for read, first in _by_setup(observation, readings, places, reading):
+    for index, read in _by_setup(observation, places, values):
         for row in TYPE_B:
             stated = row.name in dict(read.setup.stated)
             if not row.met(read.setup) or not (usual or stated):
                 continue
-            column, owner = np.zeros(len(reading)), _owner(row, read.setup)
-            for number, each in enumerate(row.column(read)):
-                column[first + number] = each
-            before = found.get((row.name, owner))
-            if before is not None:
-                column, stated = column + before.column, stated and before.stated
-            found[row.name, owner] = Contribution(row, owner, stated, column)
-    return [each for each in found.values() if np.any(each.column)]
+            owner, effect = _owner(row, read.setup), row.column(read)
+            before = found.get((row.name, owner), Contribution(row, owner, True, {}))
+            effects = {**before.effects, index: effect + before.effects.get(index, 0.0)}
+            found[row.name, owner] = Contribution(row, owner, stated and before.stated, effects)
+    return [each for each in found.values() if any(np.any(effect) for effect in each.effects.values())]
 
 
 def _owner(row: TypeB, setup: Setup) -> str:
@@ -65,21 +58,31 @@ def _owner(row: TypeB, setup: Setup) -> str:
 
 
 def _by_setup(
-    observation: Observation,
-    readings: Sequence[Reading],
-    places: Places,
-    reading: NDArray[np.intp],
-) -> Iterator[tuple[Read, NDArray[np.intp]]]:
-    """Yield the readings of each set-up, and which number of all is the first of each of them, (r,)."""
+    observation: Observation, places: Places, values: Sequence[tuple[float, ...]] | None
+) -> Iterator[tuple[int, Read]]:
+    """Yield the readings of each set-up, with its index."""
     for index, chosen in places.by_setup():
-        which = np.arange(len(places))[chosen]
         setup, model = observation.setups[index], model_of(observation.setups[index])
-        nominal = Nominal(observation.machine, places.poses[which], setup.moves, None, places.approaches[which])
+        nominal = Nominal(observation.machine, places.poses[chosen], setup.moves, None, places.approaches[chosen])
         own = np.array(setup.direction)
         each = [own if along is None else along for along in directions_of(setup)]
         ways = np.stack([model.direction_of(setup, along, nominal) for along in each])
-        values = np.array([readings[i].values for i in which], dtype=float).T
-        yield Read(setup, nominal, ways, values), np.searchsorted(reading, which)
+        mine = [] if values is None else [values[i] for i in np.arange(len(places))[chosen]]
+        yield index, Read(setup, nominal, ways, np.array(mine, dtype=float).T if mine else np.zeros(ways.shape[:2]))
+
+
+def columns_of(causes: Sequence[Contribution], places: Places, reading: NDArray[np.intp]) -> Array:
+    """Return what one standard deviation of each cause does to each number, (m, causes) m or rad.
+
+    reading : (m,) the place that each number belongs to, ascending
+    """
+    columns, at = np.zeros((len(reading), len(causes))), dict(places.by_setup())
+    for number, each in enumerate(causes):
+        for index, effect in each.effects.items():
+            first = np.searchsorted(reading, np.arange(len(places))[at[index]])
+            for k, one in enumerate(effect):
+                columns[first + k, number] = one
+    return columns
 
 
 def type_b_columns(
@@ -89,6 +92,6 @@ def type_b_columns(
     reading: NDArray[np.intp],
     usual: bool = True,
 ) -> Passing:
-    """Return the columns of `contributions`, whose sizes no reading teaches."""
-    columns = [each.column for each in contributions(observation, readings, places, reading, usual)]
-    return Passing(np.array(columns).reshape(-1, len(reading)).T, np.full(len(columns), -1, dtype=np.intp))
+    """Return the columns of `contributions`, whose sizes no reading teaches.  reading : as for `columns_of`"""
+    causes = contributions(observation, places, [each.values for each in readings], usual)
+    return Passing(columns_of(causes, places, reading), np.full(len(causes), -1, dtype=np.intp))
