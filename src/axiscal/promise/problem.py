@@ -182,12 +182,15 @@ def problem(
 ) -> Problem:
     """Return readings as a problem.
 
-    observation : before any cell is visited; sizes : that vary; usual : with what readings alone usually suffer
+    observation : before any cell is visited; sizes : that vary
+    usual : with what readings alone usually suffer, else with what is stated of it
     """
     places = places_of(observation.setups, readings)
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
-    passing = [type_b_columns(observation, readings, places, reading, usual)]
-    passing += [passing_columns(observation, readings, places, reading, sizes)] if usual else []
+    passing = [
+        type_b_columns(observation, readings, places, reading, usual),
+        passing_columns(observation, readings, places, reading, sizes, usual),
+    ]
     blocks, size_at = [each.columns for each in passing], [each.size_at for each in passing]
     start = sum(block.shape[1] for block in blocks)
     cells = _cells(observation, places, len(reading), start)
