@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from tests.estimation.test_scatter import MACHINE, TEXT, read
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
@@ -12,6 +11,7 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.planning.next_readings import planned_places
 from axiscal.record.events import Asked, Gap
+from tests.estimation.test_scatter import MACHINE, TEXT, read
 
 
 def asked(rms: str, taken: list[Reading], gaps: tuple[Gap, ...] = (), limit: str = "") -> tuple[Place, ...]:

@@ -201,7 +201,7 @@ def problem(
     usually = np.array([setup.noise**2 for setup in observation.setups])[setups]
     variances = found.variances + np.where(np.isnan(stated), 0.0, stated - usually)
     values = linear_values(observation, places, readings)
-    builder = _Builder(opened, sizes, inherited)
+    builder = _Builder(opened, sizes, inherited, usual)
     first_cell_roots = builder.cell_roots(cells)
     noise = np.sqrt(variances)
     names = [setup.name for setup in observation.setups]
@@ -271,15 +271,16 @@ class _Builder:
     observation: Observation
     sizes: Sizes
     inherited: Inherited | None
+    usual: bool
 
     @property
     def _model(self) -> ErrorModel:
         return self.observation.errors
 
     def cell_roots(self, cells: Sequence[tuple[int, int]]) -> list[Array]:
-        """Return the roots of the priors of cells, those of one error together."""
+        """Return the roots of the priors of cells, those of one error together: apart where only what is stated counts."""
         of_term = [(self._model.terms[term], [cell for _, cell in mine]) for term, mine in _by_term(cells).items()]
-        return [term.rest * _cell_root(term, mine) for term, mine in of_term]
+        return [term.rest * (_cell_root(term, mine) if self.usual else np.eye(len(mine))) for term, mine in of_term]
 
     def errors(
         self, rows: Array, start: int
