@@ -28,8 +28,8 @@ def write_outputs(
 
     again : what to do after a failure, by default another `finish`
     anyway : U and tables are written although the readings contradict each other
-    Raises RecordError, TableError; AxiscalError after Ctrl-C; ReadingError, when all is written, where the readings
-    contradict every explanation.
+    Raises RecordError, TableError; AxiscalError after Ctrl-C; ReadingError, when all else is written, where the
+    readings contradict each other.
     """
 
     summary = _delivered(campaign, out, extras or Extras(compared=True), again, anyway)
@@ -38,15 +38,16 @@ def write_outputs(
     else:
         _tell(summary, out)
     if summary.withheld:
-        remedy = "See the warnings for what was tried, take the readings again that stand out, or state what changed"
-        raise ReadingError(NOT_KNOWN, f"{remedy}; all readings are kept and the results written", out)
+        remedy = "Take the readings again that stand out, or write U and tables all the same with finish --anyway"
+        raise ReadingError(NOT_KNOWN, f"{remedy}; all readings are kept and the report is written", out)
 
 
 def _tell(summary: Summary, out: Path) -> None:
+    tables = "" if summary.withheld else f"Tables: {out / 'tables'}\n"
     say(
         f"{first_lines(summary)}\n"
         f"{summary.stopped_because}: {count_text(summary.readings, 'reading')}, {summary.minutes:.1f} minutes.\n"
-        f"Report: {out / 'report.html'}, {out / 'report.pdf'}\nTables: {out / 'tables'}\nFigures: {out / 'result.json'}"
+        f"Report: {out / 'report.html'}, {out / 'report.pdf'}\n{tables}Figures: {out / 'result.json'}"
     )
     for offer in summary.tables:
         if not offer.axis:

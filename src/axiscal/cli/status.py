@@ -38,8 +38,9 @@ def _lines(campaign: Campaign) -> list[str]:
         f"{description.machine.name}: {count_text(len(state.readings), 'reading')}, "
         f"{format_quantity(status.seconds, 'min', 3)} of machine time",
         accuracy_text(status.accuracy, target.rms, target.worst),
-        agreement_words(campaign.known()),
     ]
+    if state.readings:
+        lines.append(agreement_words(campaign.known()))
     if sisters := _sisters(campaign):
         lines.append(f"{sisters[:1].upper()}{sisters[1:]}")
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
