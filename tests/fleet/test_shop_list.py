@@ -43,7 +43,7 @@ def test_each_record_is_listed_with_what_it_comes_to(folder: Path) -> None:
             assert each.chain == campaign.state.name
             assert each.known.serial == each.file.stem
         assert (each.known.rms, each.known.expanded) == (known.accuracy.rms, expanded_uncertainty(known).space)
-        assert each.known.verdict == "agree"
+        assert each.known.agreement == "agree"
         assert (each.known.target, each.known.readings) == ("RMS 2 um", 16)
     told.clear()
     assert shop_list(folder, told.append) == found

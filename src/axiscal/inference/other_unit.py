@@ -27,7 +27,7 @@ _CERTAIN = 6.0
 _FEWEST, _MOST = 4, 60
 """Readings below which no unit can be told, and above which more only take time."""
 _LEAST_FIT = 0.05
-"""Readings that scatter by less of what is expected than this, multiplied, are no readings."""
+"""Readings whose mean square is less of what is expected than this are no readings."""
 
 
 class OtherUnit(NamedTuple):
@@ -46,6 +46,8 @@ def other_unit(observation: Observation, readings: Sequence[Reading]) -> OtherUn
             continue
         sizes = sizes_of(observation.machine, observation.setups, Learnable("roughly", usual=True, inherited=False))
         posed = problem(observation, mine, sizes)
+        if _LEAST_FIT < _square(posed) < 1 / _LEAST_FIT:
+            continue  # too good a noise, or a file that was copied, is no other unit
         stated = _log_evidence(posed)
         odds = {factor: (_multiplied(posed, factor) - stated) / np.log(10.0) for factor in FACTORS}
         best = max(odds, key=lambda factor: odds[factor])
@@ -57,11 +59,17 @@ def other_unit(observation: Observation, readings: Sequence[Reading]) -> OtherUn
 def _multiplied(posed: Problem, factor: float) -> float:
     """Return log p of the readings if f times their values are right; minus infinity if these would be nothing."""
     other = replace(posed, values=factor * posed.values)
-    stated = space_of(other).given(np.zeros(len(posed.sizes)))
-    square = np.inf if stated is None else float(other.values @ stated.precision(other.values[:, None])[:, 0])
-    if square < _LEAST_FIT * len(other.values):
+    if _square(other) < _LEAST_FIT:
         return -np.inf
     return _log_evidence(other) + len(other.values) * float(np.log(factor))
+
+
+def _square(posed: Problem) -> float:
+    """Return the mean square of readings over what is expected of them with sizes as stated."""
+    stated = space_of(posed).given(np.zeros(len(posed.sizes)))
+    if stated is None:
+        return np.inf
+    return float(posed.values @ stated.precision(posed.values[:, None])[:, 0]) / len(posed.values)
 
 
 def _log_evidence(posed: Problem) -> float:
