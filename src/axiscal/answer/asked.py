@@ -32,10 +32,14 @@ def asked_rows(description: CampaignDescription, readings: Sequence[Reading]) ->
 
 
 def _lines(description: CampaignDescription, readings: Sequence[Reading]) -> dict[Row, Line]:
-    """Return the line of each row that a set-up reads, of several set-ups that with the most places read."""
+    """Return the line of each row that a set-up reads, of several set-ups that with the most places read.
+
+    A set-up of which nothing was read counts before the first reading only.
+    """
     machine, found = description.machine, dict[Row, Line]()
+    used = {reading.setup for reading in readings} or {setup.name for setup in description.setups}
     for setup in description.setups:
-        if (seen := seen_by(setup)) is None:
+        if setup.name not in used or (seen := seen_by(setup)) is None:
             continue
         line = line_of(setup, readings, machine)
         for row in _rows_seen(machine.axes[line.axis], *seen):
@@ -58,8 +62,7 @@ def _rows_seen(axis: Axis, reads: str, way: int) -> Iterator[Row]:
 def _answered(description: CampaignDescription, lines: dict[Row, Line]) -> Iterator[Row]:
     """Yield the rows that lines answer: of two straightnesses that face each other the squareness, too."""
     straight = {row.axes for row in lines if row.kind == "straightness"}
-    for row in lines:
-        yield row
+    yield from lines
     for first, second in sorted(straight):
         if first < second and (second, first) in straight:
             yield Row("squareness", (first, second))

@@ -106,7 +106,7 @@ def _squareness(lines: Sequence[Line], machine: Machine, ways: Sequence[int]) ->
     """Return the slopes of both paths over where the tool goes, added.  ways : of each line along the other's axis"""
     weights = list[Array]()
     for line, way, along in zip(lines, ways, reversed(ways), strict=True):
-        slope = np.linalg.pinv(_ramp(frames(machine, line.poses).tcp[:, along]))[1:]
+        slope: Array = np.linalg.pinv(_ramp(frames(machine, line.poses).tcp[:, along]))[1:]
         weights.append(_towards(slope, way))
     poses = np.vstack([line.poses for line in lines])
     return Functional(poses, np.zeros_like(poses), np.concatenate(weights, axis=1))

@@ -1,4 +1,4 @@
-"""What one reading more would make known: the last one of a line, from the other side, before anything is moved away."""
+"""What one reading more would make known: a line's last one again, from the other side."""
 
 from __future__ import annotations
 

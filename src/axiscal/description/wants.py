@@ -102,6 +102,8 @@ def _want(text: str, known: Mapping[str, Row], machine: Machine) -> Want:
 
 
 def _examples(known: Mapping[str, Row]) -> str:
-    firsts = {row.kind: row.name for row in reversed(known.values())}
-    names = ", ".join(f'"{name}"' for name in reversed(firsts.values()))
+    firsts = dict[Kind, str]()
+    for row in known.values():
+        firsts.setdefault(row.kind, row.name)
+    names = ", ".join(f'"{name}"' for name in firsts.values())
     return f"Ask for rows such as {names}, each with a limit or without"
