@@ -44,9 +44,13 @@ class Accuracy(NamedTuple):
         return any(limit is not None and value <= attainable(limit, floor) for value, limit, floor in limits)
 
 
+_NEAR = 1.1
+"""A choice: nearer to the floor each reading takes away less and less."""
+
+
 def attainable(limit: float, floor: float) -> float:
-    """Return what readings can be held to: a limit, or where its floor is above it as much again beyond the floor."""
-    return limit if floor <= limit else float(np.hypot(limit, floor))
+    """Return what readings can be held to: a limit, or where its floor is above it a tenth more than the floor."""
+    return limit if floor <= limit else _NEAR * floor
 
 
 _BY_PLACES = (
@@ -72,7 +76,7 @@ class Yardstick:
     """Measures a belief against the working volume.
 
     moments : over the volume; unseen : (errors.size, r) factor of C_∞, the machine's own errors
-    left : (errors.size, r) factor of what endless readings leave, what instruments are off by with it
+    left : (errors.size, s) factor of what endless readings leave, what instruments are off by with it
     zeroed : directions x, y, z of the workpiece frame in which a constant shift is not counted
     sample : (m, q) poses of the volume where it is not a box of them; alignment : what probing the part takes off
     """

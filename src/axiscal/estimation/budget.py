@@ -18,23 +18,30 @@ import numpy as np
 
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.reading_rows import seen
+from axiscal.measurement.reading_rows import places_of, seen
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
+from axiscal.promise.type_b_columns import Contribution, columns_of, contributions
 
 
 class BudgetShare(NamedTuple):
-    """One source.  kind : as in `KINDS`; setup : whose readings they are, for "instrument"; rms : m, over the volume"""
+    """One source.
+
+    kind : as in `KINDS`; setup : whose readings they are, for "instrument"; rms : m, over the volume
+    cause : what no reading shows, for "type B"
+    """
 
     kind: str
     setup: str
     rms: float
+    cause: Contribution | None = None
 
 
-KINDS = ("instrument", "set-up", "drift", "temperature", "artefact", "detail", "prior", "unseen", "sizes")
+KINDS = ("instrument", "set-up", "drift", "temperature", "artefact", "detail", "prior", "unseen", "type B", "sizes")
 """Noise of readings; unknowns of set-ups; zeros that wander; thermal growth; where balls are; what no spline follows;
-what readings leave of the errors; what no allowed reading can see; that sizes are learnt and models may be wrong."""
+what readings leave of the errors; what no allowed reading can see; what all readings have in common; that sizes are
+learnt and models may be wrong."""
 
 
 @one_thread()
@@ -42,7 +49,7 @@ def budget(known: Estimation) -> list[BudgetShare]:
     """Return the shares of the RMS standard uncertainty over the volume; their squares add up to its square."""
     if not known.readings:
         return _before(known)
-    shares = [*_of_readings(known), *_of_unknowns(known)]
+    shares = [*_of_readings(known), *_of_unknowns(known), *_of_type_b(known)]
     missing = known.accuracy.rms**2 - sum(share.rms**2 for share in shares)
     return [*shares, BudgetShare("sizes", "", float(np.sqrt(max(missing, 0.0))))]
 
@@ -80,6 +87,19 @@ def _of_readings(known: Estimation) -> Iterator[BudgetShare]:
         if np.any(mine):
             passed = (spread @ rows[mine].T) * np.sqrt(precision[mine])
             yield BudgetShare("instrument", setup.name, float(np.linalg.norm(passed)))
+
+
+def _of_type_b(known: Estimation) -> Iterator[BudgetShare]:
+    """Yield by what the estimate moves if a cause that no reading shows is one standard deviation: V C Hᵀ R⁻¹ b."""
+    observation = known.knowledge.observation
+    places, values = places_of(observation.setups, known.readings), [each.values for each in known.readings]
+    causes = contributions(observation, places, values, known.case.description.usual)
+    if causes:
+        rows, precision, _ = _weighted(known)
+        columns = columns_of(causes, places, seen(observation, known.readings).reading)
+        moved = _tool(known) @ known.knowledge.belief.covariance @ (rows.T @ (precision[:, None] * columns))
+        for cause, rms in zip(causes, np.linalg.norm(moved, axis=0).tolist(), strict=True):
+            yield BudgetShare("type B", "", rms, cause)
 
 
 def _tool(known: Estimation) -> Array:

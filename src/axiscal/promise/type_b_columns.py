@@ -71,6 +71,20 @@ def _by_setup(
         yield index, Read(setup, nominal, ways, np.array(mine, dtype=float).T if mine else np.zeros(ways.shape[:2]))
 
 
+def columns_of(causes: Sequence[Contribution], places: Places, reading: NDArray[np.intp]) -> Array:
+    """Return what one standard deviation of each cause does to each number, (m, causes) m or rad.
+
+    reading : (m,) the place that each number belongs to, ascending
+    """
+    columns, at = np.zeros((len(reading), len(causes))), dict(places.by_setup())
+    for number, each in enumerate(causes):
+        for index, effect in each.effects.items():
+            first = np.searchsorted(reading, np.arange(len(places))[at[index]])
+            for k, one in enumerate(effect):
+                columns[first + k, number] = one
+    return columns
+
+
 def type_b_columns(
     observation: Observation,
     readings: Sequence[Reading],
@@ -78,15 +92,6 @@ def type_b_columns(
     reading: NDArray[np.intp],
     usual: bool = True,
 ) -> Passing:
-    """Return the columns of `contributions`, whose sizes no reading teaches.
-
-    reading : (m,) the reading of each number, ascending
-    """
-    found = contributions(observation, places, [each.values for each in readings], usual)
-    columns, at = np.zeros((len(reading), len(found))), dict(places.by_setup())
-    for number, each in enumerate(found):
-        for index, effect in each.effects.items():
-            first = np.searchsorted(reading, np.arange(len(places))[at[index]])
-            for k, one in enumerate(effect):
-                columns[first + k, number] = one
-    return Passing(columns, np.full(len(found), -1, dtype=np.intp))
+    """Return the columns of `contributions`, whose sizes no reading teaches.  reading : as for `columns_of`"""
+    causes = contributions(observation, places, [each.values for each in readings], usual)
+    return Passing(columns_of(causes, places, reading), np.full(len(causes), -1, dtype=np.intp))

@@ -25,8 +25,8 @@ def conditions(case: Case) -> str:
     volume = said("the part") if case.description.target.part is not None else said("the volume")
     along = counted_along(case)
     alone = [] if along == "xyz" else [said("counted along {way} alone", way=listed(" ", list(along)))]
-    stated = any(setup.growth for setup in setups)
-    warm = said("at 20 degC where a set-up states its temperature") if stated else said("as warm as when it was read")
+    at_20 = case.description.target.refers_to == "20 degC"
+    warm = said("at 20 degC") if at_20 else said("as warm as when it was read")
     return counted(
         "for a tool of {tool}, over {volume}, {assumed}, of the one error that is described ({names})",
         "for a tool of {tool}, over {volume}, {assumed}, of the {count} errors that are described ({names})",
