@@ -237,9 +237,12 @@ class Campaign(Closing):
 
     def status(self) -> Status:
         """Return where the campaign stands; of one that has ended, what its report says."""
-        ended = self.state.finished is not None
-        known = self._knowing.so_far(self.state.readings, ended)
+        ended, known = self.state.finished is not None, self.so_far()
         return Status(self.state, known.accuracy, self._seconds(), None if ended else self.reached(), known.agreement)
+
+    def so_far(self) -> Estimation:
+        """Return what the readings make known; of a campaign that has ended, what its report says."""
+        return self._knowing.so_far(self.state.readings, self.state.finished is not None)
 
     def seconds(self, places: Sequence[Place] = ()) -> float:
         """Return the machine time that the readings took, and places would take after them, s."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import Json, OwnRecord
+from axiscal.cli.arguments import Details, Json, OwnRecord
+from axiscal.cli.last_screen import standing_screen
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text
 from axiscal.estimation.agreement_words import agreement_document, agreement_words
@@ -15,7 +16,7 @@ from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit
 
 
-def status(record: OwnRecord, json: Json = False) -> None:
+def status(record: OwnRecord, details: Details = False, json: Json = False) -> None:
     """Say where a campaign stands: readings, accuracy, minutes, what was skipped, what is asked.
 
     \b
@@ -26,8 +27,10 @@ def status(record: OwnRecord, json: Json = False) -> None:
     with Campaign.open(record, write=False) as campaign:
         if json:
             say_document(_document(campaign))
-        else:
+            return
+        if details:
             say("\n".join(_lines(campaign)))
+        say(standing_screen(campaign, campaign.so_far()))
 
 
 def _lines(campaign: Campaign) -> list[str]:

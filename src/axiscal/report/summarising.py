@@ -130,7 +130,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         versions=versions(),
         files=extras.files,
         record=record_state(campaign),
-        agreement=_agreement(estimation),
+        agreement=agreement_of(estimation),
         withheld=estimation.agreement.withheld,
         volume=volume_error(estimation) if campaign.state.readings else None,
         budget=budget_rows(estimation),
@@ -177,7 +177,7 @@ def _expanded(estimation: Estimation) -> Uncertainty:
     return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated), along)
 
 
-def _agreement(estimation: Estimation) -> ReadingAgreement:
+def agreement_of(estimation: Estimation) -> ReadingAgreement:
     """Return whether the readings agree with each other."""
     found, setups = estimation.agreement, estimation.stated.description.setups
     named = [
