@@ -6,11 +6,13 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text
+from axiscal.estimation.accepting import change_words
 from axiscal.estimation.agreement_words import agreement_document, agreement_words
 from axiscal.estimation.membership_words import membership_words
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.guide.question import asked_text
 from axiscal.guide.second_thoughts import contradictions
+from axiscal.language.spoken import said
 from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit
 
@@ -38,11 +40,12 @@ def _lines(campaign: Campaign) -> list[str]:
         f"{description.machine.name}: {count_text(len(state.readings), 'reading')}, "
         f"{format_quantity(status.seconds, 'min', 3)} of machine time",
         accuracy_text(status.accuracy, target.rms, target.worst),
-        agreement_words(campaign.known()),
+        agreement_words(campaign.known(), campaign.path),
     ]
     if sisters := _sisters(campaign):
         lines.append(f"{sisters[:1].upper()}{sisters[1:]}")
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
+    lines += [said("Accepted: {change}.", change=change_words(each)) for each in state.accepted]
     lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
     if state.finished is not None:
         return [*lines, f"Finished: {state.finished}"]
@@ -78,6 +81,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "mind": contradictions(campaign),
         "sisters": _sisters(campaign) or None,
         "question": campaign.request(state.pending).message() if state.pending else None,
+        "accepted": [change_words(each) for each in state.accepted],
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
         "skipped": [
             campaign.request(gap.asked).message() | {"reason": gap.reason, "set_up_left": gap.whole}
