@@ -12,7 +12,6 @@ from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say, say_document
 from axiscal.estimation.accepting import acceptance, change_words
 from axiscal.estimation.agreement_words import agreement_document, agreement_words, mistake_words
-from axiscal.language.spoken import said
 
 _MOST = 1e6
 """Odds beyond which nobody reads the digits."""
@@ -56,10 +55,10 @@ def _named(campaign: Campaign) -> tuple[dict[str, object], list[str]]:
         return {"agreement": agreement_document(known.agreement)}, [f"{agreement_words(known, campaign.path)}."]
     lines = []
     for each in known.agreement.explained:
-        odds = f"{each.odds:.0f}" if each.odds < _MOST else said("more than a million")
+        odds = f"{each.odds:.0f}" if each.odds < _MOST else "more than a million"
         words, change = mistake_words(each, known), change_words(acceptance(each, known))
-        lines += [f"{each.mistake}, {odds} : 1: {words}.", said("  Accepted: {change}.", change=change)]
-    lines.append(said("Accept one: axiscal accept {record} CAUSE", record=campaign.path))
+        lines += [f"{each.mistake}, {odds} : 1: {words}.", f"  Accepted: {change}."]
+    lines.append(f"Accept one: axiscal accept {campaign.path} CAUSE")
     return {"agreement": agreement_document(known.agreement)}, lines
 
 
@@ -69,10 +68,10 @@ def _accepted(campaign: Campaign, cause: str, setup: str | None) -> tuple[dict[s
     change = change_words(campaign.accept(cause, setup))
     now = campaign.known()
     lines = [
-        said("Before: {agreement}.", agreement=agreement_words(before, campaign.path)),
-        said("Accepted: {change}.", change=change),
-        said("Now: {agreement}.", agreement=agreement_words(now, campaign.path)),
-        said("Go on: axiscal next {record}; take it back: axiscal undo {record}", record=campaign.path),
+        f"Before: {agreement_words(before, campaign.path)}.",
+        f"Accepted: {change}.",
+        f"Now: {agreement_words(now, campaign.path)}.",
+        f"Go on: axiscal next {campaign.path}; take it back: axiscal undo {campaign.path}",
     ]
     agreements = {"before": agreement_document(before.agreement), "agreement": agreement_document(now.agreement)}
     return {"accepted": cause, "change": change, **agreements}, lines

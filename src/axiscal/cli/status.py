@@ -12,7 +12,6 @@ from axiscal.estimation.membership_words import membership_words
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.guide.question import asked_text
 from axiscal.guide.second_thoughts import contradictions
-from axiscal.language.spoken import said
 from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit
 
@@ -45,7 +44,7 @@ def _lines(campaign: Campaign) -> list[str]:
     if sisters := _sisters(campaign):
         lines.append(f"{sisters[:1].upper()}{sisters[1:]}")
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
-    lines += [said("Accepted: {change}.", change=change_words(each)) for each in state.accepted]
+    lines += [f"Accepted: {change_words(each)}" for each in state.accepted]
     lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
     if state.finished is not None:
         return [*lines, f"Finished: {state.finished}"]

@@ -15,7 +15,11 @@ from axiscal.record.events import Recorded, Skipped
 
 @dataclass(frozen=True, slots=True)
 class TakenBack:
-    """kind : "recorded", "skipped", "accepted" or "finished"; what : the same in words; number : of the reading; left : readings"""
+    """What was taken back.
+
+    kind : "recorded", "skipped", "accepted" or "finished"; what : the same in words
+    number : of the reading; left : readings
+    """
 
     kind: str
     what: str
@@ -30,7 +34,7 @@ class TakenBack:
 
 
 def take_back(campaign: Campaign) -> TakenBack:
-    """Take back the last reading, skip, accepted mistake or finish, and return that; raises RecordError if there is none."""
+    """Take back the last reading, skip, accepted mistake or finish, and return it; raises RecordError for none."""
     what, number = last_step(campaign)
     kind = type(campaign.undo().event).__name__.lower()
     return TakenBack(kind, what, number, len(campaign.state.readings))
