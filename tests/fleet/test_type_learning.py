@@ -111,6 +111,18 @@ def test_a_sister_is_known_with_fewer_readings_and_a_stranger_is_named(taught: s
     assert f"{most.name} is {most.away:.1f} of their standard deviations away" in membership_words(strange)
 
 
+def test_noise_and_rests_that_are_learnt_make_no_sister_of_a_stranger(taught: str) -> None:
+    described = slide(prior=taught, usual="on")
+    known, strange = (
+        concluded(case_of(described), readings).membership
+        for readings in (read_on(20)[::3], read_on(0, Imagined(2.5, 0.1), seed=77))
+    )
+    assert known is not None
+    assert strange is not None
+    assert known.sister > 0.8
+    assert strange.sister < 0.05
+
+
 def test_a_sister_of_which_one_axis_was_hit_is_none_but_for_that_axis(taught: str) -> None:
     """A scale off by 90 um over the travel, read where a sister is read."""
     case, readings = case_of(slide(prior=taught)), read_on(22)[::3]

@@ -35,7 +35,6 @@ EXY_reversal = { std = "3 um" }
 CAMPAIGN = """machine = "machine.toml"
 [target]
 rms = "5 um"
-unchecked = "allow"
 [[setups]]
 name = "laser"
 instrument = "interferometer"
@@ -103,7 +102,7 @@ class Twin:
         new = _drawn(zero, self.own, self.rng, count)
         for term in errors.terms:
             later[term.columns] = (new if AXES[term.name] == renewed else aged)[term.columns]
-        left = common + later - self.known.whole.mean[: errors.size][:, None]
+        left = common + later - self.known.banded.knowledge.belief.mean[: errors.size][:, None]
         poses, _ = self.known.case.yardstick.poses
         rests = self.rng.standard_normal((len(errors.rests), len(poses), count))
         loose = errors.levers(poses) * errors.rests[:, None, None]

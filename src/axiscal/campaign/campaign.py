@@ -10,7 +10,6 @@ Its state is folded from the record at every step; the belief follows the readin
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -31,7 +30,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import Timed, elapsed
-from axiscal.exceptions import AmbiguityError, RecordError
+from axiscal.exceptions import RecordError
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
@@ -60,9 +59,6 @@ Planner = Callable[
     [Case, Knowledge, Sequence[Reading], Sequence[Doubt], Sequence[Gap], Sequence[Place]], tuple[Place, ...]
 ]
 """From what is known to the readings to come, as `next_places`."""
-
-_JUDGED_AT_ONCE = 200
-"""Readings up to which all are judged anew with each: a second of waiting at the most."""
 
 
 class Campaign(Closing):
@@ -111,13 +107,6 @@ class Campaign(Closing):
     def known(self) -> Estimation:
         """Return what the readings make known while others are to follow."""
         return self._knowing.known(self.state.readings)
-
-    def believed(self) -> Estimation:
-        """Return by what a new reading is judged; a station that fits two places does not stop what would decide."""
-        if len(self.state.readings) <= _JUDGED_AT_ONCE:
-            with suppress(AmbiguityError):
-                return self.concluded()
-        return self.known()
 
     def concluded(self) -> Estimation:
         """Return what the readings make known if they are all."""

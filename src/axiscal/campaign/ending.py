@@ -48,7 +48,7 @@ def reaches(target: Target, known: Estimation) -> bool | None:
 def _said(target: Target, known: Estimation) -> str | None:
     """Return which accuracy asks for no more readings, one that is reached first; None where all do.
 
-    The floors are the model's, whatever the verdict adds.
+    The floors are those of the sizes as stated.
     """
     done = [(each, _now(each.name, known)) for each in asked(target, known.case.yardstick)]
     done = [(each, now) for each, now in done if now <= attainable(each.limit, each.floor)]

@@ -121,7 +121,7 @@ def _refuse_unreached(campaign: Campaign) -> None:
         raise TargetError(what, remedy, source)
     if campaign.state.finished == CONTRADICT:
         what = f"The target cannot be said to be reached: {CONTRADICT}"
-        remedy = 'See the warnings, review std and noise or let scales = "estimate" learn them'
+        remedy = "See the warnings, review instruments, set-ups and what is stated, and take readings again"
         raise TargetError(what, f"{remedy}; {written}", source)
 
 
