@@ -27,6 +27,8 @@ class Accepted:
 def put_right(readings: Sequence[Reading], accepted: Accepted) -> list[Reading]:
     """Return the readings without the mistake; raises ValueError where they cannot have it."""
     mine = [[i for i, each in enumerate(readings) if each.setup == name] for name in accepted.setups]
+    if not all(mine):
+        raise ValueError("a mistake of readings that there are not")
     changed = MISTAKES[accepted.mistake](readings, mine, accepted)
     return [right for i, each in enumerate(readings) if (right := changed.get(i, each)) is not None]
 

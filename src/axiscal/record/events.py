@@ -326,6 +326,8 @@ class Folding:
         except ValueError as fault:
             raise EventOrderError(str(fault)) from None
         if event.name:
+            if event.name in {each.name for each in self._mounted}:
+                raise EventOrderError(f"there is a set-up {event.name!r} already")
             self._mounted.append(Mounted(event.setups[0], event.name, ""))
         self._renew = True
 
@@ -354,7 +356,7 @@ class Folding:
             self._highest.pop()
         elif isinstance(step.event, Accepted):
             self._readings = list(step.readings)
-            self._mounted = [each for each in self._mounted if not each.name or each.name != step.event.name]
+            self._mounted = [each for each in self._mounted if each.branch or each.name != step.event.name]
         elif isinstance(step.event, Skipped):
             gap = self._skipped.pop()
             self._highest.pop()
