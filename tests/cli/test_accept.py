@@ -17,10 +17,11 @@ from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.inheritance import last_campaign
 from axiscal.estimation.uncertain import expanded_uncertainty
-from axiscal.exceptions import ReadingError
+from axiscal.exceptions import OvertakenError, ReadingError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.promise.agreement import Agreement
+from axiscal.record.accepted import Accepted
 from axiscal.record.carried import heritage_text
 from axiscal.report.summarising import Extras, summarise
 from axiscal.simulation import Simulator
@@ -206,6 +207,19 @@ def test_what_is_not_named_is_refused_and_the_record_stays(tmp_path: Path, capsy
         assert run(["accept", str(path), *words]) == 1
         assert what in " ".join(capsys.readouterr().err.split())
         assert path.read_bytes() == content
+
+
+def test_where_another_process_has_written_since_nothing_is_accepted(tmp_path: Path) -> None:
+    path = recorded(tmp_path / "mill.axiscal", times(1e-3, 1))
+    with Campaign.open(path) as campaign, Campaign.open(path) as other:
+        other.note("warm")
+        with pytest.raises(OvertakenError):
+            campaign.accept("unit")
+        assert campaign.looked_at_again().accepted == ()
+        assert campaign.accept("unit") == Accepted("unit", ("X again",), factor=1000.0)
+        assert other.looked_at_again().accepted == campaign.state.accepted
+        campaign.undo()
+        assert other.looked_at_again().readings == other.state.written
 
 
 def test_a_finished_campaign_is_taken_back_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
