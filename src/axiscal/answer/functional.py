@@ -1,10 +1,10 @@
 """Rows as linear maps L of the tool's deviation d at the poses of a line: row = L d (ISO 230-1, -2).
 
-    positioning   d along the axis, from both sides, less its mean
-    backlash      mean of d from + less d from −, over the places read from both sides, else over the line
-    straightness  d across the axis, less its best-fit line
-    pitch ...     rotation of the tool about a direction, less its mean
-    squareness    slope of the best-fit line of each path towards the other axis, added
+positioning   d along the axis, from both sides, less its mean
+backlash      mean of d from + less d from −, over the places read from both sides, else over the line
+straightness  d across the axis, less its best-fit line
+pitch ...     rotation of the tool about a direction, less its mean
+squareness    slope of the best-fit line of each path towards the other axis, added
 """
 
 from __future__ import annotations

@@ -31,6 +31,8 @@ from axiscal.numerics.threads import one_thread
 
 _MEASURED = 0.5
 """Of the U before the first reading: a row that is known no better is not measured."""
+
+
 @dataclass(frozen=True)
 class Answered:
     """A row of an answer, all sizes m or rad.

@@ -29,7 +29,7 @@ def written_screen(summary: Summary, campaign: Campaign, record: Path, out: Path
 
 def standing_screen(campaign: Campaign, known: Estimation) -> str:
     """Return the screen of a campaign as it stands."""
-    answer, agreement = answer_of(campaign, known, {}), agreement_of(known)
+    answer, agreement = answer_of(campaign, known, {}), agreement_of(known, campaign.path)
     refused = sum(doubt.rejected for doubt in known.outliers)
     commands = _under_way(campaign, answer)
     return screen(answer, Shown(len(known.readings), refused, agreement, known.agreement.withheld, commands))
@@ -38,7 +38,7 @@ def standing_screen(campaign: Campaign, known: Estimation) -> str:
 def _after_the_end(summary: Summary, campaign: Campaign, record: Path, out: Path) -> Sequence[str]:
     assert summary.answer is not None
     if summary.answer.verdict in ("more", "contradict", "nothing"):
-        return [f"axiscal undo {quoted(record)}", _reading(campaign, record)]
+        return [f"axiscal undo {record}", _reading(campaign, record)]
     offered = [offer.controller for offer in summary.tables if offer.axis]
     wanted = [name for name in reversed(campaign.description.controls) if name in offered]
     verify = f"axiscal verify {record}"

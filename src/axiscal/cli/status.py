@@ -7,6 +7,7 @@ from axiscal.cli.arguments import Details, Json, OwnRecord
 from axiscal.cli.last_screen import standing_screen
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text
+from axiscal.estimation.accepting import change_words
 from axiscal.estimation.agreement_words import agreement_document, agreement_words
 from axiscal.estimation.membership_words import membership_words
 from axiscal.estimation.type_prior import is_type_text
@@ -43,10 +44,11 @@ def _lines(campaign: Campaign) -> list[str]:
         accuracy_text(status.accuracy, target.rms, target.worst),
     ]
     if state.readings:
-        lines.append(agreement_words(campaign.known()))
+        lines.append(agreement_words(campaign.known(), campaign.path))
     if sisters := _sisters(campaign):
         lines.append(f"{sisters[:1].upper()}{sisters[1:]}")
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
+    lines += [f"Accepted: {change_words(each)}" for each in state.accepted]
     lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
     if state.finished is not None:
         return [*lines, f"Finished: {state.finished}"]
@@ -82,6 +84,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "mind": contradictions(campaign),
         "sisters": _sisters(campaign) or None,
         "question": campaign.request(state.pending).message() if state.pending else None,
+        "accepted": [change_words(each) for each in state.accepted],
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
         "skipped": [
             campaign.request(gap.asked).message() | {"reason": gap.reason, "set_up_left": gap.whole}

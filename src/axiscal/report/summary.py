@@ -120,7 +120,7 @@ class ConstantSummary:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A warning: `code` is one of aliasing prior-misfit drift outlier unobservable copies …"""
+    """A warning: `code` is one of accepted aliasing prior-misfit drift outlier unobservable copies …"""
 
     code: str
     error: str | None
