@@ -28,8 +28,8 @@ _FEWEST, _MOST = 4, 60
 """Readings below which no unit can be told, and above which more only take time."""
 _LEAST_FIT = 0.05
 """Readings that scatter by less of what is expected than this, multiplied, are no readings."""
-_QUIETEST = 0.1
-"""Of the stated noise: an instrument that is quieter, multiplied, wrote numbers that tell no unit."""
+_FARTHEST = float(np.log(1000.0)) / 2
+"""Logarithm of what errors or noise may be beside what is stated, multiplied: what is nearer to it as written stays."""
 
 
 class OtherUnit(NamedTuple):
@@ -63,8 +63,8 @@ def _multiplied(posed: Problem, factor: float) -> float:
     if stated is not None and stated.square < _LEAST_FIT * len(other.values):
         return -np.inf
     found = _weighed(other)
-    noises = [index for index, size in enumerate(posed.sizes.of) if size.kind == "noise"]
-    if np.exp(np.min((found.weights @ found.thetas)[noises])) < _QUIETEST:
+    told = [index for index, size in enumerate(posed.sizes.of) if size.kind in ("std", "reversal", "noise")]
+    if np.max(np.abs(found.weights @ found.thetas)[told]) > _FARTHEST:
         return -np.inf
     return found.log_evidence + len(posed.values) * float(np.log(factor))
 
