@@ -65,7 +65,8 @@ class Posterior:
     """mean (k,), covariance (k, k) : of errors, then set-ups' unknowns, m and rad
 
     cells : means of the rests of visited cells by (term, cell), m or rad
-    sizes : exp θ by kind and owner, of lengths the geometric mean, of others the root mean square; effective : number of draws
+    sizes : exp θ by kind and owner, of lengths the geometric mean, of others the root mean square
+    effective : number of draws
     bad : readings that were taken out, in this order, by index; agreement : of the others
     left_out : of each reading that stayed
     """
