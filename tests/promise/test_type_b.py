@@ -30,6 +30,7 @@ from axiscal.promise.type_b import TYPE_B, TypeB
 from axiscal.promise.type_b_budget import gain, type_b_lines
 from axiscal.promise.type_b_columns import Contribution, contributions
 from axiscal.promise.unknowns import Unknowns
+from axiscal.promise.usual import Learnable, sizes_of
 from axiscal.units import to_unit
 
 AXIS = """name = "one"
@@ -395,6 +396,30 @@ def test_the_gain_is_by_what_the_mean_moves() -> None:
 
 def _moved(made: Problem, by: Array) -> Problem:
     return replace(made, values=made.values + by)
+
+
+def test_a_gain_moves_no_mean_and_teaches_no_size() -> None:
+    """Its column is like the readings: in K it would explain a curve whatever it is, with no noise at all."""
+    dial = described(BEDSIDE + 'instrument = "indicator"\ndirection = "x"\nunknowns = { zero = "1 mm" }')
+    observation, places = observed(dial), np.linspace(0.01, 0.99, 40)
+    curve = 20e-6 * np.sin(6 * places)
+    noise = 1e-6 * np.random.default_rng(1).standard_normal(40)
+    may = Learnable("roughly", usual=True, inherited=False)
+    made = problem(observation, read_at(places, curve + noise, "s"), sizes_of(dial.machine, dial.setups, may))
+    assert made.held.shape == (40, 1)
+    found, without = posterior(made), posterior(replace(made, held=np.zeros((40, 0))))
+    assert found.sizes == without.sizes
+    np.testing.assert_array_equal(found.mean, without.mean)
+    shape = along(observation)
+    seen = shape @ found.mean[: shape.shape[1]]
+    at = np.linspace(0.0, 1.0, 101)
+    right = 20e-6 * (np.sin(6 * at) - np.mean(np.sin(6 * at)))
+    assert np.sqrt(np.mean((seen - right) ** 2)) < 1.5e-6
+    grown = found.covariance - without.covariance
+    own = shape @ grown[: shape.shape[1], : shape.shape[1]] @ shape.T
+    share = np.sqrt(np.mean(np.diagonal(own)) / np.mean(right**2))
+    largest = float(np.max(np.abs(curve + noise - np.mean(curve + noise))))
+    assert share == pytest.approx(1e-6 / largest, rel=0.1)  # 1 um of the largest, which is more than 1 %
 
 
 def test_no_number_of_readings_brings_u_below_what_they_have_in_common() -> None:

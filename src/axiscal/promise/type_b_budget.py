@@ -32,10 +32,11 @@ class TypeBLine(NamedTuple):
 def type_b_lines(problem: Problem, given: Given, causes: Sequence[Contribution], root: Array) -> list[TypeBLine]:
     """Return the line of each cause at one set of sizes.
 
-    causes : of the readings that the problem was made of: their columns stand first in it
+    causes : of the readings that the problem was made of
     root : V (r, n), root mean square deviation of the tool over the volume, of the first n answered unknowns
     """
-    moved = root @ gain(problem, given, problem.rows[:, : len(causes)])[: root.shape[1]]
+    columns = np.array([each.column for each in causes]).reshape(-1, len(problem.noise)).T
+    moved = root @ gain(problem, given, columns / problem.noise[:, None])[: root.shape[1]]
     return [TypeBLine(each, float(rms)) for each, rms in zip(causes, np.linalg.norm(moved, axis=0), strict=True)]
 
 

@@ -88,7 +88,11 @@ def type_b_columns(
     places: Places,
     reading: NDArray[np.intp],
     usual: bool = True,
-) -> Passing:
-    """Return the columns of `contributions`, whose sizes no reading teaches."""
-    columns = [each.column for each in contributions(observation, readings, places, reading, usual)]
-    return Passing(np.array(columns).reshape(-1, len(reading)).T, np.full(len(columns), -1, dtype=np.intp))
+) -> tuple[Passing, Array]:
+    """Return the columns of `contributions`, and apart from them those that follow from what was read, (m, h)."""
+    found = contributions(observation, readings, places, reading, usual)
+    columns, held = (
+        np.array([each.column for each in found if each.row.of_values == apart]).reshape(-1, len(reading)).T
+        for apart in (False, True)
+    )
+    return Passing(columns, np.full(columns.shape[1], -1, dtype=np.intp)), held
