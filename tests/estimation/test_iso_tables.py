@@ -39,9 +39,7 @@ def test_learnt_bands_are_no_wider_than_what_was_stated(name: str, headline: flo
 
 @pytest.mark.long
 def test_a_curve_that_is_larger_than_stated_is_said() -> None:
-    known = estimated_from(Runs.of("ess_muts_x"), "all scales")
     head = 'machine = "m"\n[target]\nreadings = 1\n[[setups]]\nname = "gauge"\n'
-    assert not any(finding.error == "EXX" for finding in findings(known))
     machine = 'chain = "w-b-X-t"\n[axes.X]\ntravel = ["0 mm", "400 mm"]\n[errors]\n'
     machine += 'EXX = { std = "1 um", length = "100 mm" }\n'
     campaign = f'{head}instrument = "interferometer"\ndirection = "x"\n'
