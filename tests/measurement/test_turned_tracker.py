@@ -79,8 +79,9 @@ def test_the_machine_is_found_whichever_way_the_tracker_is_turned(turn: Rotation
     found = predicted(out / "campaign.axiscal", tmp_path / "poses.csv")
     apart = found - 1e3 * np.array([off(*row) for row in at])
     left = apart - apart.mean(axis=0)
-    assert float(np.sqrt(np.mean(np.sum(left**2, axis=1)))) < 1.6 * result["rms_um"]
-    assert result["rms_um"] < 6
+    missed = float(np.sqrt(np.mean(np.sum(left**2, axis=1))))
+    assert missed < 3.5
+    assert missed < 1.6 * result["rms_um"] < 16
 
 
 def predicted(record: Path, poses: Path) -> Array:

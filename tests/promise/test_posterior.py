@@ -49,7 +49,7 @@ def test_moments_and_odds_are_those_of_the_equations(kind: str, count: int) -> N
     space = space_of(problem)
     over = weighed(space, draws(space, mode(space)))
     dense = Dense(problem)
-    mean, covariance = mixture([dense.unknowns(theta) for theta in over.thetas], over.weights)
+    mean, covariance = mixture([dense.counted(theta) for theta in over.thetas], over.weights)
     stds = np.sqrt(np.diagonal(covariance))
     np.testing.assert_allclose((found.mean - mean) / stds, 0, atol=1e-4)
     np.testing.assert_allclose((found.covariance - covariance) / np.outer(stds, stds), 0, atol=1e-4)

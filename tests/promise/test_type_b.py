@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -23,13 +24,13 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of
 from axiscal.numerics import Array
 from axiscal.promise.numbers import Numbers
-from axiscal.promise.posterior import posterior
+from axiscal.promise.posterior import gain, posterior
 from axiscal.promise.problem import Problem, problem
 from axiscal.promise.sizes import Sizes
 from axiscal.promise.type_b import TYPE_B, TypeB
-from axiscal.promise.type_b_budget import gain, type_b_lines
-from axiscal.promise.type_b_columns import Contribution, contributions
+from axiscal.promise.type_b_columns import Contribution, columns_of, contributions
 from axiscal.promise.unknowns import Unknowns
+from axiscal.promise.usual import Learnable, sizes_of
 from axiscal.units import to_unit
 
 AXIS = """name = "one"
@@ -70,14 +71,19 @@ def observed(campaign: CampaignDescription) -> Observation:
     return Observation(ErrorModel(campaign.machine), campaign.setups)
 
 
-def causes(
-    observation: Observation,
-    readings: Sequence[Reading],
-    usual: bool = True,
-) -> dict[str, Contribution]:
+class Met(NamedTuple):
+    """A cause that is there, and what one standard deviation of it does to each number, (m,)."""
+
+    cause: Contribution
+    column: Array
+
+
+def causes(observation: Observation, readings: Sequence[Reading], usual: bool = True) -> dict[str, Met]:
     places = places_of(observation.setups, readings)
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
-    return {each.row.name: each for each in contributions(observation, readings, places, reading, usual)}
+    found = contributions(observation, places, [each.values for each in readings], usual)
+    columns = columns_of(found, places, reading).T
+    return {each.row.name: Met(each, column) for each, column in zip(found, columns, strict=True)}
 
 
 def read_at(places: Array, values: Array | None = None, setup: str = "laser") -> list[Reading]:
@@ -371,15 +377,14 @@ def test_the_posterior_is_that_of_k_with_the_columns_and_the_lines_are_what_it_h
         given = space.given(np.zeros(0))
         assert given is not None
         assert given.answer().covariance == pytest.approx(covariance, rel=1e-4, abs=1e-16)
-        lines = type_b_lines(made, given, found, root)
-        assert [line.rms for line in lines] == pytest.approx(
-            np.linalg.norm(root @ (gained @ columns)[: root.shape[1]], axis=0), rel=1e-5
-        )
+        moved = root @ gain(made, given, columns / made.noise[:, None])[: root.shape[1]]
+        lines = np.linalg.norm(moved, axis=0)
+        assert lines == pytest.approx(np.linalg.norm(root @ (gained @ columns)[: root.shape[1]], axis=0), rel=1e-5)
         left = np.eye(len(gained)) - gained @ rows
         noise = observation.setups[0].noise ** 2
         perfect = left @ observation.prior_covariance() @ left.T + noise * gained @ gained.T
         grown = (covariance - perfect)[: root.shape[1], : root.shape[1]]
-        assert sum(line.rms**2 for line in lines) == pytest.approx(np.trace(root @ grown @ root.T), rel=1e-5)
+        assert np.sum(lines**2) == pytest.approx(np.trace(root @ grown @ root.T), rel=1e-5)
 
 
 def test_the_gain_is_by_what_the_mean_moves() -> None:
@@ -395,6 +400,30 @@ def test_the_gain_is_by_what_the_mean_moves() -> None:
 
 def _moved(made: Problem, by: Array) -> Problem:
     return replace(made, values=made.values + by)
+
+
+def test_a_gain_moves_no_mean_and_teaches_no_size() -> None:
+    """Its column is like the readings: in K it would explain a curve whatever it is, with no noise at all."""
+    dial = described(BEDSIDE + 'instrument = "indicator"\ndirection = "x"\nunknowns = { zero = "1 mm" }')
+    observation, places = observed(dial), np.linspace(0.01, 0.99, 40)
+    curve = 20e-6 * np.sin(6 * places)
+    noise = 1e-6 * np.random.default_rng(1).standard_normal(40)
+    may = Learnable("roughly", usual=True, inherited=False)
+    made = problem(observation, read_at(places, curve + noise, "s"), sizes_of(dial.machine, dial.setups, may))
+    assert made.held.shape == (40, 1)
+    found, without = posterior(made), posterior(replace(made, held=np.zeros((40, 0))))
+    assert found.sizes == without.sizes
+    np.testing.assert_array_equal(found.mean, without.mean)
+    shape = along(observation)
+    seen = shape @ found.mean[: shape.shape[1]]
+    at = np.linspace(0.0, 1.0, 101)
+    right = 20e-6 * (np.sin(6 * at) - np.mean(np.sin(6 * at)))
+    assert np.sqrt(np.mean((seen - right) ** 2)) < 1.5e-6
+    grown = found.covariance - without.covariance
+    own = shape @ grown[: shape.shape[1], : shape.shape[1]] @ shape.T
+    share = np.sqrt(np.mean(np.diagonal(own)) / np.mean(right**2))
+    largest = float(np.max(np.abs(curve + noise - np.mean(curve + noise))))
+    assert share == pytest.approx(1e-6 / largest, rel=0.1)  # 1 um of the largest, which is more than 1 %
 
 
 def test_no_number_of_readings_brings_u_below_what_they_have_in_common() -> None:

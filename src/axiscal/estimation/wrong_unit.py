@@ -15,9 +15,9 @@ from axiscal.estimation.judged import judged
 from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import ReadingError
 from axiscal.inference.implausible import bent, unit_guess
-from axiscal.inference.other_unit import other_unit
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
+from axiscal.promise.other_unit import other_unit
 
 _FEWEST = 3
 """One or two slips are readings to be looked at; a file in another unit has all."""

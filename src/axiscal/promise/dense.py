@@ -6,6 +6,8 @@ Readings are linear in unknowns, and all are Gaussian once the logarithms θ of 
     log L(θ) = −½ yᵀK⁻¹y − ½ log |K|                        Rasmussen and Williams 2006, eq. 2.30, less a constant
     u | y, θ ~ N(C Zᵀ K⁻¹ y,  C − C Zᵀ K⁻¹ Z C)             eq. 2.25 and 2.26
 
+A cause b that follows from what was read is no column of Z: with m_θ = G y the covariance gains (G b)(G b)ᵀ.
+
 The sizes are not known, so draws of θ with weights w, Σ w = 1, stand for them:
 
     m = Σ w m_θ,    V = Σ w (V_θ + (m_θ − m)(m_θ − m)ᵀ)
@@ -20,7 +22,7 @@ Here a reading is left out by leaving it out, and inverses are inverses: n numbe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,6 +73,14 @@ class Dense:
             turn[start : start + len(root), start : start + len(root)] = root
         turn = turn[last, last]
         return problem.mean + turn @ mean[last], turn @ covariance[last, last] @ turn.T
+
+    def counted(self, theta: Array) -> Normal:
+        """Return the same with causes that follow from what was read: by what m moves if the values do."""
+        (mean, covariance), moved = self.unknowns(theta), list[Array]()
+        for cause in self.problem.held.T:
+            other = Dense(replace(self.problem, values=self.problem.values + cause))
+            moved.append(other.unknowns(theta)[0] - mean)
+        return mean, covariance + sum((np.outer(each, each) for each in moved), np.zeros_like(covariance))
 
     def expected(self, theta: Array, reading: int) -> Normal:
         """Return what the other readings expect of one, at θ."""

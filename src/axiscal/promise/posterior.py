@@ -28,7 +28,7 @@ from axiscal.promise.draws import Weighed, draws, mode, redrawn, weighed
 from axiscal.promise.model import BAD
 from axiscal.promise.problem import MOST_NUMBERS, Problem
 from axiscal.promise.sizes import Kind
-from axiscal.promise.spaces import Given, parts_of
+from axiscal.promise.spaces import Given, parts_of, turned
 from axiscal.promise.which_space import space_of
 
 _ODDS = 0.01 / 0.99
@@ -103,13 +103,14 @@ def posterior(
         if worst is None or doubtful[worst] <= 1 or len(bad) + 1 > _MOST_BAD * count:
             break
         bad[worst] = left[worst]
-    moments = _moments(found)
+    moments = _moments(mine, found)
     sizes = _sizes(mine, found)
     if details := [index for index in bad if _may_be_a_detail(problem, index, bad[index])]:
         others = [*never, *(index for index in bad if index not in details)]
-        whole = sized(problem.only(~np.isin(problem.reading, others)))
+        together = problem.only(~np.isin(problem.reading, others))
+        whole = sized(together)
         sizes = _half_and_half(sizes, _sizes(mine, whole))
-        moments = moments.half_and_half(_moments(whole))
+        moments = moments.half_and_half(_moments(together, whole))
     agreed = agreement(mine, found, np.array([each.z for each in left.values()]))
     known = dict(zip(problem.cells, moments.cells.tolist(), strict=True))
     return Posterior(moments.mean, moments.covariance, known, sizes, found.effective, bad, agreed, left)
@@ -157,17 +158,29 @@ class _Moments:
         return _Moments((self.mean + other.mean) / 2, covariance, (self.cells + other.cells) / 2)
 
 
-def _moments(found: Weighed) -> _Moments:
+def _moments(problem: Problem, found: Weighed) -> _Moments:
     """Return the moments over the draws."""
     answers = [each.answer() for each in found.given]
     about = answers[0].mean  # open zeros are large beside what draws differ by
     shift = np.sum([w * (each.mean - about) for w, each in zip(found.weights, answers, strict=True)], axis=0)
     aparts = np.array([each.mean - about - shift for each in answers])
     total = (aparts.T * found.weights) @ aparts
-    for weight, answer in zip(found.weights, answers, strict=True):
+    for weight, answer, given in zip(found.weights, answers, found.given, strict=True):
         total += weight * answer.covariance
+        if problem.held.size:
+            moved = gain(problem, given, problem.held)
+            total += weight * moved @ moved.T
     cells = np.sum([w * each.cells() for w, each in zip(found.weights, found.given, strict=True)], axis=0)
     return _Moments(about + shift, total, cells)
+
+
+def gain(problem: Problem, given: Given, columns: Array) -> Array:
+    """Return G times columns, (answered, q) m and rad: by what the mean m = G y moves if the numbers do.
+
+    columns : (m, q) of the numbers, over the base noise
+    """
+    shown = turned(problem, problem.rows, given.theta, given.roots, problem.first)
+    return problem.raw(shown.T @ given.precision(columns), given.theta, given.roots)
 
 
 def _sizes(problem: Problem, found: Weighed) -> dict[tuple[Kind, str], float]:

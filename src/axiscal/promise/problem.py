@@ -128,6 +128,7 @@ class Problem:
     roots : of blocks of answered columns whose prior has none: where it begins, and F (q, q)
     answered : number of the columns that are answered, the last ones; mean : (answered,) before any reading
     cells : (term, cell) of the columns of rests, from column `first_cell` on
+    held : (m, h) over the noise, what else one standard deviation of a cause does: it moves no mean and teaches no size
     """
 
     rows: Array
@@ -145,6 +146,7 @@ class Problem:
     cells: tuple[tuple[int, int], ...]
     first_cell: int
     cell_roots: tuple[Array, ...]
+    held: Array
 
     @property
     def first(self) -> int:
@@ -153,8 +155,8 @@ class Problem:
 
     def only(self, kept: NDArray[np.bool_]) -> Problem:
         """Return the problem with some of its numbers.  kept : (m,)"""
-        mine = {name: getattr(self, name)[kept] for name in ("rows", "values", "noise", "reading", "setup", "groups")}
-        return replace(self, **mine)
+        names = ("rows", "values", "noise", "reading", "setup", "groups", "held")
+        return replace(self, **{name: getattr(self, name)[kept] for name in names})
 
     def raw(self, whitened: Array, theta: Array, roots: Sequence[Array]) -> Array:
         """Return answered unknowns in m and rad from whitened ones, (answered, ...).
@@ -187,10 +189,8 @@ def problem(
     """
     places = places_of(observation.setups, readings)
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
-    passing = [
-        type_b_columns(observation, readings, places, reading, usual),
-        passing_columns(observation, readings, places, reading, sizes, usual),
-    ]
+    type_b, held = type_b_columns(observation, readings, places, reading, usual)
+    passing = [type_b, passing_columns(observation, readings, places, reading, sizes, usual)]
     blocks, size_at = [each.columns for each in passing], [each.size_at for each in passing]
     start = sum(block.shape[1] for block in blocks)
     cells = _cells(observation, places, len(reading), start)
@@ -220,7 +220,7 @@ def problem(
     at = np.concatenate([*size_at, rest_size, own_size]).astype(np.intp)
     return Problem(
         rows, values, noise, reading, setups, groups, sizes, at, curves, roots, answered, mean, tuple(cells), start,
-        tuple(first_cell_roots),
+        tuple(first_cell_roots), held / noise[:, None],
     )  # fmt: skip
 
 

@@ -70,6 +70,8 @@ class TypeB:
     applies : whether a set-up has it; covered : unknowns of a set-up that hold it already
     longer : added to the size for each metre of a bar
     least : m, the largest number is off by as much at least
+    of_values : it follows from what was read. A column of K that is like the values would explain them, whatever they
+        are, so that it moves no mean and teaches no size: U has what one standard deviation does to the mean.
     """
 
     name: str
@@ -84,6 +86,7 @@ class TypeB:
     covered: tuple[str, ...] = ()
     longer: float = 0.0
     least: float = 0.0
+    of_values: bool = False
 
     def size_of(self, read: Read) -> float:
         """Return the size, as stated or by default."""
@@ -235,10 +238,10 @@ TYPE_B = (
     TypeB("bow", ("straightedge",), "normal", 2e-6, "um/m", _ASSUMED, "set-up", _bowed),
     TypeB(
         "gain", ("indicator", "straightedge", "rtest"), "normal", 0.01, "mm/m", "assumption: 1 %, at least 1 um",
-        "instrument", _of_reading, least=1e-6,
+        "instrument", _of_reading, least=1e-6, of_values=True,
     ),
-    TypeB("gain", ("level",), "normal", 0.02, "mm/m", "assumption: 2 %", "instrument", _of_reading),
-    TypeB("gain", ("autocollimator",), "normal", 0.01, "mm/m", "assumption: 1 %", "instrument", _of_reading),
+    TypeB("gain", ("level",), "normal", 0.02, "mm/m", "assumption: 2 %", "instrument", _of_reading, of_values=True),
+    TypeB("gain", ("autocollimator",), "normal", 0.01, "mm/m", "assumption: 1 %", "instrument", _of_reading, of_values=True),
     TypeB("radius", ("sphere",), "normal", 1e-6, "um", _ASSUMED, "instrument", _larger, covered=("radius",)),
     TypeB("pre_travel", ("probe",), "normal", 1e-6, "um", _ASSUMED, "instrument", _constant, covered=("zero",)),
 )  # fmt: skip

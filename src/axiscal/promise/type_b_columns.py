@@ -91,7 +91,12 @@ def type_b_columns(
     places: Places,
     reading: NDArray[np.intp],
     usual: bool = True,
-) -> Passing:
-    """Return the columns of `contributions`, whose sizes no reading teaches.  reading : as for `columns_of`"""
-    causes = contributions(observation, places, [each.values for each in readings], usual)
-    return Passing(columns_of(causes, places, reading), np.full(len(causes), -1, dtype=np.intp))
+) -> tuple[Passing, Array]:
+    """Return the columns of `contributions`, and apart from them those that follow from what was read, (m, h).
+
+    reading : as for `columns_of`. No reading teaches their sizes.
+    """
+    found = contributions(observation, places, [each.values for each in readings], usual)
+    common, held = ([each for each in found if each.row.of_values == apart] for apart in (False, True))
+    sizes = np.full(len(common), -1, dtype=np.intp)
+    return Passing(columns_of(common, places, reading), sizes), columns_of(held, places, reading)
