@@ -24,9 +24,9 @@ EZX = { std = "30 um", length = "150 mm" }
 EZY = { std = "30 um", length = "100 mm" }
 EZXY = { std = "30 um", length = ["150 mm", "100 mm"], rest = "1 um" }
 """
-BARE = '''usual = "off"
+BARE = """usual = "off"
 sure = "exactly"
-'''
+"""
 CAMPAIGN = f"""
 machine = "machine.toml"
 {BARE}[[setups]]
