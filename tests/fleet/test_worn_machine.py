@@ -33,6 +33,8 @@ EXY = { std = "3 um", knots = 5, length = "250 mm" }
 EXY_reversal = { std = "3 um" }
 """
 CAMPAIGN = """machine = "machine.toml"
+usual = "off"
+sure = "exactly"
 [target]
 rms = "5 um"
 [[setups]]

@@ -25,7 +25,7 @@ from axiscal.campaign.refusing import refuse_endless, refuse_implausible
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.mounted_anew import with_mounted
+from axiscal.estimation.accepting import named
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import Knowledge
@@ -34,6 +34,7 @@ from axiscal.exceptions import RecordError
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.record.accepted import Accepted
 from axiscal.record.closing import Closing
 from axiscal.record.copies import refuse_other, write_copy
 from axiscal.record.events import (
@@ -152,10 +153,10 @@ class Campaign(Closing):
         return self._knowing.plan_basis(self.state.readings)
 
     def _not_to_read(self) -> tuple[Gap, ...]:
-        """Return where nothing is to be asked for: what was skipped, and set-ups as they stood for a branch alone."""
+        """Return where nothing is to be asked for: what was skipped, and set-ups that have gone."""
         gone = [self.description.setup(each.name) for each in self.state.mounted]
         places = [Place(setup.name, setup.park, (0,) * len(setup.park)) for setup in gone]
-        return (*self.state.skipped, *(Gap(Asked(0, place), "it stood for a branch", True) for place in places))
+        return (*self.state.skipped, *(Gap(Asked(0, place), "it has gone", True) for place in places))
 
     def open_question(self) -> Asked:
         """Return what has been asked and not been answered; raises RecordError if that is nothing."""
@@ -206,12 +207,23 @@ class Campaign(Closing):
         self._append(Noted(kept_text(text, "note", "Write what is to be kept in the record")))
 
     def undo(self) -> Undoable:
-        """Take back the last reading, skip or finish, and return it; its question is open again."""
+        """Take back the last reading, skip, accepted mistake or finish, and return it; its question is open again."""
         if not self.state.undo:
             raise RecordError("There is nothing to take back", "Go on with `axiscal next`", self.path)
         step = self.state.undo[-1]
         self._append(Undone(step.number))
         return step
+
+    def accept(self, cause: str, setup: str | None = None) -> Accepted:
+        """Accept a mistake that the readings name now, and return it; what follows sees readings without it.
+
+        cause : jump, sign, unit, swapped or shifted; setup : whose readings, where several are named
+        Raises RecordError where they do not name it.
+        """
+        self._refuse_finished()
+        event = named(self.known(), cause, setup, self.path)
+        self._append(event)
+        return event
 
     def finish(self, because: str | None = None) -> str:
         """End the campaign and return why: the target that is reached, by what a report says, unless said otherwise."""
@@ -237,9 +249,12 @@ class Campaign(Closing):
 
     def status(self) -> Status:
         """Return where the campaign stands; of one that has ended, what its report says."""
-        ended = self.state.finished is not None
-        known = self._knowing.so_far(self.state.readings, ended)
+        ended, known = self.state.finished is not None, self.so_far()
         return Status(self.state, known.accuracy, self._seconds(), None if ended else self.reached(), known.agreement)
+
+    def so_far(self) -> Estimation:
+        """Return what the readings make known; of a campaign that has ended, what its report says."""
+        return self._knowing.so_far(self.state.readings, self.state.finished is not None)
 
     def seconds(self, places: Sequence[Place] = ()) -> float:
         """Return the machine time that the readings took, and places would take after them, s."""
@@ -320,10 +335,9 @@ class Campaign(Closing):
 
     def _take_in(self, state: State) -> None:
         """Go on from a state; with set-ups that were mounted anew, from another description, too."""
-        new = state.mounted[len(self.state.mounted) :]
-        self.state = state
-        if new:
-            self.description = with_mounted(self.description, new)
+        before, self.state = self.state.mounted, state
+        if state.mounted != before:
+            self.description = described(self._record)
             self._knowing = Knowing(self.description)
 
     def _clock(self) -> float:

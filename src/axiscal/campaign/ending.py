@@ -50,7 +50,7 @@ def _said(target: Target, known: Estimation) -> str | None:
 
     The floors are those of the sizes as stated.
     """
-    done = [(each, _now(each.name, known)) for each in asked(target, known.case.yardstick)]
+    done = [(each, known_to(each.name, known)) for each in asked(target, known.case.yardstick)]
     done = [(each, now) for each, now in done if now <= attainable(each.limit, each.floor)]
     for each, now in done:
         if now <= each.limit:
@@ -61,7 +61,7 @@ def _said(target: Target, known: Estimation) -> str | None:
     return None
 
 
-def _now(name: str, known: Estimation) -> float:
+def known_to(name: str, known: Estimation) -> float:
     """Return how well the machine is known by the figure of that name, m."""
     if name == "U":
         return expanded_uncertainty(known).space

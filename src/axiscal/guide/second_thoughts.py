@@ -43,7 +43,7 @@ def contradictions(campaign: Campaign) -> list[str]:
     if campaign.state.finished is not None:
         return []
     known = campaign.known()
-    return [agreement_words(known)] if known.agreement.contradicts else []
+    return [agreement_words(known, campaign.path)] if known.agreement.contradicts else []
 
 
 def _shown(campaign: Campaign, index: int) -> str:
