@@ -60,7 +60,7 @@ def _planned(plane: Plane, case: Case, count: int) -> list[int]:
             coming = list(next_places(known.case, known.knowledge, known.readings, known.outliers, (), coming))
             basis = now
         nodes.append(plane.nearest(np.array(coming.pop(0).pose)))
-        known = estimated(case, [_reading(plane, node) for node in nodes], known)
+        known = estimated(case, [_reading(plane, node) for node in nodes])
     return nodes
 
 

@@ -78,7 +78,7 @@ def _planned(case: Measured, problem: Case) -> list[Reading]:
         place = next_places(known.case, known.knowledge, known.readings, known.outliers)[0]
         pose = tuple(_nearest(case, np.array([place.pose]))[0]) if case.places.shape[1] > 1 else place.pose
         taken.append(Reading("gauge", pose, place.approach, case.read(pose)))
-        known = estimated(problem, taken, known)
+        known = estimated(problem, taken)
     return taken
 
 

@@ -149,6 +149,34 @@ class VolumeValue(Fields):
     controller: str = Field(description="the control whose tables these are")
 
 
+class LineValue(Fields):
+    """An entry of `lines`: where one axis moves alone."""
+
+    setup: str = Field(description="the set-up that reads there, empty for none")
+    axis: str = Field(description="the axis that moves")
+    ends: list[float] = Field(description="its coordinates at both ends, mm or deg")
+    at: dict[str, float] | None = Field(description="where the other axes stand")
+    places: dict[str, int] = Field(description="how many places are read from `+`, from `-`, and from `both`")
+
+
+class RowValue(Fields):
+    """An entry of `rows`: one figure that a machine is judged by."""
+
+    row: str = Field(description="its name, such as positioning X")
+    unit: str = Field(description="um or urad")
+    found: float = Field(description="what was found")
+    largest: float = Field(description="the largest that it may be")
+    known_to: float = Field(description="expanded uncertainty, 95 %")
+    known_before: float = Field(description="the same before any reading")
+    floor: float = Field(description="what endless readings leave of it")
+    left: dict[str, float] = Field(description="what the files of a control leave, by control")
+    limit: float | None = Field(description="the limit asked for")
+    reached: bool | None = Field(description="whether that is reached; null where none is set")
+    measured: bool = Field(description="whether readings tell of it")
+    one_more: float | None = Field(description="what it would be known to after one reading from the other side")
+    lines: list[LineValue] = Field(description="the lines that it is evaluated along")
+
+
 class TableValue(Fields):
     """An entry of `tables`; effects are of all files of the control together."""
 
@@ -171,6 +199,7 @@ class Result(Fields):
     minutes: float = Field(description="machine time")
     stopped_because: str = Field(description="why the campaign ended, in words")
     agreement: AgreementValue = Field(description="whether the readings agree with each other")
+    rows: list[RowValue] = Field(description="figures of the machine; none where U is withheld")
     U_um: float | None = Field(
         description="expanded uncertainty of the tool point in space over the volume: no farther off with 95 %; it and "
         "those down to `worst_um` are null where readings contradict each other and no mistake explains it"
@@ -220,7 +249,13 @@ def page() -> str:
     """Return the page: a table for each kind of object."""
     tables = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading, AgreementValue)
     return "\n".join(
-        [_HEAD, *(_table(each) for each in (*tables, MistakeValue, BudgetSource, VolumeValue, Warning, TableValue))]
+        [
+            _HEAD,
+            *(
+                _table(each)
+                for each in (*tables, RowValue, LineValue, MistakeValue, BudgetSource, VolumeValue, Warning, TableValue)
+            ),
+        ]
     )
 
 

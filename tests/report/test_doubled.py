@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -110,12 +111,7 @@ def test_estimate_names_the_lines_of_the_file(tmp_path: Path) -> None:
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
     lines = [f"laser,{each.pose[0] * 1e3:.3f},{each.value * 1e6:.2f}" for each in taken(8, 14, 2)]
     (tmp_path / "readings.csv").write_text("\n".join(["setup,X_mm,value_um", *lines, *lines]) + "\n")
-    asked = [
-        "estimate",
-        str(tmp_path / "campaign.toml"),
-        str(tmp_path / "readings.csv"),
-        "--out",
-        str(tmp_path / "out"),
-    ]
-    printed = " ".join(CliRunner().invoke(app, asked).stdout.split())
-    assert "14 values in lines 16 to 29 are those in lines 2 to 15" in printed
+    command = ["estimate", *(str(tmp_path / name) for name in ("campaign.toml", "readings.csv"))]
+    assert CliRunner().invoke(app, [*command, "--out", str(tmp_path / "out")]).exit_code == 0
+    warned = json.loads((tmp_path / "out" / "result.json").read_text())["warnings"]
+    assert any("14 values in lines 16 to 29 are those in lines 2 to 15" in each["text"] for each in warned)
