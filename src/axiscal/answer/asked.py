@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from axiscal.answer.functional import Functional, direction_of, functional
 from axiscal.answer.line import Line, line_of, seen_by, through_the_volume
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.wants import ANGLES, Row, Want
+from axiscal.description.wants import ABOUT, ANGLES, Row, Want
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.measurement.reading import Reading
 
@@ -45,6 +45,11 @@ def _lines(description: CampaignDescription, readings: Sequence[Reading]) -> dic
         for row in _rows_seen(machine.axes[line.axis], *seen):
             if row not in found or line.read > found[row].read:
                 found[row] = line
+    turned = {axis for setup in description.setups if setup.name in used for axis in setup.moves}
+    for axis in sorted(turned):
+        if machine.axes[axis].rotary:
+            line = through_the_volume(description, axis, readings)
+            found |= {Row(kind, (machine.axes[axis].name,)): line for kind in ABOUT}
     return found
 
 
@@ -78,7 +83,7 @@ def _asked(want: Want, description: CampaignDescription, lines: dict[Row, Line])
         ways = [letter_direction(axis.letter) for axis in reversed(axes)]
         chosen = [_line(description, lines, Row("straightness", (one, other))) for one, other in names]
     else:
-        ways = [direction_of(row.kind, axes[0], *row.axes[1:])]
+        ways = [] if row.kind in ABOUT else [direction_of(row.kind, axes[0], *row.axes[1:])]
         chosen = [_line(description, lines, row)]
     return Asked(want, tuple(chosen), functional(row.kind, chosen, machine, ways))
 

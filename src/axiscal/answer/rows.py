@@ -21,7 +21,6 @@ from axiscal.answer.one_more import with_one_more
 from axiscal.compensation.effect import Control, left_by, rms, tour
 from axiscal.compensation.offer import POSES, spread_poses, unknown_rms
 from axiscal.description.wants import Row, Want
-from axiscal.error_model.model import ErrorModel
 from axiscal.error_model.volume import Counted
 from axiscal.estimation.bands import Banded
 from axiscal.estimation.estimation import Estimation
@@ -31,6 +30,8 @@ from axiscal.numerics.threads import one_thread
 
 _MEASURED = 0.5
 """Of the U before the first reading: a row that is known no better is not measured."""
+
+
 @dataclass(frozen=True)
 class Answered:
     """A row of an answer, all sizes m or rad.
@@ -62,11 +63,6 @@ class Answered:
         """Whether it is known as well as asked for; None where no limit is given."""
         return None if self.limit is None else self.measured and self.known <= self.limit
 
-    @property
-    def reachable(self) -> bool:
-        """Whether endless readings with these set-ups would do; true where no limit is given."""
-        return self.limit is None or self.floor <= self.limit
-
 
 @one_thread()
 def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[Answered, ...]:
@@ -94,9 +90,11 @@ def _unturned(row: Answered) -> bool:
 def _row(asked: Asked, functional: Functional, known: Estimation, controls: Mapping[str, Control]) -> Answered:
     """Return a row along lines."""
     estimate, wide = known.estimate(), known.banded
-    variances = _variances(functional, wide.case.errors, wide.knowledge.belief.factor)
+    errors = wide.case.errors
+    spectra = functional.spectra(errors, wide.knowledge.belief.factor)
+    variances = spectra.sum(axis=1)
     if functional.angular:
-        at, left = functional.rows(wide.case.errors) @ estimate.mean, dict[str, Array]()
+        at, left = functional.rows(errors) @ estimate.mean, dict[str, Array]()
     else:
         where = functional.poses, functional.sides
         at = functional.of(estimate.deviation(*where))
@@ -104,37 +102,31 @@ def _row(asked: Asked, functional: Functional, known: Estimation, controls: Mapp
             name: functional.of(left_by(estimate.machine, estimate.deviation, control, *where))
             for name, control in controls.items()
         }
-    before = reach(_variances(functional, wide.case.errors, wide.case.prior.factor)[:, None])
-    u = reach(variances[:, None])
+    found = _squares(functional, at) + variances
+    before, u = reach(functional.spectra(errors, wide.case.prior.factor)), reach(spectra)
     return Answered(
         asked.want.row,
         functional.angular or asked.want.row.kind == "squareness",
-        found=_size(at, variances),
-        largest=float(np.sqrt(np.max(at**2 + variances))),
+        found=float(np.sqrt(np.mean(found))),
+        largest=float(np.sqrt(np.max(found))),
         known=u,
         before=before,
-        floor=reach(_variances(functional, wide.case.errors, wide.case.yardstick.left)[:, None]),
-        left={name: _size(each, variances) for name, each in left.items()},
+        floor=reach(functional.spectra(errors, wide.case.yardstick.left)),
+        left={name: float(np.sqrt(np.mean(_squares(functional, each) + variances))) for name, each in left.items()},
         limit=asked.want.limit,
         measured=bool(u <= _MEASURED * before),
         lines=asked.lines,
     )
 
 
-def _u(functional: Functional, wide: Banded) -> float:
-    return reach(_variances(functional, wide.case.errors, wide.knowledge.belief.factor)[:, None])
+def _u(functional: Functional, known: Banded) -> float:
+    return reach(functional.spectra(known.case.errors, known.knowledge.belief.factor))
 
 
-def _variances(functional: Functional, errors: ErrorModel, factor: Array) -> Array:
-    """Return the variances of a row, (k,).  factor : F (n, r) of what is not known, of the errors first"""
-    spread = functional.rows(errors) @ factor[: errors.size]
-    variances: Array = np.sum(spread**2, axis=1) + functional.rests(errors)
-    return variances
-
-
-def _size(at: Array, variances: Array) -> float:
-    """Return √(estimate² + u²), RMS over the places."""
-    return float(np.sqrt(np.mean(at**2 + variances)))
+def _squares(functional: Functional, row: Array) -> Array:
+    """Return the squared length of each vector of a row (k,), (k/d,)."""
+    squares: Array = np.sum(row.reshape(-1, functional.dimensions) ** 2, axis=1)
+    return squares
 
 
 def _volume(want: Want, known: Estimation, controls: Mapping[str, Control]) -> Answered:

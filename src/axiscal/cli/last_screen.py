@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -38,10 +39,10 @@ def standing_screen(campaign: Campaign, known: Estimation) -> str:
 def _after_the_end(summary: Summary, campaign: Campaign, record: Path, out: Path) -> Sequence[str]:
     assert summary.answer is not None
     if summary.answer.verdict in ("more", "contradict", "nothing"):
-        return [f"axiscal undo {quoted(record)}", _reading(campaign, record)]
+        return [f"axiscal undo {_typed(record)}", _reading(campaign, record)]
     offered = [offer.controller for offer in summary.tables if offer.axis]
     wanted = [name for name in reversed(campaign.description.controls) if name in offered]
-    verify = f"axiscal verify {record}"
+    verify = f"axiscal verify {_typed(record)}"
     if not wanted:
         return [verify]
     folder = out / "tables" / wanted[0]
@@ -53,10 +54,15 @@ def _under_way(campaign: Campaign, answer: Answer) -> Sequence[str]:
     going_on = answer.verdict in ("more", "contradict", "nothing") and campaign.state.finished is None
     if going_on:
         return [_reading(campaign, campaign.path)]
-    return [f"axiscal finish {campaign.path} --out {results_beside(campaign.path)}"]
+    return [f"axiscal finish {_typed(campaign.path)} --out {_typed(results_beside(campaign.path))}"]
 
 
 def _reading(campaign: Campaign, record: Path) -> str:
     """Return how further readings are asked for: one by one where as many were taken as the target names."""
     full = count_reached(campaign.description.target, len(campaign.state.readings)) is not None
-    return f"axiscal next {record} --beyond" if full else f"axiscal measure {record}"
+    return f"axiscal next {_typed(record)} --beyond" if full else f"axiscal measure {_typed(record)}"
+
+
+def _typed(path: Path) -> str:
+    """Return a path as it is typed."""
+    return shlex.quote(str(path))

@@ -13,9 +13,13 @@ from axiscal.machine import Axis, Machine
 from axiscal.machine.axis import letter_direction
 from axiscal.units import Dimension, parse_quantity
 
-Kind = Literal["positioning", "backlash", "straightness", "pitch", "yaw", "roll", "squareness", "volume"]
+Kind = Literal[
+    "positioning", "backlash", "straightness", "pitch", "yaw", "roll", "squareness", "centre", "tilt", "volume"
+]
 """What the tool's path along a line, or its deviation over the volume, is asked about."""
 ANGLES: tuple[Kind, ...] = ("pitch", "yaw", "roll")
+ABOUT: tuple[Kind, ...] = ("centre", "tilt")
+"""Where the line of a rotary axis is, and which way it points."""
 _LETTERS = "XYZ"
 
 
@@ -33,6 +37,8 @@ class Row(NamedTuple):
         """The row as a person writes it."""
         if self.kind == "straightness":
             return f"straightness {' in '.join(self.axes)}"
+        if self.kind in ABOUT:
+            return f"{self.kind} of {self.axes[0]}"
         return f"{self.kind} {''.join(self.axes)}".rstrip()
 
 
@@ -52,7 +58,7 @@ def dimension(row: Row, machine: Machine) -> Dimension:
     """Return whether a row is a length or an angle."""
     if row.kind in ("positioning", "backlash"):
         return machine.axis(row.axes[0]).dimension
-    return "angle" if row.kind == "squareness" or row.kind in ANGLES else "length"
+    return "angle" if row.kind in ("squareness", "tilt", *ANGLES) else "length"
 
 
 def _rows_of(axes: Sequence[Axis]) -> Iterator[Row]:
@@ -66,6 +72,8 @@ def _rows_of(axes: Sequence[Axis]) -> Iterator[Row]:
         yield from (Row("straightness", (axis.name, other)) for other in others)
     for kind in ANGLES:
         yield from (Row(kind, (axis.name,)) for axis in linear)
+    for kind in ABOUT:
+        yield from (Row(kind, (axis.name,)) for axis in axes if axis.rotary)
     yield from (Row("squareness", pair) for pair in combinations(square, 2))
 
 

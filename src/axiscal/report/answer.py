@@ -60,9 +60,9 @@ class Aim(NamedTuple):
     now: float
     limit: float
     floor: float
-    unit: str
     measured: bool = True
     unread: int = 0
+    unit: str = "um"
 
     @property
     def reached(self) -> bool:

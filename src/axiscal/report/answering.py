@@ -31,7 +31,7 @@ def answer_of(campaign: Campaign, known: Estimation, controls: Mapping[str, Cont
     """Return the answer.  controls : what the tables of each control that is offered do"""
     rows = answered(known, controls)
     volume = [
-        Aim(each.name, *(to_unit(size, "um") for size in (known_to(each.name, known), each.limit, each.floor)), "um")
+        Aim(each.name, to_unit(known_to(each.name, known), "um"), to_unit(each.limit, "um"), to_unit(each.floor, "um"))
         for each in asked(known.stated.description.target, known.case.yardstick)
     ]
     lines = [_aim(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
@@ -90,7 +90,7 @@ def _share(aim: Aim) -> float:
 def _aim(row: Answered) -> Aim:
     now, limit, floor = (to_unit(size, _unit(row)) for size in (row.known, row.limit or 0.0, row.floor))
     unread = sum(not line.read for line in row.lines)
-    return Aim(row.row.name, now, limit, floor, _unit(row), row.measured, unread)
+    return Aim(row.row.name, now, limit, floor, row.measured, unread, _unit(row))
 
 
 def _unit(row: Answered) -> str:
@@ -99,14 +99,27 @@ def _unit(row: Answered) -> str:
 
 def _row(row: Answered, axes: Sequence[Axis]) -> AnswerRow:
     unit = _unit(row)
-    sizes = (row.found, row.largest, row.known, row.before, row.floor)
-    found, largest, known, before, floor = (to_unit(size, unit) for size in sizes)
-    limit, then = (None if size is None else to_unit(size, unit) for size in (row.limit, row.then))
-    left = {name: to_unit(size, unit) for name, size in row.left.items()}
-    about = row.row.kind, row.row.axes, row.row.name, unit
-    lines = list(_lines(row.lines, axes))
-    figures = found, largest, known, before, floor, left, limit
-    return AnswerRow(*about, *figures, row.reached, row.measured, lines, then)
+
+    def shown(size: float) -> float:
+        return to_unit(size, unit)
+
+    return AnswerRow(
+        row.row.kind,
+        row.row.axes,
+        row.row.name,
+        unit,
+        found=shown(row.found),
+        largest=shown(row.largest),
+        known=shown(row.known),
+        before=shown(row.before),
+        floor=shown(row.floor),
+        left={name: shown(size) for name, size in row.left.items()},
+        limit=None if row.limit is None else shown(row.limit),
+        reached=row.reached,
+        measured=row.measured,
+        lines=list(_lines(row.lines, axes)),
+        then=None if row.then is None else shown(row.then),
+    )
 
 
 def _lines(lines: Sequence[Line], axes: Sequence[Axis]) -> Iterator[AnswerLine]:

@@ -71,7 +71,9 @@ def _delivered(campaign: Campaign, estimation: Estimation, out: Path, summary: S
         summary = replace(summary, tables=[offer for offers, _ in written_for for offer in offers])
         offered = [found for _, found in written_for if found]
         summary = replace(summary, volume=_as_left(estimation, summary, offered))
-        controls = {each.controller: each.control for each in offered if each.controller in campaign.description.controls}
+        controls = {
+            each.controller: each.control for each in offered if each.controller in campaign.description.controls
+        }
         summary = replace(summary, answer=answer_of(campaign, estimation, controls))
         document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
         written(folder / "result.json", f"{document}\n".encode())

@@ -26,6 +26,8 @@ _KINDS: dict[Kind, str] = {
     "yaw": later("yaw {axes}"),
     "roll": later("roll {axes}"),
     "squareness": later("squareness {axes}"),
+    "centre": later("centre of {axes}"),
+    "tilt": later("tilt of {axes}"),
     "volume": later("volume"),
 }
 _VERDICTS: dict[Verdict, str] = {
@@ -72,9 +74,9 @@ def screen(answer: Answer, shown: Shown) -> str:
 def _first(answer: Answer, shown: Shown) -> Iterator[str]:
     """Yield what became of what was asked for, with the readings and minutes it took."""
     if answer.verdict == "more":
-        minutes = math.ceil(answer.more_minutes)
+        coming = math.ceil(answer.more_minutes)
         verdict = counted(
-            "{count} MORE READING, {minutes} MIN", "{count} MORE READINGS, {minutes} MIN", answer.more, minutes=minutes
+            "{count} MORE READING, {coming} MIN", "{count} MORE READINGS, {coming} MIN", answer.more, coming=coming
         )
     else:
         verdict = said(_VERDICTS[answer.verdict])
@@ -191,7 +193,10 @@ def _why(rows: Sequence[AnswerRow]) -> str:
         size = put("± {size} {unit}", size=_digits(max(then)), unit=rows[0].unit)
         return said("one reading from the other side brings {size}", size=size)
     places = min(line.plus + line.minus - line.both for row in rows for line in row.lines)
-    return counted("{count} place read", "{count} places read", places) if places else said("not read")
+    if not places:
+        return said("not read")
+    size = put("± {size} {unit}", size=_digits(max(row.known for row in rows)), unit=rows[0].unit)
+    return counted("{count} place read, still {size}", "{count} places read, still {size}", places, size=size)
 
 
 def _ending(shown: Shown) -> Iterator[str]:
