@@ -162,6 +162,34 @@ class TableValue(Fields):
     left_out: str = Field(description="what they leave, or why there are none, in words")
 
 
+class RowLine(Fields):
+    """An entry of `lines`: where a row holds."""
+
+    setup: str = Field(description="the set-up that reads there, empty for none")
+    axis: str = Field(description="the axis that moves")
+    ends: list[float] = Field(description="from where to where, mm or deg")
+    at: dict[str, float] | None = Field(description="where the other axes stand, mm or deg")
+    places: dict[str, int] = Field(description="places read from `+`, from `-` and from `both`")
+
+
+class RowValue(Fields):
+    """An entry of `rows`: what was found of the machine, how well it is known, and what tables leave; in `unit`."""
+
+    row: str = Field(description="such as `positioning X`, `squareness XY`, `volume`")
+    unit: str = Field(description="um or urad")
+    found: float = Field(description="RMS of the error over its places, √(estimate² + u²)")
+    largest: float = Field(description="the same at the place where it is largest")
+    known_to: float = Field(description="U: 95 % of what is not known is smaller")
+    known_before: float = Field(description="U before the first reading, at the sizes as learnt")
+    floor: float = Field(description="U that endless readings would leave")
+    left: dict[str, float] = Field(description="by control, what its tables leave, √(left² + u²)")
+    limit: float | None = Field(description="what `known_to` is to be; null where `wants` gives none")
+    reached: bool | None = Field(description="whether it is; null without a limit")
+    measured: bool = Field(description="whether `known_to` is at most half of `known_before`; a volume that was read")
+    one_more: float | None = Field(description="`known_to` after one reading from the other side, of a backlash")
+    lines: list[RowLine] = Field(description="where it holds; empty of the volume")
+
+
 class Result(Fields):
     """The document."""
 
@@ -209,6 +237,7 @@ class Result(Fields):
     observability: list[str] = Field(description="what cannot be seen, in plain sentences")
     rejected: list[RejectedReading] = Field(description="readings not believed, and why")
     warnings: list[Warning] = Field(description="what is to be minded")
+    rows: list[RowValue] = Field(description="the answer, row by row; empty where no uncertainty is printed")
     tables: list[TableValue] = Field(description="files that were written for controls, and what they leave")
     versions: dict[str, str] = Field(description="of axiscal and of what it computes with")
     record: dict[str, int | str] | None = Field(
@@ -220,7 +249,7 @@ def page() -> str:
     """Return the page: a table for each kind of object."""
     tables = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading, AgreementValue)
     return "\n".join(
-        [_HEAD, *(_table(each) for each in (*tables, MistakeValue, BudgetSource, VolumeValue, Warning, TableValue))]
+        [_HEAD, *(_table(each) for each in (*tables, MistakeValue, BudgetSource, VolumeValue, Warning, RowValue, RowLine, TableValue))]
     )
 
 
