@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from axiscal.answer.asked import Asked, asked_rows
+from axiscal.answer.asked import AskedRow, asked_rows
+from axiscal.answer.axis_line import AxisLine
 from axiscal.answer.functional import Functional
-from axiscal.answer.line import Line
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.error_model.actual import deviation_of
 from axiscal.error_model.model import ErrorModel
@@ -28,24 +28,24 @@ park = { Y = "200 mm", Z = "150 mm" }
 MILL = "three-axis-mill"
 
 
-def _asked(wants: str, machine: str = MILL, setups: str = SETUPS) -> tuple[dict[str, Asked], VirtualMachine]:
+def _asked(wants: str, machine: str = MILL, setups: str = SETUPS) -> tuple[dict[str, AskedRow], VirtualMachine]:
     text = f'machine = "m"\n[target]\nreadings = 5\nwants = [{wants}]\n{setups}'
     described = campaign_from_texts(text, "c.toml", load_machine(machine).text, "m")
     rows = {each.want.row.name: each for each in asked_rows(described, ())}
     return rows, Simulator(described.machine, described.setups).drawn(3)
 
 
-def _found(asked: Asked, machine: VirtualMachine) -> Array:
+def _found(asked: AskedRow, machine: VirtualMachine) -> Array:
     functional = _map(asked)
     return functional.of(machine.deviation(functional.poses, functional.sides))
 
 
-def _map(asked: Asked) -> Functional:
+def _map(asked: AskedRow) -> Functional:
     assert asked.map is not None
     return asked.map
 
 
-def _along(machine: VirtualMachine, line: Line, side: float = 0.0) -> Array:
+def _along(machine: VirtualMachine, line: AxisLine, side: float = 0.0) -> Array:
     sides = np.zeros_like(line.poses)
     sides[:, line.axis] = side
     return machine.deviation(line.poses, sides)

@@ -11,7 +11,7 @@ import pytest
 
 from axiscal.accuracy.expanded import BAND
 from axiscal.answer.asked import asked_rows
-from axiscal.answer.rows import Answered, answered
+from axiscal.answer.rows import AnsweredRow, answered
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
@@ -41,7 +41,7 @@ def _known(both: bool) -> Estimation:
     return concluded(CASE, _readings(BOTH if both else ONE_SIDE))
 
 
-def _rows(known: Estimation) -> dict[str, Answered]:
+def _rows(known: Estimation) -> dict[str, AnsweredRow]:
     return {row.row.name: row for row in answered(known, {})}
 
 
@@ -58,7 +58,7 @@ def test_backlash_read_from_one_side_is_not_measured_and_one_reading_would_do() 
     more = _rows(concluded(CASE, _readings([*ONE_SIDE, (last, -1)])))["backlash X"]
     assert more.measured
     assert row.then == pytest.approx(more.known, rel=0.25)
-    assert row.then < 0.5 * row.known
+    assert more.known < 0.5 * row.known
 
 
 def test_backlash_read_from_both_sides_is_measured_over_the_places_read_from_both() -> None:

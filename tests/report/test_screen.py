@@ -11,12 +11,12 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
-from axiscal.description.wants import Row, dimension, rows_of
+from axiscal.description.wants import RowName, dimension, rows_of
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import Machine, load_machine
-from axiscal.report.answer import Aim, Answer, AnswerLine, AnswerRow, Verdict
+from axiscal.report.answer import Aim, AnswerLine, AnswerRow, ResultAnswer, Verdict
 from axiscal.report.promises import ReadingAgreement
-from axiscal.report.screen import LINES, WIDTH, Shown, screen
+from axiscal.report.screen import LINES, WIDTH, ScreenContext, screen
 from tests.generators.laser_axis import CASE, machine, read
 
 WORDS = 60
@@ -25,14 +25,14 @@ NUMBERS = 3
 """In a row, beside the columns of what is left."""
 AGREEING = ReadingAgreement(32, 32)
 COMMANDS = ["load demo-out/tables/linuxcnc-volumetric (README.txt there), then", "axiscal verify mill.axiscal"]
-SHOWN = Shown(32, 1, AGREEING, False, COMMANDS, "demo-out/report.pdf")
+SHOWN = ScreenContext(32, 1, AGREEING, False, COMMANDS, "demo-out/report.pdf")
 MISTAKE = 'the zero of "laser along X" jumped before reading 14 ("laser along X", X = 120 mm, from +). Take it again'
 CONTRADICTING = replace(
     AGREEING, contradict=True, words=f"The readings contradict each other (p = 1e-09): {MISTAKE}; or {MISTAKE}"
 )
 
 
-def _row(row: Row, machine: Machine, measured: bool = True, controls: Sequence[str] = ("linuxcnc",)) -> AnswerRow:
+def _row(row: RowName, machine: Machine, measured: bool = True, controls: Sequence[str] = ("linuxcnc",)) -> AnswerRow:
     unit = "urad" if dimension(row, machine) == "angle" else "um"
     line = AnswerLine("laser", "X", 0.0, 100.0, {"Y": 0.0}, 4, 0, 0)
     left = dict.fromkeys(controls if unit == "um" else (), 123.4)
@@ -41,8 +41,8 @@ def _row(row: Row, machine: Machine, measured: bool = True, controls: Sequence[s
     return AnswerRow(row.kind, row.axes, row.name, unit, *figures, measured, [line], then)
 
 
-def _answer(verdict: Verdict, rows: Sequence[AnswerRow], aims: Sequence[Aim] = ()) -> Answer:
-    return Answer(verdict, rows, aims, 123, 56.2, 25.3, clocked=False)
+def _answer(verdict: Verdict, rows: Sequence[AnswerRow], aims: Sequence[Aim] = ()) -> ResultAnswer:
+    return ResultAnswer(verdict, rows, aims, 123, 56.2, 25.3, clocked=False)
 
 
 EVERYTHING = [
@@ -80,7 +80,7 @@ def _within_budgets(text: str) -> None:
 
 
 MILL = load_machine("three-axis-mill")
-POSITIONING = _row(Row("positioning", ("X",)), MILL)
+POSITIONING = _row(RowName("positioning", ("X",)), MILL)
 
 
 @pytest.mark.parametrize(
@@ -93,7 +93,11 @@ POSITIONING = _row(Row("positioning", ("X",)), MILL)
         ("unreachable", [Aim("rms", 7.16, 5.0, 6.0)], "CANNOT BE REACHED WITH THESE SET-UPS\n  volume 7.2 of 5 um RMS"),
         ("contradict", [Aim("rms", 4.0, 5.0, 1.0)], "READINGS CONTRADICT   32 readings"),
         ("nothing", [], "NO READINGS YET   32 readings"),
-        ("more", [Aim("backlash X", 4, 1, 0), Aim("yaw X", 1, 2, 0)], "123 MORE READINGS, 57 MIN\n  1 of 2 limits: backlash X 4.0 / 1 um"),
+        (
+            "more",
+            [Aim("backlash X", 4, 1, 0), Aim("yaw X", 1, 2, 0)],
+            "123 MORE READINGS, 57 MIN\n  1 of 2 limits: backlash X 4.0 / 1 um",
+        ),
     ],
 )
 def test_the_first_line_says_what_became_of_the_target(verdict: Verdict, aims: list[Aim], begins: str) -> None:
@@ -109,7 +113,7 @@ def test_a_row_says_found_known_and_left() -> None:
 
 
 def test_what_is_not_measured_is_named_with_its_reason() -> None:
-    rows = [_row(Row("backlash", (name,)), MILL, measured=False) for name in "XY"]
+    rows = [_row(RowName("backlash", (name,)), MILL, measured=False) for name in "XY"]
     text = " ".join(screen(_answer("measured", rows), SHOWN).split())
     assert "Not measured: backlash X Y (one reading from the other side: ± 0.84 um)." in text
     far = replace(rows[0], then=None, kind="yaw", unit="urad")

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.answer.line import Line
+from axiscal.answer.axis_line import AxisLine
 from axiscal.description.wants import ABOUT, ANGLES, Kind
 from axiscal.error_model.model import ErrorModel
 from axiscal.machine.axis import Axis, letter_direction
@@ -84,7 +84,7 @@ def direction_of(kind: Kind, axis: Axis, across: str = "") -> int:
     return letter_direction(across) if across else own
 
 
-def functional(kind: Kind, lines: Sequence[Line], machine: Machine, ways: Sequence[int]) -> Functional:
+def functional(kind: Kind, lines: Sequence[AxisLine], machine: Machine, ways: Sequence[int]) -> Functional:
     """Return the row of a kind along lines.  ways : the direction that counts on each of them"""
     if kind == "squareness":
         return _squareness(lines, machine, ways)
@@ -95,27 +95,27 @@ def functional(kind: Kind, lines: Sequence[Line], machine: Machine, ways: Sequen
     return replace(found, angular=kind in ANGLES or machine.axes[line.axis].rotary)
 
 
-def _positioning(line: Line, way: int) -> Functional:
+def _positioning(line: AxisLine, way: int) -> Functional:
     count = 2 * len(line.poses)
     return _two_sided(line, line.poses, np.eye(count) - 1 / count, way)
 
 
-def _backlash(line: Line, way: int) -> Functional:
+def _backlash(line: AxisLine, way: int) -> Functional:
     poses = line.at(line.both) if line.both else line.poses
     share = np.full((1, len(poses)), 1 / len(poses))
     return _two_sided(line, poses, np.hstack([share, -share]), way)
 
 
-def _straightness(line: Line, way: int) -> Functional:
+def _straightness(line: AxisLine, way: int) -> Functional:
     ramp = _ramp(line.positions)
     return _resting(line.poses, np.eye(len(ramp)) - ramp @ np.linalg.pinv(ramp), way)
 
 
-def _angle(line: Line, way: int) -> Functional:
+def _angle(line: AxisLine, way: int) -> Functional:
     return _resting(line.poses, np.eye(len(line.poses)) - 1 / len(line.poses), way)
 
 
-def _squareness(lines: Sequence[Line], machine: Machine, ways: Sequence[int]) -> Functional:
+def _squareness(lines: Sequence[AxisLine], machine: Machine, ways: Sequence[int]) -> Functional:
     """Return the slopes of both paths over where the tool goes, added.  ways : of each line along the other's axis"""
     weights = list[Array]()
     for line, way, along in zip(lines, ways, reversed(ways), strict=True):
@@ -125,7 +125,7 @@ def _squareness(lines: Sequence[Line], machine: Machine, ways: Sequence[int]) ->
     return Functional(poses, np.zeros_like(poses), np.concatenate(weights, axis=1))
 
 
-def _turning(line: Line, machine: Machine, *, angular: bool) -> Functional:
+def _turning(line: AxisLine, machine: Machine, *, angular: bool) -> Functional:
     """Return e of the best fit d ≈ c + T e, two numbers across the axis."""
     tools = frames(machine, line.poses).tool
     turns = tools @ tools[0].T
@@ -135,7 +135,7 @@ def _turning(line: Line, machine: Machine, *, angular: bool) -> Functional:
     return Functional(line.poses, np.zeros_like(line.poses), weights, angular, dimensions=2)
 
 
-_ALONG_ONE: dict[Kind, Callable[[Line, int], Functional]] = {
+_ALONG_ONE: dict[Kind, Callable[[AxisLine, int], Functional]] = {
     "positioning": _positioning,
     "backlash": _backlash,
     "straightness": _straightness,
@@ -155,7 +155,7 @@ def _resting(poses: Array, weights: Array, way: int) -> Functional:
     return Functional(poses, np.zeros_like(poses), _towards(weights, way))
 
 
-def _two_sided(line: Line, poses: Array, weights: Array, way: int) -> Functional:
+def _two_sided(line: AxisLine, poses: Array, weights: Array, way: int) -> Functional:
     """Return a row of the deviations from + and, after them, from −.  weights : (k, 2 m)"""
     sides = np.zeros((2 * len(poses), poses.shape[1]))
     sides[: len(poses), line.axis], sides[len(poses) :, line.axis] = 1.0, -1.0

@@ -14,13 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.accuracy.expanded import expanded, expanded_floor, reach
-from axiscal.answer.asked import Asked, asked_rows
+from axiscal.answer.asked import AskedRow, asked_rows
+from axiscal.answer.axis_line import AxisLine
 from axiscal.answer.functional import Functional
-from axiscal.answer.line import Line
 from axiscal.answer.one_more import with_one_more
 from axiscal.compensation.effect import Control, left_by, rms, tour
 from axiscal.compensation.offer import POSES, spread_poses, unknown_rms
-from axiscal.description.wants import Row, Want
+from axiscal.description.wants import RowName, Want
 from axiscal.error_model.volume import Counted
 from axiscal.estimation.bands import Banded
 from axiscal.estimation.estimation import Estimation
@@ -33,7 +33,7 @@ _MEASURED = 0.5
 
 
 @dataclass(frozen=True)
-class Answered:
+class AnsweredRow:
     """A row of an answer, all sizes m or rad.
 
     angular : they are rad
@@ -45,7 +45,7 @@ class Answered:
     lines : where it holds
     """
 
-    row: Row
+    row: RowName
     angular: bool
     found: float
     largest: float
@@ -55,7 +55,7 @@ class Answered:
     left: Mapping[str, float]
     limit: float | None
     measured: bool
-    lines: tuple[Line, ...] = ()
+    lines: tuple[AxisLine, ...] = ()
     then: float | None = None
 
     @property
@@ -65,7 +65,7 @@ class Answered:
 
 
 @one_thread()
-def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[Answered, ...]:
+def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[AnsweredRow, ...]:
     """Return the rows of a campaign.  controls : what the tables of each control that is offered do"""
     asked = asked_rows(known.stated.description, known.readings)
     found = [
@@ -82,12 +82,12 @@ def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[Answer
     )
 
 
-def _unturned(row: Answered) -> bool:
+def _unturned(row: AnsweredRow) -> bool:
     """Return whether a backlash is not measured although its axis was read."""
     return row.row.kind == "backlash" and not row.measured and row.lines[0].read > 0
 
 
-def _row(asked: Asked, functional: Functional, known: Estimation, controls: Mapping[str, Control]) -> Answered:
+def _row(asked: AskedRow, functional: Functional, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
     """Return a row along lines."""
     estimate, wide = known.estimate(), known.banded
     errors = wide.case.errors
@@ -104,7 +104,7 @@ def _row(asked: Asked, functional: Functional, known: Estimation, controls: Mapp
         }
     found = _squares(functional, at) + variances
     before, u = reach(functional.spectra(errors, wide.case.prior.factor)), reach(spectra)
-    return Answered(
+    return AnsweredRow(
         asked.want.row,
         functional.angular or asked.want.row.kind == "squareness",
         found=float(np.sqrt(np.mean(found))),
@@ -129,7 +129,7 @@ def _squares(functional: Functional, row: Array) -> Array:
     return squares
 
 
-def _volume(want: Want, known: Estimation, controls: Mapping[str, Control]) -> Answered:
+def _volume(want: Want, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
     """Return the row of the volume: U is the one that a report begins with."""
     estimate, wide = known.estimate(), known.banded.case
     sample = estimate.sample
@@ -144,7 +144,7 @@ def _volume(want: Want, known: Estimation, controls: Mapping[str, Control]) -> A
 
     here = estimate.deviation(*where)
     u = expanded_uncertainty(known)
-    return Answered(
+    return AnsweredRow(
         want.row,
         angular=False,
         found=size(here),

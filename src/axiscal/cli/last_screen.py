@@ -11,9 +11,9 @@ from axiscal.campaign.ending import count_reached
 from axiscal.estimation.estimation import Estimation
 from axiscal.guide.stopping import results_beside
 from axiscal.language.spoken import said
-from axiscal.report.answer import Answer
-from axiscal.report.answering import answer_of
-from axiscal.report.screen import Shown, screen
+from axiscal.report.answer import ResultAnswer
+from axiscal.report.answer_of_campaign import answer_of
+from axiscal.report.screen import ScreenContext, screen
 from axiscal.report.summarising import agreement_of
 from axiscal.report.summary import Summary
 
@@ -24,7 +24,7 @@ def written_screen(summary: Summary, campaign: Campaign, record: Path, out: Path
     commands = _after_the_end(summary, campaign, record, out)
     report = str(out / "report.pdf")
     left_out = len(summary.rejected)
-    shown = Shown(summary.readings, left_out, summary.agreement, summary.withheld, commands, report)
+    shown = ScreenContext(summary.readings, left_out, summary.agreement, summary.withheld, commands, report)
     return screen(summary.answer, shown)
 
 
@@ -33,7 +33,7 @@ def standing_screen(campaign: Campaign, known: Estimation) -> str:
     answer, agreement = answer_of(campaign, known, {}), agreement_of(known)
     refused = sum(doubt.rejected for doubt in known.outliers)
     commands = _under_way(campaign, answer)
-    return screen(answer, Shown(len(known.readings), refused, agreement, known.agreement.withheld, commands))
+    return screen(answer, ScreenContext(len(known.readings), refused, agreement, known.agreement.withheld, commands))
 
 
 def _after_the_end(summary: Summary, campaign: Campaign, record: Path, out: Path) -> Sequence[str]:
@@ -49,7 +49,7 @@ def _after_the_end(summary: Summary, campaign: Campaign, record: Path, out: Path
     return [said("load {folder} (README.txt there), then", folder=str(folder)), verify]
 
 
-def _under_way(campaign: Campaign, answer: Answer) -> Sequence[str]:
+def _under_way(campaign: Campaign, answer: ResultAnswer) -> Sequence[str]:
     """Return how to go on; of one that has ended, how to write its results again."""
     going_on = answer.verdict in ("more", "contradict", "nothing") and campaign.state.finished is None
     if going_on:

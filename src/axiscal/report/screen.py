@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from axiscal.description.wants import Kind
 from axiscal.language.spoken import counted, later, listed, put, said
-from axiscal.report.answer import Aim, Answer, AnswerRow, Verdict
+from axiscal.report.answer import Aim, AnswerRow, ResultAnswer, Verdict
 from axiscal.report.promises import ReadingAgreement
 
 LINES, WIDTH = 14, 80
@@ -45,7 +45,7 @@ _AIMS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class ScreenContext:
     """What a screen shows beside the answer.
 
     readings : number taken; refused : of them left out; withheld : no uncertainty is printed
@@ -60,7 +60,7 @@ class Shown:
     report: str = ""
 
 
-def screen(answer: Answer, shown: Shown) -> str:
+def screen(answer: ResultAnswer, shown: ScreenContext) -> str:
     """Return the screen in the language that is spoken."""
     silent = [] if shown.agreement.contradict else [row for row in answer.rows if not row.measured]
     first, last = list(_first(answer, shown)), [*_agreeing(shown), *_silent(silent), *_ending(shown)]
@@ -70,7 +70,7 @@ def screen(answer: Answer, shown: Shown) -> str:
     return "\n".join([*first, *_table(groups, room), *last])
 
 
-def _first(answer: Answer, shown: Shown) -> Iterator[str]:
+def _first(answer: ResultAnswer, shown: ScreenContext) -> Iterator[str]:
     """Yield what became of what was asked for, with the readings and minutes it took."""
     if answer.verdict == "more":
         coming = math.ceil(answer.more_minutes)
@@ -89,7 +89,7 @@ def _first(answer: Answer, shown: Shown) -> Iterator[str]:
     yield from [whole] if len(whole) <= WIDTH else [verdict, f"  {below}"]
 
 
-def _aims(answer: Answer) -> str:
+def _aims(answer: ResultAnswer) -> str:
     """Return the figure that decides: of what is missing the farthest, else of what is reached the nearest."""
     volume = [aim for aim in answer.aims if aim.name in _AIMS]
     best = [min(volume, key=lambda aim: aim.now / aim.limit)] if volume else []
@@ -184,7 +184,7 @@ def _by_kind(rows: Sequence[AnswerRow]) -> list[list[AnswerRow]]:
     return list(groups.values())
 
 
-def _agreeing(shown: Shown) -> list[str]:
+def _agreeing(shown: ScreenContext) -> list[str]:
     found = shown.agreement
     if not found.count:
         return []
@@ -225,7 +225,7 @@ def _within(size: float, unit: str) -> str:
     return put("±\xa0{size}\xa0{unit}", size=_digits(size), unit=unit)
 
 
-def _ending(shown: Shown) -> Iterator[str]:
+def _ending(shown: ScreenContext) -> Iterator[str]:
     """Yield the commands under each other, and the report."""
     words = {said("Next"): shown.commands, said("Report"): [shown.report] if shown.report else []}
     width = max(len(word) for word in words)

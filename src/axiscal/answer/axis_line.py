@@ -27,7 +27,7 @@ Seen = tuple[Literal["length", "angle"], int]
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class AxisLine:
     """Where one axis moves alone.
 
     axis : index of it; poses : (n, q) evenly from one end to the other, m or rad
@@ -71,7 +71,7 @@ def seen_by(setup: Setup) -> Seen | None:
     return model_of(setup).reads, along
 
 
-def line_of(setup: Setup, readings: Sequence[Reading], machine: Machine) -> Line:
+def line_of(setup: Setup, readings: Sequence[Reading], machine: Machine) -> AxisLine:
     """Return the line of a set-up that reads one: what was read of it, or may be where nothing was."""
     (axis,) = setup.moves
     mine = [reading for reading in readings if reading.setup == setup.name]
@@ -82,10 +82,10 @@ def line_of(setup: Setup, readings: Sequence[Reading], machine: Machine) -> Line
         stands, ends = np.array(setup.park), setup.span(machine.axes[axis], axis)
     poses = np.tile(stands, (PLACES, 1))
     poses[:, axis] = np.linspace(*ends, PLACES)
-    return Line(axis, poses, setup.name, *_places(mine, axis))
+    return AxisLine(axis, poses, setup.name, *_places(mine, axis))
 
 
-def through_the_volume(description: CampaignDescription, axis: int, readings: Sequence[Reading] = ()) -> Line:
+def through_the_volume(description: CampaignDescription, axis: int, readings: Sequence[Reading] = ()) -> AxisLine:
     """Return the line along, or about, an axis through the middle of the target's volume.
 
     Other rotary axes stand at zero where that is inside.  readings : those count that were taken with others moving
@@ -96,7 +96,7 @@ def through_the_volume(description: CampaignDescription, axis: int, readings: Se
     poses[:, axis] = np.linspace(low[axis], high[axis], PLACES)
     moving = {setup.name for setup in description.setups if axis in setup.moves}
     mine = [reading for reading in readings if reading.setup in moving]
-    return Line(axis, poses, "", *_places(mine, axis))
+    return AxisLine(axis, poses, "", *_places(mine, axis))
 
 
 def _places(readings: Sequence[Reading], axis: int) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:

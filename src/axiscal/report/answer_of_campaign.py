@@ -11,8 +11,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from axiscal.answer.line import Line
-from axiscal.answer.rows import Answered, answered
+from axiscal.answer.axis_line import AxisLine
+from axiscal.answer.rows import AnsweredRow, answered
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import known_to
 from axiscal.compensation.effect import Control
@@ -20,14 +20,14 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.machine.axis import Axis
 from axiscal.measurement.place_texts import shown_pose
 from axiscal.planning.promise import asked
-from axiscal.report.answer import Aim, Answer, AnswerLine, AnswerRow, Verdict
+from axiscal.report.answer import Aim, AnswerLine, AnswerRow, ResultAnswer, Verdict
 from axiscal.units import to_unit
 
 _TARGETS = 5
 """Readings that a line asks for of which there are none: ISO 230-2 wants five targets at least."""
 
 
-def answer_of(campaign: Campaign, known: Estimation, controls: Mapping[str, Control]) -> Answer:
+def answer_of(campaign: Campaign, known: Estimation, controls: Mapping[str, Control]) -> ResultAnswer:
     """Return the answer.  controls : what the tables of each control that is offered do"""
     rows = answered(known, controls)
     volume = [
@@ -44,7 +44,7 @@ def answer_of(campaign: Campaign, known: Estimation, controls: Mapping[str, Cont
     seconds = max(times) if times else known.seconds
     axes = known.stated.description.machine.axes
     shown = [_row(row, axes) for row in rows]
-    return Answer(verdict, shown, [*volume, *lines], more, minutes, to_unit(seconds, "min"), bool(times))
+    return ResultAnswer(verdict, shown, [*volume, *lines], more, minutes, to_unit(seconds, "min"), bool(times))
 
 
 def _verdict(known: Estimation, volume: Sequence[Aim], lines: Sequence[Aim]) -> Verdict:
@@ -87,17 +87,17 @@ def _share(aim: Aim) -> float:
     return max((aim.now**2 - aim.floor**2) / (aim.limit**2 - aim.floor**2) - 1, 0.0)
 
 
-def _aim(row: Answered) -> Aim:
+def _aim(row: AnsweredRow) -> Aim:
     now, limit, floor = (to_unit(size, _unit(row)) for size in (row.known, row.limit or 0.0, row.floor))
     unread = sum(not line.read for line in row.lines)
     return Aim(row.row.name, now, limit, floor, row.measured, unread, _unit(row))
 
 
-def _unit(row: Answered) -> str:
+def _unit(row: AnsweredRow) -> str:
     return "urad" if row.angular else "um"
 
 
-def _row(row: Answered, axes: Sequence[Axis]) -> AnswerRow:
+def _row(row: AnsweredRow, axes: Sequence[Axis]) -> AnswerRow:
     unit = _unit(row)
 
     def shown(size: float) -> float:
@@ -122,7 +122,7 @@ def _row(row: Answered, axes: Sequence[Axis]) -> AnswerRow:
     )
 
 
-def _lines(lines: Sequence[Line], axes: Sequence[Axis]) -> Iterator[AnswerLine]:
+def _lines(lines: Sequence[AxisLine], axes: Sequence[Axis]) -> Iterator[AnswerLine]:
     for line in lines:
         ends = [shown_pose(axes, tuple(pose)) for pose in line.poses[[0, -1]].tolist()]
         name = axes[line.axis].name
