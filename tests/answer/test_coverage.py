@@ -33,6 +33,7 @@ usual = "off"
 sure = "exactly"
 [target]
 readings = 30
+wants = ["positioning X", "backlash X", "straightness X in Y", "straightness Y in X", "squareness XY"]
 [[artefacts]]
 name = "square"
 turned = "1 mrad"
@@ -61,7 +62,7 @@ moves = ["Y"]
 drift = "0 um/h"
 """
 CASE = Case(campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m"))
-MACHINES = 40
+MACHINES = 30
 
 
 def _read(drawn: VirtualMachine, seed: int) -> list[Reading]:
@@ -86,11 +87,8 @@ def test_truth_lies_inside_u_as_often_as_it_says() -> None:
         known = concluded(CASE, _read(drawn, seed))
         asked = asked_rows(CASE.description, known.readings)
         for each, row in zip(asked, answered(known, {}), strict=True):
-            if each.map is None:
-                continue
+            assert each.map is not None
             where = each.map.poses, each.map.sides
             missed = each.map.of(drawn.deviation(*where) - known.estimate().deviation(*where))
             inside.setdefault(row.row.name, []).append(float(np.mean(np.abs(missed) <= row.known)))
-    print({k: (np.mean(v), np.std(v)) for k, v in inside.items()})
-    assert set(inside) == {"positioning X", "backlash X", "straightness X in Y", "straightness Y in X", "squareness XY"}
     assert np.mean([np.mean(each) for each in inside.values()]) == pytest.approx(0.95, abs=0.03)

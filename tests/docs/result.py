@@ -99,7 +99,7 @@ class RejectedReading(Fields):
 class Warning(Fields):
     """An entry of `warnings`."""
 
-    code: str = Field(description="accepted, aliasing, prior-misfit, drift, outlier, unobservable, …")
+    code: str = Field(description="aliasing, prior-misfit, drift, outlier, unobservable, …")
     error: str | None = Field(description="the error it is about")
     text: str = Field(description="in words")
 
@@ -149,34 +149,6 @@ class VolumeValue(Fields):
     controller: str = Field(description="the control whose tables these are")
 
 
-class LineValue(Fields):
-    """An entry of `lines`: where one axis moves alone."""
-
-    setup: str = Field(description="the set-up that reads there, empty for none")
-    axis: str = Field(description="the axis that moves")
-    ends: list[float] = Field(description="its coordinates at both ends, mm or deg")
-    at: dict[str, float] | None = Field(description="where the other axes stand")
-    places: dict[str, int] = Field(description="how many places are read from `+`, from `-`, and from `both`")
-
-
-class RowValue(Fields):
-    """An entry of `rows`: one figure that a machine is judged by."""
-
-    row: str = Field(description="its name, such as positioning X")
-    unit: str = Field(description="um or urad")
-    found: float = Field(description="what was found")
-    largest: float = Field(description="the largest that it may be")
-    known_to: float = Field(description="expanded uncertainty, 95 %")
-    known_before: float = Field(description="the same before any reading")
-    floor: float = Field(description="what endless readings leave of it")
-    left: dict[str, float] = Field(description="what the files of a control leave, by control")
-    limit: float | None = Field(description="the limit asked for")
-    reached: bool | None = Field(description="whether that is reached; null where none is set")
-    measured: bool = Field(description="whether readings tell of it")
-    one_more: float | None = Field(description="what it would be known to after one reading from the other side")
-    lines: list[LineValue] = Field(description="the lines that it is evaluated along")
-
-
 class TableValue(Fields):
     """An entry of `tables`; effects are of all files of the control together."""
 
@@ -190,6 +162,34 @@ class TableValue(Fields):
     left_out: str = Field(description="what they leave, or why there are none, in words")
 
 
+class RowLine(Fields):
+    """An entry of `lines`: where a row holds."""
+
+    setup: str = Field(description="the set-up that reads there, empty for none")
+    axis: str = Field(description="the axis that moves")
+    ends: list[float] = Field(description="from where to where, mm or deg")
+    at: dict[str, float] | None = Field(description="where the other axes stand, mm or deg")
+    places: dict[str, int] = Field(description="places read from `+`, from `-` and from `both`")
+
+
+class RowValue(Fields):
+    """An entry of `rows`: what was found of the machine, how well it is known, and what tables leave; in `unit`."""
+
+    row: str = Field(description="such as `positioning X`, `squareness XY`, `volume`")
+    unit: str = Field(description="um or urad")
+    found: float = Field(description="RMS of the error over its places, √(estimate² + u²)")
+    largest: float = Field(description="the same at the place where it is largest")
+    known_to: float = Field(description="U: 95 % of what is not known is smaller")
+    known_before: float = Field(description="U before the first reading, at the sizes as learnt")
+    floor: float = Field(description="U that endless readings would leave")
+    left: dict[str, float] = Field(description="by control, what its tables leave, √(left² + u²)")
+    limit: float | None = Field(description="what `known_to` is to be; null where `wants` gives none")
+    reached: bool | None = Field(description="whether it is; null without a limit")
+    measured: bool = Field(description="whether `known_to` is at most half of `known_before`; a volume that was read")
+    one_more: float | None = Field(description="`known_to` after one reading from the other side, of a backlash")
+    lines: list[RowLine] = Field(description="where it holds; empty of the volume")
+
+
 class Result(Fields):
     """The document."""
 
@@ -199,7 +199,6 @@ class Result(Fields):
     minutes: float = Field(description="machine time")
     stopped_because: str = Field(description="why the campaign ended, in words")
     agreement: AgreementValue = Field(description="whether the readings agree with each other")
-    rows: list[RowValue] = Field(description="figures of the machine; none where U is withheld")
     U_um: float | None = Field(
         description="expanded uncertainty of the tool point in space over the volume: no farther off with 95 %; it and "
         "those down to `worst_um` are null where readings contradict each other and no mistake explains it"
@@ -238,6 +237,7 @@ class Result(Fields):
     observability: list[str] = Field(description="what cannot be seen, in plain sentences")
     rejected: list[RejectedReading] = Field(description="readings not believed, and why")
     warnings: list[Warning] = Field(description="what is to be minded")
+    rows: list[RowValue] = Field(description="the answer, row by row; empty where no uncertainty is printed")
     tables: list[TableValue] = Field(description="files that were written for controls, and what they leave")
     versions: dict[str, str] = Field(description="of axiscal and of what it computes with")
     record: dict[str, int | str] | None = Field(
@@ -249,13 +249,7 @@ def page() -> str:
     """Return the page: a table for each kind of object."""
     tables = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading, AgreementValue)
     return "\n".join(
-        [
-            _HEAD,
-            *(
-                _table(each)
-                for each in (*tables, RowValue, LineValue, MistakeValue, BudgetSource, VolumeValue, Warning, TableValue)
-            ),
-        ]
+        [_HEAD, *(_table(each) for each in (*tables, MistakeValue, BudgetSource, VolumeValue, Warning, RowValue, RowLine, TableValue))]
     )
 
 

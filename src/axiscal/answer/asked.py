@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from axiscal.answer.axis_line import AxisLine, line_of, seen_by, through_the_volume
 from axiscal.answer.functional import Functional, direction_of, functional
-from axiscal.answer.line import Line, line_of, seen_by, through_the_volume
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.wants import ANGLES, Row, Want
+from axiscal.description.wants import ABOUT, ANGLES, RowName, Want
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.measurement.reading import Reading
 
@@ -16,27 +16,27 @@ _LETTERS = "XYZ"
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class AskedRow:
     """A row with the lines it is about; map : None of the volume."""
 
     want: Want
-    lines: tuple[Line, ...] = ()
+    lines: tuple[AxisLine, ...] = ()
     map: Functional | None = None
 
 
-def asked_rows(description: CampaignDescription, readings: Sequence[Reading]) -> list[Asked]:
+def asked_rows(description: CampaignDescription, readings: Sequence[Reading]) -> list[AskedRow]:
     """Return the rows of a campaign with their lines, in the order in which they are asked for."""
     lines = _lines(description, readings)
-    wants = description.target.wants or [Want(row) for row in (*_answered(description, lines), Row("volume"))]
+    wants = description.target.wants or [Want(row) for row in (*_answered(description, lines), RowName("volume"))]
     return [_asked(want, description, lines) for want in wants]
 
 
-def _lines(description: CampaignDescription, readings: Sequence[Reading]) -> dict[Row, Line]:
+def _lines(description: CampaignDescription, readings: Sequence[Reading]) -> dict[RowName, AxisLine]:
     """Return the line of each row that a set-up reads, of several set-ups that with the most places read.
 
     A set-up of which nothing was read counts before the first reading only.
     """
-    machine, found = description.machine, dict[Row, Line]()
+    machine, found = description.machine, dict[RowName, AxisLine]()
     used = {reading.setup for reading in readings} or {setup.name for setup in description.setups}
     for setup in description.setups:
         if setup.name not in used or (seen := seen_by(setup)) is None:
@@ -45,49 +45,54 @@ def _lines(description: CampaignDescription, readings: Sequence[Reading]) -> dic
         for row in _rows_seen(machine.axes[line.axis], *seen):
             if row not in found or line.read > found[row].read:
                 found[row] = line
+    turned = {axis for setup in description.setups if setup.name in used for axis in setup.moves}
+    for axis in sorted(turned):
+        if machine.axes[axis].rotary:
+            line = through_the_volume(description, axis, readings)
+            found |= {RowName(kind, (machine.axes[axis].name,)): line for kind in ABOUT}
     return found
 
 
-def _rows_seen(axis: Axis, reads: str, way: int) -> Iterator[Row]:
+def _rows_seen(axis: Axis, reads: str, way: int) -> Iterator[RowName]:
     """Yield the rows that a set-up answers which moves one axis and reads along, or about, a direction."""
     along = not axis.rotary if reads == "length" else axis.rotary
     if along and letter_direction(axis.letter) == way:
-        yield from (Row("positioning", (axis.name,)), Row("backlash", (axis.name,)))
+        yield from (RowName("positioning", (axis.name,)), RowName("backlash", (axis.name,)))
     elif along and not axis.rotary:
-        yield Row("straightness", (axis.name, _LETTERS[way]))
+        yield RowName("straightness", (axis.name, _LETTERS[way]))
     elif reads == "angle":
-        yield from (Row(kind, (axis.name,)) for kind in ANGLES if direction_of(kind, axis) == way)
+        yield from (RowName(kind, (axis.name,)) for kind in ANGLES if direction_of(kind, axis) == way)
 
 
-def _answered(description: CampaignDescription, lines: dict[Row, Line]) -> Iterator[Row]:
+def _answered(description: CampaignDescription, lines: dict[RowName, AxisLine]) -> Iterator[RowName]:
     """Yield the rows that lines answer: of two straightnesses that face each other the squareness, too."""
     straight = {row.axes for row in lines if row.kind == "straightness"}
     yield from lines
     for first, second in sorted(straight):
         if first < second and (second, first) in straight:
-            yield Row("squareness", (first, second))
+            yield RowName("squareness", (first, second))
 
 
-def _asked(want: Want, description: CampaignDescription, lines: dict[Row, Line]) -> Asked:
+def _asked(want: Want, description: CampaignDescription, lines: dict[RowName, AxisLine]) -> AskedRow:
     row, machine = want.row, description.machine
     if row.kind == "volume":
-        return Asked(want)
+        return AskedRow(want)
     axes = [machine.axis(name) for name in row.axes]
     if row.kind == "squareness":
         names = [row.axes, row.axes[::-1]]
         ways = [letter_direction(axis.letter) for axis in reversed(axes)]
-        chosen = [_line(description, lines, Row("straightness", (one, other))) for one, other in names]
+        chosen = [_line(description, lines, RowName("straightness", (one, other))) for one, other in names]
     else:
-        ways = [direction_of(row.kind, axes[0], *row.axes[1:])]
+        ways = [] if row.kind in ABOUT else [direction_of(row.kind, axes[0], *row.axes[1:])]
         chosen = [_line(description, lines, row)]
-    return Asked(want, tuple(chosen), functional(row.kind, chosen, machine, ways))
+    return AskedRow(want, tuple(chosen), functional(row.kind, chosen, machine, ways))
 
 
-def _line(description: CampaignDescription, lines: dict[Row, Line], row: Row) -> Line:
+def _line(description: CampaignDescription, lines: dict[RowName, AxisLine], row: RowName) -> AxisLine:
     """Return the line of a row: its own, else any along the same axis as if nothing was read, else one through all."""
     if row in lines:
         return lines[row]
     axis = description.machine.index(row.axes[0])
     others = (line for line in lines.values() if line.axis == axis)
     found = next(others, None)
-    return through_the_volume(description, axis) if found is None else Line(axis, found.poses)
+    return through_the_volume(description, axis) if found is None else AxisLine(axis, found.poses)

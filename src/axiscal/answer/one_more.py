@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from axiscal.answer.line import Line
+from axiscal.answer.axis_line import AxisLine
 from axiscal.estimation.bands import Banded, banded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import posterior_of
@@ -15,7 +15,7 @@ _SOON = 10.0
 """s after it: to go past the place and come back."""
 
 
-def with_one_more(known: Estimation, lines: Sequence[Line]) -> Banded | None:
+def with_one_more(known: Estimation, lines: Sequence[AxisLine]) -> Banded | None:
     """Return what would be known with one reading more of each line; None of no line."""
     found = known.posterior
     if not lines or found is None:
@@ -27,7 +27,7 @@ def with_one_more(known: Estimation, lines: Sequence[Line]) -> Banded | None:
     return banded(known.banded.case, known.knowledge, replace(more, agreement=found.agreement))
 
 
-def _turned(readings: Sequence[Reading], line: Line) -> Reading:
+def _turned(readings: Sequence[Reading], line: AxisLine) -> Reading:
     """Return the last reading of a line as if it came from the other side, with the same value."""
     last = next(reading for reading in reversed(readings) if reading.setup == line.setup)
     sides = tuple(-side if k == line.axis else side for k, side in enumerate(last.approach))

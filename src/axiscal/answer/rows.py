@@ -14,14 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.accuracy.expanded import expanded, expanded_floor, reach
-from axiscal.answer.asked import Asked, asked_rows
+from axiscal.answer.asked import AskedRow, asked_rows
+from axiscal.answer.axis_line import AxisLine
 from axiscal.answer.functional import Functional
-from axiscal.answer.line import Line
 from axiscal.answer.one_more import with_one_more
 from axiscal.compensation.effect import Control, left_by, rms, tour
 from axiscal.compensation.offer import POSES, spread_poses, unknown_rms
-from axiscal.description.wants import Row, Want
-from axiscal.error_model.model import ErrorModel
+from axiscal.description.wants import RowName, Want
 from axiscal.error_model.volume import Counted
 from axiscal.estimation.bands import Banded
 from axiscal.estimation.estimation import Estimation
@@ -34,7 +33,7 @@ _MEASURED = 0.5
 
 
 @dataclass(frozen=True)
-class Answered:
+class AnsweredRow:
     """A row of an answer, all sizes m or rad.
 
     angular : they are rad
@@ -46,7 +45,7 @@ class Answered:
     lines : where it holds
     """
 
-    row: Row
+    row: RowName
     angular: bool
     found: float
     largest: float
@@ -56,7 +55,7 @@ class Answered:
     left: Mapping[str, float]
     limit: float | None
     measured: bool
-    lines: tuple[Line, ...] = ()
+    lines: tuple[AxisLine, ...] = ()
     then: float | None = None
 
     @property
@@ -64,14 +63,9 @@ class Answered:
         """Whether it is known as well as asked for; None where no limit is given."""
         return None if self.limit is None else self.measured and self.known <= self.limit
 
-    @property
-    def reachable(self) -> bool:
-        """Whether endless readings with these set-ups would do; true where no limit is given."""
-        return self.limit is None or self.floor <= self.limit
-
 
 @one_thread()
-def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[Answered, ...]:
+def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[AnsweredRow, ...]:
     """Return the rows of a campaign.  controls : what the tables of each control that is offered do"""
     asked = asked_rows(known.stated.description, known.readings)
     found = [
@@ -88,17 +82,19 @@ def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[Answer
     )
 
 
-def _unturned(row: Answered) -> bool:
+def _unturned(row: AnsweredRow) -> bool:
     """Return whether a backlash is not measured although its axis was read."""
     return row.row.kind == "backlash" and not row.measured and row.lines[0].read > 0
 
 
-def _row(asked: Asked, functional: Functional, known: Estimation, controls: Mapping[str, Control]) -> Answered:
+def _row(asked: AskedRow, functional: Functional, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
     """Return a row along lines."""
     estimate, wide = known.estimate(), known.banded
-    variances = _variances(functional, wide.case.errors, wide.knowledge.belief.factor)
+    errors = wide.case.errors
+    spectra = functional.spectra(errors, wide.knowledge.belief.factor)
+    variances = spectra.sum(axis=1)
     if functional.angular:
-        at, left = functional.rows(wide.case.errors) @ estimate.mean, dict[str, Array]()
+        at, left = functional.rows(errors) @ estimate.mean, dict[str, Array]()
     else:
         where = functional.poses, functional.sides
         at = functional.of(estimate.deviation(*where))
@@ -106,40 +102,34 @@ def _row(asked: Asked, functional: Functional, known: Estimation, controls: Mapp
             name: functional.of(left_by(estimate.machine, estimate.deviation, control, *where))
             for name, control in controls.items()
         }
-    before = reach(_variances(functional, wide.case.errors, wide.case.prior.factor)[:, None])
-    u = reach(variances[:, None])
-    return Answered(
+    found = _squares(functional, at) + variances
+    before, u = reach(functional.spectra(errors, wide.case.prior.factor)), reach(spectra)
+    return AnsweredRow(
         asked.want.row,
         functional.angular or asked.want.row.kind == "squareness",
-        found=_size(at, variances),
-        largest=float(np.sqrt(np.max(at**2 + variances))),
+        found=float(np.sqrt(np.mean(found))),
+        largest=float(np.sqrt(np.max(found))),
         known=u,
         before=before,
-        floor=reach(_variances(functional, wide.case.errors, wide.case.yardstick.left)[:, None]),
-        left={name: _size(each, variances) for name, each in left.items()},
+        floor=reach(functional.spectra(errors, wide.case.yardstick.left)),
+        left={name: float(np.sqrt(np.mean(_squares(functional, each) + variances))) for name, each in left.items()},
         limit=asked.want.limit,
         measured=bool(u <= _MEASURED * before),
         lines=asked.lines,
     )
 
 
-def _u(functional: Functional, wide: Banded) -> float:
-    return reach(_variances(functional, wide.case.errors, wide.knowledge.belief.factor)[:, None])
+def _u(functional: Functional, known: Banded) -> float:
+    return reach(functional.spectra(known.case.errors, known.knowledge.belief.factor))
 
 
-def _variances(functional: Functional, errors: ErrorModel, factor: Array) -> Array:
-    """Return the variances of a row, (k,).  factor : F (n, r) of what is not known, of the errors first"""
-    spread = functional.rows(errors) @ factor[: errors.size]
-    variances: Array = np.sum(spread**2, axis=1) + functional.rests(errors)
-    return variances
+def _squares(functional: Functional, row: Array) -> Array:
+    """Return the squared length of each vector of a row (k,), (k/d,)."""
+    squares: Array = np.sum(row.reshape(-1, functional.dimensions) ** 2, axis=1)
+    return squares
 
 
-def _size(at: Array, variances: Array) -> float:
-    """Return √(estimate² + u²), RMS over the places."""
-    return float(np.sqrt(np.mean(at**2 + variances)))
-
-
-def _volume(want: Want, known: Estimation, controls: Mapping[str, Control]) -> Answered:
+def _volume(want: Want, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
     """Return the row of the volume: U is the one that a report begins with."""
     estimate, wide = known.estimate(), known.banded.case
     sample = estimate.sample
@@ -154,7 +144,7 @@ def _volume(want: Want, known: Estimation, controls: Mapping[str, Control]) -> A
 
     here = estimate.deviation(*where)
     u = expanded_uncertainty(known)
-    return Answered(
+    return AnsweredRow(
         want.row,
         angular=False,
         found=size(here),

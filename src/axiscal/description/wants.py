@@ -13,13 +13,17 @@ from axiscal.machine import Axis, Machine
 from axiscal.machine.axis import letter_direction
 from axiscal.units import Dimension, parse_quantity
 
-Kind = Literal["positioning", "backlash", "straightness", "pitch", "yaw", "roll", "squareness", "volume"]
+Kind = Literal[
+    "positioning", "backlash", "straightness", "pitch", "yaw", "roll", "squareness", "centre", "tilt", "volume"
+]
 """What the tool's path along a line, or its deviation over the volume, is asked about."""
 ANGLES: tuple[Kind, ...] = ("pitch", "yaw", "roll")
+ABOUT: tuple[Kind, ...] = ("centre", "tilt")
+"""Where the line of a rotary axis is, and which way it points."""
 _LETTERS = "XYZ"
 
 
-class Row(NamedTuple):
+class RowName(NamedTuple):
     """A row of an answer: its kind, and the axes it is about by name.
 
     axes : one; of a straightness the axis that moves and the one it deviates along; of a squareness both; else none
@@ -33,40 +37,44 @@ class Row(NamedTuple):
         """The row as a person writes it."""
         if self.kind == "straightness":
             return f"straightness {' in '.join(self.axes)}"
+        if self.kind in ABOUT:
+            return f"{self.kind} of {self.axes[0]}"
         return f"{self.kind} {''.join(self.axes)}".rstrip()
 
 
 class Want(NamedTuple):
     """A row that is asked for, and what it is to be known to, m or rad; None where no limit is given."""
 
-    row: Row
+    row: RowName
     limit: float | None = None
 
 
-def rows_of(machine: Machine) -> list[Row]:
+def rows_of(machine: Machine) -> list[RowName]:
     """Return the rows that can be asked of a machine."""
-    return [*_rows_of(machine.axes), Row("volume")]
+    return [*_rows_of(machine.axes), RowName("volume")]
 
 
-def dimension(row: Row, machine: Machine) -> Dimension:
+def dimension(row: RowName, machine: Machine) -> Dimension:
     """Return whether a row is a length or an angle."""
     if row.kind in ("positioning", "backlash"):
         return machine.axis(row.axes[0]).dimension
-    return "angle" if row.kind == "squareness" or row.kind in ANGLES else "length"
+    return "angle" if row.kind in ("squareness", "tilt", *ANGLES) else "length"
 
 
-def _rows_of(axes: Sequence[Axis]) -> Iterator[Row]:
+def _rows_of(axes: Sequence[Axis]) -> Iterator[RowName]:
     linear = [axis for axis in axes if not axis.rotary]
     square = sorted(axis.name for axis in linear if axis.name in _LETTERS)
     kinds: tuple[Kind, ...] = ("positioning", "backlash")
     for kind in kinds:
-        yield from (Row(kind, (axis.name,)) for axis in axes)
+        yield from (RowName(kind, (axis.name,)) for axis in axes)
     for axis in linear:
         others = [name for name in square if letter_direction(name) != letter_direction(axis.letter)]
-        yield from (Row("straightness", (axis.name, other)) for other in others)
+        yield from (RowName("straightness", (axis.name, other)) for other in others)
     for kind in ANGLES:
-        yield from (Row(kind, (axis.name,)) for axis in linear)
-    yield from (Row("squareness", pair) for pair in combinations(square, 2))
+        yield from (RowName(kind, (axis.name,)) for axis in linear)
+    for kind in ABOUT:
+        yield from (RowName(kind, (axis.name,)) for axis in axes if axis.rotary)
+    yield from (RowName("squareness", pair) for pair in combinations(square, 2))
 
 
 def read_wants(texts: Sequence[str], machine: Machine, document: Document) -> tuple[Want, ...]:
@@ -84,7 +92,7 @@ def read_wants(texts: Sequence[str], machine: Machine, document: Document) -> tu
     return tuple(found)
 
 
-def _want(text: str, known: Mapping[str, Row], machine: Machine) -> Want:
+def _want(text: str, known: Mapping[str, RowName], machine: Machine) -> Want:
     plain = " ".join(text.split()).casefold()
     name = max((each for each in known if f"{plain} ".startswith(f"{each} ")), key=len, default=None)
     if name is None:
@@ -101,7 +109,7 @@ def _want(text: str, known: Mapping[str, Row], machine: Machine) -> Want:
     return Want(row, limit)
 
 
-def _examples(known: Mapping[str, Row]) -> str:
+def _examples(known: Mapping[str, RowName]) -> str:
     firsts = dict[Kind, str]()
     for row in known.values():
         firsts.setdefault(row.kind, row.name)

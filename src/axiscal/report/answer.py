@@ -31,7 +31,7 @@ class AnswerLine:
 
 @dataclass(frozen=True, slots=True)
 class AnswerRow:
-    """A row, in `unit`: fields as of `answer.rows.Answered`."""
+    """A row, in `unit`: fields as of `answer.rows.AnsweredRow`."""
 
     kind: Kind
     axes: Sequence[str]
@@ -60,9 +60,9 @@ class Aim(NamedTuple):
     now: float
     limit: float
     floor: float
-    unit: str
     measured: bool = True
     unread: int = 0
+    unit: str = "um"
 
     @property
     def reached(self) -> bool:
@@ -71,7 +71,7 @@ class Aim(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class ResultAnswer:
     """aims : what is asked for, the accuracies of the volume first
 
     more : readings that would reach it, and more_minutes their machine time; 0 where none are missing

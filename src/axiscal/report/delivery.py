@@ -28,7 +28,7 @@ from axiscal.numerics.spread import even_points
 from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 from axiscal.record.durable import write_whole, written
-from axiscal.report.answering import answer_of
+from axiscal.report.answer_of_campaign import answer_of
 from axiscal.report.calibration_certificate import certificate
 from axiscal.report.data_files import data_files
 from axiscal.report.headline import NOT_KNOWN, effect_words

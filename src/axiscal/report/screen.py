@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from axiscal.description.wants import Kind
 from axiscal.language.spoken import counted, later, listed, put, said
-from axiscal.report.answer import Aim, Answer, AnswerRow, Verdict
+from axiscal.report.answer import Aim, AnswerRow, ResultAnswer, Verdict
 from axiscal.report.promises import ReadingAgreement
 
 LINES, WIDTH = 14, 80
@@ -26,6 +26,8 @@ _KINDS: dict[Kind, str] = {
     "yaw": later("yaw {axes}"),
     "roll": later("roll {axes}"),
     "squareness": later("squareness {axes}"),
+    "centre": later("centre of {axes}"),
+    "tilt": later("tilt of {axes}"),
     "volume": later("volume"),
 }
 _VERDICTS: dict[Verdict, str] = {
@@ -43,7 +45,7 @@ _AIMS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class ScreenContext:
     """What a screen shows beside the answer.
 
     readings : number taken; refused : of them left out; withheld : no uncertainty is printed
@@ -58,23 +60,22 @@ class Shown:
     report: str = ""
 
 
-def screen(answer: Answer, shown: Shown) -> str:
+def screen(answer: ResultAnswer, shown: ScreenContext) -> str:
     """Return the screen in the language that is spoken."""
-    silent = [row for row in answer.rows if not row.measured]
+    silent = [] if shown.agreement.contradict else [row for row in answer.rows if not row.measured]
     first, last = list(_first(answer, shown)), [*_agreeing(shown), *_silent(silent), *_ending(shown)]
+    room = LINES - len(first) - len(last) - 1
     rows = [] if shown.withheld else [row for row in answer.rows if row.measured]
-    fewer = [[row] for row in rows]
-    if len(first) + len(fewer) + len(last) + 1 > LINES:
-        fewer = _by_kind(rows)
-    return "\n".join([*first, *_table(fewer), *last])
+    groups = [[row] for row in rows] if len(rows) <= room else _by_kind(rows)
+    return "\n".join([*first, *_table(groups, room), *last])
 
 
-def _first(answer: Answer, shown: Shown) -> Iterator[str]:
+def _first(answer: ResultAnswer, shown: ScreenContext) -> Iterator[str]:
     """Yield what became of what was asked for, with the readings and minutes it took."""
     if answer.verdict == "more":
-        minutes = math.ceil(answer.more_minutes)
+        coming = math.ceil(answer.more_minutes)
         verdict = counted(
-            "{count} MORE READING, {minutes} MIN", "{count} MORE READINGS, {minutes} MIN", answer.more, minutes=minutes
+            "{count} MORE READING, {coming} MIN", "{count} MORE READINGS, {coming} MIN", answer.more, coming=coming
         )
     else:
         verdict = said(_VERDICTS[answer.verdict])
@@ -84,10 +85,11 @@ def _first(answer: Answer, shown: Shown) -> Iterator[str]:
     aims = "" if answer.verdict == "contradict" else _aims(answer)
     spent = put("{taken}, {time}", taken=taken, time=time)
     whole = "   ".join(part for part in (verdict, aims, spent) if part)
-    yield from [whole] if len(whole) <= WIDTH else [verdict, "   ".join(part for part in ("", aims, spent) if part)[1:]]
+    below = "   ".join(part for part in (aims, spent) if part)
+    yield from [whole] if len(whole) <= WIDTH else [verdict, f"  {below}"]
 
 
-def _aims(answer: Answer) -> str:
+def _aims(answer: ResultAnswer) -> str:
     """Return the figure that decides: of what is missing the farthest, else of what is reached the nearest."""
     volume = [aim for aim in answer.aims if aim.name in _AIMS]
     best = [min(volume, key=lambda aim: aim.now / aim.limit)] if volume else []
@@ -110,36 +112,53 @@ def _aim(aim: Aim) -> str:
     return put("{name} {now} / {limit} {unit}", name=aim.name, **sizes)
 
 
-def _table(rows: Sequence[Sequence[AnswerRow]]) -> Iterator[str]:
-    """Yield a header and a line for each group of rows of one kind."""
-    if not rows:
+def _table(groups: Sequence[Sequence[AnswerRow]], room: int) -> Iterator[str]:
+    """Yield a header and a line for each group of rows, with as many controls as there is width for.
+
+    room : lines below the header; the last group, the volume, stays where some have to go
+    """
+    if not groups:
         return
-    controls = list(dict.fromkeys(name for group in rows for row in group for name in row.left))[:_LEFT]
+    hidden = 0
+    if len(groups) > room:
+        hidden = sum(map(len, groups[room - 2 : -1]))
+        groups = [*groups[: room - 2], groups[-1]]
+    controls = list(dict.fromkeys(name for group in groups for row in group for name in row.left))[:_LEFT]
+    lines = _lines(groups, controls)
+    while controls and max(map(len, lines)) > WIDTH:
+        controls = controls[1:]
+        lines = _lines(groups, controls)
+    yield from lines
+    if hidden:
+        yield counted("  … and {count} row in result.json", "  … and {count} rows in result.json", hidden)
+
+
+def _lines(groups: Sequence[Sequence[AnswerRow]], controls: Sequence[str]) -> list[str]:
     lefts = [said("left: {control}", control=name) if number == 0 else name for number, name in enumerate(controls)]
     cells = [["", said("found"), said("known to"), *lefts]]
-    cells += [[_names(group), _found(group), _known(group), *_left(group, controls)] for group in rows]
+    cells += [[_names(group), _found(group), _known(group), *_left(group, controls)] for group in groups]
     widths = [max(len(line[column]) for line in cells) for column in range(len(cells[0]))]
+    lines = list[str]()
     for name, *others in cells:
         padded = [cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True)]
-        yield "   ".join([f"  {name.ljust(widths[0])}", *padded]).rstrip()
+        lines.append("   ".join([f"  {name.ljust(widths[0])}", *padded]).rstrip())
+    return lines
 
 
 def _names(rows: Sequence[AnswerRow]) -> str:
-    """Return a kind with the axes of all rows."""
-    return said(_KINDS[rows[0].kind], axes=_axes(rows))
-
-
-def _axes(rows: Sequence[AnswerRow]) -> str:
-    if rows[0].kind == "straightness":
-        if len(rows) > 1:
-            return listed(" ", ["".join(row.axes) for row in rows])
-        return said("{axis} in {other}", axis=rows[0].axes[0], other=rows[0].axes[1])
-    return listed(" ", ["".join(row.axes) for row in rows])
+    """Return a kind with the axes of all rows; of several straightnesses the axes that move."""
+    if rows[0].kind == "straightness" and len(rows) == 1:
+        axes = said("{axis} in {other}", axis=rows[0].axes[0], other=rows[0].axes[1])
+    elif rows[0].kind == "straightness":
+        axes = listed(" ", list(dict.fromkeys(row.axes[0] for row in rows)))
+    else:
+        axes = listed(" ", ["".join(row.axes) for row in rows])
+    return said(_KINDS[rows[0].kind], axes=axes)
 
 
 def _found(rows: Sequence[AnswerRow]) -> str:
     low, high = (pick(row.found for row in rows) for pick in (min, max))
-    if len(rows) == 1:
+    if _digits(low) == _digits(high):
         return put("{high} {unit}", high=_digits(high), unit=rows[0].unit)
     return put("{low}-{high} {unit}", low=_digits(low), high=_digits(high), unit=rows[0].unit)
 
@@ -165,12 +184,12 @@ def _by_kind(rows: Sequence[AnswerRow]) -> list[list[AnswerRow]]:
     return list(groups.values())
 
 
-def _agreeing(shown: Shown) -> list[str]:
+def _agreeing(shown: ScreenContext) -> list[str]:
     found = shown.agreement
     if not found.count:
         return []
     if found.contradict:
-        return textwrap.wrap(f"{found.words}.", WIDTH, max_lines=3, placeholder=" …")
+        return _wrapped(f"{found.words}.")
     text = said("Readings agree: {agreeing} of {count}.", agreeing=found.agreeing, count=found.count)
     refused = counted("{count} left out.", "{count} left out.", shown.refused) if shown.refused else ""
     return [f"{text} {refused}".rstrip()]
@@ -182,19 +201,31 @@ def _silent(rows: Sequence[AnswerRow]) -> list[str]:
         return []
     parts = [put("{names} ({why})", names=_names(group), why=_why(group)) for group in _by_kind(rows)]
     text = said("Not measured: {rows}.", rows=listed(", ", parts))
-    return textwrap.wrap(text, WIDTH, max_lines=3, placeholder=" …", break_on_hyphens=False)
+    return [line.replace("\xa0", " ") for line in _wrapped(text)]
+
+
+def _wrapped(text: str) -> list[str]:
+    """Return a sentence in two lines at most."""
+    return textwrap.wrap(text, WIDTH, max_lines=2, placeholder=" …", break_on_hyphens=False)
 
 
 def _why(rows: Sequence[AnswerRow]) -> str:
     then = [row.then for row in rows if row.then is not None]
     if then:
-        size = put("± {size} {unit}", size=_digits(max(then)), unit=rows[0].unit)
-        return said("one reading from the other side brings {size}", size=size)
+        return said("one reading from the other side: {size}", size=_within(max(then), rows[0].unit))
     places = min(line.plus + line.minus - line.both for row in rows for line in row.lines)
-    return counted("{count} place read", "{count} places read", places) if places else said("not read")
+    if not places:
+        return said("not read")
+    size = _within(max(row.known for row in rows), rows[0].unit)
+    return counted("{count} place read: {size}", "{count} places read: {size}", places, size=size)
 
 
-def _ending(shown: Shown) -> Iterator[str]:
+def _within(size: float, unit: str) -> str:
+    """Return a size that no line is broken in."""
+    return put("±\xa0{size}\xa0{unit}", size=_digits(size), unit=unit)
+
+
+def _ending(shown: ScreenContext) -> Iterator[str]:
     """Yield the commands under each other, and the report."""
     words = {said("Next"): shown.commands, said("Report"): [shown.report] if shown.report else []}
     width = max(len(word) for word in words)

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from axiscal.description.particulars import NOTHING_SAID, Particulars
-from axiscal.report.answer import Answer
+from axiscal.report.answer import ResultAnswer
 from axiscal.report.plane_summary import PlaneSummary
 from axiscal.report.promises import NOTHING_READ, Linear, ReadingAgreement, Uncertainty
 from axiscal.report.volume_error import VolumeError
@@ -261,4 +261,4 @@ class Summary:
     checksums: Mapping[str, str] = field(default_factory=dict)
     ended: str = ""
     linear: Linear | None = None
-    answer: Answer | None = None
+    answer: ResultAnswer | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -27,18 +27,17 @@ Seen = tuple[Literal["length", "angle"], int]
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class AxisLine:
     """Where one axis moves alone.
 
     axis : index of it; poses : (n, q) evenly from one end to the other, m or rad
-    setup : the set-up that reads there, "" for none; ways : sides from which it may come
+    setup : the set-up that reads there, "" for none
     plus, minus : places read from either side, m or rad; both : places read from both
     """
 
     axis: int
     poses: Array
     setup: str = ""
-    ways: tuple[int, ...] = (1, -1)
     plus: tuple[float, ...] = ()
     minus: tuple[float, ...] = ()
     both: tuple[float, ...] = ()
@@ -52,7 +51,7 @@ class Line:
     @property
     def read(self) -> int:
         """Number of places read."""
-        return len({*self.plus, *self.minus})
+        return len(self.plus) + len(self.minus) - len(self.both)
 
     def at(self, positions: Sequence[float]) -> Array:
         """Return poses of the line at other positions of the axis, (len, q)."""
@@ -72,7 +71,7 @@ def seen_by(setup: Setup) -> Seen | None:
     return model_of(setup).reads, along
 
 
-def line_of(setup: Setup, readings: Sequence[Reading], machine: Machine) -> Line:
+def line_of(setup: Setup, readings: Sequence[Reading], machine: Machine) -> AxisLine:
     """Return the line of a set-up that reads one: what was read of it, or may be where nothing was."""
     (axis,) = setup.moves
     mine = [reading for reading in readings if reading.setup == setup.name]
@@ -83,20 +82,29 @@ def line_of(setup: Setup, readings: Sequence[Reading], machine: Machine) -> Line
         stands, ends = np.array(setup.park), setup.span(machine.axes[axis], axis)
     poses = np.tile(stands, (PLACES, 1))
     poses[:, axis] = np.linspace(*ends, PLACES)
-    plus, minus = (_places(mine, axis, side) for side in (1, -1))
-    both = tuple(place for place in plus if any(abs(place - other) < _SAME for other in minus))
-    return Line(axis, poses, setup.name, setup.sides, plus, minus, both)
+    return AxisLine(axis, poses, setup.name, *_places(mine, axis))
 
 
-def through_the_volume(description: CampaignDescription, axis: int) -> Line:
-    """Return the line along an axis through the middle of the target's volume, where no set-up reads one."""
-    low, high = np.array(description.target.volume).T
-    poses = np.tile((low + high) / 2, (PLACES, 1))
+def through_the_volume(description: CampaignDescription, axis: int, readings: Sequence[Reading] = ()) -> AxisLine:
+    """Return the line along, or about, an axis through the middle of the target's volume.
+
+    Other rotary axes stand at zero where that is inside.  readings : those count that were taken with others moving
+    """
+    machine, (low, high) = description.machine, np.array(description.target.volume).T
+    zero = np.array([each.rotary for each in machine.axes]) & (low <= 0) & (high >= 0)
+    poses = np.tile(np.where(zero, 0.0, (low + high) / 2), (PLACES, 1))
     poses[:, axis] = np.linspace(low[axis], high[axis], PLACES)
-    return Line(axis, poses)
+    moving = {setup.name for setup in description.setups if axis in setup.moves}
+    mine = [reading for reading in readings if reading.setup in moving]
+    return AxisLine(axis, poses, "", *_places(mine, axis))
 
 
-def _places(readings: Sequence[Reading], axis: int, side: int) -> tuple[float, ...]:
-    """Return the positions read from one side, each once, in rising order."""
-    at = sorted(reading.pose[axis] for reading in readings if reading.approach[axis] == side)
+def _places(readings: Sequence[Reading], axis: int) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
+    """Return the positions read from +, from − and from both, each once, in rising order."""
+    plus, minus = (_once(reading.pose[axis] for reading in readings if reading.approach[axis] == k) for k in (1, -1))
+    return plus, minus, tuple(place for place in plus if any(abs(place - other) < _SAME for other in minus))
+
+
+def _once(positions: Iterable[float]) -> tuple[float, ...]:
+    at = sorted(positions)
     return tuple(here for here, before in zip(at, [-np.inf, *at], strict=False) if here - before > _SAME)

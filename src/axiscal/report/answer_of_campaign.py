@@ -11,8 +11,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from axiscal.answer.line import Line
-from axiscal.answer.rows import Answered, answered
+from axiscal.answer.axis_line import AxisLine
+from axiscal.answer.rows import AnsweredRow, answered
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import known_to
 from axiscal.compensation.effect import Control
@@ -20,18 +20,18 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.machine.axis import Axis
 from axiscal.measurement.place_texts import shown_pose
 from axiscal.planning.promise import asked
-from axiscal.report.answer import Aim, Answer, AnswerLine, AnswerRow, Verdict
+from axiscal.report.answer import Aim, AnswerLine, AnswerRow, ResultAnswer, Verdict
 from axiscal.units import to_unit
 
 _TARGETS = 5
 """Readings that a line asks for of which there are none: ISO 230-2 wants five targets at least."""
 
 
-def answer_of(campaign: Campaign, known: Estimation, controls: Mapping[str, Control]) -> Answer:
+def answer_of(campaign: Campaign, known: Estimation, controls: Mapping[str, Control]) -> ResultAnswer:
     """Return the answer.  controls : what the tables of each control that is offered do"""
     rows = answered(known, controls)
     volume = [
-        Aim(each.name, *(to_unit(size, "um") for size in (known_to(each.name, known), each.limit, each.floor)), "um")
+        Aim(each.name, to_unit(known_to(each.name, known), "um"), to_unit(each.limit, "um"), to_unit(each.floor, "um"))
         for each in asked(known.stated.description.target, known.case.yardstick)
     ]
     lines = [_aim(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
@@ -44,7 +44,7 @@ def answer_of(campaign: Campaign, known: Estimation, controls: Mapping[str, Cont
     seconds = max(times) if times else known.seconds
     axes = known.stated.description.machine.axes
     shown = [_row(row, axes) for row in rows]
-    return Answer(verdict, shown, [*volume, *lines], more, minutes, to_unit(seconds, "min"), bool(times))
+    return ResultAnswer(verdict, shown, [*volume, *lines], more, minutes, to_unit(seconds, "min"), bool(times))
 
 
 def _verdict(known: Estimation, volume: Sequence[Aim], lines: Sequence[Aim]) -> Verdict:
@@ -87,29 +87,42 @@ def _share(aim: Aim) -> float:
     return max((aim.now**2 - aim.floor**2) / (aim.limit**2 - aim.floor**2) - 1, 0.0)
 
 
-def _aim(row: Answered) -> Aim:
+def _aim(row: AnsweredRow) -> Aim:
     now, limit, floor = (to_unit(size, _unit(row)) for size in (row.known, row.limit or 0.0, row.floor))
     unread = sum(not line.read for line in row.lines)
-    return Aim(row.row.name, now, limit, floor, _unit(row), row.measured, unread)
+    return Aim(row.row.name, now, limit, floor, row.measured, unread, _unit(row))
 
 
-def _unit(row: Answered) -> str:
+def _unit(row: AnsweredRow) -> str:
     return "urad" if row.angular else "um"
 
 
-def _row(row: Answered, axes: Sequence[Axis]) -> AnswerRow:
+def _row(row: AnsweredRow, axes: Sequence[Axis]) -> AnswerRow:
     unit = _unit(row)
-    sizes = (row.found, row.largest, row.known, row.before, row.floor)
-    found, largest, known, before, floor = (to_unit(size, unit) for size in sizes)
-    limit, then = (None if size is None else to_unit(size, unit) for size in (row.limit, row.then))
-    left = {name: to_unit(size, unit) for name, size in row.left.items()}
-    about = row.row.kind, row.row.axes, row.row.name, unit
-    lines = list(_lines(row.lines, axes))
-    figures = found, largest, known, before, floor, left, limit
-    return AnswerRow(*about, *figures, row.reached, row.measured, lines, then)
+
+    def shown(size: float) -> float:
+        return to_unit(size, unit)
+
+    return AnswerRow(
+        row.row.kind,
+        row.row.axes,
+        row.row.name,
+        unit,
+        found=shown(row.found),
+        largest=shown(row.largest),
+        known=shown(row.known),
+        before=shown(row.before),
+        floor=shown(row.floor),
+        left={name: shown(size) for name, size in row.left.items()},
+        limit=None if row.limit is None else shown(row.limit),
+        reached=row.reached,
+        measured=row.measured,
+        lines=list(_lines(row.lines, axes)),
+        then=None if row.then is None else shown(row.then),
+    )
 
 
-def _lines(lines: Sequence[Line], axes: Sequence[Axis]) -> Iterator[AnswerLine]:
+def _lines(lines: Sequence[AxisLine], axes: Sequence[Axis]) -> Iterator[AnswerLine]:
     for line in lines:
         ends = [shown_pose(axes, tuple(pose)) for pose in line.poses[[0, -1]].tolist()]
         name = axes[line.axis].name

@@ -1,0 +1,95 @@
+"""Rows that a target asks for: what is understood, and what is refused with its line."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.target import Target
+from axiscal.description.wants import rows_of
+from axiscal.exceptions import InputError
+from axiscal.machine import load_machine
+
+MILL, FIVE = load_machine("three-axis-mill"), load_machine("dmu60")
+CAMPAIGN = """machine = "m"
+[target]
+readings = 5
+{line}
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+"""
+
+
+def _target(line: str, machine: str = MILL.text) -> Target:
+    return campaign_from_texts(CAMPAIGN.format(line=line), "c.toml", machine, "m").target
+
+
+def test_rows_with_limits_and_without() -> None:
+    texts = (
+        '"positioning X 5 um", "Backlash  x", "straightness Y in Z 0.003 mm", "squareness XY 10 urad", "yaw Y 2 arcsec"'
+    )
+    wants = _target(f"wants = [{texts}]").wants
+    assert [want.row.name for want in wants] == [
+        "positioning X",
+        "backlash X",
+        "straightness Y in Z",
+        "squareness XY",
+        "yaw Y",
+    ]
+    assert [want.limit for want in wants] == [5e-6, None, pytest.approx(3e-6), 1e-5, pytest.approx(9.696e-6, rel=1e-3)]
+
+
+def test_a_rotary_axis_has_a_centre_and_is_positioned_by_angles() -> None:
+    text = CAMPAIGN.format(line='wants = ["centre of C 3 um", "tilt of B 9 urad", "positioning C 4 urad"]')
+    text = text.replace('moves = ["X"]', 'moves = ["X"]\npark = { Y = "0 mm", Z = "250 mm" }')
+    wants = campaign_from_texts(text, "c.toml", FIVE.text, "m").target.wants
+    assert [(want.row.kind, want.row.axes, want.limit) for want in wants] == [
+        ("centre", ("C",), 3e-6),
+        ("tilt", ("B",), 9e-6),
+        ("positioning", ("C",), 4e-6),
+    ]
+
+
+def test_every_row_is_understood_by_its_own_name() -> None:
+    names = [row.name for row in rows_of(MILL)]
+    assert len(names) == len(set(names)) == 3 + 3 + 6 + 9 + 3 + 1
+    wants = _target(f"wants = [{', '.join(map(repr, names))}]").wants
+    assert [want.row for want in wants] == rows_of(MILL)
+
+
+def test_a_limit_of_the_volume_is_its_u() -> None:
+    assert _target('wants = ["volume 20 um"]').expanded == 20e-6
+    assert replace(_target('U = "20 um"'), wants=()) == replace(_target('wants = ["volume 20 um"]'), wants=())
+    with pytest.raises(InputError, match="one thing"):
+        _target('U = "20 um"\nwants = ["volume 20 um"]')
+
+
+@pytest.mark.parametrize(
+    ("text", "what", "remedy"),
+    [
+        ("positionning X 5 um", "no row of an answer", 'Perhaps "positioning X" is meant'),
+        ("squareness YX", "no row of an answer", "is meant"),
+        ("hum of the fan", "no row of an answer", 'Ask for rows such as "positioning X"'),
+        ("positioning X 5", "no unit", "12 um"),
+        ("positioning X 5 urad", "is an angle, not a length", "12 um"),
+        ("squareness XY 5 um", "is a length, not an angle", "arcsec"),
+        ("backlash X 0 um", "not above zero", "above zero"),
+        ("centre of C", "no row of an answer", ""),
+    ],
+)
+def test_what_is_wrong_is_refused_at_its_line(text: str, what: str, remedy: str) -> None:
+    with pytest.raises(InputError) as failure:
+        _target(f'wants = [\n  "volume",\n  "{text}",\n]')
+    assert what in failure.value.what
+    assert remedy in failure.value.remedy
+    assert (str(failure.value.file), failure.value.line) == ("c.toml", 6)
+
+
+def test_a_row_is_asked_for_once() -> None:
+    with pytest.raises(InputError, match="twice"):
+        _target('wants = ["backlash X", "backlash X 2 um"]')

@@ -1,0 +1,157 @@
+"""The last screen: its budgets in both languages, and what its first line and its commands are."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.app import run
+from axiscal.description.wants import RowName, dimension, rows_of
+from axiscal.language.spoken import LANGUAGES, speaking
+from axiscal.machine import Machine, load_machine
+from axiscal.report.answer import Aim, AnswerLine, AnswerRow, ResultAnswer, Verdict
+from axiscal.report.promises import ReadingAgreement
+from axiscal.report.screen import LINES, WIDTH, ScreenContext, screen
+from tests.generators.laser_axis import CASE, machine, read
+
+WORDS = 60
+"""Beside the rows."""
+NUMBERS = 3
+"""In a row, beside the columns of what is left."""
+AGREEING = ReadingAgreement(32, 32)
+COMMANDS = ["load demo-out/tables/linuxcnc-volumetric (README.txt there), then", "axiscal verify mill.axiscal"]
+SHOWN = ScreenContext(32, 1, AGREEING, False, COMMANDS, "demo-out/report.pdf")
+MISTAKE = 'the zero of "laser along X" jumped before reading 14 ("laser along X", X = 120 mm, from +). Take it again'
+CONTRADICTING = replace(
+    AGREEING, contradict=True, words=f"The readings contradict each other (p = 1e-09): {MISTAKE}; or {MISTAKE}"
+)
+
+
+def _row(row: RowName, machine: Machine, measured: bool = True, controls: Sequence[str] = ("linuxcnc",)) -> AnswerRow:
+    unit = "urad" if dimension(row, machine) == "angle" else "um"
+    line = AnswerLine("laser", "X", 0.0, 100.0, {"Y": 0.0}, 4, 0, 0)
+    left = dict.fromkeys(controls if unit == "um" else (), 123.4)
+    then = 0.84 if row.kind == "backlash" and not measured else None
+    figures = 234.5, 400.0, 128.9, 300.0, 2.0, left, None, None
+    return AnswerRow(row.kind, row.axes, row.name, unit, *figures, measured, [line], then)
+
+
+def _answer(verdict: Verdict, rows: Sequence[AnswerRow], aims: Sequence[Aim] = ()) -> ResultAnswer:
+    return ResultAnswer(verdict, rows, aims, 123, 56.2, 25.3, clocked=False)
+
+
+EVERYTHING = [
+    (name, measured)
+    for name in ("three-axis-mill", "dmu60")
+    for measured in (lambda kind: True, lambda kind: False, lambda kind: kind != "backlash")
+]
+
+
+@pytest.mark.parametrize("language", sorted(LANGUAGES))
+@pytest.mark.parametrize("verdict", ["measured", "reached", "more", "unreachable", "contradict"])
+@pytest.mark.parametrize("name", ["three-axis-mill", "dmu60"])
+@pytest.mark.parametrize("silent", [(), ("backlash", "yaw"), ("positioning", "straightness", "squareness")])
+def test_the_screen_keeps_its_budgets(language: str, verdict: Verdict, name: str, silent: tuple[str, ...]) -> None:
+    built = load_machine(name)
+    controls = ("linuxcnc", "linuxcnc-volumetric", "heidenhain")
+    rows = [_row(row, built, row.kind not in silent, controls) for row in rows_of(built)]
+    aims = [Aim("rms", 4.9, 5.0, 1.0), Aim("positioning X", 12.0, 5.0, 6.0, measured=False, unread=1)]
+    shown = replace(SHOWN, agreement=CONTRADICTING) if verdict == "contradict" else SHOWN
+    with speaking(language):
+        _within_budgets(screen(_answer(verdict, rows, aims), shown))
+
+
+def _within_budgets(text: str) -> None:
+    lines = text.splitlines()
+    assert len(lines) <= LINES, text
+    assert max(map(len, lines)) <= WIDTH, text
+    rows = [line for line in lines if line.startswith("  ") and "±" in line]
+    beside_rows = [line for line in lines if line not in rows and not line.startswith("    ")]
+    assert sum(bool(re.search(r"[^\W\d_]{2}", word)) for line in beside_rows for word in line.split()) <= WORDS, text
+    for row in rows:
+        beside = row.partition("±")[0] + row.partition("±")[2].split("   ")[0]
+        assert len(re.findall(r"[0-9]+(?:[.,][0-9]+)?", beside)) <= NUMBERS, row
+        assert not re.search(r"[1-9][0-9]*[.,]?[0-9]*[1-9][0-9]*[.,]?[0-9]*[1-9]", row), row
+
+
+MILL = load_machine("three-axis-mill")
+POSITIONING = _row(RowName("positioning", ("X",)), MILL)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "aims", "begins"),
+    [
+        ("measured", [], "MEASURED   32 readings, 25 min planned"),
+        ("reached", [Aim("rms", 4.876, 5.0, 1.0)], "TARGET REACHED   volume 4.88 of 5 um RMS   32 readings"),
+        ("reached", [Aim("U", 8.14, 20.0, 1.0)], "TARGET REACHED   volume 8.1 of 20 um   32 readings"),
+        ("more", [Aim("worst", 7.16, 5.0, 1.0)], "123 MORE READINGS, 57 MIN\n  worst place 7.2 of 5 um   32 readings"),
+        ("unreachable", [Aim("rms", 7.16, 5.0, 6.0)], "CANNOT BE REACHED WITH THESE SET-UPS\n  volume 7.2 of 5 um RMS"),
+        ("contradict", [Aim("rms", 4.0, 5.0, 1.0)], "READINGS CONTRADICT   32 readings"),
+        ("nothing", [], "NO READINGS YET   32 readings"),
+        (
+            "more",
+            [Aim("backlash X", 4, 1, 0), Aim("yaw X", 1, 2, 0)],
+            "123 MORE READINGS, 57 MIN\n  1 of 2 limits: backlash X 4.0 / 1 um",
+        ),
+    ],
+)
+def test_the_first_line_says_what_became_of_the_target(verdict: Verdict, aims: list[Aim], begins: str) -> None:
+    assert screen(_answer(verdict, [POSITIONING], aims), SHOWN).startswith(begins)
+
+
+def test_a_row_says_found_known_and_left() -> None:
+    row = replace(POSITIONING, found=10.23, known=4.87, limit=5.0, reached=True, left={"linuxcnc": 0.6123})
+    text = screen(_answer("measured", [row]), SHOWN)
+    assert re.search(r"positioning X +10 um +± 4\.87 of 5 um +0\.61 um", text)
+    with speaking("de"):
+        assert re.search(r"Positionierung X +10 um +± 4,87 von 5 um", screen(_answer("measured", [row]), SHOWN))
+
+
+def test_what_is_not_measured_is_named_with_its_reason() -> None:
+    rows = [_row(RowName("backlash", (name,)), MILL, measured=False) for name in "XY"]
+    text = " ".join(screen(_answer("measured", rows), SHOWN).split())
+    assert "Not measured: backlash X Y (one reading from the other side: ± 0.84 um)." in text
+    far = replace(rows[0], then=None, kind="yaw", unit="urad")
+    assert "yaw X (4 places read: ± 130 urad)" in screen(_answer("measured", [far]), SHOWN)
+
+
+def test_no_figure_stands_where_uncertainty_is_withheld() -> None:
+    text = screen(_answer("contradict", [POSITIONING]), replace(SHOWN, withheld=True, agreement=CONTRADICTING))
+    assert "±" not in text
+    assert "The readings contradict each other" in text
+
+
+def _record(folder: Path) -> Path:
+    path = folder / "axis.axiscal"
+    with Campaign.create(path, CASE.description) as campaign:
+        campaign.adopt(tuple(read(machine(3), 12)))
+    return path
+
+
+def test_status_and_finish_show_it_and_its_commands_work(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record = _record(tmp_path)
+    assert run(["status", str(record)]) == 0
+    _says(capsys.readouterr().out, "")
+    assert run(["finish", str(record), "--out", str(tmp_path / "out")]) == 0
+    text = capsys.readouterr().out
+    assert f"Report  {tmp_path}/out/report.pdf" in text
+    short = _says(text, str(tmp_path))
+    for command in re.findall(r"^(?:Next)? +axiscal (.+)$", text, re.MULTILINE):
+        assert run(command.split() if "measure" not in command else ["next", str(record)]) == 0, command
+    capsys.readouterr()
+    assert run(["finish", str(record), "--out", str(tmp_path / "out"), "--details"]) == 0
+    long = capsys.readouterr().out
+    assert len(long.split()) > 2 * len(short.split())
+    assert "Expanded" in long or "U = " in long
+
+
+def _says(text: str, folder: str) -> str:
+    """Return the screen with short paths, within its budgets."""
+    short = text.replace(f"{folder}/", "") if folder else re.sub(r"\S*/", "", text)
+    _within_budgets(short)
+    return short
