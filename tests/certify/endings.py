@@ -95,7 +95,7 @@ def _refuted(campaign: Campaign, source: SimulatedSource, more: int) -> bool:
         answer = source.read(campaign.request(place))
         assert not isinstance(answer, Skip)
         campaign.record(answer.value, answer.std, others=answer.others, live=answer.live)
-    known = campaign.ruled().accuracy
+    known = campaign.concluded().accuracy
     return any(known.rms <= each.limit for each in asked(campaign.description.target, campaign.case().yardstick))
 
 

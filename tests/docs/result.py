@@ -99,7 +99,7 @@ class RejectedReading(Fields):
 class Warning(Fields):
     """An entry of `warnings`."""
 
-    code: str = Field(description="aliasing, prior-misfit, drift, outlier, unobservable, …")
+    code: str = Field(description="accepted, aliasing, prior-misfit, drift, outlier, unobservable, …")
     error: str | None = Field(description="the error it is about")
     text: str = Field(description="in words")
 
@@ -249,7 +249,13 @@ def page() -> str:
     """Return the page: a table for each kind of object."""
     tables = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading, AgreementValue)
     return "\n".join(
-        [_HEAD, *(_table(each) for each in (*tables, MistakeValue, BudgetSource, VolumeValue, Warning, RowValue, RowLine, TableValue))]
+        [
+            _HEAD,
+            *(
+                _table(each)
+                for each in (*tables, MistakeValue, BudgetSource, VolumeValue, Warning, RowValue, RowLine, TableValue)
+            ),
+        ]
     )
 
 

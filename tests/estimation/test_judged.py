@@ -13,7 +13,7 @@ from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case, Rival
 from axiscal.estimation.displayed import displayed
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.judged import Judged, judged, judged_at_once
+from axiscal.estimation.judged import judged
 from axiscal.estimation.machine_estimate import Estimate, rest_means
 from axiscal.estimation.membership import membership
 from axiscal.estimation.zero_drift import paths
@@ -38,48 +38,26 @@ def with_slips(count: int, slips: dict[int, float]) -> list[Reading]:
     return [replace(r, value=r.value + slips.get(i, 0.0)) for i, r in enumerate(read(machine(2), count))]
 
 
-@pytest.mark.parametrize("together", [1, 3, 20])
-def test_a_reading_that_cannot_be_is_judged_by_those_before_it_however_they_come(together: int) -> None:
-    readings, known = with_slips(20, {7: 1e-3, 13: -2e-3}), Judged.none(CASE)
-    for stop in range(together, 20 + together, together):
-        known = judged(readings[:stop], known)
-    assert list(known.implausible) == [7, 13]
+def test_a_reading_that_cannot_be_is_told_by_the_others() -> None:
+    known = judged(CASE, with_slips(20, {0: 2e-3, 7: 1e-3, 13: -2e-3}))
+    assert list(known.implausible) == [0, 7, 13]
     for index, doubt in known.implausible.items():
         assert (doubt.reading, doubt.implausible, doubt.rejected) == (index, True, True)
-        assert doubt.surprise == known.plausibility.sizes[index] > 12
+        assert doubt.surprise > 12
     assert len(known.plausibility.sizes) == 20
-    assert list(judged_at_once(CASE, readings).implausible) == [7, 13]
 
 
 def test_one_that_somebody_insists_on_is_believed() -> None:
     readings = with_slips(20, {7: 8e-4})
     readings[7] = replace(readings[7], accepted=True)
-    assert judged(readings, Judged.none(CASE)).implausible == {}
-    assert judged_at_once(CASE, readings).implausible == {}
-
-
-def test_a_wrong_first_reading_is_found_once_all_are_there() -> None:
-    """While it is the only one the zero, open by a millimetre, may be anywhere; then it is far from all others."""
-    readings = with_slips(20, {0: 2e-3})
-    assert judged(readings[:1], Judged.none(CASE)).implausible == {}
-    assert list(judged_at_once(CASE, readings).implausible) == [0]
+    assert judged(CASE, readings).implausible == {}
 
 
 def test_errors_that_are_to_be_learnt_may_be_four_times_as_large() -> None:
     """A reading 40 of their stds away: no error of the stated size makes it, one that is four times as large does."""
-    sure, learning = case_with(head='sure = "well"'), CASE
     readings = with_slips(20, {11: 400e-6})
-    assert list(judged(readings, Judged.none(sure)).implausible) == [11]
-    assert judged(readings, Judged.none(learning)).implausible == {}
-    (stated, wide) = (Judged.none(each).plausibility.covariance for each in (sure, learning))
-    assert wide == pytest.approx(16 * stated)
-
-
-def test_what_was_inherited_is_what_readings_are_judged_by() -> None:
-    size = CASE.errors.size
-    mean = np.linspace(1e-6, 9e-6, size)
-    assert np.array_equal(Judged.none(replace(CASE, inherited=Inherited(mean, np.eye(size)))).plausibility.mean, mean)
-    assert not Judged.none(CASE).plausibility.mean.any()
+    assert list(judged(case_with(head='sure = "well"'), readings).implausible) == [11]
+    assert judged(CASE, readings).implausible == {}
 
 
 def test_readings_of_a_fine_display_are_left_as_they_are() -> None:

@@ -14,7 +14,7 @@ from axiscal.accuracy.yardstick import Accuracy
 from axiscal.belief import Belief, Innovations
 from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.estimate import concluded
 from axiscal.estimation.history import path
 from axiscal.estimation.updating import blocks
 from axiscal.exceptions import ShapeError
@@ -160,19 +160,3 @@ def test_readings_that_cannot_be_are_refused() -> None:
     belief = Belief([0.0], [[1.0]])
     with pytest.raises(ShapeError):
         belief.update_many(np.ones((2, 1)), np.zeros(2), np.array([1.0, np.nan]), np.ones(2), np.arange(2))
-
-
-@pytest.mark.long
-def test_readings_that_come_at_once_are_judged_as_those_that_come_one_by_one() -> None:
-    """A bad one amid the others, which is found out by those that follow it."""
-    case = mixed()
-    readings = drawn(case, 40)
-    readings[12] = replace(readings[12], value=readings[12].value + 90e-6)
-    at_once, one_by_one = estimated(case, readings), estimated(case, ())
-    for count in range(1, 41):
-        one_by_one = estimated(case, readings[:count], one_by_one)
-    assert [(doubt.reading, doubt.rejected) for doubt in at_once.outliers] == [(12, True)]
-    np.testing.assert_allclose(at_once.outliers, one_by_one.outliers, rtol=1e-9)
-    np.testing.assert_allclose(at_once.accuracy, one_by_one.accuracy, rtol=1e-9)
-    for mine, theirs in zip(at_once.innovations, one_by_one.innovations, strict=True):
-        np.testing.assert_allclose(mine.std, theirs.std, rtol=1e-9)

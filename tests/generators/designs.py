@@ -61,7 +61,8 @@ def problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint:
     model = ErrorModel(machine)
     observation = Observation(model, setups)
     box = whole_travel(model)
-    yardstick = Yardstick(model, box, volume_moments(model, box), *[np.zeros((model.size, 0))] * 2)
+    nothing = np.zeros((model.size, 0))
+    yardstick = Yardstick(model, box, volume_moments(model, box), nothing, nothing)
     root = criterion.joint_root(model) if joint else yardstick.root
     belief = Belief(np.zeros(observation.size), observation.prior_covariance())
     return Task(observation, belief, root, yardstick, spread(machine, setups, candidates))

@@ -15,7 +15,7 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.judged import Judged, judged, judged_at_once
+from axiscal.estimation.judged import judged
 from axiscal.exceptions import DescriptionError, InputError, ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.readers.csv_readings import read_readings
@@ -161,5 +161,4 @@ def test_a_machine_three_times_worse_than_its_prior_gives_no_implausible_reading
     worse = replace(stated, machine=replace(stated.machine, errors=errors))
     readings = _fed(worse, seed, 25)[0].readings
     case = Case(stated)
-    assert not judged(readings, Judged.none(case)).implausible
-    assert not judged_at_once(case, readings).implausible
+    assert not judged(case, readings).implausible

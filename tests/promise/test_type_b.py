@@ -28,7 +28,7 @@ from axiscal.promise.posterior import gain, posterior
 from axiscal.promise.problem import Problem, problem
 from axiscal.promise.sizes import Sizes
 from axiscal.promise.type_b import TYPE_B, TypeB
-from axiscal.promise.type_b_columns import Contribution, columns_of, contributions
+from axiscal.promise.type_b_columns import columns_of, contributions
 from axiscal.promise.unknowns import Unknowns
 from axiscal.promise.usual import Learnable, sizes_of
 from axiscal.units import to_unit
@@ -72,9 +72,9 @@ def observed(campaign: CampaignDescription) -> Observation:
 
 
 class Met(NamedTuple):
-    """A cause that is there, and what one standard deviation of it does to each number, (m,)."""
+    """A cause that is there: whether its size is stated, and what one standard deviation does to each number, (m,)."""
 
-    cause: Contribution
+    stated: bool
     column: Array
 
 
@@ -83,7 +83,7 @@ def causes(observation: Observation, readings: Sequence[Reading], usual: bool = 
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
     found = contributions(observation, places, [each.values for each in readings], usual)
     columns = columns_of(found, places, reading).T
-    return {each.row.name: Met(each, column) for each, column in zip(found, columns, strict=True)}
+    return {each.row.name: Met(each.stated, column) for each, column in zip(found, columns, strict=True)}
 
 
 def read_at(places: Array, values: Array | None = None, setup: str = "laser") -> list[Reading]:
@@ -265,7 +265,7 @@ MILL, FIVE = "three-axis-mill", "dmu60"
 POSES = [(0.1, 0.2, 0.3), (0.4, 0.1, 0.2), (0.5, 0.3, 0.1)]
 
 
-def in_space(setup: str, artefact: str = "") -> tuple[dict[str, Contribution], Observation]:
+def in_space(setup: str, artefact: str = "") -> tuple[dict[str, Met], Observation]:
     text = f'machine = "{MILL}"\nusual = "off"\n[target]\nreadings = 20\n{artefact}\n[[setups]]\nname = "s"\n{setup}'
     machine = load_machine(MILL)
     observation = observed(campaign_from_texts(text, "c.toml", machine.text, MILL))
@@ -347,7 +347,7 @@ def test_one_laser_has_one_scale_in_all_its_set_ups_and_lies_anew_in_each() -> N
     readings = read_at(np.array([0.0, 1.0])) + read_at(np.array([0.0, 1.0]), setup="again")
     observation = observed(described(LASER + again))
     places = places_of(observation.setups, readings)
-    found = contributions(observation, readings, places, np.arange(4))
+    found = contributions(observation, places)
     assert sorted((each.row.name, each.owner) for each in found) == [
         ("air", ""),
         ("cosine", "again"),
