@@ -8,7 +8,7 @@ sign or in another unit, two set-ups swapped, places shifted by one), or adds a 
     gain = ½ (yᵀK⁻¹y − y'ᵀK⁻¹y') + log |det T|     or     ½ (bᵀK⁻¹y)²/(bᵀK⁻¹b + s⁻²) − ½ log(1 + s² bᵀK⁻¹b)
 
 One whose odds, its prior of 1 % among so many places included, are above 20 : 1 is named, unless another one is 20
-times as likely.
+times as likely or the readings do not agree with it either.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ class Agreement:
     @property
     def inflation(self) -> float:
         """c² where it is larger than chance allows, by which all variances grow; else 1."""
-        return self.c2 if self.count and self.c2 > 1 + 2 / np.sqrt(2 * self.count) else 1.0
+        return self.c2 if self.count and np.sqrt(self.c2) > 1 + 2 / np.sqrt(2 * self.count) else 1.0
 
 
 NOTHING_READ = Agreement(0, 0, 1.0, 1.0)
@@ -113,11 +113,28 @@ def agreement(problem: Problem, found: Weighed, z: Array) -> Agreement:
     return Agreement(count, int(np.sum(z <= AGREES)), float(np.mean(z**2)), p, explained)
 
 
+class _Tried(NamedTuple):
+    """A mistake, with what it gains in log L and takes off yᵀK⁻¹y at each draw, (d,) each."""
+
+    mistake: Explained
+    gains: Array
+    squares: Array
+
+
 def _explained(problem: Problem, found: Weighed) -> list[Explained]:
-    """Return the mistakes whose odds are above 20 : 1, but those beside which another one is 20 times as likely."""
-    each = sorted([*_jumps(problem, found), *_turned(problem, found)], key=lambda one: -one.log_odds)
-    least = max(np.log(NAMED), each[0].log_odds - np.log(NAMED))
-    return [one for one in each if one.log_odds > least]
+    """Return the mistakes with which readings agree, at odds above 20 : 1 beside none and within these of the best."""
+    each = sorted([*_jumps(problem, found), *_turned(problem, found)], key=lambda one: -one.mistake.log_odds)
+    least = max(np.log(NAMED), each[0].mistake.log_odds - np.log(NAMED))
+    likely = [one for one in each if one.mistake.log_odds > least]
+    return [one.mistake for one in likely if 2 * _tail(problem, found, one) >= CONTRADICTS]
+
+
+def _tail(problem: Problem, found: Weighed, tried: _Tried) -> float:
+    """Return the probability of readings that agree no better, with a mistake."""
+    weights = found.weights * np.exp(tried.gains - tried.gains.max())
+    left = np.array([given.square for given in found.given]) - tried.squares
+    tails = np.array([chi_square_tail(len(problem.values), max(float(square), 0.0)) for square in left])
+    return float(weights @ tails / weights.sum())
 
 
 def _log_odds(found: Weighed, gains: Array) -> Array:
@@ -127,7 +144,7 @@ def _log_odds(found: Weighed, gains: Array) -> Array:
     return result
 
 
-def _jumps(problem: Problem, found: Weighed) -> Iterator[Explained]:
+def _jumps(problem: Problem, found: Weighed) -> Iterator[_Tried]:
     """Yield the likeliest jump of the zero of each set-up."""
     for setup in np.unique(problem.setup).tolist():
         mine = problem.setup == setup
@@ -137,27 +154,27 @@ def _jumps(problem: Problem, found: Weighed) -> Iterator[Explained]:
         columns = (mine[:, None] & (problem.reading[:, None] >= readings)) / problem.noise[:, None]
         columns = columns * float(np.median(problem.noise[mine]))
         gains = np.empty((len(found.given), len(readings)))
+        squares = np.empty_like(gains)
         for draw, given in enumerate(found.given):
             weighted = given.precision(columns)
             fisher = np.sum(columns * weighted, axis=0)
-            gains[draw] = 0.5 * (weighted.T @ problem.values) ** 2 / (fisher + _JUMP**-2)
-            gains[draw] -= 0.5 * np.log1p(_JUMP**2 * fisher)
+            squares[draw] = (weighted.T @ problem.values) ** 2 / (fisher + _JUMP**-2)
+            gains[draw] = 0.5 * (squares[draw] - np.log1p(_JUMP**2 * fisher))
         odds = _log_odds(found, gains)
         best = int(np.argmax(odds))
-        yield Explained("jump", float(odds[best] - np.log(len(readings))), (int(setup),), int(readings[best]))
+        named = Explained("jump", float(odds[best] - np.log(len(readings))), (int(setup),), int(readings[best]))
+        yield _Tried(named, gains[:, best], squares[:, best])
 
 
-def _turned(problem: Problem, found: Weighed) -> Iterator[Explained]:
+def _turned(problem: Problem, found: Weighed) -> Iterator[_Tried]:
     """Yield the mistakes that change the values themselves."""
     for mistake, setups, values, factor, log_det in _other_values(problem):
-        gains = np.empty((len(found.given), 1))
+        squares = np.empty(len(found.given))
         for draw, given in enumerate(found.given):
-            both = np.column_stack([problem.values, values])
-            weighted = given.precision(both)
-            gains[draw] = (
-                0.5 * float(np.sum(both[:, 0] * weighted[:, 0]) - np.sum(both[:, 1] * weighted[:, 1])) + log_det
-            )
-        yield Explained(mistake, float(_log_odds(found, gains)[0]), setups, factor=factor)
+            squares[draw] = given.square - float(values @ given.precision(values[:, None])[:, 0])
+        gains = 0.5 * squares + log_det
+        odds = float(_log_odds(found, gains[:, None])[0])
+        yield _Tried(Explained(mistake, odds, setups, factor=factor), gains, squares)
 
 
 _Other = tuple[Mistake, tuple[int, ...], Array, float, float]
