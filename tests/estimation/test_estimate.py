@@ -48,8 +48,8 @@ def test_what_is_known_does_not_depend_on_whether_more_readings_follow() -> None
     at_the_end, meanwhile, later = concluded(case, readings), estimated(case, readings), estimated(case, readings[:15])
     for other in (meanwhile, estimated(case, readings, later)):
         np.testing.assert_array_equal(other.banded.knowledge.belief.mean, at_the_end.banded.knowledge.belief.mean)
-        covariances = [each.banded.knowledge.belief.covariance for each in (other, at_the_end)]
-        np.testing.assert_array_equal(*covariances)
+        one, end = (each.banded.knowledge.belief.covariance for each in (other, at_the_end))
+        np.testing.assert_array_equal(one, end)
         assert other.accuracy == at_the_end.accuracy
         assert other.agreement == at_the_end.agreement
         assert other.outliers == at_the_end.outliers

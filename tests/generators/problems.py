@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
+from axiscal.machine.entry import Sure
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.promise.model import Sure
 from axiscal.promise.problem import Inherited, Problem, problem
 from axiscal.promise.sizes import Sizes
 from axiscal.promise.usual import Learnable, sizes_of, usual_machine

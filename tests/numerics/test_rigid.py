@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from axiscal.numerics.from_scipy import products_of_rows, sparse_product
+from axiscal.numerics.from_scipy import sparse_product
 from axiscal.numerics.rigid import cross, turned_about
 
 
@@ -33,14 +33,3 @@ def test_a_product_of_few_entries_is_that_of_the_whole_matrix() -> None:
     right = rng.normal(size=(5, 4))
     found = sparse_product(whole[rows, columns], rows, first, 9)(right)
     np.testing.assert_allclose(found, whole @ right, atol=1e-14)
-
-
-def test_products_of_rows_are_the_entries_of_the_whole_product() -> None:
-    rng = np.random.default_rng(4)
-    whole = rng.normal(size=(12, 7)) * (rng.random((12, 7)) < 0.3)
-    rows, columns = np.nonzero(whole)
-    at, of, values = products_of_rows(whole[rows, columns], rows, columns, whole.shape)
-    dense = (whole @ whole.T).ravel()
-    entries = at * len(whole) + of
-    np.testing.assert_array_equal(entries, np.flatnonzero(dense))
-    np.testing.assert_allclose(values, dense[entries], atol=1e-15)

@@ -14,7 +14,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.promise.draws import Weighed, draws, mode, weighed
 from axiscal.promise.problem import Problem
-from axiscal.promise.sizes import Sizes
+from axiscal.promise.sizes import Kind, Sizes
 from axiscal.promise.spaces import Space
 from axiscal.promise.unknowns import Unknowns
 from axiscal.promise.which_space import space_of
@@ -118,7 +118,7 @@ def test_sizes_of_which_readings_say_nothing_stay_as_stated() -> None:
     ids=["read from one side", "a set-up that is never read"],
 )
 def test_one_size_without_information_stays_as_stated_and_others_are_learnt(
-    kind: str, chosen: Callable[[Reading], bool], silent: list[tuple[str, str]]
+    kind: str, chosen: Callable[[Reading], bool], silent: list[tuple[Kind, str]]
 ) -> None:
     case = case_of(kind)
     readings = [each for each in readings_of(case, 40, 3) if chosen(each)]

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.promise.model import CAUSES, DRIFT, LENGTH, NOISE, REST, REVERSAL, ROUGH, SURE, Sure
+from axiscal.machine.entry import Sure
+from axiscal.promise.model import CAUSES, DRIFT, LENGTH, NOISE, REST, REVERSAL, ROUGH, SURE
 from axiscal.promise.usual import Learnable, sizes_of, usual_machine
 from tests.generators.problems import case_of, plain_case, sizes_for
 

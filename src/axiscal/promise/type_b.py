@@ -241,7 +241,10 @@ TYPE_B = (
         "instrument", _of_reading, least=1e-6, of_values=True,
     ),
     TypeB("gain", ("level",), "normal", 0.02, "mm/m", "assumption: 2 %", "instrument", _of_reading, of_values=True),
-    TypeB("gain", ("autocollimator",), "normal", 0.01, "mm/m", "assumption: 1 %", "instrument", _of_reading, of_values=True),
+    TypeB(
+        "gain", ("autocollimator",), "normal", 0.01, "mm/m", "assumption: 1 %", "instrument", _of_reading,
+        of_values=True,
+    ),
     TypeB("radius", ("sphere",), "normal", 1e-6, "um", _ASSUMED, "instrument", _larger, covered=("radius",)),
     TypeB("pre_travel", ("probe",), "normal", 1e-6, "um", _ASSUMED, "instrument", _constant, covered=("zero",)),
 )  # fmt: skip
