@@ -90,17 +90,19 @@ def test_an_inherited_prior_stays_where_noises_and_rests_are_learnt(tmp_path: Pa
     _record(tmp_path, _curve(8e-6), "", "last.axiscal")
     rng, found = np.random.default_rng(5), {}
     noisy = [_curve(8e-6) + 1.5e-6 * rng.standard_normal(len(POSITIONS)) for _ in range(3)]  # repeats show the noise
-    for scales in ("stated", "estimate"):
-        path = _record(tmp_path, noisy[0], f'prior = "last.axiscal"\nscales = "{scales}"', f"{scales}.axiscal")
+    heads = {"stated": '\nusual = "off"\nsure = "exactly"', "learnt": ""}
+    for name, head in heads.items():
+        path = _record(tmp_path, noisy[0], f'prior = "last.axiscal"{head}', f"{name}.axiscal")
         with Campaign.open(path) as campaign:
             for values in noisy[1:]:
                 campaign.adopt(
                     tuple(replace(r, value=v) for r, v in zip(campaign.state.readings, values, strict=False))
                 )
-            found[scales] = campaign.concluded()
-    stated, learnt = found["stated"], found["estimate"]
+            found[name] = campaign.concluded()
+    stated, learnt = found["stated"], found["learnt"]
     size = stated.case.errors.size
-    assert not {size.kind for size in learnt.stated.sizes.of} & {"std", "length", "reversal"}
+    assert stated.stated.sizes.of == ()
+    assert {size.kind for size in learnt.stated.sizes.of} == {"noise", "rest", "drift", "cycle", "growth"}
     assert 1e-6 < learnt.case.description.setups[0].noise < 2.5e-6
     assert np.array_equal(learnt.case.prior.covariance[:size, :size], stated.case.prior.covariance[:size, :size])
     assert np.array_equal(learnt.case.prior.mean, stated.case.prior.mean)

@@ -20,6 +20,7 @@ from axiscal.numerics import Array
 from axiscal.simulation import Simulator, VirtualMachine
 
 _CAMPAIGN = """machine = "m"
+usual = "off"
 [target]
 readings = 1
 [[setups]]

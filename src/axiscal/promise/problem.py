@@ -278,10 +278,7 @@ class _Builder:
         return self.observation.errors
 
     def cell_roots(self, cells: Sequence[tuple[int, int]]) -> list[Array]:
-        """Return the roots of the priors of cells, those of one error together.
-
-        Cells are apart where only what is stated counts.
-        """
+        """Return the roots of the priors of cells, those of one error together; apart if not usual."""
         of_term = [(self._model.terms[term], [cell for _, cell in mine]) for term, mine in _by_term(cells).items()]
         return [term.rest * (_cell_root(term, mine) if self.usual else np.eye(len(mine))) for term, mine in of_term]
 
