@@ -167,7 +167,7 @@ def test_skip_undo_status(started: Command) -> None:
     assert [(gap["reason"], gap["position"]) for gap in status["skipped"]] == [
         ("the beam is blocked", question["position"])
     ]
-    assert "Skipped" in started("status", "m.axiscal").out
+    assert "Skipped" in started("status", "m.axiscal", "--details").out
     assert started("undo", "m.axiscal", "--json").document["undone"] == "skipped"
     assert started("next", "m.axiscal", "--json").document["question"] == question
     started("undo", "m.axiscal").refused("nothing to take back")
@@ -185,7 +185,7 @@ def test_a_reading_has_one_number_wherever_it_is_named(started: Command) -> None
     assert started("next", "m.axiscal").out.startswith("Reading 3:")
     document = started("record", "m.axiscal", "0.2 um", "--json").document
     assert (document["reading"], document["readings"]) == (3, 2)
-    assert "Skipped reading 1 in" in started("status", "m.axiscal").out
+    assert "Skipped reading 1 in" in started("status", "m.axiscal", "--details").out
     assert started("next", "m.axiscal").out.startswith("Reading 4:")
     started("record", "m.axiscal", "2000000 um")
     assert 'Reading 4 in "laser" at X = ' in str(started("finish", "m.axiscal", "--json", "--out", "r").document)
@@ -198,7 +198,7 @@ def test_a_reading_has_one_number_wherever_it_is_named(started: Command) -> None
 def test_a_finished_campaign_says_so(started: Command) -> None:
     assert started("finish", "m.axiscal", "--out", "r").status == 0
     assert started("finish", "m.axiscal", "--out", "r").status == 0
-    ended = started("status", "m.axiscal").out
+    ended = started("status", "m.axiscal", "--details").out
     assert "Finished: ended by the operator" in ended
     assert "readings agree" not in ended  # none was taken
     found = json.loads(started("status", "m.axiscal", "--json").out)
@@ -223,7 +223,7 @@ def test_finishing_beside_another_campaign_writes_nothing(started: Command) -> N
     assert started("start", "c.toml", "r/campaign.axiscal").status == 0
     started("finish", "m.axiscal", "--out", "r").refused("Another campaign's record")
     assert [file.name for file in Path("r").glob("*.json")] == []
-    assert "Finished" not in started("status", "m.axiscal").out
+    assert "Finished" not in started("status", "m.axiscal", "--details").out
 
 
 @pytest.mark.parametrize(
@@ -287,9 +287,9 @@ def test_a_run_without_a_person(axiscal: Command) -> None:
     assert again.document["history"] == outcome.document["history"]
 
 
-def test_the_first_line_says_u_and_what_it_holds_for_and_the_tables_stand_beside_it(axiscal: Command) -> None:
+def test_the_details_say_u_and_what_it_holds_for_and_the_tables_stand_beside_it(axiscal: Command) -> None:
     Path("c.toml").write_text(FOUR_READINGS.replace("readings = 4", "readings = 5"))
-    outcome = axiscal("run", "c.toml", "--source", "sim:3", "--out", "d")
+    outcome = axiscal("run", "c.toml", "--source", "sim:3", "--out", "d", "--details")
     first, second, *others = outcome.out.splitlines()
     result = json.loads(Path("d/result.json").read_text())
     assert result["agreement"]["contradict"] is False
@@ -302,6 +302,9 @@ def test_the_first_line_says_u_and_what_it_holds_for_and_the_tables_stand_beside
     assert tables == ["With the files for linuxcnc", "With the files for csv"]
     assert f"{result['agreement']['text']}." in others
     assert {table["controller"] for table in result["tables"]} == {"linuxcnc", "csv"}
+    assert [row["row"] for row in result["rows"]] == ["positioning X", "backlash X", "volume"]
+    assert result["rows"][-1]["known_to"] == result["U_um"]
+    assert any(line.startswith("MEASURED   5 readings") for line in others)
 
 
 @pytest.mark.long

@@ -105,7 +105,7 @@ def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
     terminal.type("0.2")
     terminal.until("note or pause > ")
     terminal.type("")
-    assert "mill-results/report.html" in terminal.until("result.json")
+    assert "MEASURED   4 readings" in terminal.until("mill-results/report.pdf")
     assert terminal.ended() == 0
     assert kept(folder) == [-1.7, 0.4, 1.1, 0.2]
     assert (folder / "mill-results" / "report.html").is_file()
@@ -165,7 +165,7 @@ def test_stopping_says_what_the_tables_would_reach_and_asks_first(folder: Path) 
     terminal.type("stop")
     terminal.until("Enter to go on: ")
     terminal.type("yes")
-    terminal.until("result.json")
+    terminal.until("-results/report.pdf")
     assert terminal.ended() == 0
     with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
         assert campaign.state.finished == "ended by the operator"
@@ -185,7 +185,7 @@ def test_a_campaign_of_the_five_axis_machine_from_the_prompt_alone(tmp_path: Pat
         terminal.until("it is on the disk")
     terminal.until("note or pause > ")
     terminal.type("")
-    terminal.until("result.json")
+    terminal.until("-results/report.pdf")
     assert terminal.ended() == 0
     assert kept(tmp_path) == [1.2, 0.4, -2.5, 1.0, 0.0]
     assert (tmp_path / "mill-results" / "report.html").is_file()
@@ -206,7 +206,7 @@ def test_the_prompt_speaks_german(folder: Path) -> None:
     terminal.type("ende")
     terminal.until("Eingabetaste macht weiter: ")
     terminal.type("ja")
-    terminal.until("result.json")
+    terminal.until("-results/report.pdf")
     assert terminal.ended() == 0
     with Campaign.open(folder / "mill.axiscal", write=False) as campaign:
         assert campaign.state.finished == "ended by the operator"

@@ -120,6 +120,16 @@ def test_what_is_not_measured_is_named_with_its_reason() -> None:
     assert "yaw X (4 places read: ± 130 urad)" in screen(_answer("measured", [far]), SHOWN)
 
 
+def test_before_the_first_reading_nothing_is_measured(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record = tmp_path / "axis.axiscal"
+    Campaign.create(record, CASE.description).close()
+    assert run(["status", str(record)]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert text.startswith("NO READINGS YET volume 8.0 of 3 um RMS 0 readings")
+    assert "Not measured: positioning X (not read), backlash X (not read), volume (not read)." in text
+    assert f"axiscal measure {record}" in text
+
+
 def test_no_figure_stands_where_uncertainty_is_withheld() -> None:
     text = screen(_answer("contradict", [POSITIONING]), replace(SHOWN, withheld=True, agreement=CONTRADICTING))
     assert "±" not in text

@@ -12,9 +12,8 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.guide.stopping import results_beside
 from axiscal.language.spoken import said
 from axiscal.report.answer import ResultAnswer
-from axiscal.report.answer_of_campaign import answer_of
+from axiscal.report.answer_of_campaign import agreement_of, answer_of
 from axiscal.report.screen import ScreenContext, screen
-from axiscal.report.summarising import agreement_of
 from axiscal.report.summary import Summary
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -16,11 +17,13 @@ from axiscal.answer.rows import AnsweredRow, answered
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import known_to
 from axiscal.compensation.effect import Control
+from axiscal.estimation.agreement_words import agreement_words, mistake_words
 from axiscal.estimation.estimation import Estimation
 from axiscal.machine.axis import Axis
 from axiscal.measurement.place_texts import shown_pose
 from axiscal.planning.promise import asked
 from axiscal.report.answer import Aim, AnswerLine, AnswerRow, ResultAnswer, Verdict
+from axiscal.report.promises import NamedMistake, ReadingAgreement
 from axiscal.units import to_unit
 
 _TARGETS = 5
@@ -45,6 +48,19 @@ def answer_of(campaign: Campaign, known: Estimation, controls: Mapping[str, Cont
     axes = known.stated.description.machine.axes
     shown = [_row(row, axes) for row in rows]
     return ResultAnswer(verdict, shown, [*volume, *lines], more, minutes, to_unit(seconds, "min"), bool(times))
+
+
+def agreement_of(estimation: Estimation, record: Path) -> ReadingAgreement:
+    """Return whether the readings agree with each other."""
+    found, setups = estimation.agreement, estimation.stated.description.setups
+    named = [
+        NamedMistake(
+            each.mistake, each.odds, [setups[index].name for index in each.setups], mistake_words(each, estimation)
+        )
+        for each in found.explained
+    ]
+    words = agreement_words(estimation, record) if found.count else ""
+    return ReadingAgreement(found.count, found.agreeing, found.c2, found.p, found.contradicts, named, words)
 
 
 def _verdict(known: Estimation, volume: Sequence[Aim], lines: Sequence[Aim]) -> Verdict:

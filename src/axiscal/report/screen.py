@@ -80,7 +80,7 @@ def _first(answer: ResultAnswer, shown: ScreenContext) -> Iterator[str]:
     else:
         verdict = said(_VERDICTS[answer.verdict])
     taken = counted("{count} reading", "{count} readings", shown.readings)
-    minutes = _digits(answer.minutes)
+    minutes = _digits(max(answer.minutes, 1.0)) if answer.minutes else "0"
     time = said("{minutes} min", minutes=minutes) if answer.clocked else said("{minutes} min planned", minutes=minutes)
     aims = "" if answer.verdict == "contradict" else _aims(answer)
     spent = put("{taken}, {time}", taken=taken, time=time)
@@ -213,7 +213,7 @@ def _why(rows: Sequence[AnswerRow]) -> str:
     then = [row.then for row in rows if row.then is not None]
     if then:
         return said("one reading from the other side: {size}", size=_within(max(then), rows[0].unit))
-    places = min(line.plus + line.minus - line.both for row in rows for line in row.lines)
+    places = min((line.plus + line.minus - line.both for row in rows for line in row.lines), default=0)
     if not places:
         return said("not read")
     size = _within(max(row.known for row in rows), rows[0].unit)

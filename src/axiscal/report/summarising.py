@@ -17,7 +17,6 @@ from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.particulars import Equipment
 from axiscal.estimation.accepting import change_words
-from axiscal.estimation.agreement_words import agreement_words, mistake_words
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.history import Moment, path
@@ -33,12 +32,13 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics.stages import stage
 from axiscal.planning.what_if import traditional
+from axiscal.report.answer_of_campaign import agreement_of
 from axiscal.report.curves import constants, curves
 from axiscal.report.findings import findings, observability
 from axiscal.report.headline import conditions, counted_along, in_space
 from axiscal.report.linear import linear_of, not_gaussian
 from axiscal.report.planes import planes
-from axiscal.report.promises import NamedMistake, ReadingAgreement, Uncertainty
+from axiscal.report.promises import Uncertainty
 from axiscal.report.sources import budget_rows
 from axiscal.report.standard import iso230_blocks
 from axiscal.report.summary import (
@@ -182,19 +182,6 @@ def _accepted(campaign: Campaign) -> list[Finding]:
     """Return what mistakes were accepted, whose readings are not as they were recorded."""
     changes = [change_words(each) for each in campaign.state.accepted]
     return [Finding("accepted", None, said("A person accepted: {change}.", change=change)) for change in changes]
-
-
-def agreement_of(estimation: Estimation, record: Path) -> ReadingAgreement:
-    """Return whether the readings agree with each other."""
-    found, setups = estimation.agreement, estimation.stated.description.setups
-    named = [
-        NamedMistake(
-            each.mistake, each.odds, [setups[index].name for index in each.setups], mistake_words(each, estimation)
-        )
-        for each in found.explained
-    ]
-    words = agreement_words(estimation, record) if found.count else ""
-    return ReadingAgreement(found.count, found.agreeing, found.c2, found.p, found.contradicts, named, words)
 
 
 def record_state(campaign: Campaign) -> RecordState:
