@@ -13,6 +13,7 @@ from axiscal.guide.stopping import results_beside
 from axiscal.language.spoken import said
 from axiscal.report.answer import ResultAnswer
 from axiscal.report.answer_of_campaign import agreement_of, answer_of
+from axiscal.report.promises import ReadingAgreement
 from axiscal.report.screen import ScreenContext, screen
 from axiscal.report.summary import Summary
 
@@ -29,16 +30,16 @@ def written_screen(summary: Summary, campaign: Campaign, record: Path, out: Path
 
 def standing_screen(campaign: Campaign, known: Estimation) -> str:
     """Return the screen of a campaign as it stands."""
-    answer, agreement = answer_of(campaign, known, {}), agreement_of(known, campaign.path)
+    answer, agreement = answer_of(campaign, known, {}), agreement_of(known)
     refused = sum(doubt.rejected for doubt in known.outliers)
-    commands = _under_way(campaign, answer)
+    commands = _under_way(campaign, answer, agreement)
     return screen(answer, ScreenContext(len(known.readings), refused, agreement, known.agreement.withheld, commands))
 
 
 def _after_the_end(summary: Summary, campaign: Campaign, record: Path, out: Path) -> Sequence[str]:
     assert summary.answer is not None
     if summary.answer.verdict in ("more", "contradict", "nothing"):
-        return [f"axiscal undo {_typed(record)}", _reading(campaign, record)]
+        return [f"axiscal undo {_typed(record)}", _going_on(campaign, record, summary.agreement)]
     offered = [offer.controller for offer in summary.tables if offer.axis]
     wanted = [name for name in reversed(campaign.description.controls) if name in offered]
     verify = f"axiscal verify {_typed(record)}"
@@ -48,12 +49,19 @@ def _after_the_end(summary: Summary, campaign: Campaign, record: Path, out: Path
     return [said("load {folder} (README.txt there), then", folder=str(folder)), verify]
 
 
-def _under_way(campaign: Campaign, answer: ResultAnswer) -> Sequence[str]:
+def _under_way(campaign: Campaign, answer: ResultAnswer, agreement: ReadingAgreement) -> Sequence[str]:
     """Return how to go on; of one that has ended, how to write its results again."""
     going_on = answer.verdict in ("more", "contradict", "nothing") and campaign.state.finished is None
     if going_on:
-        return [_reading(campaign, campaign.path)]
+        return [_going_on(campaign, campaign.path, agreement)]
     return [f"axiscal finish {_typed(campaign.path)} --out {_typed(results_beside(campaign.path))}"]
+
+
+def _going_on(campaign: Campaign, record: Path, agreement: ReadingAgreement) -> str:
+    """Return how to accept the mistake that explains the readings, or how to take others."""
+    if agreement.contradict and agreement.explained:
+        return f"axiscal accept {_typed(record)} {agreement.explained[0].mistake}"
+    return _reading(campaign, record)
 
 
 def _reading(campaign: Campaign, record: Path) -> str:

@@ -9,10 +9,10 @@ from axiscal.language.spoken import listed, put, said
 from axiscal.promise.agreement import Agreement, Explained
 
 
-def agreement_words(known: Estimation, record: Path) -> str:
+def agreement_words(known: Estimation, record: Path | None = None) -> str:
     """Return how many readings agree with the others, or that they contradict, with the mistakes that are named.
 
-    record : its path, for the command that accepts the likeliest one
+    record : its path, where the command that accepts the likeliest one is said besides
     """
     found = known.agreement
     count = said("{agreeing} of {count} readings agree with the others", agreeing=found.agreeing, count=found.count)
@@ -23,8 +23,11 @@ def agreement_words(known: Estimation, record: Path) -> str:
         what = "The readings contradict each other ({chance}), and no single mistake explains it: {count}"
         return said(what, chance=chance, count=count)
     causes = listed(said("; or "), [mistake_words(each, known) for each in found.explained])
-    what = "The readings contradict each other ({chance}): {causes}. If so: axiscal accept {record} {cause}"
-    return said(what, chance=chance, causes=causes, record=record, cause=found.explained[0].mistake)
+    text = said("The readings contradict each other ({chance}): {causes}", chance=chance, causes=causes)
+    if record is None:
+        return text
+    cause = found.explained[0].mistake
+    return said("{text}. If so: axiscal accept {record} {cause}", text=text, record=record, cause=cause)
 
 
 def mistake_words(each: Explained, known: Estimation) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -50,7 +49,7 @@ def answer_of(campaign: Campaign, known: Estimation, controls: Mapping[str, Cont
     return ResultAnswer(verdict, shown, [*volume, *lines], more, minutes, to_unit(seconds, "min"), bool(times))
 
 
-def agreement_of(estimation: Estimation, record: Path) -> ReadingAgreement:
+def agreement_of(estimation: Estimation) -> ReadingAgreement:
     """Return whether the readings agree with each other."""
     found, setups = estimation.agreement, estimation.stated.description.setups
     named = [
@@ -59,7 +58,7 @@ def agreement_of(estimation: Estimation, record: Path) -> ReadingAgreement:
         )
         for each in found.explained
     ]
-    words = agreement_words(estimation, record) if found.count else ""
+    words = agreement_words(estimation) if found.count else ""
     return ReadingAgreement(found.count, found.agreeing, found.c2, found.p, found.contradicts, named, words)
 
 

@@ -131,7 +131,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         versions=versions(),
         files=extras.files,
         record=record_state(campaign),
-        agreement=agreement_of(estimation, campaign.path),
+        agreement=agreement_of(estimation),
         withheld=estimation.agreement.withheld,
         volume=volume_error(estimation) if campaign.state.readings else None,
         budget=budget_rows(estimation),
