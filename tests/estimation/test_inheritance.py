@@ -109,7 +109,7 @@ def test_an_inherited_prior_stays_where_noises_and_rests_are_learnt(tmp_path: Pa
     curve = learnt.case.errors.names["EXX"]
     widths = [np.linalg.norm(each.knowledge.belief.factor[curve.columns]) for each in (stated, learnt)]
     assert widths[1] > widths[0]
-    assert any("the noise of" in finding.text for finding in findings(learnt))
+    assert any(finding.text.startswith("laser, noise: ") for finding in findings(learnt))
 
 
 def test_drift_shows_in_repeated_readings(tmp_path: Path) -> None:
