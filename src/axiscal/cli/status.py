@@ -44,6 +44,7 @@ def _lines(campaign: Campaign) -> list[str]:
         lines.append(f"{sisters[:1].upper()}{sisters[1:]}")
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
     lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
+    lines += [f"An entry of a newer version: {each.kind}; it says nothing of readings" for each in state.newer]
     if state.finished is not None:
         return [*lines, f"Finished: {state.finished}"]
     if status.reached is not None:
@@ -79,6 +80,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "sisters": _sisters(campaign) or None,
         "question": campaign.request(state.pending).message() if state.pending else None,
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
+        "newer": [each.kind for each in state.newer],
         "skipped": [
             campaign.request(gap.asked).message() | {"reason": gap.reason, "set_up_left": gap.whole}
             for gap in state.skipped
