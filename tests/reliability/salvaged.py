@@ -15,7 +15,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-from axiscal.campaign.possible import beginning_of, described
+from axiscal.campaign.possible import beginning_of
 from axiscal.campaign.salvaging import salvaged
 from axiscal.demo import five_axis
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
@@ -142,7 +142,8 @@ def _over(content: bytes, at: int, new: bytes) -> bytes:
 
 def bit(one: Original, chance: random.Random) -> bytes:
     """Flip a bit of marks or lines."""
-    at = chance.randrange(START, len(one.content)) if chance.random() < 0.95 else chance.choice(MARKS) + chance.randrange(130)
+    in_lines, in_mark = chance.randrange(START, len(one.content)), chance.choice(MARKS) + chance.randrange(130)
+    at = in_lines if chance.random() < 0.95 else in_mark
     return _over(one.content, at, bytes([one.content[at] ^ 1 << chance.randrange(8)]))
 
 
@@ -222,7 +223,6 @@ def outcome(one: Original, damaged: bytes, folder: Path) -> Outcome:
     if not new.exists():
         return Outcome(unreadable, beginning, len(readings), 0, 0, 0)
     with Record.open(new, write=False) as record:
-        described(record)
         standing = [reading.value for reading in record.state().readings]
     kept = _readings(new.read_bytes())
     theirs = one.lines if readings or not set(kept) & set(_readings(one.other)) else lines_of(one.other)

@@ -93,7 +93,9 @@ def _following(entries: Mapping[int, EventText], description: CampaignDescriptio
     for number, row in entries.items():
         event = _event(number, row)
         if isinstance(event, Newer) and event.of_readings:
-            raise NewerError(f"Event {number} is an entry of a newer version: {event.kind}", "Salvage it with that one", path)
+            raise NewerError(
+                f"Event {number} is an entry of a newer version: {event.kind}", "Salvage it with that one", path
+            )
         if isinstance(event, Undone):
             if event.event not in numbers:
                 raise _UnfitError(number, "what it takes back is missing")

@@ -7,7 +7,6 @@ place no chain shows may be those of another file, so they are named and left ou
 
 from __future__ import annotations
 
-import re
 from collections.abc import Container, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -30,8 +29,10 @@ from axiscal.record.line_form import (
 )
 from axiscal.record.log import EMPTY
 
-_PLAIN = re.compile(rb"(?!.* {16})[0-9a-f]{64} [ -~\x80-\xff]*\n")
-"""One line of text, as it stands where bits of it are damaged; blanks of a wiped sector are none."""
+_BEGINNING = Line(START, START, EventText("", "", ""), EMPTY)
+"""What the first event follows."""
+_WIPED = 16 * " "
+"""No line of text has so many blanks; any number of some would do, for a sector has 512 bytes."""
 
 
 class Missing(NamedTuple):
@@ -75,19 +76,21 @@ def standing(path: Path) -> Standing:
     if not found:
         remedy = "Name a record that `axiscal start` or `axiscal run` has made, or restore it from a copy"
         raise RecordError("No entry of a record stands whole here", remedy, path)
-    placed = {line.chain for line in found.values()}
+    placed = {EMPTY, *(line.chain for line in found.values())}
     own = [mark for mark in marks if mark.last not in found or mark.chain == found[mark.last].chain]
     newest = _newest(own, placed)
     last = max((n for n, line in found.items() if line.row.closes or n <= newest.last), default=0)
-    kept = {number: found[number] for number in sorted(found) if number <= last}
-    apart = [(run[0].begin, run[max(run)].end, len(run)) for run in runs if run[0].chain not in placed]
+    kept = {number: line for number, line in found.items() if number <= last}
+    others = [[line for line in run.values() if line.chain not in placed] for run in runs]
+    apart = [(lines[0].begin, lines[-1].end, len(lines)) for lines in others if lines]
     missing = _missing(kept, newest, len(content))
     return Standing({number: line.row for number, line in kept.items()}, missing, apart, bool(own))
 
 
 def _runs(content: bytes) -> list[_Run]:
-    """Return the whole lines of a file in runs."""
-    runs, seen, latest = list[_Run](), set[str](), _Run()
+    """Return the whole lines of a file in runs; the first one is that of the beginning."""
+    latest = {0: _BEGINNING}
+    runs, seen = [latest], set[str]()
     for line in whole_lines(content):
         if line.chain in seen:  # a block that stands here twice
             continue
@@ -95,7 +98,7 @@ def _runs(content: bytes) -> list[_Run]:
         before = next((run for run in reversed(runs) if _follows(run[max(run)], line)), None)
         if before is not None:
             before[max(before) + 1] = line
-        elif latest and _one_between(content, latest[max(latest)], line):
+        elif _one_between(content, latest[max(latest)], line):
             before = latest
             before[max(before) + 2] = line
         else:
@@ -120,16 +123,15 @@ def _one_between(content: bytes, before: Line, behind: Line) -> bool:
 
 def _placed(content: bytes, runs: Sequence[_Run], marks: Sequence[Mark]) -> dict[int, Line]:
     """Return the lines whose numbers are certain: from a mark, and from the beginning."""
-    found, heads = dict[int, Line](), list[_Run]()
+    found = dict[int, Line]()
     for run in runs:
         numbers = {line.chain: n for n, line in run.items()}
         named = next((mark for mark in marks if mark.chain in numbers), None)
         if named is not None:
             found |= {named.last - numbers[named.chain] + n: line for n, line in run.items()}
-        elif chained(EMPTY, run[0].row) == run[0].chain:
-            heads.append({n + 1: line for n, line in run.items()})
-    head = next((head for head in heads if not found or _may_begin(content, head, found)), _Run())
-    return head | found
+    if runs[0][0] not in found.values() and (not found or _may_begin(content, runs[0], found)):
+        found |= runs[0]
+    return {number: found[number] for number in sorted(found) if found[number] is not _BEGINNING}
 
 
 def _may_begin(content: bytes, head: _Run, found: _Run) -> bool:
@@ -139,7 +141,15 @@ def _may_begin(content: bytes, head: _Run, found: _Run) -> bool:
     """
     last, first = max(head), min(found)
     stretch = content[head[last].end : found[first].begin]
-    return last + 1 < first and head[last].end < found[first].begin and not _PLAIN.fullmatch(stretch)
+    return last + 1 < first and not _is_line(stretch)
+
+
+def _is_line(stretch: bytes) -> bool:
+    try:
+        text = stretch.decode()
+    except UnicodeDecodeError:
+        return False
+    return text.removesuffix("\n").isprintable() and _WIPED not in text
 
 
 def _newest(marks: Sequence[Mark], chains: Container[str]) -> Mark:
