@@ -24,7 +24,7 @@ help:
 	@echo "make docs       make the generated pages of docs/ anew"
 	@echo "make languages  bring the translations of prompt, page and report up to the messages there are (src/axiscal/language/translations)"
 	@echo "make docs-site  the documentation as a site in build/site, tools in .venv-docs"
-	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (half an hour; PART=iso: only that section; PART=attacks MACHINES=100 of each, MINUTES=30 at a time; PART=again: some of them)"
+	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (PART=iso: only that section; PART=attacks MACHINES=100 of each, 20 unless said, MINUTES=30 at a time; ONLY='step; bump': shown, not written)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part; CASES=20000 of it; PART=gcode, PART=dialects, PART=plans and PART=simulator go on where they were ended)"
 	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours, MINUTES=20 at a time; ROWS='8 9': only these; PYTHONS=...: other interpreters too)"
 	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run)"

@@ -1,8 +1,9 @@
 """How long `axiscal estimate` takes with many readings: a probe along x, y and z at random places of a three-axis mill.
 
-    python benchmarks/bench_estimate.py [--readings 501 2001] [--scales] [--along xyz]
+    python benchmarks/bench_estimate.py [--readings 501 2001] [--bare] [--along xyz]
 
-Prints the processor time of the whole command, start and report included. With --scales it learns them as well.
+Prints the processor time of the whole command, start and report included.
+With --bare sizes are as stated: usual = "off", sure = "exactly".
 """
 
 from __future__ import annotations
@@ -38,9 +39,9 @@ approach = "both"
 COMMAND = "from axiscal.cli import main; raise SystemExit(main())"
 
 
-def written(folder: Path, along: str, scales: bool) -> CampaignDescription:
+def written(folder: Path, along: str, bare: bool) -> CampaignDescription:
     """Write the campaign file and return what it describes."""
-    head = 'scales = "estimate"\n' if scales else ""
+    head = 'usual = "off"\nsure = "exactly"\n' if bare else ""
     path = folder / "campaign.toml"
     path.write_text(head + CAMPAIGN + "".join(SETUP.format(axis=axis) for axis in along), encoding="utf-8")
     return read_campaign(path)
@@ -78,12 +79,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--readings", type=int, nargs="+", default=[501, 2001])
     parser.add_argument("--along", default="xyz", help="directions of the probes")
-    parser.add_argument("--scales", action="store_true", help="learn the scales as well")
+    parser.add_argument("--bare", action="store_true", help="sizes as stated, and nothing besides")
     asked = parser.parse_args()
     print(f"{'readings':>10} {'processor':>12}")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        description = written(folder, asked.along, asked.scales)
+        description = written(folder, asked.along, asked.bare)
         for count in asked.readings:
             print(f"{count:10} {seconds(folder, description, count):10.1f} s", flush=True)
 

@@ -142,12 +142,12 @@ def taken(case: Case, count: int) -> Iterator[Reading]:
 
 
 def estimated(count: int) -> Callable[[Path], list[str]]:
-    """Return how so many readings of a mill of three axes are estimated, scales and all."""
+    """Return how so many readings of a mill of three axes are estimated, sizes and all."""
 
     def arguments(folder: Path) -> list[str]:
         mill = folder / "mill"
         mill.mkdir(exist_ok=True)
-        described = bench_estimate.written(mill, "xyz", True)
+        described = bench_estimate.written(mill, "xyz", bare=False)
         bench_estimate.write_readings(mill / f"{count}.csv", described, count)
         return [
             "estimate",

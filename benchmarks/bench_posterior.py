@@ -30,7 +30,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.promise import problem as estimate_problem
 from axiscal.promise.draws import draws, mode, weighed
-from axiscal.promise.posterior import Posterior, posterior
+from axiscal.promise.posterior import posterior
 from axiscal.promise.problem import Problem, problem
 from axiscal.promise.spaces import turned, variances_of
 from axiscal.promise.unknowns import Unknowns
@@ -110,12 +110,12 @@ def measure(count: int) -> None:
     whole, now = seconds_of(lambda: posterior(first))
     wanted, further = TARGETS.get(count, (np.nan, np.nan))
     said("posterior", whole, f"wanted {wanted:.2f} s; {now.effective:.0f} draws, {len(now.bad)} bad")
-    said("a further reading", another(case, readings, now), f"wanted {further:.3f} s")
+    said("a further reading", another(case, readings), f"wanted {further:.3f} s")
 
 
-def another(case: Case, readings: list[Reading], now: Posterior) -> float:
-    """Return the processor time of one reading more, by the draws that are there."""
-    return seconds_of(lambda: posterior(posed(case, readings), before=now))[0]
+def another(case: Case, readings: list[Reading]) -> float:
+    """Return the processor time of one reading more, its problem included."""
+    return seconds_of(lambda: posterior(posed(case, readings)))[0]
 
 
 def rests_left_out(count: int) -> None:

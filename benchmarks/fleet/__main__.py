@@ -28,7 +28,7 @@ others: `python -m benchmarks.fleet` writes this page (the maps are not part of 
 on where it was). Of each machine the median of its maps counts, at 7 × 7 nodes over the central 70 % of the bed, offset
 and tilt taken off; readings stand at corners and centre, or on 3 × 3 or 4 × 4 of the nodes. One description serves all:
 `EZX` and `EZY` of 50 um, `EZXY` of 25 um with a rest of 5 um, over 0.35 of the travel, two squarenesses for the tilt.
-*stated* is that prior, *learnt* the same with `scales = "estimate"`, *type* what the sisters teach.
+*stated* is that prior alone, *learnt* the same with sizes learnt, *type* what the sisters teach.
 *Missed* is the RMS of truth less estimate over all nodes, um, the median over the machines. *Difference* is the mean
 over the machines of the logarithm of missed by *type* over missed by the other, ± its standard error: below zero
 the sisters help, and what is less than two of its errors above zero is no more than chance. *Held* is the share of the

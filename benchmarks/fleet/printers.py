@@ -35,7 +35,9 @@ EZY = {{ std = "50 um", knots = 9, length = "{length:.9g} mm" }}
 EZXY = {{ std = "25 um", knots = 9, length = ["{length:.9g} mm", "{length:.9g} mm"], rest = "5 um" }}
 """
 _CAMPAIGN = """machine = "machine.toml"
-{scales}[target]
+usual = "off"
+sure = "{sure}"
+[target]
 readings = 16
 [[setups]]
 name = "probe"
@@ -65,11 +67,11 @@ class Printer:
         return np.column_stack([np.tile(line, SIDE), np.repeat(line, SIDE)])
 
     def described(self, learning: bool = False, prior: str = "") -> CampaignDescription:
-        """Return its campaign.  learning : scales are learnt from the readings; prior : what its type has taught"""
+        """Return its campaign.  learning : sizes are learnt from the readings; prior : what its type has taught"""
         bed = 1e3 * self.bed
         machine = _MACHINE.format(name=self.name, bed=bed, length=_LENGTH * bed)
-        scales = 'scales = "estimate"\n' if learning else ""
-        campaign = _CAMPAIGN.format(bed=bed, scales=scales)
+        sure = "roughly" if learning else "exactly"
+        campaign = _CAMPAIGN.format(bed=bed, sure=sure)
         return campaign_from_texts(campaign, "campaign.toml", machine, "machine.toml", prior_text=prior)
 
     def readings(self, nodes: Sequence[int]) -> tuple[Reading, ...]:

@@ -24,7 +24,7 @@ _HEAD = """# What errors of two axes buy
 Measured maps of printer beds and of a granite plate, read in 12, 16 or 25 of their nodes; the other nodes are the
 truth. `python -m benchmarks.planes` writes this page (five minutes; the maps are not part of the project). One
 description serves all maps, in round figures: `EZX` and `EZY` of 50 um over 0.35 of the travel, `EZXY` half as large
-with a rest of 5 um, `scales = "estimate"`. *Two curves* is the same without `EZXY`, the rests with the curves. Maps
+with a rest of 5 um, `usual = "off"`. *Two curves* is the same without `EZXY`, the rests with the curves. Maps
 count where fewer than half of the nodes are ever read. *Missed* is the RMS over all nodes of truth less estimate, in
 um, geometric mean over the maps; *held* the share of the unread nodes within the printed 95 %. A second reading close
 beside one of the first nine, one for each dozen, was tried: with 12 and 16 readings more was missed, with 25 as much.

@@ -12,6 +12,7 @@ from axiscal.estimation.estimate import concluded, estimated
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.planning.plan_basis import plan_basis
 from axiscal.planning.planner import next_places
 from axiscal.units import to_unit
 from benchmarks.planes.maps import Plane
@@ -51,10 +52,10 @@ def _reading(plane: Plane, node: int) -> Reading:
 
 
 def _planned(plane: Plane, case: Case, count: int) -> list[int]:
-    """Return the nodes that a campaign reads: it plans anew when scales were learnt, or a reading is doubted."""
+    """Return the nodes that a campaign reads: it plans anew when sizes were learnt, or a reading is doubted."""
     nodes, known, coming, basis = list[int](), estimated(case, ()), list[Place](), None
     while len(nodes) < count:
-        now = known.stages.learnt.count, known.outliers
+        now = plan_basis(known.case, known.readings, known.outliers)
         if now != basis or not coming:
             coming = list(next_places(known.case, known.knowledge, known.readings, known.outliers, (), coming))
             basis = now

@@ -26,7 +26,7 @@ EZY = {{ std = "50 um", length = "{across:.9g} mm"{rest} }}
 {plane}"""
 _PLANE = 'EZXY = {{ std = "25 um", knots = 9, length = ["{0:.9g} mm", "{1:.9g} mm"], rest = "5 um" }}\n'
 _CAMPAIGN = """machine = "map"
-scales = "estimate"
+usual = "off"
 [target]
 readings = {count}
 [[setups]]

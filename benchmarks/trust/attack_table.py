@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from itertools import product
 from pathlib import Path
@@ -12,12 +12,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy import stats
 
-from benchmarks.trust.attacks import ATTACKS, Attack, Outcome, outcome
-from benchmarks.trust.benches import PLACES, PRIORS
+from benchmarks.trust.attacks import ATTACKS, Outcome, outcome
+from benchmarks.trust.benches import PLACES
 from benchmarks.trust.kept import KEPT, Found, Keeping
 
-FIRST = 20_261_200
+FIRST = 20_262_000
 """The seed of the first machine: nobody has looked at these before they were shown."""
+FAR = 1.5
+"""Of true to promised RMS: a machine beyond is far worse than promised."""
+_SCALES = "estimate"
 _SURE = 0.95
 _GOAL = 0.02
 
@@ -27,11 +30,9 @@ class Trial(NamedTuple):
 
     attack: int
     places: str
-    scales: str
     seed: int
 
 
-CELLS = tuple(product(PLACES, PRIORS))
 Outcomes = dict[Trial, Outcome]
 
 
@@ -48,12 +49,9 @@ def attacked(machines: int, processes: int, seconds: float, which: Sequence[int]
 
     seconds : after which no more are begun; what is done is kept, and the next run goes on from there
     which : numbers of the attacks
-    Returns with them how many machines every cell has now. Raises StudyError where one could not be tried.
+    Returns with them how many machines every cell has. Raises StudyError where one could not be tried.
     """
-    wanted = [
-        Trial(number, places, scales, FIRST + index)
-        for index, number, (places, scales) in product(range(machines), which, CELLS)
-    ]
+    wanted = [Trial(number, places, FIRST + index) for index, number, places in product(range(machines), which, PLACES)]
     beside = [Path(__file__).with_name(name) for name in ("attacks.py", "benches.py")]
     found = Keeping("attacks", beside, processes, seconds, KEPT).found(tried, wanted)
     outcomes = {Trial(*key): _outcome(result) for key, result in found.items()}
@@ -62,46 +60,42 @@ def attacked(machines: int, processes: int, seconds: float, which: Sequence[int]
 
 def tried(trial: Trial) -> dict[str, Any]:
     """Return the outcome of one machine, what is not a number as none."""
-    found = asdict(outcome(ATTACKS[trial.attack], trial.places, trial.scales, trial.seed))
+    found = asdict(outcome(ATTACKS[trial.attack], trial.places, _SCALES, trial.seed))
     return {name: None if value != value else value for name, value in found.items()}
 
 
 def _outcome(result: Found) -> Outcome:
-    names = ("ratio", "inside", "rare")
-    ratio, inside, rare = (math.nan if result[name] is None else float(result[name]) for name in names)
-    return Outcome(ratio, inside, str(result["word"]), rare)
+    ratio, inside = (math.nan if result[name] is None else float(result[name]) for name in ("ratio", "inside"))
+    return Outcome(ratio, inside, bool(result["withheld"]))
 
 
 def _complete(kept: Outcomes, machines: int, which: Sequence[int]) -> int:
     """Return how many of the first machines are there in every cell."""
     for index in range(machines):
-        cells = product(which, CELLS)
-        if any(Trial(number, *cell, FIRST + index) not in kept for number, cell in cells):
+        if any(Trial(number, places, FIRST + index) not in kept for number, places in product(which, PLACES)):
             return index
     return machines
 
 
 def attack_rows(kept: Outcomes, machines: int, which: Sequence[int] = EVERY) -> Iterator[str]:
-    """Yield the lines of the table: one for each attack, a cell for each of places and priors."""
+    """Yield the lines of the table: one for each attack, a cell for each choice of places."""
     for number in which:
-        cells = [_cell(_outcomes(kept, number, cell, machines)) for cell in CELLS]
+        cells = [_cell(_outcomes(kept, number, places, machines)) for places in PLACES]
         yield f"| {ATTACKS[number].words} | {' | '.join(cells)} |"
 
 
-def _outcomes(kept: Outcomes, attack: int, cell: tuple[str, str], machines: int) -> list[Outcome]:
-    return [kept[Trial(attack, *cell, FIRST + index)] for index in range(machines)]
+def _outcomes(kept: Outcomes, attack: int, places: str, machines: int) -> list[Outcome]:
+    return [kept[Trial(attack, places, FIRST + index)] for index in range(machines)]
 
 
 def _cell(found: Sequence[Outcome]) -> str:
-    told = [each for each in found if each.word != "refused"]
+    """Return share inside, ratio and share far off of the machines of which U is printed, and share withheld of all."""
+    told = [each for each in found if not each.withheld]
+    withheld = f"{1 - len(told) / len(found):.0%}"
     if not told:
-        return "refused"
-    ratio = float(np.exp(np.mean(np.log([each.ratio for each in told]))))
-    inside, holds = (float(np.mean(part)) for part in zip(*((o.inside, o.word == "holds") for o in told), strict=True))
-    low, high = limits(sum(each.silent for each in found), len(found))
-    silent, broken = (np.mean(part) for part in zip(*((each.silent, each.broken) for each in found), strict=True))
-    beyond = "" if broken == silent else f", {broken:.0%} beyond"
-    return f"{ratio:.1f}, {inside:.0%}, {holds:.0%}, **{silent:.0%}** ({low:.0%}–{high:.0%}){beyond}"
+        return f"–, –, –, {withheld}"
+    inside, ratios = np.mean([each.inside for each in told]), np.array([each.ratio for each in told])
+    return f"{inside:.0%}, {np.exp(np.mean(np.log(ratios))):.2f}, {np.mean(ratios > FAR):.0%}, {withheld}"
 
 
 def limits(count: int, of: int) -> tuple[float, float]:
@@ -111,30 +105,25 @@ def limits(count: int, of: int) -> tuple[float, float]:
 
 
 def goal_lines(kept: Outcomes, machines: int) -> Iterator[str]:
-    """Yield in words how many cells reach the goal, and which surely do not."""
+    """Yield in words how many cells have few machines far off, and which have surely more."""
     cells = [
-        (attack, cell, sum(each.silent for each in _outcomes(kept, number, cell, machines)))
+        (attack.words, places, sum(_far(each) for each in _outcomes(kept, number, places, machines)))
         for number, attack in enumerate(ATTACKS)
-        for cell in CELLS
+        for places in PLACES
         if "sign" not in attack.words
     ]
     reached = sum(each <= _GOAL * machines for _, _, each in cells)
+    far, tried = sum(each for _, _, each in cells), len(cells) * machines
+    low, high = limits(far, tried)
     yield ""
-    yield f"Of {len(cells)} cells beside a turned sign, {reached} have at most {_GOAL:.0%} of silent machines."
-    silent, tried = sum(each for _, _, each in cells), len(cells) * machines
-    low, high = limits(silent, tried)
-    yield f"Over all of them {silent} of {tried} machines are silent, {silent / tried:.1%} ({low:.1%}–{high:.1%})."
+    yield f"Of {len(cells)} cells beside a turned sign, {reached} have at most {_GOAL:.0%} of machines above {FAR}."
+    yield f"Over all of them {far} of {tried} machines are, {far / tried:.1%} ({low:.1%}–{high:.1%})."
     yield f"Where none of {machines} is, the share may still be up to {limits(0, machines)[1]:.0%}."
-    yield from _missed(cells, machines)
-
-
-def _missed(cells: Iterable[tuple[Attack, tuple[str, str], int]], machines: int) -> Iterator[str]:
-    surely = [(a, c, silent) for a, c, silent in cells if limits(silent, machines)[0] > _GOAL]
+    surely = [f"{words} ({places}) {k / machines:.0%}" for words, places, k in cells if limits(k, machines)[0] > _GOAL]
     if surely:
-        named = "; ".join(
-            f"{a.words} ({places}, {_PRIOR[scales]}) {s / machines:.0%}" for a, (places, scales), s in surely
-        )
-        yield f"More than that, by the lower limit of their share: {named}."
+        yield f"More than that, by the lower limit of their share: {'; '.join(surely)}."
 
 
-_PRIOR = {"stated": "stated", "estimate": "learnt"}
+def _far(found: Outcome) -> bool:
+    """Return whether U is printed of a machine that is far worse than promised."""
+    return not found.withheld and found.ratio > FAR

@@ -20,7 +20,6 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.promise.type_b import type_b_names
-from axiscal.promise.usual import usual_machine
 from axiscal.simulation import Simulator, VirtualMachine
 from benchmarks.trust.benches import BENCHES, Changes, Name, case_of, visits
 
@@ -52,6 +51,7 @@ class Attack:
     passing : besides, along the same, on readings alone; shown : what becomes of the readings
     count : of readings, that of the bench unless said
     tool : another tool than stated, just so much, which is no error of the machine; chain : other axis lines, which are
+    lengths : what no reading shows counts; else instruments and temperatures are perfect
     """
 
     words: str
@@ -64,6 +64,7 @@ class Attack:
     count: int | None = None
     tool: Moved = _as_stated
     chain: Moved = _as_stated
+    lengths: bool = False
 
 
 def _bad(count: int) -> Shown:
@@ -75,6 +76,11 @@ def _bad(count: int) -> Shown:
         return spoilt
 
     return shown
+
+
+def _strained(strain: float) -> Passing:
+    """Return what makes all readings longer about the middle of the travel.  strain : um/m"""
+    return lambda x, along: strain * (x[:, 0] - 0.5)
 
 
 def _drifting(shape: Callable[[Array], Array]) -> Shown:
@@ -149,6 +155,10 @@ ATTACKS = (
     Attack("five axes: drift, 10 µm", shown=_drifting(lambda t: t), bench="five axes"),
     Attack("five axes: one bad reading, 8 µm", shown=_bad(1), bench="five axes"),
     Attack("five axes: step of X, 15 µm", field=lambda x, side, c: np.where(_x(x) > 0.0, 15.0, 0.0), bench="five axes"),
+    Attack("lengths: nothing", lengths=True),
+    Attack("lengths: laser, 5 µm/m", passing=_strained(5.0), lengths=True),
+    Attack("lengths: material, 1 K", passing=_strained(11.7), lengths=True),
+    Attack("lengths: 20 µm/m", passing=_strained(20.0), lengths=True),
 )
 
 
@@ -208,7 +218,7 @@ class Attacked:
 def attacked(attack: Attack, places: str, scales: str, seed: int) -> Attacked:
     """Return a machine and what is read of it."""
     stated = case_of(attack.bench, scales, attack.stated)
-    actual = case_of(attack.bench, scales, (*attack.truth, *attack.stated)).description
+    actual = case_of(attack.bench, scales, (*attack.truth, *attack.stated), "off").description
     machine, rng = Simulator(actual.machine, actual.setups).drawn(seed), np.random.default_rng((seed, 4))
     machine, own = replace(machine, offsets=_with_tool(attack, machine.offsets)), float(rng.uniform(0.2, 0.8))
     taken = visits(attack.bench, scales, places, attack.count or BENCHES[attack.bench].readings, seed)
@@ -227,11 +237,8 @@ def attacked(attack: Attack, places: str, scales: str, seed: int) -> Attacked:
 
 
 @one_thread()
-def outcome(attack: Attack, places: str, scales: str, seed: int, lengths: bool = False) -> Outcome:
-    """Return what one machine's readings promise, and what is true.
-
-    lengths : what no reading shows counts; else instruments are perfect
-    """
+def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
+    """Return what one machine's readings promise, and what is true."""
     met = attacked(attack, places, scales, seed)
     try:
         refuse_implausible([replace(each, line=1) for each in met.readings], met.stated.description, "readings")
@@ -239,11 +246,10 @@ def outcome(attack: Attack, places: str, scales: str, seed: int, lengths: bool =
         return Outcome(np.nan, np.nan, withheld=True)
     described = met.stated.description
     setups = tuple(
-        replace(setup, at_20=lengths, stated=() if lengths else _perfect(setup)) for setup in described.setups
+        replace(setup, at_20=attack.lengths, stated=() if attack.lengths else _perfect(setup))
+        for setup in described.setups
     )
-    machine = usual_machine(described.machine, described.setups)
-    described = replace(described, machine=machine, setups=setups, usual=True, sure="roughly")
-    known = concluded(replace(met.stated, description=described), met.readings)
+    known = concluded(replace(met.stated, description=replace(described, setups=setups)), met.readings)
     belief = known.banded.knowledge.belief
     size = met.sizes_left(known.estimate().deviation(*met.places))
     inside = float(np.mean(size <= expanded(known.banded.case.yardstick, belief).space))

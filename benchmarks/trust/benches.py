@@ -23,7 +23,6 @@ Changes = tuple[tuple[str, str], ...]
 """What stands in the texts of a bench, and what stands there instead."""
 
 PLACES = ("planned", "even", "random")
-PRIORS = ("stated", "estimate")
 _ANYWHERE = 4000
 
 
@@ -142,11 +141,16 @@ _USUAL: Changes = (("STD", "10 um"), ("LENGTH", "200 mm"), ("NOISE", "0.5 um"), 
 
 
 @cache
-def case_of(name: Name, scales: str, changes: Changes = ()) -> Case:
-    """Return what is calibrated, as stated or with changes."""
+def case_of(name: Name, scales: str, changes: Changes = (), usual: str = "on") -> Case:
+    """Return what is calibrated, as stated or with changes.
+
+    scales : how well sizes are known: "stated" or "estimate", as campaigns say it
+    usual : "on" with what usually goes wrong, "off" with what is stated alone
+    """
     bench = BENCHES[name]
     machine, setup = bench.machine, bench.setup
-    text = f'machine = "m"\nscales = "{scales}"\n{bench.head}[target]\nreadings = {bench.readings}\n{setup}'
+    head = f'usual = "{usual}"\nscales = "{scales}"\n{bench.head}'
+    text = f'machine = "m"\n{head}[target]\nreadings = {bench.readings}\n{setup}'
     for old, new in (*changes, *_USUAL):
         machine, text = machine.replace(old, new), text.replace(old, new)
     return Case(campaign_from_texts(text, "campaign.toml", machine, "m"))

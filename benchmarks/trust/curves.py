@@ -21,7 +21,6 @@ DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 """The measured curves are not part of the project; without them this part of the page is left out."""
 
 CAMPAIGN = """machine = "measured"
-scales = "estimate"
 [target]
 readings = 1
 [[setups]]

@@ -69,8 +69,8 @@ def estimated_from(runs: Runs, learning: str) -> Estimation:
     length, rest = 2e3 * (runs.targets[1] - runs.targets[0]), "" if learning == "nothing" else ', rest = "estimate"'
     machine = f'chain = "w-b-X-t"\n[axes.X]\ntravel = ["{low} mm", "{high} mm"]\n[errors]\n'
     machine += f'EXX = {{ std = "30 um", length = "{length} mm"{rest} }}\nEXX_reversal = {{ std = "10 um" }}\n'
-    scales = "estimate" if learning == "all scales" else "stated"
-    campaign = f'machine = "m"\nscales = "{scales}"\n[target]\nreadings = 1\n[[setups]]\n{_SETUP}'
+    head = "" if learning == "all scales" else 'usual = "off"\nsure = "exactly"\n'
+    campaign = f'machine = "m"\n{head}[target]\nreadings = 1\n[[setups]]\n{_SETUP}'
     return concluded(Case(campaign_from_texts(campaign, "campaign.toml", machine, "m")), runs.readings())
 
 
@@ -91,5 +91,5 @@ def iso_rows() -> Iterator[str]:
             left, limit, promised = (
                 f"{1e6 * v:.2f} µm" for v in (left_at_targets(runs, known), runs.limit, known.accuracy.rms)
             )
-            worth = "–" if known.fit is None else f"{known.fit.widening.size:.0f}"
+            worth = "–" if known.posterior is None else f"{known.posterior.effective:.0f}"
             yield f"| {name} | {learning} | {left} | {limit} | {promised} | {worth} |"

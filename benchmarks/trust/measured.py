@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from axiscal.estimation.ruled import ruled, ruling_of
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
@@ -27,7 +26,7 @@ _DRAWS = 3
 class Outcome:
     """share : of the truth in the 95 % band; rms, std : what was missed, and what the band says; flags : codes said
 
-    words : verdicts, of one estimate or of all draws
+    withheld : share of the estimates whose U is withheld, since the readings contradict each other
     """
 
     design: str
@@ -35,12 +34,7 @@ class Outcome:
     rms: float
     std: float
     flags: tuple[str, ...]
-    words: tuple[str, ...]
-
-    @property
-    def good(self) -> bool:
-        """Whether the band holds 90 % of the truth, or no estimate is said to hold."""
-        return self.share >= ENOUGH or "holds" not in self.words
+    withheld: float
 
 
 def outcomes(case: Measured) -> list[Outcome]:
@@ -50,20 +44,21 @@ def outcomes(case: Measured) -> list[Outcome]:
     low, high = np.array([axis.travel for axis in described.machine.axes]).T
     even = _judged("evenly spaced", case, problem, _nearest(case, _even(case, low, high)))
     draws = [_judged("random", case, problem, _random(case, low, high, seed)) for seed in range(_DRAWS)]
-    share, rms, std = (float(np.mean(column)) for column in zip(*((d.share, d.rms, d.std) for d in draws), strict=True))
-    flags, words = (tuple(sorted({each for d in draws for each in getattr(d, key)})) for key in ("flags", "words"))
-    mean = Outcome("random", share, rms, std, flags, words)
+    figures = zip(*((d.share, d.rms, d.std, d.withheld) for d in draws), strict=True)
+    share, rms, std, withheld = (float(np.mean(column)) for column in figures)
+    flags = tuple(sorted({each for d in draws for each in d.flags}))
+    mean = Outcome("random", share, rms, std, flags, withheld)
     return [_judged("planned", case, problem, None), even, mean]
 
 
 def _judged(design: str, case: Measured, problem: Case, poses: Array | None) -> Outcome:
-    known = ruled(concluded(problem, _planned(case, problem) if poses is None else _read(case, poses)))
+    known = concluded(problem, _planned(case, problem) if poses is None else _read(case, poses))
     mean, std = predicted(known, case.places, np.zeros_like(case.places))
     missed = case.truth - mean
     share = float(np.mean(np.abs(missed) <= BAND * std))
     flags = tuple(sorted({finding.code for finding in findings(known)}))
     rms, spread = (to_unit(float(np.sqrt(np.mean(v**2))), case.unit) for v in (missed, std))
-    return Outcome(design, share, rms, spread, flags, (ruling_of(known).verdict,))
+    return Outcome(design, share, rms, spread, flags, float(known.agreement.withheld))
 
 
 def predicted(estimation: Estimation, poses: Array, approaches: Array) -> tuple[Array, Array]:
@@ -120,13 +115,13 @@ def _nearest(case: Measured, poses: Array) -> Array:
 def iso_outcome(test: IsoTest) -> tuple[Outcome, int]:
     """Return what the ISO 230-2 test says of the dense passes, one offset per pass taken off, and how many passes."""
     described: CampaignDescription = campaign_from_texts(test.campaign, "campaign.toml", test.machine, "measured")
-    known = ruled(concluded(Case(described), test.readings))
+    known = concluded(Case(described), test.readings)
     parts = [_pass(known, *test.passes[key], np.sign(key)) for key in test.passes]
     missed, std = np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
     flags = tuple(sorted({finding.code for finding in findings(known)}))
     rms, spread = (to_unit(float(np.sqrt(np.mean(v**2))), "um") for v in (missed, std))
     share = float(np.mean(np.abs(missed) <= BAND * std))
-    return Outcome("as measured", share, rms, spread, flags, (ruling_of(known).verdict,)), len(parts)
+    return Outcome("as measured", share, rms, spread, flags, float(known.agreement.withheld)), len(parts)
 
 
 def _pass(estimation: Estimation, x: Array, y: Array, direction: float) -> tuple[Array, Array]:

@@ -40,6 +40,7 @@ class Coverage:
 
     machine: str
     wrong: float
+    scales: str
     machines: int
     curves: float
     error: float
@@ -48,49 +49,56 @@ class Coverage:
 
 
 def described(name: str, wrong: float, scales: str) -> tuple[CampaignDescription, Machine]:
-    """Return a campaign whose stated prior is the true one times `wrong`, and the machine with the true one."""
-    text = f'machine = "{name}"\nscales = "{scales}"\n[target]\nreadings = 1\n{SETUPS[name]}'
+    """Return a campaign whose stated prior is the true one times `wrong`, and the machine with the true one.
+
+    scales : "stated", what is stated alone; "estimate", what usually goes wrong, and sizes that are learnt
+    """
+    head = 'usual = "off"\nsure = "exactly"\n' if scales == "stated" else ""
+    text = f'machine = "{name}"\n{head}[target]\nreadings = 1\n{SETUPS[name]}'
     description = campaign_from_texts(text, "campaign.toml", load_machine(name).text, name)
-    true = description.machine
+    true = load_machine(name)
 
     def stated(entry: ErrorEntry) -> ErrorEntry:
         rest = None if entry.rest is None else entry.rest * wrong
         return replace(entry, std=entry.std * wrong, rest=rest)
 
-    return replace(description, machine=replace(true, errors=tuple(map(stated, true.errors)))), true
+    machine = description.machine
+    planes = tuple(replace(entry, std=entry.std * wrong) for entry in machine.planes)
+    return replace(
+        description, machine=replace(machine, errors=tuple(map(stated, machine.errors)), planes=planes)
+    ), true
 
 
-def covered(name: str, wrong: float, machines: int, tried: Tried = one_by_one) -> Coverage:
-    """Return the coverage over so many virtual machines; scales are learnt where the prior is wrong."""
-    found = tried(held, [(name, wrong, seed) for seed in range(machines)])
+def covered(name: str, wrong: float, scales: str, machines: int, tried: Tried = one_by_one) -> Coverage:
+    """Return the coverage over so many virtual machines.  scales : as `described` has it"""
+    found = tried(held, [(name, wrong, scales, seed) for seed in range(machines)])
     rows = np.array([[each["curves"], each["tcp"], each["misfit"]] for each in found], dtype=float)
     curves, tcp, misfit = np.nanmean(rows, axis=0)
-    return Coverage(name, wrong, machines, curves, float(rows[:, 0].std() / np.sqrt(machines)), tcp, misfit)
+    return Coverage(name, wrong, scales, machines, curves, float(rows[:, 0].std() / np.sqrt(machines)), tcp, misfit)
 
 
 @cache
-def _drawn_from(name: str, wrong: float) -> tuple[Case, Simulator]:
-    description, true = described(name, wrong, "stated" if wrong == 1 else "estimate")
+def _drawn_from(name: str, wrong: float, scales: str) -> tuple[Case, Simulator]:
+    description, true = described(name, wrong, scales)
     return Case(description), Simulator(true, description.setups)
 
 
 def held(trial: Trial) -> dict[str, float | None]:
     """Return the shares of one machine that its bands hold, and whether its report says that the prior does not fit.
 
-    trial : machine, how many times too large its prior is stated, and seed
+    trial : machine, how many times too large its prior is stated, what is learnt, and seed
     """
-    name, wrong, seed = trial
-    problem, simulator = _drawn_from(name, wrong)
+    name, wrong, scales, seed = trial
+    problem, simulator = _drawn_from(name, wrong, scales)
     machine, rng = simulator.drawn(seed), np.random.default_rng((seed, 9))
     estimation = concluded(problem, read_evenly(problem, machine, rng, READINGS[name]))
     low, high = np.array([axis.travel for axis in problem.description.machine.axes]).T
     poses = rng.uniform(low, high, (_POSES, len(low)))
     approaches = rng.choice([-1.0, 1.0], poses.shape)
-    told = ("prior-misfit", "lack-of-fit")
     return {
         "curves": float(curves_held(estimation, machine)),
         "tcp": float(tcp_held(estimation, machine, poses, approaches)),
-        "misfit": float(any(each.code in told for each in findings(estimation))) if seed < _JUDGED else None,
+        "misfit": float(any(each.code == "prior-misfit" for each in findings(estimation))) if seed < _JUDGED else None,
     }
 
 
@@ -149,7 +157,7 @@ def moved(trial: Trial) -> dict[str, float]:
     shift : beside the right reading; bent : beside none; naive : where all are believed; found : 1 where it is not
     """
     size, seed = trial
-    problem, simulator = _drawn_from("one-axis", 1.0)
+    problem, simulator = _drawn_from("one-axis", 1.0, "estimate")
     rng = np.random.default_rng((seed, 11))
     taken = read_evenly(problem, simulator.drawn(seed), rng, _AMONG)
     bad = int(rng.integers(_AMONG))

@@ -39,7 +39,7 @@ SETUPS = "".join(
     f'unknowns = {{ zero = "100 um" }}\n' + reach_of(MACHINE)
     for d in "xyz"
 )
-CAMPAIGN = f'machine = "m.toml"\n[target]\nreadings = 45\n{SETUPS}'
+CAMPAIGN = f'machine = "m.toml"\nusual = "off"\nsure = "exactly"\n[target]\nreadings = 45\n{SETUPS}'
 HUGE = "1 mm"
 
 

@@ -42,6 +42,8 @@ MACHINE = machine_text(
     name="Bench",
 )
 CAMPAIGN = """machine = "m.toml"
+usual = "off"
+sure = "exactly"
 [target]
 rms = "1.5 um"
 readings = 40

@@ -33,6 +33,8 @@ EXX = { std = "20 um", knots = 15, length = "300 mm" }
 EBX = { std = "1 urad", knots = 3 }
 """
 CAMPAIGN = """machine = "m.toml"
+usual = "off"
+sure = "exactly"
 [target]
 readings = 20
 [[setups]]

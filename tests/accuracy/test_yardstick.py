@@ -23,6 +23,8 @@ EXX_reversal = { std = "3 um" }
 """
 CAMPAIGN = """
 machine = "machine.toml"
+usual = "off"
+sure = "exactly"
 [target]
 readings = 9
 [[setups]]

@@ -19,6 +19,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
+from axiscal.record.accepted import Accepted
 from axiscal.record.carried import heritage_text
 from axiscal.record.copies import write_copy
 from axiscal.record.store import Record
@@ -260,6 +261,35 @@ def test_what_was_mounted_anew_goes_on_is_never_asked_for_and_comes_back_as_what
     copied.write_bytes(branch.read_bytes())
     capsys.readouterr()
     assert run(["adopt", str(main), str(branch), "--mounted-anew", "--same-mounting"]) == 2
+
+
+def accept(file: Path, mistake: Accepted) -> None:
+    """Let a person accept a mistake."""
+    with Record.open(file) as record:
+        record.append(mistake)
+
+
+def test_what_is_taken_over_is_as_it_was_recorded_whatever_either_side_has_accepted(
+    main: Path, branch: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    first, more = values(main), [(each.setup, each.value) for each in read_on(1)[6:8]]
+    read(branch, read_on(1)[6:8], "laser")
+    accept(branch, Accepted("sign", ("laser",), factor=-1.0))
+    accept(branch, Accepted("jump", ("laser",), 4, name="laser, before reading 4"))
+    assert values(branch)[0] == ("laser, before reading 4", -first[0][1])
+    assert run(["adopt", str(main), str(branch), "--same-mounting"]) == 0
+    assert "took back" not in capsys.readouterr().out
+    assert [value for _, value in values(main)] == [value for _, value in [*first, *more]]
+    with Campaign.open(main) as campaign:
+        assert not campaign.state.mounted
+    accept(main, Accepted("jump", ("laser",), 7, name="laser, before reading 7"))
+    for here, there in [(main, branch), (branch, main)]:
+        held = here.read_bytes()
+        assert run(["adopt", str(here), str(there), "--same-mounting"]) == 0
+        assert here.read_bytes() == held
+    read(branch, read_on(1)[8:9], "laser")
+    assert run(["adopt", str(main), str(branch), "--same-mounting"]) == 0
+    assert values(main)[-1] == ("laser", read_on(1)[8].value)
 
 
 def test_a_ball_that_others_read_too_is_not_mounted_anew_without_them(tmp_path: Path) -> None:

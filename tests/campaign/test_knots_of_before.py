@@ -25,6 +25,8 @@ from tests.generators.texts import machine_text
 
 MACHINE = machine_text("w-b-X-t", {"X": (0, 600)}, {"EXX": "20 um"}).replace("knots = 5, ", "")
 CAMPAIGN = """machine = "machine.toml"
+usual = "off"
+sure = "exactly"
 [target]
 readings = 9
 [[setups]]

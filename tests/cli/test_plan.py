@@ -19,6 +19,8 @@ EXX = { std = "1 mm", knots = 7 }
 """
 CAMPAIGN = """
 machine = "machine.toml"
+usual = "off"
+sure = "exactly"
 [target]
 readings = 7
 criterion = "joint"

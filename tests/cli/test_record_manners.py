@@ -15,6 +15,8 @@ from tests.generators.texts import machine_text
 
 MACHINE = machine_text("w-X'-b-Y-t", {"X": (0, 300), "Y": (0, 200)}, {"EXX EYY": "20 um", "EXX_reversal": "6 um"})
 CAMPAIGN = """machine = "machine.toml"
+usual = "off"
+sure = "exactly"
 compensation_active = false
 [target]
 budget = "100 min"

@@ -96,7 +96,7 @@ def estimated(folder: Path, readings: str, name: str, axes: str = "XYZ", more: s
     errors = PRIORS + planes + (SQUARES if axes == "XYZ" else "")
     files = {
         "machine.toml": f'chain = "{chain}"\n{travel}[errors]\n{errors}',
-        "campaign.toml": f'machine = "machine.toml"\n{PROBE}{more}',
+        "campaign.toml": f'machine = "machine.toml"\nusual = "off"\nsure = "exactly"\n{PROBE}{more}',
         name: readings,
     }
     begun(folder, files, ("estimate", "campaign.toml", name, "--out", "out"))

@@ -70,7 +70,8 @@ def test_a_dead_band_across_a_way_that_a_table_has_turned_is_a_bound() -> None:
 
 def test_a_lag_and_a_reversal_are_told_apart_only_in_their_sum() -> None:
     machine = MACHINE + 'EXX_reversal = { std = "6 um" }\n'
-    text = 'machine = "m"\n[target]\nreadings = 9\n[[setups]]\nname = "it"\ninstrument = "indicator"\ndirection = "x"\n'
+    text = 'machine = "m"\nusual = "off"\nsure = "exactly"\n[target]\nreadings = 9\n'
+    text += '[[setups]]\nname = "it"\ninstrument = "indicator"\ndirection = "x"\n'
     text += 'approach = "both"\nnoise = "0.5 um"\nunknowns = {}\ndead_band = "3 um"\n'
     case = Case(campaign_from_texts(text, "c", machine, "m"))
     readings = [Reading("it", (x,), (s,), s * 5e-6) for x in np.linspace(0, 1, 6).tolist() for s in (1, -1)]

@@ -11,8 +11,6 @@ import shlex
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from axiscal.estimation.ruled import ruled
-
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.compensation.export_options import ExportOptions
@@ -74,7 +72,7 @@ def draw(page: Path, folder: Path) -> None:
 def draw_tour(folder: Path) -> None:
     """Draw the error of the volume and a curve as the report of the tour has them.  folder : where it was followed"""
     with Campaign.open(folder / "rehearsal" / "campaign.axiscal", write=False) as campaign:
-        known = ruled(campaign.concluded())
+        known = campaign.concluded()
         summary = summarise(campaign, known, Extras())
     tables = export(known.estimate(), "linuxcnc", ExportOptions())
     panels = volume_panels(volume_error(known, "linuxcnc", tables.control))

@@ -23,6 +23,7 @@ EXX = { std = "8 um", length = "200 mm" }
 _PITCH = 'EXX_pitch = { std = "5 um", period = "50 mm", harmonics = 2 }\n'
 _STEP = 'EXX_step = { std = "6 um", at = ["200 mm", "400 mm"] }\n'
 _CAMPAIGN = """machine = "m"
+usual = "off"
 [target]
 readings = 14
 [[setups]]

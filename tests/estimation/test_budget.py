@@ -17,7 +17,7 @@ from tests.generators.laser_axis import machine as laser_machine
 
 @pytest.mark.parametrize("count", [2, 24])
 def test_squares_add_up_to_the_square_of_the_whole(count: int) -> None:
-    case = mixed()
+    case = mixed('usual = "off"\nsure = "exactly"')
     known = concluded(case, drawn(case, count))
     sources = budget(known)
     assert {source.kind for source in sources} <= set(KINDS)
@@ -27,7 +27,7 @@ def test_squares_add_up_to_the_square_of_the_whole(count: int) -> None:
 
 
 def test_sizes_that_are_learnt_are_a_source_of_their_own() -> None:
-    case = mixed('scales = "estimate"')
+    case = mixed()
     known = concluded(case, drawn(case, 40))
     shares = {source.kind: source.rms for source in budget(known)}
     assert shares["sizes"] > 0.1 * known.accuracy.rms

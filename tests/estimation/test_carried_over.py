@@ -1,14 +1,13 @@
-"""Beliefs that go from one description to another, bands of learnt scales, and words on sisters, each written out."""
+"""Beliefs that go from one description to another, bands of a posterior, and words on sisters, each written out."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
 import pytest
-from axiscal.inference.fit import Fit
-from axiscal.inference.widening import Widening
 
 from axiscal.belief import Belief
 from axiscal.error_model.model import ErrorModel
@@ -94,24 +93,20 @@ def test_what_finer_knots_hold_beyond_those_of_before_is_the_part_that_they_cann
     assert carried_over(new, old).beyond().shape[1] == 0
 
 
-def test_bands_of_learnt_scales_have_what_scales_leave_open_and_no_other_mean() -> None:
-    readings = read(machine(2), 12)
-    known = concluded(CASE, readings)
+def test_bands_are_those_of_the_posterior_and_wider_where_readings_disagree() -> None:
+    known = concluded(CASE, read(machine(2), 12))
+    found = known.posterior
+    assert found is not None
     assert banded(known.case, known.knowledge, None) == (known.case, known.knowledge)
-    factor = 1e-6 * np.random.default_rng(3).standard_normal((CASE.errors.size, 2))
-    fit = cast("Fit", SimpleNamespace(widening=Widening(factor, {"EXX": 7e-7}, 10.0)))
-    wide = banded(known.case, known.knowledge, fit)
-    size = len(factor)
-    more = wide.knowledge.belief.covariance - known.knowledge.belief.covariance
-    assert more[:size, :size] == pytest.approx(factor @ factor.T, abs=1e-18)
-    assert np.abs(more[size:]).max(initial=0.0) < 1e-18
-    assert wide.knowledge.belief.mean == pytest.approx(known.knowledge.belief.mean)
-    assert wide.case.errors.names["EXX"].rest == 7e-7
-    assert wide.knowledge.observation.errors is wide.case.errors
-    still = cast("Fit", SimpleNamespace(widening=Widening(0 * factor, {}, 10.0)))
-    again = banded(known.case, known.knowledge, still)
-    assert again.knowledge.belief is known.knowledge.belief
-    assert again.case.errors.names["EXX"].rest == CASE.errors.names["EXX"].rest
+    for c2, times in ((1.0, 1.0), (4.0, 4.0)):
+        agreed = replace(found.agreement, c2=c2)
+        wide = banded(known.case, known.knowledge, replace(found, agreement=agreed))
+        belief, size = wide.knowledge.belief, len(found.mean)
+        assert wide.case is known.case
+        assert belief.mean == pytest.approx(found.mean)
+        assert belief.covariance == pytest.approx(times * found.covariance, abs=1e-9 * float(found.covariance.max()))
+        assert size == wide.knowledge.observation.errors.size + len(wide.knowledge.observation.unknowns)
+        assert not wide.knowledge.observation.cells
 
 
 def sister(chance: float, count: int, away: float = 0.0, told: float = 0.49) -> Estimation:

@@ -109,20 +109,16 @@ def test_another_case_lends_where_readings_are_linear_and_nothing_else() -> None
     assert case.linear_about(case.prior.mean, bent=True).errors is not case.errors
 
 
-def test_only_rests_that_are_named_are_others() -> None:
-    wider = mixed().with_rests({"EXX": 7e-7})
-    before = {error.name: error.rest for error in mixed().description.machine.errors}
-    assert {error.name: error.rest for error in wider.description.machine.errors} == {**before, "EXX": 7e-7}
-
-
-def test_what_is_to_be_learnt_is_what_the_campaign_says_and_of_an_inherited_prior_noises_and_rests_alone() -> None:
-    assert LASER.variable == ()
-    learning = mixed('scales = "estimate"')
-    kinds = {scale.kind for scale in learning.variable}
-    assert {"noise", "rest"} < kinds
+def test_what_is_to_be_learnt_is_what_the_campaign_says_and_of_an_inherited_prior_what_readings_alone_suffer() -> None:
+    plain = mixed('sure = "exactly"\nusual = "off"')
+    assert plain.sizes.of == ()
+    learning = mixed()
+    kinds = {size.kind for size in learning.sizes.of}
+    assert {"std", "reversal", "noise", "rest", "drift", "cycle", "growth"} <= kinds
     size = learning.errors.size
-    left = replace(learning, inherited=Inherited(np.zeros(size), np.eye(size))).variable
-    assert left == tuple(scale for scale in learning.variable if scale.kind in ("noise", "rest"))
+    left = replace(learning, inherited=Inherited(np.zeros(size), np.eye(size))).sizes
+    alone = ("noise", "rest", "drift", "cycle", "growth")
+    assert left.of == tuple(each for each in learning.sizes.of if each.kind in alone)
 
 
 def test_a_way_has_the_seconds_of_its_readings_one_after_the_other() -> None:

@@ -47,12 +47,12 @@ def test_the_result_of_one_campaign_is_the_prior_of_the_next(tmp_path: Path) -> 
     for kept in (1.0, 0.8):
         description = read_campaign(_campaign(tmp_path, f'prior = "last.axiscal"\nkept = {kept}'), target_needed=False)
         with Campaign.create(tmp_path / f"new{kept}.axiscal", description) as campaign:
-            new, size = campaign.concluded(), old.case.errors.size
+            new, size, before = campaign.concluded(), old.case.errors.size, old.banded.knowledge.belief
             rest = old.case.errors.functions[0].rest ** 2 * np.eye(size)
             rest[old.case.errors.names["EXX_reversal"].columns] = 0.0
-            expected = kept**2 * (old.knowledge.belief.covariance[:size, :size] + rest)
-            expected += (1 - kept**2) * old.case.errors.prior_covariance()
-            assert new.knowledge.belief.mean[:size] == pytest.approx(kept * old.knowledge.belief.mean[:size], abs=1e-12)
+            expected = kept**2 * (before.covariance[:size, :size] + rest)
+            expected += (1 - kept**2) * old.stated.errors.prior_covariance()
+            assert new.knowledge.belief.mean[:size] == pytest.approx(kept * before.mean[:size], abs=1e-12)
             assert np.abs(new.knowledge.belief.covariance[:size, :size] - expected).max() < 1e-17
 
 

@@ -1,42 +1,16 @@
-"""When readings are looked at anew, and how far from linear they are: draws of our own, estimates made twice."""
+"""How far from linear readings are: draws of our own, and estimates made twice."""
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
-from axiscal.estimation.checks import checked
 
 from axiscal.estimation.absorbed import Absorbed, absorbed
-from axiscal.estimation.learnt import counts_to_learn_from, learnt
+from axiscal.estimation.learnt import learnt
 from axiscal.estimation.located import located
 from axiscal.estimation.nonlinearity import SETTLED, indices, moved_by
 from axiscal.measurement.reading_rows import seen, shown_values
 from benchmarks.nonlinear.stations import read, tracers
-from tests.generators import laser_axis
-from tests.generators.campaigns import mixed
-
-
-@pytest.mark.parametrize("count", [0, 4, 5, 6, 7, 9, 10, 11, 40, 1000])
-def test_scales_are_learnt_anew_by_a_third_more_readings_up_to_the_last(count: int) -> None:
-    learning, due = mixed('scales = "estimate"'), counts_to_learn_from(mixed('scales = "estimate"'), count)
-    assert learning.variable
-    assert due[:1] == ([5] if count >= 5 else [])
-    assert all(after == int(np.ceil(1.34 * before)) for before, after in pairwise(due))
-    assert all(each <= count for each in due)
-    assert not due or int(np.ceil(1.34 * due[-1])) > count
-    assert counts_to_learn_from(laser_axis.CASE, count) == []
-    assert counts_to_learn_from(tracers("1 mm", "1 mm"), count) == due
-
-
-@pytest.mark.parametrize(
-    ("readings", "checks"),
-    [(9, None), (10, 3), (14, 3), (19, 3), (20, 4), (24, 4), (25, 5), (59, 11), (60, 12), (64, 12), (90, 12)],
-)
-def test_every_fifth_reading_is_a_check_at_least_three_and_at_most_twelve(readings: int, checks: int | None) -> None:
-    found = checked(laser_axis.CASE, laser_axis.read(laser_axis.machine(1), readings), 1e-6)
-    assert (None if found is None else found.count) == checks
 
 
 @pytest.mark.long

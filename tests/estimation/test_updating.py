@@ -7,19 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from axiscal.inference.fit import Fit
 from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.belief import Belief, Innovations
 from axiscal.estimation.absorbed import Absorbed, absorbed
-from axiscal.estimation.bands import banded
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.history import path
-from axiscal.estimation.learnt import counts_to_learn_from, learnt
-from axiscal.estimation.located import located
 from axiscal.estimation.updating import blocks
 from axiscal.exceptions import ShapeError
 from axiscal.inference.outliers import NOTHING, Doubt, Verdict
@@ -69,32 +65,28 @@ def test_many_readings_at_once_are_one_after_the_other(together: int, monkeypatc
     np.testing.assert_allclose(known, seen_by_twin, rtol=1e-9)
 
 
-@pytest.mark.parametrize("scales", ["", pytest.param('scales = "estimate"', marks=pytest.mark.long)])
-def test_the_history_is_what_was_known_after_each_reading(scales: str) -> None:
-    """Which readings are bad is known from the first one on, scales are learnt as readings come."""
-    case = mixed(scales)
+def test_the_history_is_what_was_known_after_each_reading() -> None:
+    """Which readings are bad, and the sizes, are known from the first one on; the last figures are the posterior's."""
+    case = mixed()
     readings = _turning(case, 24)
     readings[15] = replace(readings[15], value=2.0)
     known = concluded(case, readings)
-    moments, learnt_at = path(known), counts_to_learn_from(case, 23)
-    fit: Fit | None = None
-    twin, implausible = Absorbed.nothing(case, known.stages.absorbed.verdict), known.stages.judged.implausible
-    assert moments[0] == (case.yardstick.measure(case.prior), None, 0.0)
+    moments, final, implausible = path(known), known.stages.absorbed, known.stages.judged.implausible
+    twin = Absorbed.nothing(known.stages.learnt.case, final.verdict)
+    assert 15 in implausible
     assert len(moments) == 25
-    assert bool(learnt_at) == bool(scales)
-    for count, moment in enumerate(moments[1:24], start=1):
-        if count in learnt_at:
-            now = learnt(case, readings[:count], implausible)
-            twin, fit = located(now, readings[:count], implausible), now.fit
+    assert moments[0] == (twin.case.yardstick.measure(twin.knowledge.belief), None, 0.0)
+    for count, moment in enumerate(moments[1:], start=1):
         twin = absorbed(twin, readings[:count], implausible)
         assert moment.seconds == known.stages.timed.ends[count - 1]
-        wide, knowledge = banded(twin.case, twin.knowledge, fit)
-        np.testing.assert_allclose(moment.accuracy, wide.yardstick.measure(knowledge.belief), rtol=1e-8)
+        if count < 24:
+            expected = twin.case.yardstick.measure(twin.knowledge.belief)
+            np.testing.assert_allclose(moment.accuracy, expected, rtol=1e-8)
         assert moment.innovations is not None
         np.testing.assert_allclose(moment.innovations.std, twin.innovations[-1].std, rtol=1e-8)
         sizes = moment.innovations.value - twin.innovations[-1].value
         assert np.all(np.abs(sizes) < 1e-6 * moment.innovations.std + 1e-8 * np.abs(moment.innovations.value))
-    np.testing.assert_allclose(moments[24].accuracy, known.accuracy, rtol=1e-8)
+    assert moments[24].accuracy == known.accuracy
     assert moments[24].seconds == known.seconds
 
 
@@ -113,8 +105,8 @@ def test_where_stations_stand_and_what_cannot_be_is_known_from_the_first_reading
     assert [each.found for each in shown.case.description.setups] != [each.found for each in case.description.setups]
     assert 7 in known.stages.judged.implausible
     moments = path(known)
-    twin = Absorbed.nothing(case.linear_as(shown.case), shown.verdict)
-    for count, moment in enumerate(moments[1:], start=1):
+    twin = Absorbed.nothing(known.stages.learnt.case.linear_as(shown.case), shown.verdict)
+    for count, moment in enumerate(moments[1:-1], start=1):
         twin = absorbed(twin, readings[:count], known.stages.judged.implausible)
         np.testing.assert_allclose(moment.accuracy, twin.case.yardstick.measure(twin.knowledge.belief), rtol=1e-7)
         assert moment.innovations is not None

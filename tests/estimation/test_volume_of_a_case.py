@@ -7,18 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from axiscal.estimation.checks import checked
 
 from axiscal.accuracy.part import POSES
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.budget import budget
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.inference.reading_set import ReadingSet
 from axiscal.measurement.reading_rows import seen
-from axiscal.promise.problem import Inherited
 from tests.generators.campaigns import drawn, mixed
-from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, plus, read
+from tests.generators.laser_axis import CAMPAIGN, MACHINE
 
 
 def aligned() -> Case:
@@ -72,23 +69,6 @@ def test_lengths_are_shown_in_micrometres_and_turns_in_microradians() -> None:
     assert set(shown.values()) == {"um"}
 
 
-@pytest.mark.parametrize("moved", [0.0, 4e-6])
-def test_checks_are_predicted_with_what_an_earlier_campaign_knew(moved: float) -> None:
-    """What was known adds to the prediction: taken off the readings and off the prior nothing is left to tell."""
-    size = CASE.errors.size
-    mean = moved * np.sin(np.arange(size))
-    covariance = CASE.errors.prior_covariance()
-    readings = read(machine(4), 20)
-    numbers = ReadingSet(CASE.observation, readings)
-    without = plus(readings, -(numbers.rows[:, :size] @ mean))
-    found = checked(replace(CASE, inherited=Inherited(mean, covariance)), readings, 1e-6)
-    expected = checked(replace(CASE, inherited=Inherited(np.zeros(size), covariance)), without, 1e-6)
-    assert found is not None
-    assert expected is not None
-    assert found.found == pytest.approx(expected.found, rel=1e-9)
-    assert found.chance == pytest.approx(expected.chance, rel=1e-9)
-
-
 def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     """By the gain K of all readings: V (I − KH) B with B Bᵀ the part of the prior, noise by V K of its readings."""
     case = mixed()
@@ -118,7 +98,7 @@ def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     assert len(drifts) + len(cells) + len(unknowns) + size == len(prior)
     assert found["set-up", ""] == pytest.approx(of(unknowns), rel=1e-4)
     assert found["drift", ""] == pytest.approx(of(drifts), rel=1e-4)
-    rest = case.yardstick.moments.rest
+    rest = known.case.yardstick.moments.rest
     assert found["detail", ""] == pytest.approx(np.sqrt(of(cells) ** 2 + rest), rel=1e-4)
     never = float(np.linalg.norm(case.yardstick.root.matrix @ case.yardstick.unseen))  # shifts that do not count too
     assert found["prior", ""] == pytest.approx(np.sqrt(of(range(size)) ** 2 - never**2), rel=1e-4)

@@ -29,7 +29,7 @@ def _bent(case: Case) -> Case:
 
 
 def _rougher(case: Case) -> Case:
-    return case.with_rests({"EXX": 3e-6})
+    return case.rescaled({("rest", "EXX"): 5.0, ("std", "EXX"): 2.0, ("noise", case.description.setups[0].name): 3.0})
 
 
 def _from_both_sides(case: Case) -> Case:

@@ -47,7 +47,7 @@ def drawn(folder: Path) -> tuple[MachineHistory, str]:
 def test_a_machine_without_a_target_is_left_out_by_name(folder: Path) -> None:
     """Others are drawn; only where no campaign has one the command ends."""
     told = slide(serial="B")
-    text = told.text.replace('rms = "2 um"\nunchecked = "allow"', "readings = 5")
+    text = told.text.replace('rms = "2 um"', "readings = 5")
     without = campaign_from_texts(text, "campaign.toml", told.machine.text, "machine.toml")
     write_record(folder / "b.axiscal", without, read_on(3))
     shop = due_dates(folder.glob("*.axiscal"), TODAY.date())
@@ -85,7 +85,7 @@ def test_figures_are_those_of_the_campaigns(folder: Path) -> None:
     for found, record in zip(figures["EXX"].found, machine.records, strict=True):
         with Campaign.open(record.file, write=False) as campaign:
             known = campaign.concluded()
-        function, belief = known.case.errors.names["EXX"], known.whole
+        function, belief = known.case.errors.names["EXX"], known.banded.knowledge.belief
         curve = function.rows(np.linspace(0.0, 0.5, 61)) @ belief.mean[function.columns]
         np.testing.assert_allclose(found.mean, np.ptp(curve), rtol=1e-6)
         assert 0 < found.std < 5e-6

@@ -6,12 +6,12 @@ import json
 from pathlib import Path
 
 import pytest
-from axiscal.estimation.ruled import ruled, ruling_of
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.exceptions import RecordError
 from axiscal.fleet.bringing import brought
 from axiscal.fleet.shop_list import shop_list, target_words
@@ -39,10 +39,11 @@ def test_each_record_is_listed_with_what_it_comes_to(folder: Path) -> None:
     assert [said for said in told if "estimating" in said] == ["estimating A.axiscal", "estimating B.axiscal"]
     for each in found.listed:
         with Campaign.open(each.file, write=False) as campaign:
-            known = ruled(concluded(case_of(campaign.description), campaign.state.readings))
+            known = concluded(case_of(campaign.description), campaign.state.readings)
             assert each.chain == campaign.state.name
             assert each.known.serial == each.file.stem
-        assert (each.known.rms, each.known.verdict) == (known.accuracy.rms, ruling_of(known).verdict)
+        assert (each.known.rms, each.known.expanded) == (known.accuracy.rms, expanded_uncertainty(known).space)
+        assert each.known.agreement == "agree"
         assert (each.known.target, each.known.readings) == ("RMS 2 um", 16)
     told.clear()
     assert shop_list(folder, told.append) == found

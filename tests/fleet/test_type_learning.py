@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from axiscal.description.campaign import campaign_from_texts
 from axiscal.error_model.model import ErrorModel
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
@@ -109,6 +110,30 @@ def test_a_sister_is_known_with_fewer_readings_and_a_stranger_is_named(taught: s
     assert np.min(np.abs(away - most.away)) < 1e-9
     assert "not like its sisters" in membership_words(strange)
     assert f"{most.name} is {most.away:.1f} of their standard deviations away" in membership_words(strange)
+
+
+def test_what_usually_goes_wrong_besides_is_not_of_the_type(tmp_path: Path) -> None:
+    """A stated period brings a wave into the model of a campaign, and not into the machine's description."""
+    told = slide(usual="on")
+    machine = told.machine.text.replace('length = "150 mm"', 'length = "150 mm", period = "10 mm"')
+    described = campaign_from_texts(told.text, "campaign.toml", machine, "machine.toml")
+    assert "EXX_pitch" in described.machine.error_names
+    found = learnt_type([write_record(tmp_path / f"{n}.axiscal", described, read_on(n)) for n in range(2)])
+    again = type_prior(found.text())
+    assert "EXX_pitch" not in again.machine.error_names
+    assert case_of(campaign_from_texts(told.text, "c", machine, "m", prior_text=found.text())).rivals
+
+
+def test_noise_and_rests_that_are_learnt_make_no_sister_of_a_stranger(taught: str) -> None:
+    described = slide(prior=taught, usual="on")
+    known, strange = (
+        concluded(case_of(described), readings).membership
+        for readings in (read_on(20)[::3], read_on(0, Imagined(2.5, 0.1), seed=77))
+    )
+    assert known is not None
+    assert strange is not None
+    assert known.sister > 0.8
+    assert strange.sister < 0.05
 
 
 def test_a_sister_of_which_one_axis_was_hit_is_none_but_for_that_axis(taught: str) -> None:

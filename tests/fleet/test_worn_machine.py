@@ -33,9 +33,10 @@ EXY = { std = "3 um", knots = 5, length = "250 mm" }
 EXY_reversal = { std = "3 um" }
 """
 CAMPAIGN = """machine = "machine.toml"
+usual = "off"
+sure = "exactly"
 [target]
 rms = "5 um"
-unchecked = "allow"
 [[setups]]
 name = "laser"
 instrument = "interferometer"
@@ -103,7 +104,7 @@ class Twin:
         new = _drawn(zero, self.own, self.rng, count)
         for term in errors.terms:
             later[term.columns] = (new if AXES[term.name] == renewed else aged)[term.columns]
-        left = common + later - self.known.whole.mean[: errors.size][:, None]
+        left = common + later - self.known.banded.knowledge.belief.mean[: errors.size][:, None]
         poses, _ = self.known.case.yardstick.poses
         rests = self.rng.standard_normal((len(errors.rests), len(poses), count))
         loose = errors.levers(poses) * errors.rests[:, None, None]

@@ -29,7 +29,7 @@ travel = ["0 mm", "1000 mm"]
 EXX = { std = "10 um", length = "200 mm", knots = 11 }
 EXX_reversal = { std = "3 um" }
 """
-_HEAD = 'machine = "m"\n[target]\nreadings = 1\n'
+_HEAD = 'machine = "m"\nusual = "off"\n[target]\nreadings = 1\n'
 _SETUP = '[[setups]]\nname = "it"\napproach = "both"\nnoise = "0.5 um"\n'
 _LASER = 'instrument = "interferometer"\ndirection = "x"\nunknowns = { zero = "1 mm" }\n'
 _PROBE = 'instrument = "probe"\ndirection = "z"\nunknowns = { zero = "1 mm" }\n'
@@ -56,7 +56,7 @@ def plain_case(kind: str) -> Case:
     if kind == "five axes":
         return _case(load_machine("dmu60").text, _NEST)
     text = load_machine("three-axis-mill").text
-    return Case(campaign_from_texts(TWO_SETUPS, "campaign.toml", text, "mill"))
+    return Case(campaign_from_texts(f'usual = "off"\n{TWO_SETUPS}', "campaign.toml", text, "mill"))
 
 
 KINDS = ("axis", "plate", "five axes", "two set-ups")

@@ -21,9 +21,10 @@ EXX = {{ std = "20 um", knots = 7, length = "150 mm" }}
 EXX_reversal = {{ std = "6 um" }}
 """
 CAMPAIGN = """machine = "machine.toml"
+usual = "off"
+sure = "exactly"
 {first}[target]
 rms = "2 um"
-unchecked = "allow"
 [[setups]]
 name = "laser"
 instrument = "interferometer"
@@ -36,10 +37,16 @@ unknowns = {{ zero = "100 um" }}
 PLACES = tuple(Place("laser", (x,), (side,)) for x in np.linspace(0.02, 0.48, 8).tolist() for side in (1, -1))
 
 
-def slide(prior: str = "", first: str = "", serial: str = "", travel: int = 500) -> CampaignDescription:
-    """Return the campaign of a slide.  prior : what its type has taught; first : lines of campaign.toml"""
+def slide(
+    prior: str = "", first: str = "", serial: str = "", travel: int = 500, usual: str = "off"
+) -> CampaignDescription:
+    """Return the campaign of a slide.
+
+    prior : what its type has taught; first : lines of campaign.toml; usual : "on" with what usually goes wrong
+    """
     machine = MACHINE.format(serial=f'serial = "{serial}"\n' if serial else "", travel=travel)
-    return campaign_from_texts(CAMPAIGN.format(first=first), "campaign.toml", machine, "machine.toml", prior_text=prior)
+    text = CAMPAIGN.format(first=first).replace('usual = "off"', f'usual = "{usual}"')
+    return campaign_from_texts(text, "campaign.toml", machine, "machine.toml", prior_text=prior)
 
 
 HALF = Imagined(0.5, 0.8)

@@ -21,6 +21,8 @@ EXX = { std = "10 um", length = "200 mm", rest = "2 um" }
 """
 CAMPAIGN = """
 machine = "m"
+usual = "off"
+sure = "exactly"
 [target]
 readings = 9
 [[setups]]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 from scipy.stats import norm
 
 from axiscal.error_model.prior import matern52
-from axiscal.inference.intervals import may_have_chips, sited, sites
+from axiscal.inference.intervals import sited, sites
 from axiscal.inference.normal_sites import Sites
 from axiscal.inference.weighted_fit import Fitted
 from axiscal.measurement.reading import Reading
@@ -135,12 +134,3 @@ def test_only_readings_that_are_odd_are_changed() -> None:
     assert chip is not None
     assert chip > 15e-6
     assert others == pytest.approx([1e-6] * 3, rel=0.05)
-
-
-def test_what_no_site_takes_up_keeps_the_weight_that_doubts_it() -> None:
-    setup = observed('one_sided = "+"\nnoise = "1 um"').setups[0]
-    one, several = (Reading("it", (0.1,), (1,), 0.0, others=others) for others in ((), (0.0, 0.0)))
-    assert may_have_chips(setup, one)
-    assert not may_have_chips(setup, several)
-    assert not may_have_chips(setup, replace(one, std=1e-6))
-    assert not may_have_chips(replace(setup, one_sided=0.0), one)

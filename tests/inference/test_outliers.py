@@ -32,8 +32,8 @@ approach = "both"
 """
 
 
-def _description() -> CampaignDescription:
-    return campaign_from_texts(CAMPAIGN, "campaign.toml", load_machine("one-axis").text, "one-axis")
+def _description(head: str = "") -> CampaignDescription:
+    return campaign_from_texts(head + CAMPAIGN, "campaign.toml", load_machine("one-axis").text, "one-axis")
 
 
 def _readings(seed: int, count: int = 30) -> list[Reading]:
@@ -91,11 +91,11 @@ def test_a_bad_reading_is_named_in_the_warnings() -> None:
     assert "it is not used" in finding.text
 
 
-def test_values_a_thousand_times_too_small_are_guessed_to_be_in_another_unit() -> None:
+def test_values_a_thousand_times_too_small_are_not_as_stated() -> None:
+    """Whoever reads a file of them is told of another unit before (`estimation.wrong_unit`)."""
     small = [replace(r, value=r.value / 1000) for r in _readings(1)]
-    said = [f.text for f in findings(_estimated(small)) if f.code == "prior-misfit"]
-    assert any("mm written as um?" in text for text in said)
-    assert not any("mm written as um?" in f.text for f in findings(_estimated(_readings(1))))
+    assert [f.error for f in findings(_estimated(small)) if f.code == "prior-misfit"]
+    assert not [f for f in findings(_estimated(_readings(1))) if f.code == "prior-misfit"]
 
 
 def test_a_reading_that_somebody_vouches_for_is_believed() -> None:
@@ -112,12 +112,20 @@ def test_nobody_can_say_which_of_two_readings_is_wrong() -> None:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_bad_readings_of_one_size_do_not_cover_each_other(seed: int) -> None:
+    """By what is stated alone they are refused. Else they may be details of the machine, and the promise has them."""
     bad = set(np.random.default_rng(seed).choice(30, 3, replace=False).tolist())
     alone = {index for index in bad if not {index - 1, index + 1} & bad}
-    wrong = [replace(r, value=r.value + 30e-6 * (i in bad)) for i, r in enumerate(_readings(seed))]
-    refused = {doubt.reading for doubt in _estimated(wrong).outliers if doubt.rejected}
+    clean = _readings(seed)
+    wrong = [replace(r, value=r.value + 30e-6 * (i in bad)) for i, r in enumerate(clean)]
+    as_stated = _description('usual = "off"\nsure = "exactly"\n')
+    refused = {doubt.reading for doubt in concluded(Case(as_stated), wrong).outliers if doubt.rejected}
     assert alone <= refused
-    assert len(refused) <= 5
+    assert len(refused) <= 6
+    before, after = _estimated(clean), _estimated(wrong)
+    assert {doubt.reading for doubt in after.outliers if doubt.rejected} <= bad
+    at = np.linspace(0, 1, 101)
+    right, found = (each.estimate().curve("EXX", at) for each in (before, after))
+    assert np.all(np.abs(found.mean - right.mean) <= 1.96 * found.std)
 
 
 def test_readings_that_agree_with_their_neighbour_are_a_fact_and_not_bad() -> None:
@@ -145,14 +153,19 @@ def test_the_record_keeps_a_surprising_reading_and_says_so(tmp_path: Path, capsy
 
 
 def test_a_reading_in_mm_is_not_believed_and_others_do_not_make_it_so() -> None:
-    readings = _readings(1, 6)
+    readings = [replace(each, time=60.0 * number) for number, each in enumerate(_readings(1, 6))]
     readings[2] = replace(readings[2], value=2.5e-3)
+    at = np.linspace(0, 1, 21)
     for count in range(3, 7):
-        for estimation in (_calibrated(readings[:count]), _estimated(readings[:count])):
-            assert [(d.reading, d.weight < 1e-6, d.implausible) for d in estimation.outliers] == [(2, True, True)]
-            clean = _calibrated([r for i, r in enumerate(readings[:count]) if i != 2])
-            size = clean.case.errors.size
-            assert np.allclose(estimation.knowledge.belief.mean[:size], clean.knowledge.belief.mean[:size], atol=1e-9)
+        clean = _calibrated([r for i, r in enumerate(readings[:count]) if i != 2]).estimate().curve("EXX", at)
+        others = [replace(each, value=-9e-3) if i == 2 else each for i, each in enumerate(readings[:count])]
+        for estimate in (_calibrated, _estimated):
+            found, other = estimate(readings[:count]), estimate(others)
+            for each in (found, other):
+                assert [(d.reading, d.weight < 1e-6, d.implausible) for d in each.outliers] == [(2, True, True)]
+            np.testing.assert_array_equal(found.banded.knowledge.belief.mean, other.banded.knowledge.belief.mean)
+            curve = found.estimate().curve("EXX", at)
+            assert np.all(np.abs(curve.mean - clean.mean) < 0.5 * clean.std)
 
 
 def test_an_implausible_reading_that_somebody_vouches_for_is_believed() -> None:
@@ -166,12 +179,13 @@ def test_a_prior_that_is_three_times_too_small_makes_no_reading_implausible(seed
     large = [replace(reading, value=3 * reading.value) for reading in _readings(seed, 40)]
     for estimation in (_calibrated(large), _estimated(large)):
         assert not any(doubt.implausible for doubt in estimation.outliers)
-        assert estimation.misfit() < 5
 
 
 @pytest.mark.parametrize("seed", range(10))
 def test_curves_of_a_prior_ten_times_too_small_are_not_taken_for_bad_readings_afterwards(seed: int) -> None:
-    large = [replace(reading, value=10 * reading.value) for reading in _readings(seed, 40)]
+    readings = _readings(seed, 40)
+    zero = float(np.median([reading.value for reading in readings]))
+    large = [replace(reading, value=zero + 10 * (reading.value - zero)) for reading in readings]
     assert not any(doubt.implausible for doubt in _estimated(large).outliers)
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from axiscal.inference.evidence import Evidence
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import open_source
@@ -28,6 +27,9 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen, visited_by
 from axiscal.numerics import Array
 from axiscal.planning.drift_markers import EVERY, with_markers, without_markers
+from axiscal.promise.dense import Dense
+from axiscal.promise.problem import problem as posed_of
+from axiscal.promise.sizes import Sizes
 from axiscal.record.events import Recorded
 from axiscal.record.payload import decode, encode
 from axiscal.report.curves import constants
@@ -195,11 +197,14 @@ def test_the_likelihood_of_the_readings_counts_the_drift_as_the_belief_does() ->
     observation = visited_by(observation, readings)
     rows, variances, _, _ = seen(observation, readings)
     expected = rows @ observation.prior_covariance() @ rows.T + np.diag(variances)
-    assert Evidence(problem.observation, readings).covariance(np.zeros(0)) == pytest.approx(expected, rel=1e-9)
+    posed = posed_of(problem.observation, readings, Sizes(()), usual=False)
+    found = Dense(posed).covariance(np.zeros(0)) * np.outer(posed.noise, posed.noise)
+    assert found == pytest.approx(expected, rel=1e-9)
 
 
 def test_every_number_of_an_rtest_drifts_on_its_own() -> None:
-    text = 'machine = "three-axis-mill"\n[target]\nreadings = 1\n[[setups]]\nname = "r"\ninstrument = "rtest"\n'
+    text = 'machine = "three-axis-mill"\nusual = "off"\nsure = "exactly"\n[target]\nreadings = 1\n'
+    text += '[[setups]]\nname = "r"\ninstrument = "rtest"\n'
     text += 'station = ["0 mm", "0 mm", "-300 mm"]\ndrift = "6 um/h"\n'
     description = campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "mill")
     machine = Simulator(description.machine, description.setups).drawn(1)

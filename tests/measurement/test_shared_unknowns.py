@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from axiscal.inference.evidence import Evidence
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.error_model.model import ErrorModel
@@ -15,6 +14,9 @@ from axiscal.measurement.instruments.kind import TOOL, Actual, Nominal
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.promise.posterior import posterior
+from axiscal.promise.problem import problem
+from axiscal.promise.sizes import Sizes
 from tests.generators.kinematics import stem, tip
 
 DMU = load_machine("dmu60")
@@ -139,7 +141,10 @@ def test_the_prior_of_the_readings_counts_what_is_shared_once() -> None:
     observation = Observation(ErrorModel(DMU), described(SPHERES + TOUCHED + NEST).setups)
     place = tuple(sum(axis.travel) / 2 for axis in DMU.axes)
     reading = Reading("nest", place, (1,) * len(place), 0.0, others=(0.0, 0.0))
-    assert Evidence(observation, [reading]).prior(np.zeros(0)) == pytest.approx(observation.prior_covariance())
+    size = observation.prior_covariance().shape[0]
+    found = posterior(problem(observation, [reading], Sizes(()), usual=False), never=(0,))
+    assert found.covariance == pytest.approx(observation.prior_covariance())
+    assert len(found.mean) == size == observation.errors.size + len(observation.unknowns)
 
 
 def test_a_bar_is_looked_at_again_about_where_its_ball_is_found_and_what_touches_is_not() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 from weakref import ref
 
-from axiscal.numerics.remembered import remembered, remembered_lately
+from axiscal.numerics.remembered import remembered
 
 
 class Model:
@@ -36,16 +36,3 @@ def test_an_answer_does_not_keep_its_object_alive() -> None:
     del model
     gc.collect()
     assert left() is None
-
-
-def test_of_what_grows_the_last_two_answers_are_kept() -> None:
-    asked = []
-
-    @remembered_lately
-    def answer(_of: Model, number: int) -> int:
-        asked.append(number)
-        return number + 1
-
-    model, numbers = Model(), [1, 2, 1, 2, 3, 2, 1]
-    assert [answer(model, number) for number in numbers] == [number + 1 for number in numbers]
-    assert asked == [1, 2, 3, 1]

@@ -28,7 +28,8 @@ EZY = { std = "60 um", knots = 5, length = "100 mm" }
 PLANE = 'EZXY = { std = "40 um", knots = 5, length = ["150 mm", "100 mm"], rest = "2 um" }\n'
 CAMPAIGN = """
 machine = "machine.toml"
-scales = "estimate"
+usual = "off"
+sure = "roughly"
 [target]
 readings = 14
 [[setups]]
@@ -73,13 +74,13 @@ def test_a_place_that_cannot_be_read_is_left_out() -> None:
 @pytest.mark.parametrize(
     ("campaign", "machine"),
     [
-        (CAMPAIGN.replace('"estimate"', '"stated"'), MACHINE + PLANE),
+        (CAMPAIGN.replace('"roughly"', '"exactly"'), MACHINE + PLANE),
         (CAMPAIGN, MACHINE),
         (CAMPAIGN.replace("readings = 14", "readings = 8"), MACHINE + PLANE),
         (ALONE, MACHINE + PLANE),
         (CAMPAIGN.replace('direction = "z"', 'direction = "x"'), MACHINE + PLANE),
     ],
-    ids=["scales as stated", "no plane", "few readings", "one axis", "not seen"],
+    ids=["sizes as stated", "no plane", "few readings", "one axis", "not seen"],
 )
 def test_else_the_plan_comes_at_once(campaign: str, machine: str) -> None:
     assert len(plane_start(_case(campaign, machine), ())) == 0

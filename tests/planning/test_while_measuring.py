@@ -23,6 +23,8 @@ from axiscal.simulation import Simulator
 
 TEXT = """
 machine = "one-axis"
+usual = "off"
+sure = "exactly"
 [target]
 readings = 16
 [[setups]]
@@ -102,9 +104,8 @@ def test_a_rejected_reading_is_not_counted_and_the_rest_is_renewed(start: Start)
     assert campaign.known().accuracy.rms > (1 - 1e-4) * known  # it makes nothing better known
     left = len(campaign.state.plan)
     question(campaign)
-    deciding = "10 rejected, to decide between bad of laser and detail of EXX after 10"
-    assert [plan.basis for plan in plans(campaign)] == ["", deciding]
-    assert (len(plans(campaign)[-1].places), left) == (7, 6)  # the reading that decides comes before them
+    assert [plan.basis for plan in plans(campaign)] == ["", "10 rejected"]
+    assert len(plans(campaign)[-1].places) == left == 6
 
 
 def test_the_plan_follows_from_the_record(start: Start) -> None:
@@ -117,11 +118,11 @@ def test_the_plan_follows_from_the_record(start: Start) -> None:
         assert (again.next(), again.state.plan) == (following, renewed)
         again.record(source.read(again.request(following)).value)
         question(again)
-        assert [plan.basis for plan in plans(again)][2:] == ["10 rejected"]  # that one has decided
+        assert len(plans(again)) == 2
     known = estimated(Case(campaign.description), campaign.state.readings)
     left = plans(campaign)[0].places[10:]
     found = next_places(known.case, known.knowledge, known.readings, known.outliers, (), left)
-    assert (following.place, *found) == plans(campaign)[1].places
+    assert found == plans(campaign)[1].places
 
 
 def test_a_reading_elsewhere_or_taken_back_renews_the_rest(start: Start) -> None:
@@ -157,7 +158,7 @@ def test_a_place_that_is_rejected_twice_is_not_asked_for_again(start: Start) -> 
     for off in (OFF, -2 * OFF):
         question(campaign)
         campaign.record(bad.value + off, at=place)
-    assert [doubt.rejected for doubt in campaign.concluded().outliers] == [True, True]
+    assert {13, 14} <= {doubt.reading for doubt in campaign.concluded().outliers if doubt.rejected}
     question(campaign)
     assert campaign.state.pending is not None
     asked = [campaign.state.pending.place, *campaign.state.plan]
@@ -189,7 +190,7 @@ def test_where_a_zero_drifts_a_plan_rests_on_the_clock(drift: str, basis: list[s
     case = Case(read_campaign(tmp_path / "c.toml"))
     times: list[list[float]] = [[5.0], [5.0, 1900.0], []]
     taken = [[Reading("laser", (0.1,), (1,), 0.0, None, time=time) for time in each] for each in times]
-    assert [plan_basis(case, readings, (), 0) for readings in taken] == basis
+    assert [plan_basis(case, readings, ()) for readings in taken] == basis
 
 
 @pytest.mark.long
@@ -200,8 +201,8 @@ def test_an_accuracy_is_read_until_it_is_reached_and_no_further(tmp_path: Path) 
     with Campaign.create(tmp_path / "c.axiscal", description) as campaign:
         count = 0
         while not isinstance(campaign.next(), Ended) and count < 30:
-            assert count < 8 or campaign.ruled().accuracy.rms > 0.7e-6
+            assert count < 8 or campaign.concluded().accuracy.rms > 0.7e-6
             read(campaign, SimulatedSource(truth, count), 1)
             count += 1
         assert count < 30
-        assert campaign.ruled().accuracy.rms <= 0.7e-6
+        assert campaign.concluded().accuracy.rms <= 0.7e-6

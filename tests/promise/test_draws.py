@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.optimize import minimize
-from scipy.stats import norm
 
+from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.promise.draws import Draws, Weighed, draws, mode, weighed
+from axiscal.promise.draws import Weighed, draws, mode, weighed
 from axiscal.promise.problem import Problem
 from axiscal.promise.sizes import Sizes
 from axiscal.promise.spaces import Space
 from axiscal.promise.unknowns import Unknowns
 from axiscal.promise.which_space import space_of
-from tests.generators.problems import asked, sized
+from tests.generators.problems import asked, case_of, readings_of, sized, stated
 
 
 def _density(space: Space, x: Array) -> float:
@@ -63,11 +65,15 @@ def test_covariance_of_the_mode_is_that_of_information() -> None:
     np.testing.assert_allclose(best.covariance, -np.linalg.inv(curvature), rtol=0.3, atol=0.02)
 
 
-def _by_grid(space: Space) -> tuple[Array, Array]:
-    """Return mean and covariance of θ by the sum over a grid of x."""
-    k = len(space.problem.sizes)
+def _by_grid(space: Space, taught: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Return mean and covariance of θ by the sum over a grid of x; sizes that are not taught stay as stated."""
+    k = len(taught)
+    if k == 0:
+        return np.zeros(len(space.problem.sizes)), np.zeros((len(space.problem.sizes),) * 2)
     along = np.linspace(-4.5, 4.5, 181 if k == 1 else 61)
-    x = np.stack(np.meshgrid(*[along] * k, indexing="ij"), axis=-1).reshape(-1, k)
+    points = np.stack(np.meshgrid(*[along] * k, indexing="ij"), axis=-1).reshape(-1, k)
+    x = np.zeros((len(points), len(space.problem.sizes)))
+    x[:, taught] = points
     logs = np.array([_density(space, each) for each in x])
     weights = np.exp(logs - logs.max())
     weights /= weights.sum()
@@ -81,29 +87,50 @@ def _by_grid(space: Space) -> tuple[Array, Array]:
 def test_weighed_draws_have_the_moments_of_a_grid(kinds: tuple[str, ...], count: int) -> None:
     """Mean within a fifth of a standard deviation, standard deviations within three tenths, as 64 draws can."""
     space = space_of(_problem(kinds, count))
-    found = weighed(space, draws(space, mode(space)))
+    best = mode(space)
+    found = weighed(space, draws(space, best))
+    taught = best.taught
+    assert np.all(np.delete(found.thetas, taught, axis=1) == 0)
+    assert len(taught) or count == 3
     mean = found.weights @ found.thetas
     spread = (found.weights[:, None] * (found.thetas - mean)).T @ (found.thetas - mean)
-    wanted, covariance = _by_grid(space)
-    stds = np.sqrt(np.diagonal(covariance))
-    np.testing.assert_allclose((mean - wanted) / stds, 0, atol=0.2)
-    np.testing.assert_allclose(np.sqrt(np.diagonal(spread)) / stds, 1, atol=0.3)
+    wanted, covariance = _by_grid(space, taught)
+    stds = np.sqrt(np.diagonal(covariance)[taught])
+    np.testing.assert_allclose((mean - wanted)[taught] / stds, 0, atol=0.2)
+    np.testing.assert_allclose(np.sqrt(np.diagonal(spread)[taught]) / stds, 1, atol=0.3)
 
 
-def _weighed_of(space: Space, drawn: Draws) -> Weighed:
-    return weighed(space, drawn)
+def test_sizes_of_which_readings_say_nothing_stay_as_stated() -> None:
+    space = space_of(_problem(("noise", "std")).only(np.zeros(30, dtype=bool)))
+    best = mode(space)
+    found = weighed(space, draws(space, best))
+    assert best.taught.tolist() == []
+    assert best.x.tolist() == [0.0, 0.0]
+    assert found.thetas.tolist() == [[0.0, 0.0]]
 
 
-def test_a_size_of_which_readings_say_nothing_keeps_its_prior() -> None:
-    """All draws count alike then, but for what separates a normal from its own approximation."""
-    problem = _problem(("noise", "std")).only(np.zeros(30, dtype=bool))
-    space = space_of(problem)
-    found = _weighed_of(space, draws(space, mode(space)))
-    assert found.effective > 50
-    x = norm.ppf(0.75)
-    quartile = problem.sizes.at(np.full(2, x))[0]
-    for j in range(2):
-        assert found.weights[found.thetas[:, j] > quartile[j]].sum() == pytest.approx(0.25, abs=0.08)
+@pytest.mark.parametrize(
+    ("kind", "chosen", "silent"),
+    [
+        ("axis", lambda reading: reading.approach == (1,), [("reversal", "EXX_reversal")]),
+        ("two set-ups", lambda reading: reading.setup == "probe", [("noise", "nest")]),
+    ],
+    ids=["read from one side", "a set-up that is never read"],
+)
+def test_one_size_without_information_stays_as_stated_and_others_are_learnt(
+    kind: str, chosen: Callable[[Reading], bool], silent: list[tuple[str, str]]
+) -> None:
+    case = case_of(kind)
+    readings = [each for each in readings_of(case, 40, 3) if chosen(each)]
+    assert len(readings) >= 10
+    space = space_of(stated(case, readings))
+    best = mode(space)
+    found, sizes = weighed(space, draws(space, best)), space.problem.sizes
+    for column in (sizes.index(*each) for each in silent):
+        assert column >= 0
+        assert np.all(found.thetas[:, column] == 0)
+    assert len(best.taught) > 0
+    assert np.all(found.thetas[:, best.taught].std(axis=0) > 0)
 
 
 def test_the_same_readings_have_the_same_draws() -> None:

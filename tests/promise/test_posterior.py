@@ -142,13 +142,14 @@ def test_a_reading_that_is_never_used_changes_nothing() -> None:
 
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_few_readings_leave_an_answer(count: int) -> None:
-    """Finite, nothing bad, never surer than without sizes to learn by more than these teach."""
+    """Finite, nothing bad; one reading teaches no size."""
     found = _of(_readings(count))
     assert np.all(np.isfinite(found.mean))
     assert np.linalg.eigvalsh(found.covariance / np.outer(_stds(found), _stds(found))).min() > -1e-9
     assert not found.bad
     assert len(found.left_out) == count
-    assert found.effective >= 10
+    assert found.effective >= 10 or count == 1
+    assert count > 1 or set(found.sizes.values()) == {1.0}
 
 
 def test_readings_all_at_one_place() -> None:
@@ -170,27 +171,6 @@ def test_where_all_readings_are_bad_most_stay() -> None:
     assert len(found.bad) <= 4
     assert np.all(np.isfinite(found.covariance))
     assert max(found.sizes.values()) > 5
-
-
-def test_weighing_again_agrees_with_drawing_again() -> None:
-    """One reading more, by the draws that stood before it."""
-    readings, case = _readings(25), case_of("axis")
-    before = posterior(stated(case, readings[:24]))
-    problem = stated(case, readings)
-    again, anew = posterior(problem, before=before), posterior(problem)
-    assert again.drawn is before.drawn
-    np.testing.assert_allclose((again.mean - anew.mean) / _stds(anew), 0, atol=0.2)
-    np.testing.assert_allclose(_stds(again) / _stds(anew), 1, atol=0.2)
-
-
-def test_draws_that_do_not_fit_are_drawn_again() -> None:
-    case, readings = case_of("axis"), _readings(24)
-    calm = posterior(stated(case, readings[:12]))
-    rng = np.random.default_rng(1)
-    wild = stated(case, _off(readings, dict(enumerate(rng.standard_normal(24) * 40))))
-    found = posterior(wild, before=calm, sure=range(24))
-    assert found.drawn is not calm.drawn
-    assert found.effective >= 5
 
 
 def test_the_order_of_readings_does_not_matter() -> None:

@@ -11,11 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import gamma, kv
 
-from axiscal.belief import Belief
-from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading_rows import places_of, rows_at
-from axiscal.measurement.visits import visited
+from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.numerics import Array
 from axiscal.promise.dense import Dense
 from axiscal.promise.numbers import Numbers
@@ -146,26 +142,17 @@ def test_a_reading_left_out_is_left_out(drawn: tuple[Problem, Array]) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_without_sizes_the_posterior_is_that_of_the_belief(kind: str) -> None:
-    """The problem is made right: Kalman's equations of the room below, for curves without rests and no drift."""
+    """The problem is made right: Kalman's equations of the room below, rests and zeros that wander among them."""
     case = plain_case(kind)
-    case = case.with_rests({entry.name: 0.0 for entry in case.description.machine.errors})
     readings = readings_of(case, COUNTS[kind], 5, stds=True)
     problem = plain(case, readings, Sizes(()))
-    belief = _updated(case.observation, places_of(case.description.setups, readings), problem)
+    belief = absorbed(Absorbed.nothing(case), readings, {}).knowledge.belief
     mean, covariance = belief.mean[: problem.answered], belief.covariance[: problem.answered, : problem.answered]
     stds = np.sqrt(np.diagonal(covariance))
     for space in _both(problem):
         answer = _given(space, np.zeros(0)).answer()
         np.testing.assert_allclose((answer.mean - mean) / stds, 0, atol=1e-5)
         np.testing.assert_allclose((answer.covariance - covariance) / np.outer(stds, stds), 0, atol=1e-5)
-
-
-def _updated(observation: Observation, places: Places, problem: Problem) -> Belief:
-    """Return the belief after all numbers of a problem."""
-    wide = visited(observation, places)
-    belief = Belief(np.zeros(observation.size), observation.prior_covariance())
-    belief = belief.extended(observation.rest_variances(wide))
-    return belief.update(rows_at(wide, places).rows, problem.values * problem.noise, problem.noise**2)
 
 
 @pytest.mark.parametrize("smoothness", [0.5, 1.5, 2.5])

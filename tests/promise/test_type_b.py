@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +13,7 @@ import pytest
 from axiscal.accuracy.expanded import reach
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.error_model.model import ErrorModel
-from axiscal.exceptions import DescriptionError
+from axiscal.exceptions import InputError
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS
@@ -26,7 +26,7 @@ from axiscal.promise.numbers import Numbers
 from axiscal.promise.posterior import posterior
 from axiscal.promise.problem import Problem, problem
 from axiscal.promise.sizes import Sizes
-from axiscal.promise.type_b import TYPE_B, SaidOfSetup, TypeB
+from axiscal.promise.type_b import TYPE_B, TypeB
 from axiscal.promise.type_b_budget import gain, type_b_lines
 from axiscal.promise.type_b_columns import Contribution, contributions
 from axiscal.promise.unknowns import Unknowns
@@ -51,19 +51,18 @@ drift = "0 um/h"
 PPM = 1e-6
 NOBODY = Sizes(())
 """No size is learnt."""
-STATED = {
-    "laser": SaidOfSetup(
-        sizes={"temperature": 0.5, "expansion": PPM, "scale": 2 * PPM, "air": PPM, "cosine": 2e-3},
-    )
-}
-NOTHING: Mapping[str, SaidOfSetup] = {}
+STATED = """temperature_std = "0.5 K"
+expansion_std = "1 um/m/K"
+type_b = { scale = "2 um/m", air = "1 um/m", cosine = "2 mrad" }
+"""
 WARM = 'temperature = "23 degC"\nexpansion = "11.7 um/m/K"'
 COMPOSITE = 'temperature = "23 degC"\nexpansion = "8 um/m/K"'
-AS_READ = {"laser": SaidOfSetup(at_20=False)}
+AS_READ = 'refers_to = "as read"'
 
 
-def described(setups: str, machine: str = AXIS) -> CampaignDescription:
-    text = f'machine = "m.toml"\n[target]\nreadings = 20\n{setups}'
+def described(setups: str, machine: str = AXIS, target: str = "") -> CampaignDescription:
+    """Return a campaign whose errors are as stated and nothing besides.  target : further lines of it"""
+    text = f'machine = "m.toml"\nusual = "off"\n[target]\nreadings = 20\n{target}\n{setups}'
     return campaign_from_texts(text, "c.toml", machine, "m.toml")
 
 
@@ -74,12 +73,11 @@ def observed(campaign: CampaignDescription) -> Observation:
 def causes(
     observation: Observation,
     readings: Sequence[Reading],
-    said: Mapping[str, SaidOfSetup] = NOTHING,
     usual: bool = True,
 ) -> dict[str, Contribution]:
     places = places_of(observation.setups, readings)
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
-    return {each.row.name: each for each in contributions(observation, readings, places, reading, said, usual)}
+    return {each.row.name: each for each in contributions(observation, readings, places, reading, usual)}
 
 
 def read_at(places: Array, values: Array | None = None, setup: str = "laser") -> list[Reading]:
@@ -155,42 +153,37 @@ def test_columns_of_a_laser_are_strains_of_the_way_from_the_middle_of_what_it_re
 
 
 @pytest.mark.parametrize(
-    ("text", "said", "expected"),
+    ("text", "expected"),
     [
-        (WARM, SaidOfSetup(warmer=3.0), {"temperature": 0.3 * 11.7, "expansion": 3.0}),
-        (COMPOSITE, SaidOfSetup(warmer=3.0, expansion=8 * PPM), {"temperature": 0.3 * 8.0, "expansion": 3.0}),
+        (WARM, {"temperature": 0.3 * 11.7, "expansion": 3.0}),
+        (COMPOSITE, {"temperature": 0.3 * 8.0, "expansion": 3.0}),
         (
             f'{WARM}\ntemperature_std = "0.2 K"',
-            SaidOfSetup(warmer=3.0, sizes={"temperature": 0.2}),
             {"expansion": 3.0},
         ),
         (
             f'{WARM}\ntemperature_std = "0.2 K"\nexpansion_std = "1 um/m/K"',
-            SaidOfSetup(warmer=3.0, sizes={"temperature": 0.2, "expansion": PPM}),
             {},
         ),
-        ("", SaidOfSetup(sizes={"temperature": 0.2}), {"temperature": 0.2 * 11.7, "expansion": 0.2}),
-        ("", SaidOfSetup(sizes={"temperature": 0.0}), {}),
-        ('unknowns = { zero = "1 mm", growth = "5 um/m" }', SaidOfSetup(), {}),
+        ('temperature_std = "0.2 K"', {"temperature": 0.2 * 11.7, "expansion": 0.2}),
+        ('temperature_std = "0 K"', {}),
+        ('unknowns = { zero = "1 mm", growth = "5 um/m" }', {}),
     ],
 )
-def test_what_is_said_of_the_temperature_replaces_what_is_usual(
-    text: str, said: SaidOfSetup, expected: dict[str, float]
-) -> None:
+def test_what_is_said_of_the_temperature_replaces_what_is_usual(text: str, expected: dict[str, float]) -> None:
     """What is stated of a temperature that is corrected is the unknown growth: it does not count twice."""
-    found = causes(observed(described(LASER + text)), read_at(np.array([0.0, 1.0])), {"laser": said})
+    found = causes(observed(described(LASER + text)), read_at(np.array([0.0, 1.0])))
     material = {name: each.column[1] * 2 / PPM for name, each in found.items() if name in ("temperature", "expansion")}
     assert material == pytest.approx(expected)
 
 
 def test_what_is_stated_counts_where_nothing_usual_does() -> None:
-    observation = observed(described(LASER))
     readings = read_at(np.array([0.0, 1.0]))
-    found = causes(observation, readings, STATED, usual=False)
+    found = causes(observed(described(LASER + STATED)), readings, usual=False)
     assert set(found) == {"scale", "air", "cosine", "temperature", "expansion"}
     assert all(each.stated for each in found.values())
     assert found["scale"].column == pytest.approx([-1e-6, 1e-6])
-    assert causes(observation, readings, usual=False) == {}
+    assert causes(observed(described(LASER)), readings, usual=False) == {}
 
 
 @pytest.mark.parametrize(
@@ -208,25 +201,27 @@ def test_what_compares_with_a_length_refers_to_twenty_degrees(setup: str, refers
 
 
 def test_as_read_leaves_the_material_out() -> None:
-    found = causes(observed(described(LASER)), read_at(np.array([0.0, 1.0])), AS_READ)
+    found = causes(observed(described(LASER, target=AS_READ)), read_at(np.array([0.0, 1.0])))
     assert set(found) == {"scale", "air", "cosine"}
 
 
 @pytest.mark.parametrize(
-    ("said", "reason"),
+    ("said", "target", "reason"),
     [
-        ({"lasers": SaidOfSetup()}, "there is no set-up .*lasers"),
-        ({"laser": SaidOfSetup(sizes={"scales": PPM})}, '"scales" is not known of an instrument such as this'),
-        ({"laser": SaidOfSetup(sizes={"gain": PPM})}, '"gain" is not known of an instrument such as this interfero'),
-        ({"laser": SaidOfSetup(sizes={"scale": -PPM})}, "the size -1e-06 of .*scale"),
-        ({"laser": SaidOfSetup(sizes={"scale": float("nan")})}, "the size nan of .*scale"),
-        ({"laser": SaidOfSetup(warmer=3.0)}, "3 K warm, and its readings are not corrected"),
+        ('type_b = { scales = "1 um/m" }', "", '"scales" is not known of an instrument such as this.*"scale" is meant'),
+        ('type_b = { gain = "1 %" }', "", '"gain" is not known of an instrument such as this interferometer.*Known'),
+        ('type_b = { temperature = "1 K" }', "", '"temperature" is not known of an instrument such as this'),
+        ('type_b = { scale = "-1 um/m" }', "", '"-1 um/m" is negative'),
+        ('type_b = { scale = "nan um/m" }', "", "nan um/m"),
+        ('type_b = { scale = "1 mm" }', "", "1 mm"),
+        ('temperature_std = "-1 K"', "", '"-1 K" is negative'),
+        (WARM, AS_READ, '"laser" states a temperature, .*and the target is "as read".*Take temperature out'),
     ],
 )
-def test_what_makes_no_sense_is_refused_with_its_remedy(said: dict[str, SaidOfSetup], reason: str) -> None:
-    with pytest.raises(DescriptionError) as failure:
-        causes(observed(described(LASER)), read_at(np.array([0.0, 1.0])), said)
-    assert re.search(reason, str(failure.value))
+def test_what_makes_no_sense_is_refused_with_its_remedy(said: str, target: str, reason: str) -> None:
+    with pytest.raises(InputError) as failure:
+        described(LASER + said, target=target)
+    assert re.search(reason, str(failure.value), re.DOTALL)
 
 
 BEDSIDE = """[[setups]]
@@ -255,8 +250,8 @@ def test_columns_by_hand(setup: str, name: str, expected: Array) -> None:
 
 def test_a_gain_that_is_stated_is_as_small_as_stated() -> None:
     readings = read_at(np.array([0.0, 0.5, 1.0]), np.array([0.0, 50e-6, 100e-6]), "s")
-    dial = observed(described(BEDSIDE + 'instrument = "indicator"\ndirection = "y"'))
-    found = causes(dial, readings, {"s": SaidOfSetup(sizes={"gain": 0.001})})
+    dial = observed(described(BEDSIDE + 'instrument = "indicator"\ndirection = "y"\ntype_b = { gain = "1 mm/m" }'))
+    found = causes(dial, readings)
     assert found["gain"].column == pytest.approx([-50e-9, 0.0, 50e-9], abs=1e-15)
 
 
@@ -265,7 +260,7 @@ POSES = [(0.1, 0.2, 0.3), (0.4, 0.1, 0.2), (0.5, 0.3, 0.1)]
 
 
 def in_space(setup: str, artefact: str = "") -> tuple[dict[str, Contribution], Observation]:
-    text = f'machine = "{MILL}"\n[target]\nreadings = 20\n{artefact}\n[[setups]]\nname = "s"\n{setup}'
+    text = f'machine = "{MILL}"\nusual = "off"\n[target]\nreadings = 20\n{artefact}\n[[setups]]\nname = "s"\n{setup}'
     machine = load_machine(MILL)
     observation = observed(campaign_from_texts(text, "c.toml", machine.text, MILL))
     numbers = int(numbers_of_setups(observation.setups)[0])
@@ -311,6 +306,7 @@ def test_a_leg_of_a_square_is_off_by_half_of_the_variance_of_its_angle() -> None
 def test_a_sphere_in_the_mean_of_opposite_sides_shows_its_size_at_the_pole() -> None:
     """The pole goes with the tool, as touch_frames says; a size that is an unknown holds what three touches show."""
     text = f'''machine = "{FIVE}"
+usual = "off"
 [target]
 readings = 20
 [[artefacts]]
@@ -345,7 +341,7 @@ def test_one_laser_has_one_scale_in_all_its_set_ups_and_lies_anew_in_each() -> N
     readings = read_at(np.array([0.0, 1.0])) + read_at(np.array([0.0, 1.0]), setup="again")
     observation = observed(described(LASER + again))
     places = places_of(observation.setups, readings)
-    found = contributions(observation, readings, places, np.arange(4), NOTHING)
+    found = contributions(observation, readings, places, np.arange(4))
     assert sorted((each.row.name, each.owner) for each in found) == [
         ("air", ""),
         ("cosine", "again"),
@@ -357,19 +353,19 @@ def test_one_laser_has_one_scale_in_all_its_set_ups_and_lies_anew_in_each() -> N
 
 
 def _problem(count: int) -> Problem:
-    observation = observed(described(LASER))
+    observation = observed(described(LASER + STATED))
     _, readings = drawn(observation, np.linspace(0.02, 0.98, count), 0.0, 0)
-    return problem(observation, readings, NOBODY, usual=False, said=STATED)
+    return problem(observation, readings, NOBODY, usual=False)
 
 
 def test_the_posterior_is_that_of_k_with_the_columns_and_the_lines_are_what_it_holds_of_them() -> None:
     """(1 − G H) P (1 − G H)ᵀ + G R Gᵀ is the covariance of the same estimate had its instruments been perfect."""
-    observation, places = observed(described(LASER)), np.linspace(0.02, 0.98, 9)
+    observation, places = observed(described(LASER + STATED)), np.linspace(0.02, 0.98, 9)
     _, readings = drawn(observation, places, 0.0, 1)
-    found = [*causes(observation, readings, STATED, usual=False).values()]
+    found = [*causes(observation, readings, usual=False).values()]
     columns = np.array([each.column for each in found]).T
     covariance, gained, rows = dense(observation, places, columns)
-    made = problem(observation, readings, NOBODY, usual=False, said=STATED)
+    made = problem(observation, readings, NOBODY, usual=False)
     root = along(observation)
     for space in (Numbers(made), Unknowns(made)):
         given = space.given(np.zeros(0))
@@ -414,13 +410,13 @@ def test_no_number_of_readings_brings_u_below_what_they_have_in_common() -> None
     assert found[0] > found[1] > found[2]
 
 
-def _inside(said: Mapping[str, SaidOfSetup] | None, strains: Sequence[float]) -> float:
+def _inside(strains: Sequence[float], said: str = "", target: str = "", usual: bool = True) -> float:
     """Return the share of the travel inside U, in the mean over machines whose readings strains make longer."""
-    observation = observed(described(LASER))
+    observation = observed(described(LASER + said, target=target))
     root, places, shares = along(observation), np.random.default_rng(3).uniform(0, 1, 24), list[float]()
     for seed, strain in enumerate(strains):
         errors, readings = drawn(observation, places, strain, seed)
-        found = posterior(problem(observation, readings, NOBODY, said=said))
+        found = posterior(problem(observation, readings, NOBODY, usual=usual))
         covariance = found.covariance[: root.shape[1], : root.shape[1]]
         limit = reach(np.einsum("ij,jk,ik->i", root, covariance, root)[:, None])
         off = root @ (found.mean[: root.shape[1]] - errors)
@@ -430,20 +426,20 @@ def _inside(said: Mapping[str, SaidOfSetup] | None, strains: Sequence[float]) ->
 
 @pytest.mark.parametrize("strain", [0.0, 5 * PPM, 11.7 * PPM])
 def test_a_warm_machine_and_a_false_laser_are_inside_u(strain: float) -> None:
-    assert _inside(NOTHING, [strain] * 15) > 0.93
+    assert _inside([strain] * 15) > 0.93
 
 
 def test_a_machine_that_is_warmer_still_is_inside_where_somebody_says_how_warm() -> None:
-    assert _inside({"laser": SaidOfSetup(sizes={"temperature": 1.7})}, [20 * PPM] * 15) > 0.93
+    assert _inside([20 * PPM] * 15, 'temperature_std = "1.7 K"') > 0.93
 
 
 def test_u_covers_strains_drawn_as_the_table_says_as_often_as_it_promises() -> None:
     """Temperature, laser, air, expansion at 1 K, and a rectangle of half a mrad squared."""
     std = float(np.linalg.norm([11.7, 1.0, np.hypot(0.5, 0.54), 1.0, 0.5 / np.sqrt(3.0)])) * PPM
     strains = std * np.random.default_rng(8).standard_normal(200)
-    assert _inside(NOTHING, strains.tolist()) == pytest.approx(0.95, abs=0.03)
+    assert _inside(strains.tolist()) == pytest.approx(0.95, abs=0.03)
 
 
-@pytest.mark.parametrize("said", [None, AS_READ])
-def test_a_warm_machine_is_outside_where_its_temperature_is_left_out(said: Mapping[str, SaidOfSetup] | None) -> None:
-    assert _inside(said, [11.7 * PPM] * 15) < 0.5
+@pytest.mark.parametrize(("target", "usual"), [("", False), (AS_READ, True)])
+def test_a_warm_machine_is_outside_where_its_temperature_is_left_out(target: str, usual: bool) -> None:
+    assert _inside([11.7 * PPM] * 15, target=target, usual=usual) < 0.5

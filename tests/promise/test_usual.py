@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -68,8 +70,9 @@ def test_what_is_exact_and_not_usual_leaves_no_size() -> None:
 
 def test_one_error_may_be_known_and_another_not() -> None:
     described = case_of("plate").description
-    may = Learnable("roughly", usual=False, inherited=False, each={"EZX": "exactly"})
-    sizes = sizes_of(described.machine, described.setups, may)
+    errors = [replace(each, sure="exactly") if each.name == "EZX" else each for each in described.machine.errors]
+    may = Learnable("roughly", usual=False, inherited=False)
+    sizes = sizes_of(replace(described.machine, errors=tuple(errors)), described.setups, may)
     assert sizes.index("std", "EZX") == sizes.index("length", "EZX") == -1
     assert sizes.index("std", "EZY") >= 0
 

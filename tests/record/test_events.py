@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from axiscal.exceptions import RecordError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.record.accepted import Accepted
 from axiscal.record.events import (
     Asked,
     Created,
@@ -38,7 +39,14 @@ recorded = st.builds(Recorded, readings)
 asked = st.builds(Asked, st.integers(1, 99), st.builds(Place, st.text(), st.just((0.0, 1.0)), st.just((1, -1))))
 skipped, noted = st.builds(Skipped, st.text(), st.booleans()), st.builds(Noted, st.text())
 mounted = st.builds(Mounted, st.text(), st.text(), st.text())
-event = recorded | asked | skipped | noted | mounted | st.builds(Finished, st.text()) | st.just(Undone(0))
+factors = st.sampled_from([-1.0, 1000.0, 1e-3, 25.4, 1 / 25.4]) | st.floats(1e-3, 1e3)
+accepted = (
+    st.builds(Accepted, st.just("jump"), st.tuples(st.text()), st.integers(1, 99), name=st.text(min_size=1))
+    | st.builds(Accepted, st.sampled_from(["sign", "unit"]), st.tuples(st.text()), factor=factors)
+    | st.builds(Accepted, st.just("shifted"), st.tuples(st.text()), factor=st.sampled_from([1.0, -1.0]))
+    | st.builds(Accepted, st.just("swapped"), st.lists(st.text(), min_size=2, max_size=2, unique=True).map(tuple))
+)
+event = recorded | asked | skipped | noted | mounted | accepted | st.builds(Finished, st.text()) | st.just(Undone(0))
 
 
 def stored(events: list[Event]) -> list[Stored]:
@@ -53,9 +61,52 @@ def possible(drawn: list[Event]) -> list[Event]:
         if isinstance(each, Undone):
             if state.undo:
                 events.append(Undone(state.undo[-1].number))
+        elif isinstance(each, Accepted):
+            events += [each] if _can_be(state, each) else []
         elif state.finished is None and not (isinstance(each, Skipped) and state.pending is None):
             events.append(each)
     return events
+
+
+def _can_be(state: State, each: Accepted) -> bool:
+    mine = [[reading.number for reading in state.readings if reading.setup == name] for name in each.setups]
+    if state.finished is not None:
+        return False
+    if each.mistake == "jump":
+        return each.reading in mine[0][1:] and each.name not in {one.name for one in state.mounted}
+    return all(mine) and len({len(numbers) for numbers in mine}) == 1
+
+
+few = st.sampled_from(["laser", "bar"])
+wrongs = st.one_of(
+    st.builds(Accepted, st.just("jump"), st.tuples(few), st.integers(1, 9), name=st.just("before")),
+    st.builds(Accepted, st.just("sign"), st.tuples(few), factor=st.just(-1.0)),
+    st.builds(Accepted, st.just("unit"), st.tuples(few), factor=st.sampled_from([1000.0, 1 / 25.4])),
+    st.builds(Accepted, st.just("shifted"), st.tuples(few), factor=st.sampled_from([1.0, -1.0])),
+    st.just(Accepted("swapped", ("laser", "bar"))),
+)
+of_few = st.builds(
+    Recorded,
+    st.builds(Reading, few, st.just((0.0, 1.0)), st.just((1, -1)), numbers, st.none() | st.just(1e-6)),
+)
+
+
+@given(st.lists(of_few | asked | wrongs | st.just(Undone(0)) | st.builds(Finished, st.text()), max_size=30))
+def test_what_was_accepted_leaves_what_was_written_and_comes_off_again(drawn: list[Event]) -> None:
+    events = possible(drawn)
+    state = fold(stored(events))
+    if not any(isinstance(each, Undone) for each in events):
+        without = fold(stored([each for each in events if not isinstance(each, Accepted)]))
+        assert state.written == without.readings
+        assert state.free == without.free
+        assert state.pending == without.pending
+    back = list(events)
+    while fold(stored(back)).undo:
+        number = fold(stored(back)).undo[-1].number
+        back.append(Undone(number))
+        before, now = fold(stored(events[: number - 1])), fold(stored(back))
+        assert (now.readings, now.written, now.mounted) == (before.readings, before.written, before.mounted)
+    assert fold(stored(back)).readings == ()
 
 
 @given(st.lists(event, max_size=25))
@@ -67,8 +118,9 @@ def test_taking_back_restores_what_was_before(drawn: list[Event]) -> None:
     number = state.undo[-1].number
     back = fold(stored([*events, Undone(number)]))
     before = fold(stored(events[: number - 1]))
-    assert (back.readings, back.skipped, back.pending, back.finished, back.undo) == (
+    assert (back.readings, back.written, back.skipped, back.pending, back.finished, back.undo) == (
         before.readings,
+        before.written,
         before.skipped,
         before.pending,
         before.finished,
@@ -91,7 +143,10 @@ def test_an_event_survives_the_record(each: Event) -> None:
     assert decode(*encode(each)) == each
 
 
-@given(st.sampled_from(["created", "asked", "recorded", "skipped", "undone", "finished"]), st.text() | st.binary())
+@given(
+    st.sampled_from(["created", "asked", "recorded", "skipped", "accepted", "undone", "finished"]),
+    st.text() | st.binary(),
+)
 def test_any_text_is_an_event_or_refused(kind: str, text: str | bytes) -> None:
     with pytest.raises(PayloadError):
         decode(kind, "{" + str(text))
@@ -106,9 +161,85 @@ QUESTION = Asked(1, Place("laser", (0.0,), (1,)))
 VALUE = Recorded(Reading("laser", (0.0,), (1,), 1e-6))
 
 
+def taken(setup: str, *values: float) -> list[Event]:
+    return [Recorded(Reading(setup, (0.0,), (1,), value, 2e-6)) for value in values]
+
+
+@pytest.mark.parametrize(
+    ("mistake", "expected"),
+    [
+        (Accepted("sign", ("laser",), factor=-1.0), [("laser", -1), ("bar", 5), ("laser", -2), ("laser", -3)]),
+        (Accepted("unit", ("laser",), factor=10.0), [("laser", 10), ("bar", 5), ("laser", 20), ("laser", 30)]),
+        (Accepted("shifted", ("laser",), factor=1.0), [("bar", 5), ("laser", 1), ("laser", 2)]),
+        (Accepted("shifted", ("laser",), factor=-1.0), [("laser", 2), ("bar", 5), ("laser", 3)]),
+        (
+            Accepted("jump", ("laser",), 3, name="laser before"),
+            [("laser before", 1), ("bar", 5), ("laser", 2), ("laser", 3)],
+        ),
+    ],
+)
+def test_what_is_behind_sees_readings_without_the_mistake(mistake: Accepted, expected: list[tuple[str, float]]) -> None:
+    events = [CREATED, *taken("laser", 1.0), *taken("bar", 5.0), *taken("laser", 2.0, 3.0), mistake]
+    state = fold(stored(events))
+    assert [(each.setup, each.value) for each in state.readings] == expected
+    left = {("shifted", 1.0): [2, 3, 4], ("shifted", -1.0): [1, 2, 3]}
+    assert [each.number for each in state.readings] == left.get((mistake.mistake, mistake.factor), [1, 2, 3, 4])
+    kept = {each.value: each.number for each in state.written}
+    assert kept == {1.0: 1, 5.0: 2, 2.0: 3, 3.0: 4}
+    stds = [each.std for each in state.readings if each.setup == "laser"]
+    assert stds == pytest.approx([2e-5 if mistake.factor == 10 else 2e-6] * len(stds))
+    assert (state.free, state.renew, state.accepted) == (5, True, (mistake,))
+    assert [(each.setup, each.name) for each in state.mounted] == [("laser", name) for name in [mistake.name] if name]
+
+
+def test_swapped_set_ups_exchange_their_values_in_order() -> None:
+    events = [CREATED, *taken("laser", 1.0, 2.0), *taken("bar", 5.0, 6.0), Accepted("swapped", ("laser", "bar"))]
+    assert [(each.setup, each.value) for each in fold(stored(events)).readings] == [
+        ("laser", 5.0), ("laser", 6.0), ("bar", 1.0), ("bar", 2.0),
+    ]  # fmt: skip
+
+
+def test_what_is_asked_stays_asked_when_a_mistake_is_accepted_and_taken_back() -> None:
+    events = [CREATED, *taken("laser", 1.0), QUESTION, Accepted("sign", ("laser",), factor=-1.0)]
+    assert fold(stored(events)).pending == QUESTION
+    assert (fold(stored([*events, Undone(4)])).pending, fold(stored([*events, Undone(4)])).plan) == (QUESTION, ())
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"mistake":"guess","setups":["a"],"reading":0,"factor":1.0,"name":""}',
+        '{"mistake":"sign","setups":[],"reading":0,"factor":-1.0,"name":""}',
+        '{"mistake":"swapped","setups":["a","a"],"reading":0,"factor":1.0,"name":""}',
+        '{"mistake":"unit","setups":["a"],"reading":0,"factor":0.0,"name":""}',
+        '{"mistake":"unit","setups":["a"],"reading":0,"factor":1e300,"name":""}',
+        '{"mistake":"shifted","setups":["a"],"reading":0,"factor":2.0,"name":""}',
+        '{"mistake":"jump","setups":["a"],"reading":3,"factor":1.0,"name":""}',
+        '{"mistake":"jump","setups":["a"],"reading":"3","factor":1.0,"name":"b"}',
+        '{"mistake":"sign","setups":["a"],"factor":-1.0,"name":""}',
+        '{"mistake":["sign"],"setups":["a"],"reading":0,"factor":-1.0,"name":""}',
+    ],
+)
+def test_an_accepted_mistake_that_cannot_be_is_refused(text: str) -> None:
+    with pytest.raises(PayloadError):
+        decode("accepted", text)
+
+
 @pytest.mark.parametrize(
     "events",
     [
+        [CREATED, VALUE, Accepted("jump", ("laser",), 1, name="before")],
+        [CREATED, VALUE, Accepted("jump", ("laser",), 7, name="before")],
+        [CREATED, VALUE, Accepted("jump", ("bar",), 1, name="before")],
+        [CREATED, VALUE, Accepted("sign", ("bar",), factor=-1.0)],
+        [CREATED, VALUE, Accepted("swapped", ("laser", "bar"))],
+        [
+            CREATED,
+            VALUE,
+            Recorded(Reading("bar", (0.0,), (1,), 1e-6, None, None, False, (1e-6, 2e-6))),
+            Accepted("swapped", ("laser", "bar")),
+        ],
+        [CREATED, VALUE, Finished("done"), Accepted("sign", ("laser",), factor=-1.0)],
         [VALUE],
         [CREATED, CREATED],
         [CREATED, Skipped("nobody asked")],

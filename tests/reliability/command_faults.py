@@ -31,10 +31,27 @@ from tests.study.texts import CAMPAIGN as STUDIED
 from tests.study.texts import STUDY
 
 MACHINE = machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"})
+WRONG = """machine = "machine.toml"
+usual = "off"
+sure = "exactly"
+[target]
+readings = 99
+""" + "".join(
+    f'''[[setups]]
+name = "{name}"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+noise = "0.2 um"
+drift = "0"
+'''
+    for name in ("one", "two")
+)
 INPUTS = {
     "machine.toml": MACHINE,
     "campaign.toml": CAMPAIGN,
     "readings.csv": READINGS,
+    "wrong.toml": WRONG,
     "shop/campaign.toml": STUDIED,
     "shop/study.toml": STUDY,
 }
@@ -74,6 +91,14 @@ BRANCHED = (
     *map(_words, (f"copy {RECORD} branch.axiscal", "next branch.axiscal", "record branch.axiscal 2_um")),
 )
 TWO = (*MEASURED, *map(_words, ("start campaign.toml two.axiscal", "next two.axiscal", "record two.axiscal 3_um")))
+CONTRADICTORY = (
+    _words(f"start wrong.toml {RECORD}"),
+    *(
+        _words(f"record {RECORD} {sign * value}_um --setup {name} --at X={20 + 65 * i}_mm")
+        for name, sign in (("one", 1), ("two", -1))
+        for i, value in enumerate((4, 12, 18, 20, 15))
+    ),
+)
 STUDIED_HERE = _words("study shop/study.toml --out out --workers 1")
 SET, TABLES = "manifest.json", "manifest-linuxcnc.json"
 
@@ -85,6 +110,7 @@ COMMANDS: Mapping[str, Command] = {
     "next": Command(NEXT, (START,)),
     "record": Command(TAKEN, BEGUN),
     "undo": Command(UNDONE, MEASURED),
+    "accept": Command(_words(f"accept {RECORD} sign --setup two"), CONTRADICTORY),
     "note": Command(_words(f"note {RECORD} warm"), MEASURED),
     "copy": Command(_words(f"copy {RECORD} copy.axiscal"), MEASURED, out="copy.axiscal"),
     "finish": Command(FINISH, MEASURED, out="out", manifest=SET),

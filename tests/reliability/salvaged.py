@@ -1,4 +1,4 @@
-"""Damaged records, and what `axiscal salvage` makes of them: rows of `make reliability`; `python -m` prints the table.
+"""Damaged records, and what `axiscal salvage` makes of them: rows of `make reliability`.
 
 The oracle knows the original: a reading stands whole where none of the bytes of its line has changed.
 """
@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import random
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
@@ -99,7 +98,7 @@ def originals() -> tuple[Original, ...]:
 
 
 def _made(path: Path, description: CampaignDescription, readings: int, seed: int) -> bytes:
-    """Return a record with all that a campaign has: plans, questions, skips, what is taken back, notes, a batch, ends."""
+    """Return a record with all that a campaign has: plans, questions, skips, undos, notes, a batch, ends."""
     chance = random.Random(seed)
 
     def place() -> Place:
@@ -283,9 +282,3 @@ def outcomes_of(name: str, count: int) -> list[Outcome]:
             outcome(one, DAMAGES[name](one, chance), top)
             for one in (originals()[number % len(originals())] for number in range(count))
         ]
-
-
-if __name__ == "__main__":
-    for each in DAMAGES:
-        trial = tried(each, int(sys.argv[1]))
-        print(f"| {trial.what} | {trial.tried:,} | {trial.lost} | {trial.detail} |", flush=True)

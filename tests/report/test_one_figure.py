@@ -56,7 +56,7 @@ def summary_of(name: str, folder: Path) -> Summary:
     with Campaign.create(folder / "c.axiscal", campaign_from_texts(text, "c.toml", described, "m")) as campaign:
         campaign.adopt(tuple(readings))
         campaign.finish()
-        return summarise(campaign, campaign.ruled(), Extras())
+        return summarise(campaign, campaign.concluded(), Extras())
 
 
 def said(text: str) -> Said:

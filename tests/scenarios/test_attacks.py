@@ -12,20 +12,21 @@ from scipy import stats
 
 from benchmarks.trust import attack_table
 from benchmarks.trust.__main__ import renewed, stamp
-from benchmarks.trust.attack_table import CELLS, FIRST, Outcomes, Trial, attack_rows, attacked, goal_lines, limits
+from benchmarks.trust.attack_table import FIRST, Outcomes, Trial, attack_rows, attacked, goal_lines, limits
 from benchmarks.trust.attacks import ATTACKS, Outcome, outcome
+from benchmarks.trust.benches import PLACES
 from benchmarks.trust.sources import ROOT, version
 
 BY_WORDS = {attack.words: attack for attack in ATTACKS}
 
 
-def filled(machines: int, word: str = "holds", ratio: float = 1.0, rare: float = 1.0) -> Outcomes:
-    """Return outcomes of so many machines in every cell."""
+def filled(machines: int, ratio: float = 1.0, withheld: int = 0) -> Outcomes:
+    """Return outcomes of so many machines in every cell.  withheld : of how many of them nothing is promised"""
     return {
-        Trial(number, *cell, FIRST + index): Outcome(ratio, 0.95, word, rare)
+        Trial(number, places, FIRST + index): Outcome(ratio, 0.95, index < withheld)
         for index in range(machines)
         for number in range(len(ATTACKS))
-        for cell in CELLS
+        for places in PLACES
     }
 
 
@@ -35,83 +36,42 @@ def test_there_are_at_least_sixteen_ways_of_being_wrong() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("scales", ["stated", "estimate"])
-def test_a_drift_is_no_silent_failure(scales: str) -> None:
-    found = [outcome(BY_WORDS["drift, 10 µm"], "even", scales, seed) for seed in range(3)]
-    assert not any(each.silent for each in found)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("scales", ["stated", "estimate"])
-def test_what_two_axes_do_together_is_no_silent_failure(scales: str) -> None:
-    found = [outcome(BY_WORDS["two axes: twist, 20 µm"], "random", scales, seed) for seed in range(3)]
-    assert not any(each.word == "holds" for each in found)
+@pytest.mark.parametrize(
+    ("words", "places"),
+    [
+        ("drift, 10 µm", "even"),
+        ("two axes: twist, 20 µm", "random"),
+        ("reversal that varies, 8 µm", "planned"),
+        ("five axes: tool 50 µm too long", "even"),
+        ("five axes: pivot of B 50 µm aside", "even"),
+    ],
+)
+def test_what_the_model_holds_is_promised(words: str, places: str) -> None:
+    found = [outcome(BY_WORDS[words], places, "estimate", seed) for seed in range(3)]
     assert np.exp(np.mean(np.log([each.ratio for each in found]))) < 1.5
 
 
-@pytest.mark.long
-def test_scales_that_were_learnt_hide_no_departure_that_the_stated_ones_show() -> None:
-    """Rests of three times as stated explain a reversal that varies: then what is promised has grown with them."""
-    varies = BY_WORDS["reversal that varies, 8 µm"]
-    for seed in (20_269_001, 20_269_022, 20_269_030):
-        assert outcome(varies, "planned", "stated", seed).word == "widened"
-        assert outcome(varies, "planned", "estimate", seed).ratio < 1
-    right = outcome(BY_WORDS["nothing"], "planned", "estimate", 20_269_001)
-    assert right.word in ("holds", "unchecked")
-
-
 def test_what_is_in_another_unit_is_refused_and_a_turned_sign_is_not_seen() -> None:
-    assert outcome(BY_WORDS["values in mm, read as µm"], "even", "stated", 1).word == "refused"
-    turned = outcome(BY_WORDS["sign turned"], "even", "stated", 1)
+    assert outcome(BY_WORDS["values in mm, read as µm"], "even", "estimate", 1).withheld
+    turned = outcome(BY_WORDS["sign turned"], "even", "estimate", 1)
     assert turned.ratio > 5
     assert turned.inside < 0.5
 
 
-@pytest.mark.long
-def test_another_tool_is_no_error_of_five_axes_and_another_pivot_is() -> None:
-    none, tool, pivot = (BY_WORDS[f"five axes: {words}"] for words in ("nothing", "tool 50 µm too long", PIVOT))
-    right, longer, aside = (outcome(each, "even", "stated", 3) for each in (none, tool, pivot))
-    assert right.ratio < 1.5
-    assert longer.ratio < 1.5  # nobody measured it, and it is within what is promised
-    assert aside.ratio < 1.5  # what the prior of the axis line holds, the estimate finds
+def test_what_no_reading_shows_counts_where_lengths_are_attacked() -> None:
+    """A strain that the instrument makes is an error of the estimate, and U is the larger for what it may be."""
+    plain, counted, longer = (BY_WORDS[words] for words in ("nothing", "lengths: nothing", "lengths: 20 µm/m"))
+    bare, known, off = (outcome(each, "even", "estimate", 3) for each in (plain, counted, longer))
+    assert known.ratio < bare.ratio
+    assert off.ratio > known.ratio
 
 
-PIVOT = "pivot of B 50 µm aside"
-
-
-def test_a_failure_is_silent_where_the_verdict_holds_and_the_truth_is_far_worse() -> None:
-    assert Outcome(1.6, 0.5, "holds", 1.2).silent
-    assert not Outcome(1.6, 0.5, "unchecked", 1.2).silent
-    assert not Outcome(1.4, 0.9, "holds", 1.2).silent
-
-
-def test_it_is_beyond_the_promise_where_that_leaves_less_to_one_machine_in_fifty() -> None:
-    assert Outcome(1.6, 0.5, "holds", 1.2).broken
-    assert not Outcome(1.6, 0.5, "holds", 2.3).broken
-    assert "**100%** (16%–100%), 0% beyond |" in next(attack_rows(filled(2, ratio=1.6, rare=2.3), 2))
-    assert "beyond" not in next(attack_rows(filled(2, ratio=1.6), 2))
-
-
-@pytest.mark.long
-def test_few_unknowns_leave_more_to_one_machine_in_fifty_than_many() -> None:
-    one, many = (outcome(BY_WORDS[name], "planned", "stated", 1).rare for name in ("five axes: nothing", "nothing"))
-    assert 1.0 < many < one < np.sqrt(stats.chi2.isf(0.02, 1))
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("seed", [5004, 5021, 5077, 5094])
-def test_a_step_in_a_gap_of_random_places_is_not_silent(seed: int) -> None:
-    """Twice as far off as promised, all four: the readings leave a tenth of a metre and more between them."""
-    found = outcome(BY_WORDS["step, 15 µm"], "random", "estimate", seed)
-    assert found.ratio > 1.5
-    assert found.word == "unchecked"
-
-
-def test_a_row_has_a_cell_for_each_of_places_and_priors() -> None:
-    rows = list(attack_rows(filled(2), 2))
+def test_a_row_has_a_cell_for_each_choice_of_places() -> None:
+    rows = list(attack_rows(filled(4, ratio=2.0, withheld=1), 4))
     assert len(rows) == len(ATTACKS)
-    assert all(row.count("|") == 8 for row in rows)
-    assert "1.0, 95%, 100%, **0%** (0%–84%)" in rows[0]  # (1 - 0.025^(1/2)), of none in two
+    assert all(row.count("|") == 2 + len(PLACES) for row in rows)
+    assert rows[0] == "| nothing | " + " | ".join(3 * ["95%, 2.00, 100%, 25%"]) + " |"
+    assert "–, –, –, 100%" in next(attack_rows(filled(2, withheld=2), 2))
 
 
 def test_the_limits_of_a_share_are_those_of_clopper_and_pearson() -> None:
@@ -121,9 +81,12 @@ def test_the_limits_of_a_share_are_those_of_clopper_and_pearson() -> None:
 
 
 def test_cells_beyond_the_goal_are_named() -> None:
-    few, many = (" ".join(goal_lines(filled(3, ratio=ratio), 3)) for ratio in (1.0, 2.0))
+    few, many, withheld = (
+        " ".join(goal_lines(each, 3)) for each in (filled(3), filled(3, ratio=2.0), filled(3, ratio=2.0, withheld=3))
+    )
     assert "More than that" not in few
-    assert "nothing (planned, stated) 100%" in many
+    assert "nothing (planned) 100%" in many
+    assert "More than that" not in withheld
 
 
 def test_a_table_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -134,20 +97,20 @@ def test_a_table_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytes
 
     def counted(attack: object, places: str, scales: str, seed: int) -> Outcome:
         tried.append((places, scales, seed))
-        if len(tried) == 4:
+        if len(tried) == 2:
             raise KeyboardInterrupt
-        return Outcome(np.nan if places == "random" else 1.0, 0.95, "holds", 1.2)
+        return Outcome(np.nan if places == "random" else 1.0, 0.95, withheld=places == "random")
 
     monkeypatch.setattr(attack_table, "outcome", counted)
     with pytest.raises(KeyboardInterrupt):
         known(2, 1, np.inf)
     outcomes, machines = known(2, 1, np.inf)
     assert machines == 2
-    assert {each.word for each in outcomes.values()} == {"holds"}
+    assert {trial.places for trial, each in outcomes.items() if each.withheld} == {"random"}
     assert {trial.places for trial, each in outcomes.items() if np.isnan(each.ratio)} == {"random"}
     assert known(3, 1, np.inf)[1] == 3
     assert known(2, 1, np.inf)[1] == 2
-    assert len(tried) == 3 * len(CELLS) + 1
+    assert len(tried) == 3 * len(PLACES) + 1
     monkeypatch.setattr(attack_table, "KEPT", tmp_path / "other")
     assert known(2, 1, 0.0) == ({}, 0)
 

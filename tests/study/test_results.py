@@ -115,7 +115,7 @@ def test_another_database_is_left_alone(tmp_path: Path) -> None:
 )
 def test_what_is_no_result_is_refused_in_a_sentence(tmp_path: Path, change: str) -> None:
     with _opened(tmp_path) as results:
-        results.keep(Done("a", {"U_um": 0.1, "verdict": "holds", "reached": True, "said": None}))
+        results.keep(Done("a", {"U_um": 0.1, "agreement": "agree", "reached": True, "said": None}))
     with closing(sqlite3.connect(tmp_path / FILE, isolation_level=None)) as database:
         database.execute(change)
     said = "cannot be read|is not the one that was kept"
@@ -166,7 +166,7 @@ def test_a_case_without_a_digest_is_not_believed(tmp_path: Path) -> None:
 
 
 def test_results_that_were_begun_before_cases_had_digests_go_on_and_are_held_from_then_on(tmp_path: Path) -> None:
-    kept = {"a": Done("a", {"U_um": 0.1, "verdict": "hält"}), "b": Done("b", None, "wrong")}
+    kept = {"a": Done("a", {"U_um": 0.1, "agreement": "für"}), "b": Done("b", None, "wrong")}
     with _opened(tmp_path) as results:
         for done in kept.values():
             results.keep(done)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 CAMPAIGN = """machine = "one-axis"
+usual = "off"
+sure = "exactly"
 [target]
 rms = "3 um"
 [[setups]]

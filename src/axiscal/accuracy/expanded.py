@@ -104,16 +104,6 @@ def shares(spectra: Array) -> Callable[[Array], Array]:
     return lambda squares: np.where(still, 1.0, _by_moments(first, second, third, squares / scale))
 
 
-def within_one(covariance: Array, squares: Array) -> Array:
-    """Return P(|x|² ≤ square) of one normal x, (m,), by the traces of Σ, Σ² and Σ³.  covariance : Σ (w, w), m²"""
-    scale = float(np.trace(covariance))
-    if not scale > 0:
-        return (squares >= 0).astype(float)
-    relative = covariance / scale
-    second, third = (np.full(1, np.sum(each)) for each in (relative**2, (relative @ relative) * relative))
-    return _by_moments(np.ones(1), second, third, squares / scale)
-
-
 def _by_moments(first: Array, second: Array, third: Array, squares: Array) -> Array:
     """Return P(Σλz² ≤ square) by Σλ, Σλ² and Σλ³."""
     degrees = second**3 / third**2

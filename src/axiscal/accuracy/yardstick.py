@@ -54,7 +54,7 @@ def attainable(limit: float, floor: float) -> float:
 
 
 _BY_PLACES = (
-    "_shift", "root", "steady", "unseen_rms", "_unseen_total", "_unseen_shift", "shifts", "poses", "places", "rows",
+    "_shift", "root", "unseen_rms", "_unseen_total", "_unseen_shift", "shifts", "poses", "places", "rows",
     "_every_row", "_here", "_hidden", "evenly",
 )  # fmt: skip
 """What a yardstick has found that depends on no size of a rest."""
@@ -76,7 +76,7 @@ class Yardstick:
     """Measures a belief against the working volume.
 
     moments : over the volume; unseen : (errors.size, r) factor of C_∞, the machine's own errors
-    left : (errors.size, r) factor of what endless readings leave, what instruments are off by with it
+    left : (errors.size, s) factor of what endless readings leave, what instruments are off by with it
     zeroed : directions x, y, z of the workpiece frame in which a constant shift is not counted
     sample : (m, q) poses of the volume where it is not a box of them; alignment : what probing the part takes off
     """
@@ -118,12 +118,6 @@ class Yardstick:
         """V (r, size) with VᵀV = E[HᵀH], less E[H]ᵀE[H] where the constant shift is not counted."""
         counted = self._counts * self._shift
         return Gram(self.moments.gram - counted.T @ counted).root
-
-    @cached_property
-    def steady(self) -> Root:
-        """The same less every constant shift, VᵀV = E[HᵀH] − E[H]ᵀE[H] in the directions that count."""
-        mean = self._counts * self.moments.mean
-        return Gram(self.moments.gram - mean.T @ mean).root
 
     @cached_property
     def unseen_rms(self) -> float:

@@ -3,7 +3,7 @@
 Both logs begin alike up to the event where they parted. What the branch has read since goes behind what the campaign
 has, as readings that were given; a note keeps up to which event, so that a second time takes only what is new. What
 stands here already, because it came from here or by way of another branch, is not taken again: twice it would count
-as two readings.
+as two readings. Readings are taken over as they were recorded: mistakes that were accepted in the branch are not.
 A set-up that both have read has one zero in the model: whether it stayed mounted is for a person to say. As it was
 mounted anew for the branch it is a set-up of its own here: its unknowns are as stated, whatever is known of the other.
 """
@@ -65,18 +65,18 @@ def adopted(
         raise RecordError("It is no branch of this campaign", remedy, branch.path)
     shared = shared_events([text.chain for text in mine], [text.chain for text in theirs])
     before, now = fold(branch.events()[:shared]), branch.state()
-    undone = {reading.number or 0 for reading in set(before.readings) - set(now.readings)}
+    undone = {reading.number or 0 for reading in set(before.written) - set(now.written)}
     if shared == len(theirs):
         return Adopted(0, shared, ())
     since = _taken_until(campaign.state, theirs) or shared
     there = fold(branch.events()[:since])
     names = _names_here(campaign.state.mounted, now.mounted, mine[shared:], theirs[shared:])
-    taken = _without(there.readings, before.readings)
-    here = _without(campaign.state.readings, before.readings)
-    gone = before.readings if again else there.readings
-    new = _not_among(_called(_without(now.readings, gone), names), here)
+    taken = _without(there.written, before.written)
+    here = _without(campaign.state.written, before.written)
+    gone = before.written if again else there.written
+    new = _not_among(_called(_without(now.written, gone), names), here)
     said = {reading.setup for reading in _called(taken, names)}
-    both = ({reading.setup for reading in campaign.state.readings} & {reading.setup for reading in new}) - said
+    both = ({reading.setup for reading in campaign.state.written} & {reading.setup for reading in new}) - said
     anew = tuple[Mounted, ...]()
     if both and mounted_anew:
         anew = _mounted_anew(campaign, sorted(both), theirs[shared].chain, branch.path)
@@ -88,7 +88,7 @@ def adopted(
         unknown = [each for each in brought if each not in campaign.state.mounted]
         note = _NOTE.format(branch=theirs[-1].chain[:_SHOWN], last=len(theirs))
         campaign.adopt(new, note, (*unknown, *anew))
-    back = () if again else _not_among(_called([each for each in taken if each in set(now.readings)], names), here)
+    back = () if again else _not_among(_called([each for each in taken if each in set(now.written)], names), here)
     return Adopted(len(new), shared, tuple(sorted(undone)), len(back))
 
 
@@ -100,14 +100,14 @@ def _names_here(
     mine, theirs : the events since they parted
     """
     names = {each.setup: each.name for each in here if _begun_among(each, theirs)}
-    for each in there:
+    for each in (one for one in there if one.branch):
         names[each.name] = each.setup if _begun_among(each, mine) else each.name
     return names
 
 
 def _begun_among(mounted: Mounted, texts: Sequence[ChainedText]) -> bool:
     """Return whether the branch for which a set-up was mounted anew holds these events."""
-    return any(text.chain.startswith(mounted.branch) for text in texts)
+    return any(mounted.branch and text.chain.startswith(mounted.branch) for text in texts)
 
 
 def _called(readings: Iterable[Reading], names: Mapping[str, str]) -> list[Reading]:

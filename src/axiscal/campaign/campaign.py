@@ -10,7 +10,6 @@ Its state is folded from the record at every step; the belief follows the readin
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -25,15 +24,16 @@ from axiscal.campaign.possible import beginning_of, described, kept_text, refuse
 from axiscal.campaign.refusing import refuse_endless, refuse_implausible
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.mounted_anew import with_mounted
+from axiscal.estimation.accepting import named
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import Timed, elapsed
-from axiscal.exceptions import AmbiguityError, RecordError
+from axiscal.exceptions import RecordError
 from axiscal.inference.outliers import Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.record.accepted import Accepted
 from axiscal.record.closing import Closing
 from axiscal.record.copies import refuse_other, write_copy
 from axiscal.record.events import (
@@ -57,9 +57,6 @@ Planner = Callable[
     [Case, Knowledge, Sequence[Reading], Sequence[Doubt], Sequence[Gap], Sequence[Place]], tuple[Place, ...]
 ]
 """From what is known to the readings to come, as `next_places`."""
-
-_JUDGED_AT_ONCE = 200
-"""Readings up to which all are judged anew with each: a second of waiting at the most."""
 
 
 class Campaign(Closing):
@@ -107,13 +104,6 @@ class Campaign(Closing):
         """Return what the readings make known while others are to follow."""
         return self._knowing.known(self.state.readings)
 
-    def believed(self) -> Estimation:
-        """Return by what a new reading is judged; a station that fits two places does not stop what would decide."""
-        if len(self.state.readings) <= _JUDGED_AT_ONCE:
-            with suppress(AmbiguityError):
-                return self.concluded()
-        return self.known()
-
     def concluded(self) -> Estimation:
         """Return what the readings make known if they are all."""
         return self._knowing.concluded(self.state.readings)
@@ -159,10 +149,10 @@ class Campaign(Closing):
         return self._knowing.plan_basis(self.state.readings)
 
     def _not_to_read(self) -> tuple[Gap, ...]:
-        """Return where nothing is to be asked for: what was skipped, and set-ups as they stood for a branch alone."""
+        """Return where nothing is to be asked for: what was skipped, and set-ups that have gone."""
         gone = [self.description.setup(each.name) for each in self.state.mounted]
         places = [Place(setup.name, setup.park, (0,) * len(setup.park)) for setup in gone]
-        return (*self.state.skipped, *(Gap(Asked(0, place), "it stood for a branch", True) for place in places))
+        return (*self.state.skipped, *(Gap(Asked(0, place), "it has gone", True) for place in places))
 
     def open_question(self) -> Asked:
         """Return what has been asked and not been answered; raises RecordError if that is nothing."""
@@ -213,12 +203,23 @@ class Campaign(Closing):
         self._append(Noted(kept_text(text, "note", "Write what is to be kept in the record")))
 
     def undo(self) -> Undoable:
-        """Take back the last reading, skip or finish, and return it; its question is open again."""
+        """Take back the last reading, skip, accepted mistake or finish, and return it; its question is open again."""
         if not self.state.undo:
             raise RecordError("There is nothing to take back", "Go on with `axiscal next`", self.path)
         step = self.state.undo[-1]
         self._append(Undone(step.number))
         return step
+
+    def accept(self, cause: str, setup: str | None = None) -> Accepted:
+        """Accept a mistake that the readings name now, and return it; what follows sees readings without it.
+
+        cause : jump, sign, unit, swapped or shifted; setup : whose readings, where several are named
+        Raises RecordError where they do not name it.
+        """
+        self._refuse_finished()
+        event = named(self.known(), cause, setup, self.path)
+        self._append(event)
+        return event
 
     def finish(self, because: str | None = None) -> str:
         """End the campaign and return why: the target that is reached, by what a report says, unless said otherwise."""
@@ -244,9 +245,12 @@ class Campaign(Closing):
 
     def status(self) -> Status:
         """Return where the campaign stands; of one that has ended, what its report says."""
-        ended = self.state.finished is not None
-        known = self._knowing.so_far(self.state.readings, ended)
+        ended, known = self.state.finished is not None, self.so_far()
         return Status(self.state, known.accuracy, self._seconds(), None if ended else self.reached(), known.agreement)
+
+    def so_far(self) -> Estimation:
+        """Return what the readings make known; of a campaign that has ended, what its report says."""
+        return self._knowing.so_far(self.state.readings, self.state.finished is not None)
 
     def seconds(self, places: Sequence[Place] = ()) -> float:
         """Return the machine time that the readings took, and places would take after them, s."""
@@ -327,10 +331,9 @@ class Campaign(Closing):
 
     def _take_in(self, state: State) -> None:
         """Go on from a state; with set-ups that were mounted anew, from another description, too."""
-        new = state.mounted[len(self.state.mounted) :]
-        self.state = state
-        if new:
-            self.description = with_mounted(self.description, new)
+        before, self.state = self.state.mounted, state
+        if state.mounted != before:
+            self.description = described(self._record)
             self._knowing = Knowing(self.description)
 
     def _clock(self) -> float:

@@ -48,9 +48,9 @@ def reaches(target: Target, known: Estimation) -> bool | None:
 def _said(target: Target, known: Estimation) -> str | None:
     """Return which accuracy asks for no more readings, one that is reached first; None where all do.
 
-    The floors are the model's, whatever the verdict adds.
+    The floors are those of the sizes as stated.
     """
-    done = [(each, _now(each.name, known)) for each in asked(target, known.case.yardstick)]
+    done = [(each, known_to(each.name, known)) for each in asked(target, known.case.yardstick)]
     done = [(each, now) for each, now in done if now <= attainable(each.limit, each.floor)]
     for each, now in done:
         if now <= each.limit:
@@ -61,7 +61,7 @@ def _said(target: Target, known: Estimation) -> str | None:
     return None
 
 
-def _now(name: str, known: Estimation) -> float:
+def known_to(name: str, known: Estimation) -> float:
     """Return how well the machine is known by the figure of that name, m."""
     if name == "U":
         return expanded_uncertainty(known).space

@@ -16,6 +16,7 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.history import path
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import AmbiguityError
@@ -31,7 +32,6 @@ class Knowing:
 
     def __init__(self, description: CampaignDescription) -> None:
         self._description = description
-        self._known: Estimation | None = None
         self._readings: Readings = ()
         self._found: dict[Hashable, object] = {}
 
@@ -42,12 +42,11 @@ class Knowing:
 
     def known(self, readings: Readings) -> Estimation:
         """Return what the readings make known while others are to follow."""
-        self._known = estimated(self.case, readings, self._known)
-        return self._known
+        return self._once("known", readings, lambda: estimated(self.case, readings))
 
     def concluded(self, readings: Readings) -> Estimation:
         """Return what the readings make known if they are all."""
-        return self._once("concluded", readings, lambda: concluded(self.case, readings))
+        return self._once("concluded", readings, lambda: concluded(self.case, readings, self.known(readings)))
 
     def plan_basis(self, readings: Readings) -> str:
         """Return what a plan made now rests on, in words."""
@@ -81,7 +80,7 @@ class Knowing:
 
     def timed(self, readings: Readings) -> Timed:
         """Return the readings with their times."""
-        return timed(self.case, readings, Timed() if self._known is None else self._known.stages.timed)
+        return self._once("timed", readings, lambda: timed(self.case, readings, Timed()))
 
     def milestone(self, readings: Readings) -> Milestone:
         """Return where a campaign stands after its last reading."""
@@ -89,10 +88,7 @@ class Knowing:
         return Milestone(len(readings), last, self.known(readings).accuracy, self.timed(readings).seconds)
 
     def history(self, readings: Readings) -> tuple[Milestone, ...]:
-        """Return how well the machine was known after each reading, from the first one on."""
-        known = estimated(self.case, ())
-        milestones = [Milestone(0, None, known.accuracy, 0.0)]
-        for taken, reading in enumerate(readings, start=1):
-            known = estimated(self.case, readings[:taken], known)
-            milestones.append(Milestone(taken, reading, known.accuracy, known.seconds))
-        return tuple(milestones)
+        """Return how well the machine was known after each reading, with the sizes known now."""
+        moments = path(self.known(readings))
+        pairs = enumerate(zip(moments, (None, *readings), strict=True))
+        return tuple(Milestone(taken, reading, at.accuracy, at.seconds) for taken, (at, reading) in pairs)

@@ -14,6 +14,7 @@ from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import LARGEST, Reading
 from axiscal.measurement.setup import FINEST, Setup
+from axiscal.record.accepted import Accepted
 from axiscal.record.events import Asked, Created, Event, Mounted, Planned, Recorded, Stored
 from axiscal.record.log import EventLog
 from axiscal.record.store import restoring
@@ -78,8 +79,10 @@ def refuse_absurd(*values: float) -> None:
 
 
 def refuse_of_branch(setup: str, mounted: Sequence[Mounted]) -> None:
-    """Raise ReadingError for a set-up as it stood for a branch: it has gone, with its zero."""
+    """Raise ReadingError for a set-up as it stood for a branch, or before its zero jumped: it has gone."""
     for each in mounted:
+        if each.name == setup and not each.branch:
+            raise ReadingError(f'"{setup}" has gone: its zero jumped', f'Read "{each.setup}"')
         if each.name == setup:
             what = f'"{setup}" stood for a branch, which has taken its readings'
             raise ReadingError(what, f'Read "{each.setup}", or record it in the branch and adopt it')
@@ -121,6 +124,7 @@ class Possible:
     def __init__(self, description: CampaignDescription) -> None:
         self._axes = description.machine.axes
         self._setups = {setup.name: setup for setup in description.setups}
+        self._before_jumps = set[str]()
         self._bounds = [
             (low - _SLACK * axis.length, high + _SLACK * axis.length)
             for axis, (low, high) in ((axis, axis.travel) for axis in self._axes)
@@ -132,6 +136,8 @@ class Possible:
             return self._of_place(event.reading) or _of_values(event.reading, self._setups[event.reading.setup])
         if isinstance(event, Mounted):
             return self._mount(event)
+        if isinstance(event, Accepted):
+            return self._accept(event)
         if isinstance(event, Asked):
             return self._of_place(event.place)
         if isinstance(event, Planned):
@@ -144,6 +150,18 @@ class Possible:
         if event.name in self._setups:
             return f'there is a set-up "{event.name[:60]}" already'
         self._setups[event.name] = self._setups[event.setup]
+        return ""
+
+    def _accept(self, event: Accepted) -> str:
+        """Let readings before a jump have a set-up; the same once more where that was taken back."""
+        missing = next((name for name in event.setups if name not in self._setups), None)
+        if missing is not None:
+            return f'there is no set-up "{missing[:60]}"'
+        if event.name and event.name in self._setups and event.name not in self._before_jumps:
+            return f'there is a set-up "{event.name[:60]}" already'
+        if event.name:
+            self._before_jumps.add(event.name)
+            self._setups[event.name] = self._setups[event.setups[0]]
         return ""
 
     def _of_place(self, at: Place | Reading) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from axiscal.campaign.possible import Possible, created_description
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import NewerError, RecordError
+from axiscal.record.accepted import Accepted
 from axiscal.record.events import Created, Event, EventOrderError, Folding, Newer, Noted, State, Stored, Undone
 from axiscal.record.line_form import EventText
 from axiscal.record.log import rows_of
@@ -101,6 +102,8 @@ def _following(entries: Mapping[int, EventText], description: CampaignDescriptio
                 raise _UnfitError(number, "what it takes back is missing")
             event = Undone(numbers[event.event])
             row = row._replace(payload=encode(event)[1])
+        if isinstance(event, Accepted) and number > len(rows) + 1:
+            raise _UnfitError(number, "what it puts right may be missing; accept it anew")
         if fault := possible.fault(event):
             raise _UnfitError(number, fault)
         try:

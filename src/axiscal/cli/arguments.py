@@ -84,6 +84,9 @@ Programs = Annotated[
 Anyway = Annotated[
     bool, typer.Option("--anyway", help="Write U and tables although the readings contradict each other, and say so.")
 ]
+Details = Annotated[
+    bool, typer.Option("--details", help="Say before the last screen what U holds for, and all warnings.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 Out = Annotated[
     Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for record, result.json, report and tables.")

@@ -25,6 +25,7 @@ _FILES = {
     "next": "next_reading",
     "record": "record",
     "undo": "undo",
+    "accept": "accept",
     "note": "note",
     "status": "status",
     "finish": "finish",

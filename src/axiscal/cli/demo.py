@@ -9,6 +9,9 @@ from typing import Annotated
 
 import typer
 
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.arguments import Details
+from axiscal.cli.last_screen import written_screen
 from axiscal.cli.printing import say
 from axiscal.cli.progress import shown_progress
 from axiscal.cli.texts import micrometres
@@ -16,11 +19,13 @@ from axiscal.demo.five_axis import description, run_demo
 from axiscal.estimation.case import Case
 from axiscal.measurement.place import Place
 from axiscal.report.headline import first_lines
+from axiscal.report.result_set import RECORD
 from axiscal.report.summary import Summary
 
 
 def demo(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path("axiscal-demo"),
+    details: Details = False,
 ) -> None:
     """Do the whole job on a built-in five-axis machine whose hidden errors come from real measured curves.
 
@@ -37,13 +42,16 @@ def demo(
     say(_beginning(case))
     with shown_progress(case.description.target) as watch:
         summary = run_demo(case, folder, lambda places: say(_planned(case, places)), watch)
-    say(_end(summary, folder))
+    if details:
+        say(_end(summary, folder))
+    with Campaign.open(folder / RECORD, write=False) as campaign:
+        say(written_screen(summary, campaign, folder / RECORD, folder))
 
 
 def _fresh(out: Path) -> Path:
     """Return `out`, or the first of out-2, out-3, ... that holds no campaign yet."""
     number, folder = 1, out
-    while (folder / "campaign.axiscal").exists():
+    while (folder / RECORD).exists():
         number += 1
         folder = out.with_name(f"{out.name}-{number}")
     folder.mkdir(parents=True, exist_ok=True)

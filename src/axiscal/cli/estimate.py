@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import CampaignFile, Json, Log, Out, Programs
+from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs
 from axiscal.cli.compensation_active import Active, answered
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.placed_log import placed_log
@@ -40,6 +40,7 @@ def estimate(
     log: Log = None,
     programs: Programs = Path("programs"),
     compensation_active: Active = None,
+    details: Details = False,
     json: Json = False,
 ) -> None:
     """Evaluate readings that exist already; nothing is planned.
@@ -80,7 +81,9 @@ def estimate(
     with TemporaryDirectory(prefix="axiscal-") as folder, Campaign.create(Path(folder) / RECORD, description) as opened:
         opened.adopt(placed)
         opened.finish("all readings evaluated")
-        write_outputs(opened, out, as_json=json, extras=extras, again="give the command again")
+        kept = out / RECORD
+        again = "give the command again"
+        write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)
     tell_unasked(description)
 
 

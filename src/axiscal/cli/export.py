@@ -137,10 +137,10 @@ def export(
         offered = _offered(estimation.estimate(), to, options, ini)
         if estimation.agreement.withheld and not anyway:
             remedy = "Take readings again, or write the files all the same with --anyway"
-            raise TableError(agreement_words(estimation), remedy, record)
+            raise TableError(agreement_words(estimation, record), remedy, record)
         factor = expanded_uncertainty(estimation).factor(estimation.accuracy.rms)
         doubts = [finding.text for finding in findings(estimation)]
-        agreement = agreement_words(estimation) if estimation.readings else ""
+        agreement = agreement_words(estimation, record) if estimation.readings else ""
         offered = introduced(offered, factor, doubts, agreement, record_state(campaign))
         sent = None if loader is None else loader.taken(offered.files)
         deliver_export(offered, out, record_state(campaign))

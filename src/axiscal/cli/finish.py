@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from axiscal.cli.arguments import Anyway, Json, Out, OwnRecord
+from axiscal.cli.arguments import Anyway, Details, Json, Out, OwnRecord
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.outputs import write_outputs
 from axiscal.report.result_set import RECORD
 
 
-def finish(record: OwnRecord, out: Out, anyway: Anyway = False, json: Json = False) -> None:
+def finish(record: OwnRecord, out: Out, anyway: Anyway = False, details: Details = False, json: Json = False) -> None:
     """End a campaign and write its results.
 
     A campaign that is finished already is written again, into the same folder if you like; `axiscal undo` takes the end
@@ -22,4 +22,4 @@ def finish(record: OwnRecord, out: Out, anyway: Anyway = False, json: Json = Fal
     with opened_to_write(record) as campaign:
         campaign.refuse_other(out / RECORD)
         campaign.finish()
-        write_outputs(campaign, out, as_json=json, anyway=anyway)
+        write_outputs(campaign, out, as_json=json, details=details, anyway=anyway)

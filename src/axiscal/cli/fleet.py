@@ -21,7 +21,7 @@ from axiscal.units import to_unit
 
 _SHOWN = 12
 """Hex digits of a digest that are shown: enough to tell any two records."""
-_HEADS = "machine", "measured", "readings", "target", "RMS", "U (95 %)", "verdict", "digest", "record"
+_HEADS = "machine", "measured", "readings", "target", "RMS", "U (95 %)", "agreement", "digest", "record"
 
 
 def fleet(
@@ -88,7 +88,7 @@ def _row(each: ShopRecord) -> tuple[str, ...]:
     lengths = ["-" if value is None else micrometres(value) for value in (known.rms, known.expanded)]
     name = known.machine + (f" {known.serial}" if known.serial else "")
     day, target = (known.last or known.begun)[:10], known.target or "-"
-    said = name, day, str(known.readings), target, *lengths, known.verdict or "-"
+    said = name, day, str(known.readings), target, *lengths, known.agreement or "-"
     return *said, each.chain[:_SHOWN], each.file.name
 
 
@@ -108,7 +108,7 @@ def _document(found: ShopList) -> dict[str, object]:
                 "ended": each.known.ended or None,
                 "rms_um": None if each.known.rms is None else to_unit(each.known.rms, "um"),
                 "U_um": None if each.known.expanded is None else to_unit(each.known.expanded, "um"),
-                "verdict": each.known.verdict or None,
+                "agreement": each.known.agreement or None,
                 "digest": each.chain,
                 "remarks": [said for said in (each.known.trouble, each.remark) if said],
             }

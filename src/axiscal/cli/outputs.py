@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.cli.last_screen import written_screen
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
@@ -20,33 +21,39 @@ def write_outputs(
     out: Path,
     *,
     as_json: bool,
+    details: bool = False,
+    record: Path | None = None,
     extras: Extras | None = None,
     again: str = "",
     anyway: bool = False,
 ) -> None:
     """Write record, tables, result and report of a finished campaign to a folder and print them.
 
+    details : say what U holds for and all warnings, too; record : where the campaign stays, unless where it is
     again : what to do after a failure, by default another `finish`
     anyway : U and tables are written although the readings contradict each other
-    Raises RecordError, TableError; AxiscalError after Ctrl-C; ReadingError, when all is written, where the readings
-    contradict every explanation.
+    Raises RecordError, TableError; AxiscalError after Ctrl-C; ReadingError, when all else is written, where the
+    readings contradict each other.
     """
 
     summary = _delivered(campaign, out, extras or Extras(compared=True), again, anyway)
     if as_json:
         say_document(result_json(summary))
     else:
-        _tell(summary, out)
+        if details:
+            _tell(summary, out)
+        say(written_screen(summary, campaign, record or campaign.path, out))
     if summary.withheld:
-        remedy = "See the warnings for what was tried, take the readings again that stand out, or state what changed"
-        raise ReadingError(NOT_KNOWN, f"{remedy}; all readings are kept and the results written", out)
+        remedy = "Take the readings again that stand out, or write U and tables all the same with finish --anyway"
+        raise ReadingError(NOT_KNOWN, f"{remedy}; all readings are kept and the report is written", out)
 
 
 def _tell(summary: Summary, out: Path) -> None:
+    tables = "" if summary.withheld else f"Tables: {out / 'tables'}\n"
     say(
         f"{first_lines(summary)}\n"
         f"{summary.stopped_because}: {count_text(summary.readings, 'reading')}, {summary.minutes:.1f} minutes.\n"
-        f"Report: {out / 'report.html'}, {out / 'report.pdf'}\nTables: {out / 'tables'}\nFigures: {out / 'result.json'}"
+        f"Report: {out / 'report.html'}, {out / 'report.pdf'}\n{tables}Figures: {out / 'result.json'}"
     )
     for offer in summary.tables:
         if not offer.axis:

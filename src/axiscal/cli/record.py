@@ -133,7 +133,7 @@ _REMEDY = "Take it again (axiscal undo, then axiscal record), or record it with 
 def _doubt(campaign: Campaign) -> tuple[float | None, str]:
     """Return how many standard deviations away the last reading is, and that in words; None if it is believed."""
 
-    last, estimation = len(campaign.state.readings) - 1, campaign.believed()
+    last, estimation = len(campaign.state.readings) - 1, campaign.known()
     doubt = next((doubt for doubt in estimation.outliers if doubt.reading == last), None)
     if doubt is None:
         return None, ""

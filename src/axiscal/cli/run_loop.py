@@ -11,7 +11,7 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH
 from axiscal.campaign.sources import Source, open_source
-from axiscal.cli.arguments import CampaignFile, Json, Out
+from axiscal.cli.arguments import CampaignFile, Details, Json, Out
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import tell
 from axiscal.cli.progress import shown_progress, tell_out_of_reach
@@ -41,6 +41,7 @@ def run_loop(
     timeout: Annotated[
         str, typer.Option(metavar="TIME", help="How long an exec: command may take over one reading.")
     ] = "10 min",
+    details: Details = False,
     json: Json = False,
 ) -> None:
     """Run the whole loop without a person: ask, read from SOURCE, until a target is reached.
@@ -68,7 +69,7 @@ def run_loop(
                 opened = stack.enter_context(Campaign.create(out / RECORD, with_sisters(description, tell)))
             tell_out_of_reach(opened)
             _loop(opened, readings, again)
-        write_outputs(opened, out, as_json=json)
+        write_outputs(opened, out, as_json=json, details=details)
         _refuse_unreached(opened)
 
 
@@ -121,7 +122,7 @@ def _refuse_unreached(campaign: Campaign) -> None:
         raise TargetError(what, remedy, source)
     if campaign.state.finished == CONTRADICT:
         what = f"The target cannot be said to be reached: {CONTRADICT}"
-        remedy = 'See the warnings, review std and noise or let scales = "estimate" learn them'
+        remedy = "See the warnings, review instruments, set-ups and what is stated, and take readings again"
         raise TargetError(what, f"{remedy}; {written}", source)
 
 

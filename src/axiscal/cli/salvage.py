@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.salvaging import Salvaged, salvaged
 from axiscal.campaign.possible import beginning_of
+from axiscal.campaign.salvaging import Salvaged, salvaged
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text

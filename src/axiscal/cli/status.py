@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import Json, OwnRecord
+from axiscal.cli.arguments import Details, Json, OwnRecord
+from axiscal.cli.last_screen import standing_screen
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text
+from axiscal.estimation.accepting import change_words
 from axiscal.estimation.agreement_words import agreement_document, agreement_words
 from axiscal.estimation.membership_words import membership_words
 from axiscal.estimation.type_prior import is_type_text
@@ -15,7 +17,7 @@ from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit
 
 
-def status(record: OwnRecord, json: Json = False) -> None:
+def status(record: OwnRecord, details: Details = False, json: Json = False) -> None:
     """Say where a campaign stands: readings, accuracy, minutes, what was skipped, what is asked.
 
     \b
@@ -26,8 +28,10 @@ def status(record: OwnRecord, json: Json = False) -> None:
     with Campaign.open(record, write=False) as campaign:
         if json:
             say_document(_document(campaign))
-        else:
+            return
+        if details:
             say("\n".join(_lines(campaign)))
+        say(standing_screen(campaign, campaign.so_far()))
 
 
 def _lines(campaign: Campaign) -> list[str]:
@@ -38,11 +42,13 @@ def _lines(campaign: Campaign) -> list[str]:
         f"{description.machine.name}: {count_text(len(state.readings), 'reading')}, "
         f"{format_quantity(status.seconds, 'min', 3)} of machine time",
         accuracy_text(status.accuracy, target.rms, target.worst),
-        agreement_words(campaign.known()),
     ]
+    if state.readings:
+        lines.append(agreement_words(campaign.known(), campaign.path))
     if sisters := _sisters(campaign):
         lines.append(f"{sisters[:1].upper()}{sisters[1:]}")
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
+    lines += [f"Accepted: {change_words(each)}" for each in state.accepted]
     lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
     lines += [f"An entry of a newer version: {each.kind}; it says nothing of readings" for each in state.newer]
     if state.finished is not None:
@@ -79,6 +85,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "mind": contradictions(campaign),
         "sisters": _sisters(campaign) or None,
         "question": campaign.request(state.pending).message() if state.pending else None,
+        "accepted": [change_words(each) for each in state.accepted],
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
         "newer": [each.kind for each in state.newer],
         "skipped": [

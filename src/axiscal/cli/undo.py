@@ -9,7 +9,7 @@ from axiscal.guide.taking_back import take_back
 
 
 def undo(record: OwnRecord, json: Json = False) -> None:
-    """Take back the last reading, skip or finish.
+    """Take back the last reading, skip, accepted mistake or finish.
 
     Its question is open again. The record still shows that it happened.
 

@@ -154,8 +154,8 @@ def _described(
     from axiscal.description.campaign_schema import CampaignTable
     from axiscal.description.programs import read_driving
     from axiscal.description.setups import Surroundings, read_setups
+    from axiscal.description.stated_type_b import refers_to_20
     from axiscal.description.target import read_target
-    from axiscal.description.type_b import refers_to_20
     from axiscal.document import read_model
 
     table = read_model(document, CampaignTable)

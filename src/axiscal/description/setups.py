@@ -15,9 +15,9 @@ from axiscal.description.reachable import refuse_short_stroke, refuse_unreachabl
 from axiscal.description.sights import refuse_no_sight, seen
 from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader
 from axiscal.description.squares import on_square
+from axiscal.description.stated_type_b import material_of, stated_of
 from axiscal.description.stations import stations_of
 from axiscal.description.target import coordinate
-from axiscal.description.type_b import material_of, stated_of
 from axiscal.description.vectors import WAYS, spot, unit_vector
 from axiscal.document import Document, nearest, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError

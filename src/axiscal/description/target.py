@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,6 +11,7 @@ import numpy as np
 from axiscal.accuracy.part import PartVolume
 from axiscal.description.campaign_schema import TargetTable
 from axiscal.description.parts import read_part
+from axiscal.description.wants import Want, read_wants
 from axiscal.document import Document, shown
 from axiscal.error_model.volume import EVERY_WAY, Counted
 from axiscal.exceptions import DescriptionError, InputError
@@ -38,6 +40,7 @@ class Target:
     expanded : U, of the TCP in space over the volume with 95 %, m
     refers_to : the temperature for which it is to be good: 20 °C (ISO 1), or that of the readings
     counted : whether deviations of the TCP along x, y and z of the workpiece frame count
+    wants : the rows of the answer that are asked for; none where they follow from the set-ups
     """
 
     rms: float | None
@@ -51,6 +54,7 @@ class Target:
     expanded: float | None = None
     counted: Counted = EVERY_WAY
     refers_to: RefersTo = "as read"
+    wants: tuple[Want, ...] = ()
 
     @property
     def accurate(self) -> bool:
@@ -83,7 +87,17 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
         raise _fault(document, "no direction is left in which the tool point counts", remedy, "directions")
     x, y, z = (way in table.directions for way in ("x", "y", "z"))
     limits = table.rms, table.worst, table.readings, table.budget
-    return Target(*limits, volume, table.criterion, part, aligned, table.U, (x, y, z))
+    wants = read_wants(table.wants, machine, document)
+    expanded = _expanded(table.U, wants, document)
+    return Target(*limits, volume, table.criterion, part, aligned, expanded, (x, y, z), wants=wants)
+
+
+def _expanded(stated: float | None, wants: Sequence[Want], document: Document) -> float | None:
+    """Return U that is asked for of the volume, m, by its own key or by the row "volume"."""
+    wanted = next((want.limit for want in wants if want.row.kind == "volume"), None)
+    if stated is not None and wanted is not None:
+        raise _fault(document, "U and the limit of the row volume are one thing", "Give one of them", "U")
+    return stated if wanted is None else wanted
 
 
 def _around(part: PartVolume, machine: Machine, document: Document) -> tuple[tuple[float, float], ...]:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
-from numpy.typing import ArrayLike
 
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ROUGH, SMOOTH, ErrorEntry
@@ -14,8 +11,6 @@ from axiscal.numerics import Array
 from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline, Spline
 from axiscal.numerics.repeated import Repeated, Segments
 
-_KNOTS, _PER_INTERVAL, _ROWS = 21, 12, 60
-"""Of a table: with more of each it is the same to a hundredth."""
 CELLS_PER_INTERVAL = 8
 """Cells of a knot interval, within each of which what no spline follows is one value."""
 
@@ -65,31 +60,6 @@ def distances(spline: Spline) -> Array:
         period = spline.knots[-1] - spline.knots[0]
         distance = period / np.pi * np.sin(np.pi * distance / period)
     return distance
-
-
-def between_knots(spacing: ArrayLike, smoothness: float) -> Array:
-    """Return what a spline through its own knots leaves of a curve between them, RMS as a share of the curve's std.
-
-        r² = mean over t of 1 − 2 w(t)ᵀ k(t) + w(t)ᵀ K w(t),   w(t) the spline's row, k, K Matérn correlations
-
-    spacing : (m,) or scalar, of the knots in correlation lengths. At half a length and ν = 2.5 it is 0.05.
-    """
-    spacings, shares = _table_between(smoothness)
-    return np.asarray(np.interp(np.log(spacing), spacings, shares))
-
-
-@cache
-def _table_between(smoothness: float) -> tuple[Array, Array]:
-    """Return logarithms of spacings in correlation lengths, and the shares at them."""
-    spline, spacings = NaturalSpline(np.arange(_KNOTS, dtype=float)), np.linspace(np.log(0.02), np.log(20.0), _ROWS)
-    at = np.linspace(0.0, _KNOTS - 1.0, _PER_INTERVAL * (_KNOTS - 1) + 1)
-    rows, shares = spline.rows(at), []
-    for spacing in np.exp(spacings):
-        across = matern(spacing * np.abs(at[:, None] - spline.knots), smoothness)
-        own = matern(spacing * distances(spline), smoothness)
-        squares = 1.0 - 2.0 * np.sum(rows * across, axis=1) + np.sum((rows @ own) * rows, axis=1)
-        shares.append(np.sqrt(max(float(np.mean(squares)), 0.0)))
-    return spacings, np.array(shares)
 
 
 def matern(distance: Array, smoothness: float) -> Array:

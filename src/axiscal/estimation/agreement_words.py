@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from axiscal.estimation.estimation import Estimation
 from axiscal.language.spoken import listed, put, said
 from axiscal.promise.agreement import Agreement, Explained
 
 
-def agreement_words(known: Estimation) -> str:
-    """Return how many readings agree with the others, or that they contradict, with the mistakes that are named."""
+def agreement_words(known: Estimation, record: Path) -> str:
+    """Return how many readings agree with the others, or that they contradict, with the mistakes that are named.
+
+    record : its path, for the command that accepts the likeliest one
+    """
     found = known.agreement
     count = said("{agreeing} of {count} readings agree with the others", agreeing=found.agreeing, count=found.count)
     if not found.contradicts:
@@ -18,7 +23,8 @@ def agreement_words(known: Estimation) -> str:
         what = "The readings contradict each other ({chance}), and no single mistake explains it: {count}"
         return said(what, chance=chance, count=count)
     causes = listed(said("; or "), [mistake_words(each, known) for each in found.explained])
-    return said("The readings contradict each other ({chance}): {causes}", chance=chance, causes=causes)
+    what = "The readings contradict each other ({chance}): {causes}. If so: axiscal accept {record} {cause}"
+    return said(what, chance=chance, causes=causes, record=record, cause=found.explained[0].mistake)
 
 
 def mistake_words(each: Explained, known: Estimation) -> str:

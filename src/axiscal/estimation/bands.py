@@ -20,7 +20,7 @@ class Banded(NamedTuple):
 def banded(case: Case, knowledge: Knowledge, found: Posterior | None) -> Banded:
     """Return the posterior as knowledge of errors and set-ups' unknowns.
 
-    case : at the root mean square of the sizes; knowledge : with these; found : None before the first reading
+    case : at the sizes as learnt; knowledge : with these; found : None before the first reading
     """
     if found is None:
         return Banded(case, knowledge)

@@ -26,13 +26,6 @@ def with_sides(estimation: Estimation) -> list[Reading]:
     return sides_told(trusted(estimation), estimation.stated)
 
 
-def plausible_with_sides(estimation: Estimation) -> list[Reading]:
-    """Return the same with those that others contradict: a step contradicts a reading as a slip does."""
-    impossible = {doubt.reading for doubt in estimation.outliers if doubt.implausible}
-    kept = [reading for index, reading in enumerate(estimation.readings) if index not in impossible]
-    return sides_told(kept, estimation.stated)
-
-
 def sides_told(readings: Sequence[Reading], case: Case) -> list[Reading]:
     """Return the readings which unknown sides leave as they are, but for a tenth of their noise.
 

@@ -66,7 +66,6 @@ class Case:
     both : set-ups that were read from both sides, or from sides that nobody stated, whatever their description allows
     about : where readings are linearised; None for the nominal machine
     rivals : beliefs of which the readings are to say which one holds; the first of them is `inherited`
-    larger : times that what no allowed reading sees counts, where bands are so many times as wide as the model's
     yardsticks : found so far, of all cases that are made from this one
     sized_from : the case before its sizes were learnt, whose yardstick it has but for the rests; None for itself
     """
@@ -76,7 +75,6 @@ class Case:
     both: frozenset[str] = frozenset()
     about: About | None = None
     rivals: tuple[Rival, ...] = ()
-    larger: float = 1.0
     yardsticks: Yardsticks = field(default_factory=Yardsticks, repr=False)
     sized_from: Case | None = field(default=None, repr=False)
 
@@ -128,11 +126,6 @@ class Case:
         """Whether a set-up stands, or is turned, where only its readings can tell: they are not linear in that."""
         pairs = ((setup, {unknown.name for unknown in setup.unknowns}) for setup in self.description.setups)
         return any(_located_by(setup, names) is not None for setup, names in pairs)
-
-    def with_rests(self, rests: Mapping[str, float], larger: float = 1.0) -> Case:
-        """Return the case with other rests of errors, by name, m or rad, and what no reading sees so much larger."""
-        machine = self.description.machine.with_rests(rests)
-        return replace(self, description=replace(self.description, machine=machine), larger=larger * self.larger)
 
     def located(self, mean: Array) -> Case | None:
         """Return the case about the stations of distances and the turns of trackers as found; None if these stay."""
@@ -221,9 +214,9 @@ class Case:
     def yardstick(self) -> Yardstick:
         """The figures over the target's volume; a constant shift that is mostly unseen is not counted."""
         if self.sized_from is not None and not (self.about is not None and self.about.bent):
-            return self.sized_from.yardstick.with_rests_of(self.errors)
+            return replace(self.sized_from, both=self.both).yardstick.with_rests_of(self.errors)
         described = self.description
-        grounds = *self._over_what, described.setups, described.usual, self.both, Itself(self.inherited), self.larger
+        grounds = *self._over_what, described.setups, described.usual, self.both, Itself(self.inherited)
         return self.yardsticks.yardstick(grounds, self._found_yardstick)
 
     def _found_yardstick(self) -> Yardstick:
@@ -236,7 +229,7 @@ class Case:
         before, after = (np.sum((moments.mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
         x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
         box = self.description.target.volume
-        return Yardstick(self.errors, box, moments, self.larger * unseen, left, (x, y, z), sample, alignment)
+        return Yardstick(self.errors, box, moments, unseen, left, (x, y, z), sample, alignment)
 
     @property
     def _over_what(self) -> tuple[Machine, Target, Itself[About | None]]:

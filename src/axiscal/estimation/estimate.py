@@ -1,23 +1,24 @@
 """From readings to what is known: timed, judged, averaged over sizes, linearised where the machine is.
 
     known = estimated(case, readings)
-    known = estimated(case, more_readings, known)
-    known = concluded(case, all_readings)
+    known = concluded(case, readings)
 
-Each stage follows from the readings alone; an earlier estimation only makes it quicker.
+Both are the same for readings that are linear enough, as nearly all are. The end asks besides whether a station may as
+well stand elsewhere, and takes rows at the machine as it was found where those of the nominal one mislead.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 from axiscal.estimation.absorbed import Absorbed
 from axiscal.estimation.bands import banded
 from axiscal.estimation.case import Case
 from axiscal.estimation.displayed import displayed, taken_as_normal
 from axiscal.estimation.estimation import Estimation, Stages
-from axiscal.estimation.judged import Judged, judged, judged_at_once
-from axiscal.estimation.learnt import Learnt, learnt, posterior_of
+from axiscal.estimation.judged import judged
+from axiscal.estimation.learnt import learnt, posterior_of
 from axiscal.estimation.located import bent, located
 from axiscal.estimation.membership import Membership, membership, mixed_knowledge
 from axiscal.estimation.mirrors import refuse_mirrors
@@ -31,68 +32,58 @@ from axiscal.promise.posterior import Posterior
 
 @one_thread()
 @stage("what the readings make known")
-def estimated(stated: Case, readings: Sequence[Reading], before: Estimation | None = None) -> Estimation:
-    """Return what readings make known while others are to follow.
-
-    before : of the first readings, or of others, which is then not used
-    """
-    if before is not None and before.stated is stated and before.stages.timed.begins(readings):
-        if len(before.readings) == len(readings):
-            return before
-        last = before
-    else:
-        last = None
-
-    def stages(side: int) -> Stages:
-        return _staged(stated.sides[side], readings, last.stages if last is not None and last.side == side else None)
-
-    return _of_likeliest(stated, stages, 0 if last is None else last.side)
+def estimated(stated: Case, readings: Sequence[Reading]) -> Estimation:
+    """Return what readings make known while others are to follow."""
+    return _of_likeliest(stated, lambda side: _staged(stated.sides[side], readings), 0)
 
 
-def _staged(case: Case, readings: Sequence[Reading], before: Stages | None) -> Stages:
-    """Return the stages of readings while others are to follow.  before : of the first of them, by the same case"""
-    first = before or _nothing(case)
-    times = timed(case, readings, first.timed)
-    plausible = judged(times.readings, first.judged)
-    return _known(case, times, plausible, final=False)
+def _staged(case: Case, readings: Sequence[Reading]) -> Stages:
+    """Return the posterior of readings, linearised about the machine that they show."""
+    times = timed(case, readings, Timed())
+    plausible = judged(case, times.readings)
+    scales = learnt(case, times.readings, plausible.implausible)
+    stages = Stages(times, plausible, scales, located(scales, times.readings, plausible.implausible))
+    return _posed_again(case, stages)
 
 
 @one_thread()
-def concluded(stated: Case, readings: Sequence[Reading]) -> Estimation:
+def concluded(stated: Case, readings: Sequence[Reading], so_far: Estimation | None = None) -> Estimation:
     """Return what readings make known if none is to follow.
 
+    so_far : what the same readings make known while others are to follow
     Raises AmbiguityError where a station may as well stand elsewhere.
     """
-    return _of_likeliest(stated, lambda side: _finished(stated.sides[side], readings), 0)
+    before = so_far or estimated(stated, readings)
+    last = _finished(stated.sides[before.side], before.stages)
+    if last is before.stages:
+        return before
+
+    def stages(side: int) -> Stages:
+        return last if side == before.side else _finished(stated.sides[side], _staged(stated.sides[side], readings))
+
+    return _of_likeliest(stated, stages, before.side)
 
 
-def _finished(case: Case, readings: Sequence[Reading]) -> Stages:
-    """Return the stages of readings if none is to follow."""
-    with stage("which readings can be", 1, 2):
-        times = timed(case, readings, Timed())
-        plausible = judged_at_once(case, times.readings)
-    with stage("what the readings make known", 2, 2):
-        found = _known(case, times, plausible, final=True)
-        refuse_mirrors(found.absorbed, times.readings, [*plausible.implausible])
-    return found
+def _finished(case: Case, stages: Stages) -> Stages:
+    """Return the stages of readings if none is to follow; themselves where that changes nothing."""
+    readings, implausible = stages.timed.readings, stages.judged.implausible
+    known = bent(stages.absorbed, readings, implausible)
+    refuse_mirrors(known, readings, [*implausible])
+    return stages if known is stages.absorbed else _posed_again(case, stages._replace(absorbed=known))
 
 
-def _known(case: Case, times: Timed, plausible: Judged, *, final: bool) -> Stages:
-    """Return the posterior where readings are linear enough; where they are not, about the machine that they show."""
-    readings, implausible = times.readings, plausible.implausible
-    scales = learnt(case, readings, implausible)
-    known = located(scales, readings, implausible)
-    if final:
-        known = bent(known, readings, implausible)
-    if scales.found is not None and (moved := _moved(case, known, readings, implausible)) is not None:
-        scales = Learnt(scales.case, scales.verdict, moved)
-    return Stages(times, plausible, scales, known)
+def _posed_again(case: Case, stages: Stages) -> Stages:
+    """Return stages with the posterior of readings as they are linearised and taken as normal there."""
+    moved = _moved(case, stages.absorbed, stages.timed.readings, stages.judged.implausible)
+    return stages if moved is None else stages._replace(learnt=replace(stages.learnt, found=moved))
 
 
 def _moved(
     case: Case, known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt]
 ) -> Posterior | None:
     """Return the posterior of readings as they are linearised and taken as normal now; None if as before."""
+    if not readings:
+        return None
     taken = taken_as_normal(known, readings, implausible)
     at = case.linear_as(known.case)
     if taken is readings and at.observation.about == case.observation.about and at.description == case.description:
@@ -114,10 +105,6 @@ def _of_likeliest(stated: Case, stages: Callable[[int], Stages], first: int) -> 
         tried[side] = _estimation(stated, found, member, side)
         side = member.likeliest
     return tried[side]
-
-
-def _nothing(stated: Case) -> Stages:
-    return Stages(Timed(), Judged.none(stated), Learnt(stated), Absorbed.nothing(stated))
 
 
 def _estimation(stated: Case, stages: Stages, member: Membership | None = None, side: int = 0) -> Estimation:

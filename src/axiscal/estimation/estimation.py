@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil
 from typing import NamedTuple
-
-import numpy as np
 
 from axiscal.accuracy.yardstick import Accuracy
 from axiscal.belief import Belief, Innovations
@@ -21,14 +18,12 @@ from axiscal.estimation.map_grid import map_grid
 from axiscal.estimation.membership import Membership
 from axiscal.estimation.timed import Timed
 from axiscal.inference.implausible import objection
-from axiscal.inference.outliers import FEWEST, Doubt
+from axiscal.inference.outliers import Doubt
 from axiscal.measurement.place_texts import reading_text
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.remembered import remembered
 from axiscal.promise.agreement import NOTHING_READ, Agreement
 from axiscal.promise.posterior import Posterior
-
-_TRIMMED = 0.1
 
 
 class Stages(NamedTuple):
@@ -98,18 +93,6 @@ class Estimation:
         belief, yardstick = wide.knowledge.belief, wide.case.yardstick
         place = description.target.volume, grid, rests, yardstick.sample, yardstick.alignment, yardstick.counted
         return Estimate(wide.case.errors, belief, *place)
-
-    def misfit(self) -> float:
-        """Return how many times as much as the model says the readings scatter about their predictions.
-
-        The root mean square of the standardised innovations without the largest tenth; implausible readings apart.
-        """
-        apart = {doubt.reading for doubt in self.outliers if doubt.implausible}
-        believed = [each for index, each in enumerate(self.innovations) if index not in apart]
-        if len(believed) < FEWEST:
-            return 1.0
-        sizes = np.sort([np.sqrt(each.chi_square / each.degrees) for each in believed])
-        return float(np.sqrt(np.mean(sizes[: len(sizes) - ceil(_TRIMMED * len(sizes))] ** 2)))
 
     def objection_to(self, doubt: Doubt) -> str:
         """Return in words what an implausible reading is."""

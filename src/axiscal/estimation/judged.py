@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.estimation.case import Case
-from axiscal.inference.implausible import IMPLAUSIBLE, Plausibility, limit, nearest_first
+from axiscal.inference.implausible import Plausibility, limit, nearest_first
 from axiscal.inference.outliers import NOTHING, Doubt
 from axiscal.measurement.reading import Reading
 
@@ -23,33 +23,14 @@ class Judged:
     plausibility: Plausibility
     implausible: Mapping[int, Doubt]
 
-    @classmethod
-    def none(cls, case: Case) -> Judged:
-        """Return the judgement of no readings."""
-        mean = np.zeros(case.errors.size) if case.inherited is None else case.inherited.mean
-        slack = _LEARNABLE if case.description.sure == "roughly" else 1.0
-        return cls(Plausibility.stated(case.observation, case.errors.prior_covariance(), mean, slack), {})
 
-
-def judged(readings: Sequence[Reading], before: Judged) -> Judged:
-    """Return the implausible readings, each judged by those that came before it.
-
-    readings : all; before : the judgement of the first of them
-    """
-    start = len(before.plausibility.sizes)
-    after = before.plausibility.after(readings[start:])
-    far = {
-        index: after.sizes[index]
-        for index in range(start, len(readings))
-        if after.sizes[index] > IMPLAUSIBLE and after.sizes[index] > limit(after.sizes[: index + 1])
-    }
-    return Judged(after, {**before.implausible, **_doubts(readings, far)})
-
-
-def judged_at_once(case: Case, readings: Sequence[Reading]) -> Judged:
-    """Return the implausible ones where no reading is to follow; those nearest to their middle are judged first."""
-    order = nearest_first(readings)
-    after = Judged.none(case).plausibility.after([readings[index] for index in order])
+def judged(case: Case, readings: Sequence[Reading]) -> Judged:
+    """Return the implausible readings; those nearest to their middle are judged first."""
+    order, mean = nearest_first(readings), np.zeros(case.errors.size)
+    mean = mean if case.inherited is None else case.inherited.mean
+    slack = _LEARNABLE if case.description.sure == "roughly" else 1.0
+    plausible = Plausibility.stated(case.observation, case.errors.prior_covariance(), mean, slack)
+    after = plausible.after([readings[index] for index in order])
     most = limit(after.sizes)
     far = {index: size for index, size in sorted(zip(order, after.sizes, strict=True)) if size > most}
     return Judged(after, _doubts(readings, far))

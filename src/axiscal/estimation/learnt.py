@@ -20,7 +20,7 @@ UNDISPUTED = Verdict((), ())
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Learnt:
-    """case : with the sizes as learnt, root mean squares; verdict : how much each of the readings counts
+    """case : with the sizes as learnt; verdict : how much each of the readings counts
 
     found : the posterior; None before the first reading
     """

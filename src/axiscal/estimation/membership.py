@@ -1,7 +1,7 @@
 """Whether a machine is like its sisters: the rival beliefs side by side, and their mixture, which is what is reported.
 
-Each belief is as probable as it foretells the readings; how much a reading counts is judged by the widest of them, for
-to a narrow one that is wrong every reading stands off. The planner works for the likeliest.
+Each belief is as probable as it foretells the readings. Bad readings, noise and rests are judged by the widest
+of them: to a narrow one that is wrong every reading stands off. The planner works for the likeliest.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def membership(
     known : what readings make known by one of them; readings : all, with their times
     """
     cases = [replace(known.case, inherited=rival.belief) for rival in stated.rivals]
-    shares = shares_of_rivals(stated.rivals, cases[-1], readings, implausible)
+    shares = shares_of_rivals(stated.rivals, stated.sides[-1].linear_as(known.case), readings, implausible)
     counts = [index for index, share in enumerate(shares) if share > _GONE]
     beliefs = [_belief(cases[index], known, readings, implausible) for index in counts]
     parts = [Moments(belief.mean, belief.covariance) for belief in beliefs]
@@ -70,16 +70,19 @@ def membership(
 def shares_of_rivals(
     rivals: Sequence[Rival], widest: Case, readings: Sequence[Reading], implausible: Mapping[int, Doubt]
 ) -> Array:
-    """Return how probable each rival is after readings, (k,).  widest : the case by which readings are judged"""
+    """Return how probable each rival is after readings, (k,).
+
+    widest : the case by which readings are judged, and noise and rests learnt, with the sizes as stated
+    """
     each = np.array([rival.weight for rival in rivals])
     before: Array = each / each.sum()
     if not readings:
         return before
-    bad = posterior_of(widest, readings, implausible).bad
-    counts = [index for index in range(len(readings)) if index not in bad and index not in implausible]
+    found = posterior_of(widest, readings, implausible)
+    counts = [index for index in range(len(readings)) if index not in found.bad and index not in implausible]
     if not counts:
         return before
-    numbers = ReadingSet(widest.observation, [readings[index] for index in counts])
+    numbers = ReadingSet(widest.rescaled(found.sizes).observation, [readings[index] for index in counts])
     data = data_equation(numbers, np.ones(len(counts)), np.zeros((widest.errors.size, 0)))
     return shares_of(data, [Moments(*rival.belief) for rival in rivals], before)
 

@@ -11,7 +11,7 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.judged import judged_at_once
+from axiscal.estimation.judged import judged
 from axiscal.estimation.timed import Timed, timed
 from axiscal.exceptions import ReadingError
 from axiscal.inference.implausible import bent, unit_guess
@@ -29,7 +29,7 @@ def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescriptio
     Also where all readings of a set-up fit only when multiplied, by odds of a million, even if scales are learnt.
     """
     case = case_of(campaign)
-    doubts = judged_at_once(case, timed(case, readings, Timed()).readings).implausible.values()
+    doubts = judged(case, timed(case, readings, Timed()).readings).implausible.values()
     if len(doubts) < _FEWEST or 2 * len(doubts) <= len(readings):
         _refuse_other_unit(case, readings, file)
         return

@@ -222,7 +222,7 @@ def _due(
         last=last,
         minutes=known.seconds / 60.0,
         target=target,
-        then=known.case.yardstick.measure(known.whole).rms,
+        then=known.accuracy.rms,
         now=machine.rms(since * _DAY),
         beyond=None if tolerance is None else machine.beyond(since * _DAY, tolerance),
         due=None if days is None else last + timedelta(days=days),

@@ -29,7 +29,7 @@ class Known:
     machine, serial : of the machine; begun, last : the first event and the last reading, ISO 8601, UTC, "" for none
     readings : those that stand; target : in words; ended : why the campaign ended, "" while it goes on
     rms, expanded : RMS standard uncertainty over the volume and U, m, None where nothing is known or promised
-    verdict : in one word, "" where there is none, and trouble says why
+    agreement : in one word, "" where there is none, and trouble says why
     """
 
     machine: str
@@ -41,7 +41,7 @@ class Known:
     ended: str
     rms: float | None
     expanded: float | None
-    verdict: str
+    agreement: str
     trouble: str = ""
 
 
@@ -129,7 +129,7 @@ def _beside_others(record: IndexedRecord, records: Sequence[IndexedRecord], inde
 
 def _known(record: IndexedRecord, index: FolderIndex, told: Callable[[str], None]) -> Known:
     """Return what a record comes to, from the index where it was found before; raises AxiscalError."""
-    question = f"what it comes to, by {json.dumps(versions(), sort_keys=True)}"
+    question = f"what it comes to and whether readings agree, by {json.dumps(versions(), sort_keys=True)}"
     answer = index.found(record.chain, question)
     if answer is None:
         told(f"estimating {record.file.name}")

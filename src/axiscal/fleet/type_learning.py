@@ -17,7 +17,7 @@ from axiscal.inference.sisters.data_equation import DataEquation
 from axiscal.inference.sisters.hierarchy import Hierarchy
 from axiscal.inference.sisters.learning import SisterPrior, sister_prior
 from axiscal.inference.sisters.prior_units import PriorUnits, prior_units
-from axiscal.machine.description import Machine
+from axiscal.machine.description import Machine, machine_from_text
 from axiscal.numerics.threads import one_thread
 
 DIRECTIONS, DOUBT = 3, 0.1
@@ -100,7 +100,7 @@ def lesson(
         found = _of_name(found, named)
     if not found:
         raise _nothing(left)
-    reference = machine or usual_machine(found)
+    reference = machine or _as_stated(usual_machine(found))
     units = prior_units(ErrorModel(reference))
     seen, equations = equations_of(found, reference, units.root, lambda name: told(f"{name} ..."))
     records = tuple(sorted([*seen, *left], key=lambda record: (record.digest, record.file)))
@@ -119,6 +119,11 @@ def learnt_type(
 ) -> TypePrior:
     """Return what records teach of a type: the same for the same records in any order; arguments as for `lesson`."""
     return lesson(files, machine, told, named).learnt(directions, doubt, told)
+
+
+def _as_stated(machine: Machine) -> Machine:
+    """Return the machine without what usually goes wrong: what a type has taught is over the errors of its text."""
+    return machine_from_text(machine.text, fine_knots=machine.fine_knots)
 
 
 def _of_name(records: list[MachineRecord], named: str) -> list[MachineRecord]:

@@ -120,6 +120,6 @@ def _inverse(covariance: Array) -> Array:
 
 def found_by(known: Estimation) -> Inherited:
     """Return what a campaign knows of the errors of its machine."""
-    size = known.case.errors.size
-    factor = known.whole.factor[:size]
-    return Inherited(known.whole.mean[:size], factor @ factor.T)
+    size, belief = known.case.errors.size, known.banded.knowledge.belief
+    factor = belief.factor[:size]
+    return Inherited(belief.mean[:size], factor @ factor.T)

@@ -38,7 +38,7 @@ def expectation(known: Estimation, place: Place) -> Expectation:
 
 def expectations(known: Estimation, places: Sequence[Place]) -> tuple[Expectation, ...]:
     """Return what the readings so far say of the next one, wherever it may be, each by itself."""
-    case, knowledge = known.banded
+    case, knowledge = known.case, known.knowledge
     blanks = blank_readings(case.description.setups, places)
     innovations = block(knowledge, blanks, np.zeros(len(blanks))).innovations
     return tuple(Expectation(-np.atleast_1d(each.value), np.atleast_1d(each.std)) for each in innovations)

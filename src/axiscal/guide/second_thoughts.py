@@ -14,7 +14,7 @@ _SURPRISING = 3.0
 
 def doubted(campaign: Campaign) -> frozenset[int]:
     """Return the indices of the readings that are doubted now."""
-    return frozenset(doubt.reading for doubt in campaign.believed().outliers)
+    return frozenset(doubt.reading for doubt in campaign.known().outliers)
 
 
 def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
@@ -26,7 +26,7 @@ def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
     doubtful = "with this one, {reading}, is no longer relied on. Read there again."
     minds = [said(doubtful, reading=_shown(campaign, index)) for index in sorted(now - before - {last})]
     minds += [said("with this one, {reading}, is believed.", reading=_shown(campaign, index)) for index in before - now]
-    surprise = campaign.believed().innovations[last]
+    surprise = campaign.known().innovations[last]
     size = (surprise.chi_square / surprise.degrees) ** 0.5
     vouched = campaign.state.readings[last].accepted
     if last not in now and not vouched and size >= _SURPRISING:
@@ -43,7 +43,7 @@ def contradictions(campaign: Campaign) -> list[str]:
     if campaign.state.finished is not None:
         return []
     known = campaign.known()
-    return [agreement_words(known)] if known.agreement.contradicts else []
+    return [agreement_words(known, campaign.path)] if known.agreement.contradicts else []
 
 
 def _shown(campaign: Campaign, index: int) -> str:

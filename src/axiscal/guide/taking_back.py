@@ -5,15 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.estimation.accepting import change_words
 from axiscal.guide.question import asked_text
 from axiscal.language.spoken import counted, said
 from axiscal.measurement.place_texts import reading_text
+from axiscal.record.accepted import Accepted
 from axiscal.record.events import Recorded, Skipped
 
 
 @dataclass(frozen=True, slots=True)
 class TakenBack:
-    """kind : "recorded", "skipped" or "finished"; what : the same in words; number : of the reading; left : readings"""
+    """What was taken back.
+
+    kind : "recorded", "skipped", "accepted" or "finished"; what : the same in words
+    number : of the reading; left : readings
+    """
 
     kind: str
     what: str
@@ -28,7 +34,7 @@ class TakenBack:
 
 
 def take_back(campaign: Campaign) -> TakenBack:
-    """Take back the last reading, skip or finish, and return that; raises RecordError if there is none."""
+    """Take back the last reading, skip, accepted mistake or finish, and return it; raises RecordError for none."""
     what, number = last_step(campaign)
     kind = type(campaign.undo().event).__name__.lower()
     return TakenBack(kind, what, number, len(campaign.state.readings))
@@ -47,4 +53,6 @@ def last_step(campaign: Campaign) -> tuple[str, int | None]:
     if isinstance(event, Skipped):
         asked = state.skipped[-1].asked
         return said("the skip of {reading}", reading=asked_text(campaign, asked)), asked.reading
+    if isinstance(event, Accepted):
+        return said("what was accepted: {change}", change=change_words(event)), None
     return said("the end"), None

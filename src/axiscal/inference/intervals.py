@@ -57,11 +57,6 @@ def is_odd(setup: Setup) -> bool:
     return is_coarse(setup) or setup.one_sided != 0
 
 
-def may_have_chips(setup: Setup, reading: Reading) -> bool:
-    """Whether a reading is taken for one that a chip may have shifted: of one value, without a std of its own."""
-    return setup.one_sided != 0 and len(reading.values) == 1 and reading.std is None
-
-
 def sited(
     observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None
 ) -> list[Reading]:

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 NOTHING = 1e-9
 """Weight of a reading that does not count: small enough to be none, large enough to divide by."""
-FEWEST = 5
 
 
 class Doubt(NamedTuple):
@@ -31,8 +30,3 @@ class Verdict(NamedTuple):
 
     doubts: tuple[Doubt, ...]
     weights: tuple[float, ...]
-
-    @property
-    def fates(self) -> frozenset[tuple[int, bool]]:
-        """Which readings stand out, and whether they are not used."""
-        return frozenset((doubt.reading, doubt.rejected) for doubt in self.doubts)

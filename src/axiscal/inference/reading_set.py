@@ -14,16 +14,7 @@ from axiscal.measurement.drift import Course
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import linear_values, places_of, rows_at
-from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import products_of_rows
-
-
-class Sharing(NamedTuple):
-    """The entries of a matrix (m, m) that are not nought: their numbers, counted along its rows, and their values."""
-
-    entries: NDArray[np.intp]
-    values: Array
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -36,12 +27,6 @@ class ErrorPart:
     term: Term
     rows: Array
     shared: Array
-
-    def sharing(self) -> Sharing:
-        """Return E (m, m), the products of the levers of numbers that share a cell; most share none."""
-        number, cell = np.nonzero(self.shared)
-        row, column, values = products_of_rows(self.shared[number, cell], number, cell, self.shared.shape)
-        return Sharing(row * len(self.shared) + column, values)
 
 
 class _Visits(NamedTuple):
@@ -74,7 +59,6 @@ class ReadingSet:
     reading, setups : (m,) indices of the reading and the set-up of each number
     values : (m,), what is not linear taken off
     rows : (m, size) over errors and unknowns of set-ups; noise : (m,) variances
-    std_stated : (m,) whether a reading says how noisy it is itself
     extra_variance : (m,) of what else widens a number
     """
 
@@ -87,8 +71,6 @@ class ReadingSet:
         usual = np.array([setup.noise**2 for setup in observation.setups])[self._places.setups]
         each = [noise if r.std is None else r.std**2 for r, noise in zip(readings, usual, strict=True)]
         self.noise: Array = np.array(each)[self.reading]
-        stated = np.array([reading.std is not None for reading in readings], dtype=bool)
-        self.std_stated: NDArray[np.bool_] = stated[self.reading]
         self._visits = [_Visits([], [], []) for _ in observation.errors.terms]
         self.extra_variance = variances - usual[self.reading]  # such as of a side that nobody told
         for setup, mine in self._places.by_setup():
@@ -135,19 +117,10 @@ class ReadingSet:
     def _drifts(self, setup: int, mine: NDArray[np.intp]) -> Array:
         """Return the rows of the zeros of a set-up over the unknowns of its drift, (m, k); those of three apart."""
         times = np.array([self._readings[i].time or 0.0 for i in mine])
-        course = _course(self._observation.setups[setup], np.sort(times).tolist())
+        course = Course.over(self._observation.setups[setup].drift, np.sort(times).tolist())
         parts = []
         for number in range(len(directions_of(self._observation.setups[setup]))):
             rows = np.zeros((len(self.values), len(course.columns)))
             rows[self._first(mine) + number] = course.rows(times)
             parts.append(rows)
         return np.hstack(parts)
-
-
-def _course(setup: Setup, times: Sequence[float]) -> Course:
-    """Return the drift over times, in order, s."""
-    course = Course.begun(setup.drift, times[0], 0)
-    for time in times:
-        if course.needs_node(time):
-            course = course.with_node(time, len(course.columns))
-    return course

@@ -42,6 +42,15 @@ class Course:
         """Return the course at its first reading, where the zero stands at zero, with one unknown: its rate."""
         return cls(rate, (column,), (time,), np.zeros((1, 1)), np.array([[rate]]))
 
+    @classmethod
+    def over(cls, rate: float, times: Sequence[float]) -> Course:
+        """Return the course over times, in order, s, with unknowns of its own."""
+        course = cls.begun(rate, times[0], 0)
+        for time in times:
+            if course.needs_node(time):
+                course = course.with_node(time, len(course.columns))
+        return course
+
     def rows(self, times: Array | None = None) -> Array:
         """Return the rows (m, n) of the distance at times (m,), s; at the last node where one is NaN.
 

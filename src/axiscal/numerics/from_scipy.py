@@ -25,32 +25,10 @@ def chi_square_tail(degrees: float, value: float) -> float:
     return float(_function("scipy.special", "chdtrc")(degrees, value))
 
 
-def chi_square_tails(degrees: float, values: Array) -> Array:
-    """Return the probability that a chi-square of these degrees of freedom is at least each of `values`, (m,)."""
-    tails: Array = _function("scipy.special", "chdtrc")(degrees, values)
-    return tails
-
-
 def chi_square_share(degrees: Array, values: Array) -> Array:
     """Return the probability that a chi-square is at most `values`, (m,).  degrees : (m,) of freedom, any above zero"""
     share: Array = _function("scipy.special", "chdtr")(degrees, values)
     return share
-
-
-def chi_square_limit(degrees: float, tail: float) -> float:
-    """Return what a chi-square of these degrees of freedom reaches with probability `tail`."""
-    return float(_function("scipy.special", "chdtri")(degrees, tail))
-
-
-def noncentral_share(limit: float, degrees: float, noncentrality: Array) -> Array:
-    """Return the probability that a chi-square of these degrees and noncentralities is at most `limit`."""
-    share: Array = _function("scipy.special", "chndtr")(limit, degrees, noncentrality)
-    return share
-
-
-def noncentrality_for(limit: float, degrees: float, share: float) -> float:
-    """Return the noncentrality with which a chi-square of these degrees is at most `limit` with probability `share`."""
-    return float(_function("scipy.special", "chndtrinc")(limit, degrees, share))
 
 
 def transposed_solution(upper: Array, right: Array) -> Array:
@@ -137,21 +115,6 @@ def three_diagonals(own: Array, beside: Array, right: Array) -> Array:
     solve = _function("scipy.linalg", "solveh_banded")
     solved: Array = shown * solve(bands, shown * right, lower=True, check_finite=False)
     return solved
-
-
-def products_of_rows(
-    values: Array, rows: NDArray[np.intp], columns: NDArray[np.intp], shape: tuple[int, ...]
-) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-    """Return the entries of S Sᵀ that are not nought, row by row: their rows, columns and values, each (e,).
-
-    values, rows, columns : (k,) entries of S and where they stand; shape : of S
-    """
-    stored = _function("scipy.sparse", "csr_array")((values, (rows, columns)), shape=shape)
-    product = (stored @ stored.T).tocsr()
-    product.sort_indices()
-    found = product.tocoo()
-    kept = found.data != 0
-    return found.row[kept].astype(np.intp), found.col[kept].astype(np.intp), found.data[kept]
 
 
 def root_in_place(matrix: Array) -> Array | None:

@@ -103,9 +103,8 @@ def _what_helps(case: Case, target: Target) -> str:
     """Say which set-ups would help and how long they take, or what cannot be seen, or what the rests leave."""
     rest = math.sqrt(case.yardstick.moments.rest)
     if all(rest > each.limit for each in asked(target, case.yardstick)):
-        return (
-            f"The rests of the errors alone make {to_unit(rest, 'um'):.3g} um: with finer knots they could be smaller"
-        )
+        finer = "a smaller std" if case.description.usual else "finer knots"
+        return f"The rests of the errors alone make {to_unit(rest, 'um'):.3g} um: with {finer} they could be smaller"
     hidden = " ".join(part.text for part in case.hidden[:_NAMED])
     helps = helping_words(case, target) or "Another set-up would help"
     return f"{helps}. What cannot be seen: {hidden}".rstrip(".")

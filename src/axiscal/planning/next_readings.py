@@ -32,7 +32,7 @@ from axiscal.record.events import Gap
 _CANDIDATES = 2000
 _AT_ONCE = 150
 _MORE = 6
-"""Readings planned at once for what the model reaches and the verdict does not: then it is looked at again."""
+"""Readings planned at once for what likely sizes reach and all sizes together do not: then it is looked at again."""
 _SMALL = 120
 """Unknowns up to which readings are climbed off the lattice: beyond, a person at the machine would wait too long."""
 
@@ -156,19 +156,13 @@ def _standard(case: Case, knowledge: Knowledge) -> Target:
 
 
 def _promised(limits: Limits, case: Case, knowledge: Knowledge) -> bool:
-    """Return whether the model reaches an accuracy that is asked for: where it is planned on, the verdict does not."""
+    """Return whether the likely sizes reach an accuracy that is asked for: where it is planned on, all do not."""
     return limits.accurate and limits.met(case.yardstick.measure(knowledge.belief))
 
 
 def _few(limits: Limits) -> int:
-    """Return how many readings are planned for what the model reaches and the verdict does not."""
+    """Return how many readings are planned for what the likely sizes reach and all sizes together do not."""
     return _MORE if limits.readings is None else min(_MORE, limits.readings)
-
-
-def _within(case: Case, last: Reading, places: Sequence[Place], budget: float | None) -> tuple[Place, ...]:
-    """Return the first of places that can be read, one after the other, after the last reading in so many seconds."""
-    ends = np.cumsum(case.seconds_along(last, places))
-    return tuple(places if budget is None else places[: int(np.searchsorted(ends, budget, side="right"))])
 
 
 def limits_left(target: Target, taken: int, seconds: float) -> Limits:

@@ -7,7 +7,8 @@ sign or in another unit, two set-ups swapped, places shifted by one), or adds a 
 
     gain = ½ (yᵀK⁻¹y − y'ᵀK⁻¹y') + log |det T|     or     ½ (bᵀK⁻¹y)²/(bᵀK⁻¹b + s⁻²) − ½ log(1 + s² bᵀK⁻¹b)
 
-One whose odds, its prior of 1 % among so many places included, are above 20 : 1 is named.
+One whose odds, its prior of 1 % among so many places included, are above 20 : 1 is named, unless another one is 20
+times as likely.
 """
 
 from __future__ import annotations
@@ -27,13 +28,15 @@ from axiscal.promise.problem import Problem
 CONTRADICTS = 0.001
 """Probability below which readings contradict."""
 NAMED = 20.0
-"""Odds from which a mistake is named."""
+"""Odds from which a mistake is named, and beside the likeliest one left unnamed."""
 AGREES = 3.0
 """Standard deviations within which a reading agrees with the others."""
 _PRIOR = 0.01
 """Assumption: one campaign in a hundred has such a mistake."""
 _JUMP = 30.0
 """Noises: standard deviation of a jump of a zero."""
+_LARGEST = 600.0
+"""Logarithm of the largest odds that are said: beyond it floats end."""
 _INCH = 25.4
 """mm, by definition."""
 _FACTORS = (1000.0, 1 / 1000.0, _INCH, 1 / _INCH)
@@ -45,15 +48,20 @@ Mistake = Literal["jump", "sign", "unit", "swapped", "shifted"]
 class Explained(NamedTuple):
     """A mistake that explains readings that contradict.
 
-    odds : beside no mistake; setups : whose readings; reading : index of the first that is wrong, for a jump
+    log_odds : beside no mistake; setups : whose readings; reading : index of the first that is wrong, for a jump
     factor : by which values are too large or too small, for a unit
     """
 
     mistake: Mistake
-    odds: float
+    log_odds: float
     setups: tuple[int, ...]
     reading: int = -1
     factor: float = 1.0
+
+    @property
+    def odds(self) -> float:
+        """Beside no mistake."""
+        return float(np.exp(min(self.log_odds, _LARGEST)))
 
 
 @dataclass(frozen=True)
@@ -106,15 +114,17 @@ def agreement(problem: Problem, found: Weighed, z: Array) -> Agreement:
 
 
 def _explained(problem: Problem, found: Weighed) -> list[Explained]:
-    """Return the mistakes whose odds are above 20 : 1."""
-    each = [*_jumps(problem, found), *_turned(problem, found)]
-    return sorted((one for one in each if one.odds > NAMED), key=lambda one: -one.odds)
+    """Return the mistakes whose odds are above 20 : 1, but those beside which another one is 20 times as likely."""
+    each = sorted([*_jumps(problem, found), *_turned(problem, found)], key=lambda one: -one.log_odds)
+    least = max(np.log(NAMED), each[0].log_odds - np.log(NAMED))
+    return [one for one in each if one.log_odds > least]
 
 
-def _odds(found: Weighed, gains: Array) -> Array:
-    """Return the odds of mistakes, the sizes integrated out, (c,).  gains : (draws, c)"""
-    odds: Array = found.weights @ np.exp(np.minimum(gains, 600.0))
-    return odds
+def _log_odds(found: Weighed, gains: Array) -> Array:
+    """Return log odds of mistakes, 1 % before any reading, the sizes integrated out, (c,).  gains : (draws, c)"""
+    most = np.max(gains, axis=0)
+    result: Array = np.log(_PRIOR * (found.weights @ np.exp(gains - most))) + most
+    return result
 
 
 def _jumps(problem: Problem, found: Weighed) -> Iterator[Explained]:
@@ -132,9 +142,9 @@ def _jumps(problem: Problem, found: Weighed) -> Iterator[Explained]:
             fisher = np.sum(columns * weighted, axis=0)
             gains[draw] = 0.5 * (weighted.T @ problem.values) ** 2 / (fisher + _JUMP**-2)
             gains[draw] -= 0.5 * np.log1p(_JUMP**2 * fisher)
-        odds = _odds(found, gains) * _PRIOR / len(readings)
+        odds = _log_odds(found, gains)
         best = int(np.argmax(odds))
-        yield Explained("jump", float(odds[best]), (int(setup),), int(readings[best]))
+        yield Explained("jump", float(odds[best] - np.log(len(readings))), (int(setup),), int(readings[best]))
 
 
 def _turned(problem: Problem, found: Weighed) -> Iterator[Explained]:
@@ -147,7 +157,7 @@ def _turned(problem: Problem, found: Weighed) -> Iterator[Explained]:
             gains[draw] = (
                 0.5 * float(np.sum(both[:, 0] * weighted[:, 0]) - np.sum(both[:, 1] * weighted[:, 1])) + log_det
             )
-        yield Explained(mistake, float(_odds(found, gains)[0]) * _PRIOR, setups, factor=factor)
+        yield Explained(mistake, float(_log_odds(found, gains)[0]), setups, factor=factor)
 
 
 _Other = tuple[Mistake, tuple[int, ...], Array, float, float]

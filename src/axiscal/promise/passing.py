@@ -2,20 +2,22 @@
 
 Of each zero a line and Brownian motion over the time T of its set-up, by Karhunen-Loève functions
 √2 sin((k − ½)π t/T)/((k − ½)π), k = 1…20, which leave 0.5 % of its variance; and Matérn-1/2 in time with 6 min. Of each
-linear axis the coordinate over its travel times Matérn-3/2 in time with 0.4 T, linear between ten nodes.
+linear axis the coordinate over its travel times Matérn-3/2 in time with 0.4 T, linear between ten nodes. Without what
+usually goes wrong a zero wanders as stated (`measurement.drift`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.error_model.prior import exponential, matern32
-from axiscal.measurement.drift import wandering
+from axiscal.measurement.drift import Course, wandering
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
@@ -81,15 +83,21 @@ def passing_columns(
     places: Places,
     reading: NDArray[np.intp],
     sizes: Sizes,
+    usual: bool = True,
 ) -> Passing:
-    """Return the columns.  reading : (m,) the reading of each number, ascending; readings have their times"""
+    """Return the columns.
+
+    reading : (m,) the reading of each number, ascending; readings have their times
+    usual : with what usually goes wrong; else zeros wander as stated and nothing besides
+    """
     times, parts, size_at = np.nan_to_num(times_of(readings)), list[Array](), list[int]()
     for index, chosen in places.by_setup():
         which = np.arange(len(places))[chosen]
         first = np.searchsorted(reading, which)
         setup = observation.setups[index]
         mine = _Mine(setup, index, places.poses[which], places.approaches[which], first, times[which])
-        for kind, made in (*_of_zeros(mine, len(reading)), *_of_axes(observation, mine, len(reading))):
+        made_of = (_of_zeros(mine, len(reading)), _of_axes(observation, mine, len(reading)))
+        for kind, made in chain(*made_of) if usual else _as_stated(mine, len(reading)):
             parts.append(made)
             size_at += [sizes.index(kind, setup.name)] * made.shape[1]
     columns = np.hstack(parts) if parts else np.zeros((len(reading), 0))
@@ -106,6 +114,18 @@ def _of_zeros(mine: _Mine, numbers: int) -> Iterator[tuple[Kind, Array]]:
         apart = np.abs(mine.clock[:, None] - mine.clock[None]) / _CYCLE_SECONDS
         root: Array = CYCLE.size * noise * lower_root(exponential(apart) + _SINGLE * np.eye(len(apart)))
         functions.append(("cycle", root))
+    yield from _of_each_zero(mine, numbers, functions)
+
+
+def _as_stated(mine: _Mine, numbers: int) -> Iterator[tuple[Kind, Array]]:
+    """Yield the columns of each zero of a set-up that wanders as stated."""
+    if mine.setup.drift > 0:
+        course = Course.over(mine.setup.drift, np.sort(mine.clock).tolist())
+        yield from _of_each_zero(mine, numbers, [("drift", course.rows(mine.clock))])
+
+
+def _of_each_zero(mine: _Mine, numbers: int, functions: Sequence[tuple[Kind, Array]]) -> Iterator[tuple[Kind, Array]]:
+    """Yield the columns of all numbers for functions of a set-up's readings, each zero's apart."""
     for number in range(len(directions_of(mine.setup))):
         for kind, function in functions:
             columns = np.zeros((numbers, function.shape[1]))

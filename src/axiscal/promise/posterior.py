@@ -65,7 +65,8 @@ class Posterior:
     """mean (k,), covariance (k, k) : of errors, then set-ups' unknowns, m and rad
 
     cells : means of the rests of visited cells by (term, cell), m or rad
-    sizes : root mean square of exp θ by kind and owner; effective : number of draws
+    sizes : exp θ by kind and owner, of lengths the geometric mean, of others the root mean square
+    effective : number of draws
     bad : readings that were taken out, in this order, by index; agreement : of the others
     left_out : of each reading that stayed
     """
@@ -134,8 +135,11 @@ def _may_be_a_detail(problem: Problem, index: int, left: LeftOut) -> bool:
 
 
 def _half_and_half(one: Mapping[_Owned, float], other: Mapping[_Owned, float]) -> dict[_Owned, float]:
-    """Return root mean squares of two answers that count one half each."""
-    return {key: float(np.sqrt((size**2 + other[key] ** 2) / 2)) for key, size in one.items()}
+    """Return sizes of two answers that count one half each."""
+    return {
+        key: float(np.sqrt(size * other[key] if key[0] == "length" else (size**2 + other[key] ** 2) / 2))
+        for key, size in one.items()
+    }
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,10 +171,16 @@ def _moments(found: Weighed) -> _Moments:
 
 
 def _sizes(problem: Problem, found: Weighed) -> dict[tuple[Kind, str], float]:
-    """Return the root mean square of each size, as a factor on what is stated."""
-    squares = found.weights @ np.exp(2 * found.thetas) if len(problem.sizes) else np.zeros(0)
-    pairs = zip(problem.sizes.of, np.sqrt(squares).tolist(), strict=True)
-    return {(size.kind, owner): factor for size, factor in pairs for owner in size.owners}
+    """Return each size as a factor on what is stated: variances add up, and lengths do not."""
+    if not len(problem.sizes):
+        return {}
+    squares, logs = np.sqrt(found.weights @ np.exp(2 * found.thetas)), np.exp(found.weights @ found.thetas)
+    each = zip(problem.sizes.of, squares.tolist(), logs.tolist(), strict=True)
+    return {
+        (size.kind, owner): middle if size.kind == "length" else root
+        for size, root, middle in each
+        for owner in size.owners
+    }
 
 
 def _left_out(problem: Problem, found: Weighed) -> dict[int, LeftOut]:

@@ -182,12 +182,15 @@ def problem(
 ) -> Problem:
     """Return readings as a problem.
 
-    observation : before any cell is visited; sizes : that vary; usual : with what readings alone usually suffer
+    observation : before any cell is visited; sizes : that vary
+    usual : with what readings alone usually suffer, else with what is stated of it
     """
     places = places_of(observation.setups, readings)
     reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
-    passing = [type_b_columns(observation, readings, places, reading, usual)]
-    passing += [passing_columns(observation, readings, places, reading, sizes)] if usual else []
+    passing = [
+        type_b_columns(observation, readings, places, reading, usual),
+        passing_columns(observation, readings, places, reading, sizes, usual),
+    ]
     blocks, size_at = [each.columns for each in passing], [each.size_at for each in passing]
     start = sum(block.shape[1] for block in blocks)
     cells = _cells(observation, places, len(reading), start)
@@ -198,7 +201,7 @@ def problem(
     usually = np.array([setup.noise**2 for setup in observation.setups])[setups]
     variances = found.variances + np.where(np.isnan(stated), 0.0, stated - usually)
     values = linear_values(observation, places, readings)
-    builder = _Builder(opened, sizes, inherited)
+    builder = _Builder(opened, sizes, inherited, usual)
     first_cell_roots = builder.cell_roots(cells)
     noise = np.sqrt(variances)
     names = [setup.name for setup in observation.setups]
@@ -268,15 +271,19 @@ class _Builder:
     observation: Observation
     sizes: Sizes
     inherited: Inherited | None
+    usual: bool
 
     @property
     def _model(self) -> ErrorModel:
         return self.observation.errors
 
     def cell_roots(self, cells: Sequence[tuple[int, int]]) -> list[Array]:
-        """Return the roots of the priors of cells, those of one error together."""
+        """Return the roots of the priors of cells, those of one error together.
+
+        Cells are apart where only what is stated counts.
+        """
         of_term = [(self._model.terms[term], [cell for _, cell in mine]) for term, mine in _by_term(cells).items()]
-        return [term.rest * _cell_root(term, mine) for term, mine in of_term]
+        return [term.rest * (_cell_root(term, mine) if self.usual else np.eye(len(mine))) for term, mine in of_term]
 
     def errors(
         self, rows: Array, start: int

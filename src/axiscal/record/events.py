@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.record.accepted import Accepted, put_right
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +82,7 @@ class Mounted:
     """A set-up was mounted anew for a branch whose readings are taken over: its own unknowns are others.
 
     setup : its name in the description; name : what it is called as it stood there
-    branch : the chain behind the first event of the branch, its first digits
+    branch : the chain behind the first event of the branch, its first digits; "" as it stood before its zero jumped
     """
 
     setup: str
@@ -116,7 +117,7 @@ class Newer:
     of_readings: bool = False
 
 
-Event = Created | Planned | Asked | Recorded | Skipped | Noted | Mounted | Undone | Finished | Newer
+Event = Created | Planned | Asked | Recorded | Skipped | Noted | Mounted | Accepted | Undone | Finished | Newer
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,18 +158,23 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Undoable:
-    """Something that can be taken back: the event, its number, and the question that was open before it."""
+    """Something that can be taken back: the event, its number, and the question that was open before it.
+
+    readings : before a mistake was accepted
+    """
 
     number: int
-    event: Recorded | Skipped | Finished
+    event: Recorded | Skipped | Accepted | Finished
     pending: Asked | None
+    readings: tuple[Reading, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class State:
     """Where the campaign stands.
 
-    readings : in the order they were taken, without those taken back; each has its number
+    readings : in the order they were taken, without those taken back; each has its number; accepted mistakes put right
+    written : the same as they were recorded
     skipped : what could not be measured
     pending : what has been asked and not been answered
     finished : why the campaign ended, if it has
@@ -176,7 +182,7 @@ class State:
     renew : whether something happened that was not planned: a skip, a reading elsewhere, something taken back
     undo : what can be taken back, the latest last
     notes : what was noted on the way
-    mounted : set-ups that were mounted anew for a branch
+    mounted : set-ups that were mounted anew for a branch, or whose zero jumped later
     newer : entries of a newer version, which say nothing of readings
     last : number of the last event
     name : the hash chained over the contents of all events, 64 hex digits; "" where they are in no record
@@ -195,12 +201,18 @@ class State:
     mounted: tuple[Mounted, ...] = ()
     last: int = 0
     name: str = ""
+    written: tuple[Reading, ...] = ()
     newer: tuple[Newer, ...] = ()
 
     @property
     def free(self) -> int:
         """The number of the next reading: readings and skips have one each, and keep it while they stand."""
-        return _free(self.readings, self.skipped)
+        return _free(self.written, self.skipped)
+
+    @property
+    def accepted(self) -> tuple[Accepted, ...]:
+        """The mistakes that were accepted and not taken back."""
+        return tuple(each.event for each in self.undo if isinstance(each.event, Accepted))
 
 
 class EventOrderError(ValueError):
@@ -229,6 +241,7 @@ class Folding:
     def __init__(self) -> None:
         self._created: Created | None = None
         self._readings: list[Reading] = []
+        self._written: list[Reading] = []
         self._skipped: list[Gap] = []
         self._pending: Asked | None = None
         self._finished: str | None = None
@@ -245,7 +258,7 @@ class Folding:
     def copied(self) -> Folding:
         """Return another that goes on from here."""
         other = copy(self)
-        for name in ("_readings", "_skipped", "_plan", "_undo", "_notes", "_mounted", "_newer", "_highest"):
+        for name in ("_readings", "_written", "_skipped", "_plan", "_undo", "_notes", "_mounted", "_newer", "_highest"):
             setattr(other, name, list(getattr(self, name)))
         return other
 
@@ -264,6 +277,7 @@ class Folding:
             tuple(self._notes),
             tuple(self._mounted),
             self._last,
+            written=tuple(self._written),
             newer=tuple(self._newer),
         )
 
@@ -286,6 +300,9 @@ class Folding:
             self._mounted.append(event)
         elif isinstance(event, Newer):
             self._newer.append(event)
+        elif isinstance(event, Accepted):
+            self._undo.append(Undoable(stored.number, event, self._pending, tuple(self._readings)))
+            self._accept(event)
         else:
             self._undo.append(Undoable(stored.number, event, self._pending))
             self._take(event)
@@ -307,7 +324,8 @@ class Folding:
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
         if isinstance(event, Recorded):
-            self._readings.append(event.reading.under(self._counted(self._number(event))))
+            self._written.append(event.reading.under(self._counted(self._number(event))))
+            self._readings.append(self._written[-1])
             self._renew = self._renew or not self._asked_for(event)
         elif isinstance(event, Finished):
             self._finished = event.because
@@ -319,6 +337,18 @@ class Folding:
             self._counted(gap.asked.reading)
             self._plan, self._renew = [place for place in self._plan if not gap.holds(place)], True
         self._pending = None
+
+    def _accept(self, event: Accepted) -> None:
+        """Put readings right; what is asked stays asked."""
+        try:
+            self._readings = put_right(self._readings, event)
+        except ValueError as fault:
+            raise EventOrderError(str(fault)) from None
+        if event.name:
+            if event.name in {each.name for each in self._mounted}:
+                raise EventOrderError(f"there is a set-up {event.name!r} already")
+            self._mounted.append(Mounted(event.setups[0], event.name, ""))
+        self._renew = True
 
     def _number(self, event: Recorded) -> int:
         asked = self._pending.reading if self._pending else (self._highest[-1] if self._highest else 0) + 1
@@ -337,11 +367,15 @@ class Folding:
         if not self._undo or self._undo[-1].number != event.event:
             raise EventOrderError(f"event {event.event} was taken back, but it was not the last one that can be")
         step = self._undo.pop()
-        if self._pending is not None:
+        if self._pending is not None and self._pending != step.pending:
             self._plan.insert(0, self._pending.place)  # it was asked for and never taken
         if isinstance(step.event, Recorded):
             self._readings.pop()
+            self._written.pop()
             self._highest.pop()
+        elif isinstance(step.event, Accepted):
+            self._readings = list(step.readings)
+            self._mounted = [each for each in self._mounted if each.branch or each.name != step.event.name]
         elif isinstance(step.event, Skipped):
             gap = self._skipped.pop()
             self._highest.pop()

@@ -169,9 +169,10 @@ def whole_lines(content: bytes) -> Iterator[Line]:
 def damaged_row(line: bytes) -> EventText | None:
     """Return the event that a damaged line seems to hold, None where it seems to hold none."""
     try:
-        return EventText(*line[65 : -_SUM - 3].decode().split(" ", 2))
-    except (ValueError, TypeError):
+        at, kind, payload = line[65 : -_SUM - 3].decode().split(" ", 2)
+    except ValueError:
         return None
+    return EventText(at, kind, payload)
 
 
 def _lines(content: bytes) -> list[bytes]:

@@ -12,6 +12,7 @@ from axiscal.document.quoting import shown
 from axiscal.exceptions import RecordError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.record.accepted import MISTAKES, Accepted
 from axiscal.record.events import (
     Asked,
     Created,
@@ -25,12 +26,6 @@ from axiscal.record.events import (
     Skipped,
     Undone,
 )
-
-KINDS: Mapping[str, type[Event]] = {
-    kind.__name__.lower(): kind
-    for kind in (Created, Planned, Asked, Recorded, Skipped, Noted, Mounted, Undone, Finished)
-}
-
 
 ABSURD = 1e9
 """m or rad: no number of a reading is as large; what deviates by less is judged by those who know the machine."""
@@ -170,6 +165,22 @@ def _recorded(fields: Mapping[str, Any]) -> Recorded:
     return Recorded(Reading(at.setup, at.pose, at.approach, value, std, None, accepted, others, time, number))
 
 
+_LARGEST_FACTOR = 1e4
+"""Ten times what units differ by that are taken for each other."""
+
+
+def _accepted(fields: Mapping[str, Any]) -> Accepted:
+    mistake, name = _text(fields["mistake"]), _text(fields["name"])
+    setups, factor = tuple(_text(each) for each in fields["setups"]), _number(fields["factor"])
+    if mistake not in MISTAKES or len(setups) != 1 + (mistake == "swapped") or len(set(setups)) != len(setups):
+        raise ValueError(f"{mistake!r} of {len(setups)} set-ups is no mistake that can be put right")
+    if not 1 / _LARGEST_FACTOR < abs(factor) < _LARGEST_FACTOR or (mistake == "shifted" and abs(factor) != 1):
+        raise ValueError(f"{factor:g} is no factor of a mistake")
+    if bool(name) != (mistake == "jump"):
+        raise ValueError("a jump names another set-up, and nothing else does")
+    return Accepted(mistake, setups, _whole(fields["reading"]), factor, name)
+
+
 _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
     "created": _created,
     "planned": lambda fields: Planned(
@@ -181,6 +192,7 @@ _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
     "skipped": lambda fields: Skipped(_text(fields["reason"]), _flag(fields.get("rest", False))),
     "noted": lambda fields: Noted(_text(fields["text"])),
     "mounted": lambda fields: Mounted(*(_text(fields[name]) for name in ("setup", "name", "branch"))),
+    "accepted": _accepted,
     "undone": lambda fields: Undone(_whole(fields["event"])),
     "finished": lambda fields: Finished(_text(fields["because"])),
 }

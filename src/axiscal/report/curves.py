@@ -107,7 +107,7 @@ def _constant(wide: Banded, function: ErrorFunction, truth: VirtualMachine | Non
     column, unit = function.columns.start, value_unit(function)
     std = float(np.linalg.norm(wide.knowledge.belief.factor[column]))
     prior = float(np.sqrt(function.covariance[0, 0]))
-    hidden = float(np.linalg.norm(wide.case.yardstick.unseen[column])) / wide.case.larger
+    hidden = float(np.linalg.norm(wide.case.yardstick.unseen[column]))
     return ConstantSummary(
         name=function.name,
         words=words(function.name),

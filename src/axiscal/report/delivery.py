@@ -28,6 +28,7 @@ from axiscal.numerics.spread import even_points
 from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 from axiscal.record.durable import write_whole, written
+from axiscal.report.answering import answer_of
 from axiscal.report.calibration_certificate import certificate
 from axiscal.report.data_files import data_files
 from axiscal.report.headline import NOT_KNOWN, effect_words
@@ -68,7 +69,12 @@ def _delivered(campaign: Campaign, estimation: Estimation, out: Path, summary: S
         with stage("tables", 1, 3):
             written_for = [_tables(estimation, name, folder / "tables", summary) for name in wanted]
         summary = replace(summary, tables=[offer for offers, _ in written_for for offer in offers])
-        summary = replace(summary, volume=_as_left(estimation, summary, [found for _, found in written_for if found]))
+        offered = [found for _, found in written_for if found]
+        summary = replace(summary, volume=_as_left(estimation, summary, offered))
+        controls = {
+            each.controller: each.control for each in offered if each.controller in campaign.description.controls
+        }
+        summary = replace(summary, answer=answer_of(campaign, estimation, controls))
         document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
         written(folder / "result.json", f"{document}\n".encode())
         with stage("the report as a page", 2, 3):

@@ -34,6 +34,7 @@ _FILTERS = {
     "beginning": capital,
 }
 _CODES = {
+    "accepted": later("accepted mistake"),
     "aliasing": later("targets too regular"),
     "prior-misfit": later("not as stated beforehand"),
     "copies": later("readings that come twice"),

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from axiscal.accuracy.expanded import LEVEL
+from axiscal.report.answer import AnswerLine, AnswerRow
 from axiscal.report.digits import coordinate, number, numbers
 from axiscal.report.plane_summary import plane_json
 from axiscal.report.promises import Linear, ReadingAgreement
@@ -44,6 +45,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         "observability": list(summary.observability),
         "rejected": [_rejection(rejection) for rejection in summary.rejected],
         "warnings": [{"code": w.code, "error": w.error, "text": w.text} for w in summary.warnings],
+        "rows": [] if summary.answer is None or summary.withheld else [_row(row) for row in summary.answer.rows],
         "tables": [_table(offer, summary) for offer in summary.tables],
         "versions": dict(sorted(summary.versions.items())),
         **({"record": {"event": summary.record.event, "hash": summary.record.hash}} if summary.record else {}),
@@ -179,6 +181,35 @@ def _constant(constant: ConstantSummary) -> dict[str, Any]:
         "unit": constant.unit,
         "prior_std": number(constant.prior_std, f"prior_std of {constant.name}"),
         "seen": constant.seen,
+    }
+
+
+def _row(row: AnswerRow) -> dict[str, Any]:
+    return {
+        "row": row.name,
+        "unit": row.unit,
+        "found": number(row.found, "found of a row"),
+        "largest": number(row.largest, "largest of a row"),
+        "known_to": number(row.known, "known_to of a row"),
+        "known_before": number(row.before, "known_before of a row"),
+        "floor": number(row.floor, "floor of a row"),
+        "left": {control: number(value, "left of a row") for control, value in row.left.items()},
+        "limit": _optional(row.limit, "limit of a row"),
+        "reached": row.reached,
+        "measured": row.measured,
+        "one_more": _optional(row.then, "one_more of a row"),
+        "lines": [_line(line) for line in row.lines],
+    }
+
+
+def _line(line: AnswerLine) -> dict[str, Any]:
+    ends = (line.low, line.high)
+    return {
+        "setup": line.setup,
+        "axis": line.axis,
+        "ends": [coordinate(end, f"end along {line.axis}") for end in ends],
+        "at": _position(line.at),
+        "places": {"+": line.plus, "-": line.minus, "both": line.both},
     }
 
 

@@ -50,7 +50,7 @@ def _words(share: BudgetShare) -> str:
         return said('Instrument: noise of the readings of "{setup}"', setup=share.setup)
     if share.cause is not None:
         row, owner = share.cause.row, share.cause.owner
-        what = said(_TYPE_B[row.name], owner=owner)
+        what = said(_TYPE_B[row.name], owner=said(owner) if owner else "")
         if share.cause.stated:
             return said("{what}, as stated", what=what)
         return said("{what}, {size} as is usual", what=what, size=said_quantity(row.size, row.unit))

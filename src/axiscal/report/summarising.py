@@ -16,6 +16,7 @@ from axiscal.campaign.ending import reaches
 from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.particulars import Equipment
+from axiscal.estimation.accepting import change_words
 from axiscal.estimation.agreement_words import agreement_words, mistake_words
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
@@ -119,7 +120,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         observability=observability(case),
         questions=open_questions(description),
         rejected=_rejections(estimation, rows),
-        warnings=[*extras.warnings, *findings(estimation), *not_gaussian(linear)],
+        warnings=[*extras.warnings, *_accepted(campaign), *findings(estimation), *not_gaussian(linear)],
         tables=extras.tables,
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
         target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
@@ -130,7 +131,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         versions=versions(),
         files=extras.files,
         record=record_state(campaign),
-        agreement=_agreement(estimation),
+        agreement=agreement_of(estimation, campaign.path),
         withheld=estimation.agreement.withheld,
         volume=volume_error(estimation) if campaign.state.readings else None,
         budget=budget_rows(estimation),
@@ -177,7 +178,13 @@ def _expanded(estimation: Estimation) -> Uncertainty:
     return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated), along)
 
 
-def _agreement(estimation: Estimation) -> ReadingAgreement:
+def _accepted(campaign: Campaign) -> list[Finding]:
+    """Return what mistakes were accepted, whose readings are not as they were recorded."""
+    changes = [change_words(each) for each in campaign.state.accepted]
+    return [Finding("accepted", None, said("A person accepted: {change}.", change=change)) for change in changes]
+
+
+def agreement_of(estimation: Estimation, record: Path) -> ReadingAgreement:
     """Return whether the readings agree with each other."""
     found, setups = estimation.agreement, estimation.stated.description.setups
     named = [
@@ -186,7 +193,7 @@ def _agreement(estimation: Estimation) -> ReadingAgreement:
         )
         for each in found.explained
     ]
-    words = agreement_words(estimation) if found.count else ""
+    words = agreement_words(estimation, record) if found.count else ""
     return ReadingAgreement(found.count, found.agreeing, found.c2, found.p, found.contradicts, named, words)
 
 

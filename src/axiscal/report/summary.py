@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from axiscal.description.particulars import NOTHING_SAID, Particulars
+from axiscal.report.answer import Answer
 from axiscal.report.plane_summary import PlaneSummary
 from axiscal.report.promises import NOTHING_READ, Linear, ReadingAgreement, Uncertainty
 from axiscal.report.volume_error import VolumeError
@@ -119,7 +120,7 @@ class ConstantSummary:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A warning: `code` is one of aliasing prior-misfit drift outlier unobservable copies …"""
+    """A warning: `code` is one of accepted aliasing prior-misfit drift outlier unobservable copies …"""
 
     code: str
     error: str | None
@@ -217,6 +218,7 @@ class Summary:
     """Everything the report shows.
 
     withheld : no uncertainty is printed: the readings contradict each other, and no mistake explains it
+    answer : None before the tables are made
     """
 
     title: str
@@ -259,3 +261,4 @@ class Summary:
     checksums: Mapping[str, str] = field(default_factory=dict)
     ended: str = ""
     linear: Linear | None = None
+    answer: Answer | None = None

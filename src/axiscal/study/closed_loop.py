@@ -12,7 +12,6 @@ from axiscal.campaign.sources.source import Request
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
@@ -53,10 +52,9 @@ def replanned(case: Case, stop: Stop, truth: VirtualMachine, number: int) -> tup
     """
     case = replace(case, description=_ending_so(case.description, stop))
     reader, target = Reader(case, truth, number), case.description.target
-    known: Estimation | None = None
     path, plan, basis = list[Accuracy](), tuple[Place, ...](), ""
     while True:
-        known = estimated(case, reader.readings, known)
+        known = estimated(case, reader.readings)
         path.append(known.accuracy)
         reached = target.accurate and standing(target, known) is not None
         if reached or count_reached(target, len(reader.readings)) or out_of_reach(target, path):

@@ -24,7 +24,7 @@ FIGURES = {
     "within_U": KeptFigure("within_U", "share of the volume within U"),
     "coverage_curves": KeptFigure("coverage_curves", "share of the curves in their bands"),
     "coverage_tcp": KeptFigure("coverage_tcp", "share of the tool point in its band"),
-    "verdict": KeptFigure("verdict", "verdict"),
+    "agreement": KeptFigure("agreement", "whether the readings agree"),
     "said": KeptFigure("said", "warnings"),
     "reached": KeptFigure("reached", "target reached"),
 }

@@ -157,7 +157,7 @@ def _figures(known: Estimation, truth: VirtualMachine, question: StudyCase) -> d
         "within_U": float(np.mean(size <= expanded.space)),
         "coverage_curves": curves_held(known, truth),
         "coverage_tcp": tcp_held(known, truth, poses, ways),
-        "verdict": "contradict" if known.agreement.contradicts else "agree",
+        "agreement": "contradict" if known.agreement.contradicts else "agree",
         "said": " ".join(said),
         "reached": _reached(known),
     }

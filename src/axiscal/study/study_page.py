@@ -134,7 +134,7 @@ def _number_in(value: object) -> float:
 
 def _tabled(study: Study) -> list[str]:
     """Return the figures that a table of ways can show: numbers."""
-    return [name for name in study.keep if name not in ("verdict", "said")]
+    return [name for name in study.keep if name not in ("agreement", "said")]
 
 
 def _heading(name: str) -> str:

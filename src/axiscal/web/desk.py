@@ -98,7 +98,7 @@ class Desk:
         """Do what the next question need not wait for: second thoughts on the last reading, and how it all went."""
         minds = self._second_thoughts()
         self._before = None
-        self.campaign.believed()  # the next reading is compared with it
+        self.campaign.known()  # the next reading is compared with it
         if self._course.completed() or any(minds.values()):
             self._show(minds, noted=True)
 

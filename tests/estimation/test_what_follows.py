@@ -1,26 +1,20 @@
-"""What of a verdict follows from few numbers: the last resort's factor, the mixture's belief, a curve's change."""
+"""What follows from few numbers: a curve's change, what is left of it, a target as RMS, the belief to plan by."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import cast
 
 import numpy as np
 import pytest
-from axiscal.estimation.ruled import _belief, _inflation
-from axiscal.inference.averaging import Average
-from axiscal.inference.contradiction import Comparison, Explanation
 from scipy import stats
 
-from axiscal.belief import Belief, Innovations
+from axiscal.belief import Belief
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.bands import Banded
 from axiscal.estimation.case import Case
 from axiscal.estimation.changes import _change
 from axiscal.estimation.estimate import concluded, estimated
-from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import drifted
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.located import _towards
@@ -30,64 +24,10 @@ from axiscal.numerics.gaussian import unique_root
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 
 
-def inflated(squares: Sequence[float], odds: Sequence[float] = (), model: float = 0.1) -> float:
-    """Return the factor of the last resort.
-
-    squares : of the surprises, one for each reading; odds : of explanations; model : the share that it holds
-    """
-    surprises = tuple(Innovations(np.array([np.sqrt(each)]), np.ones(1)) for each in squares)
-    explanations = tuple(Explanation("step", "EXX", 0.5, each, 0.0, 0.0) for each in odds)
-    known = cast("Estimation", SimpleNamespace(innovations=surprises))
-    mixture = cast("Average", SimpleNamespace(model=model))
-    return _inflation(known, Comparison(explanations, 30.0, 30.0), mixture)
-
-
-def test_where_nothing_is_believed_variances_are_as_many_times_larger_as_surprises_are() -> None:
-    squares = [1.0, 4.0, 9.0, 16.0, 25.0]
-    assert inflated(squares) == pytest.approx(11.0)
-    assert inflated([each / 100 for each in squares]) == 1.0
-    assert inflated(squares[:4]) == 1.0
-    two = Innovations(np.array([3.0, 4.0]), np.ones(2))
-    several = cast("Estimation", SimpleNamespace(innovations=(two, two, two)))
-    none = cast("Average", SimpleNamespace(model=0.0))
-    assert _inflation(several, Comparison((), 30.0, 30.0), none) == pytest.approx(75.0 / 6)
-
-
-@pytest.mark.parametrize(
-    ("odds", "model", "believed"),
-    [
-        ((), 0.51, True),
-        ((), 0.50, False),
-        ((1.1,), 0.1, True),
-        ((0.9,), 0.1, False),
-        ((1.0, 1.9), 0.1, False),
-        ((1.0, 2.1), 0.1, True),
-        ((1.0, 1.0, 1.0), 0.1, False),
-    ],
-)
-def test_an_explanation_is_believed_from_more_than_half_on_among_all_and_the_model(
-    odds: tuple[float, ...], model: float, believed: bool
-) -> None:
-    assert (inflated([25.0] * 6, odds, model) == 1.0) == believed
-
-
-def test_a_mixtures_belief_is_moved_and_widened() -> None:
-    rng = np.random.default_rng(4)
-    root = rng.standard_normal((5, 5))
-    belief, added, moved = Belief(rng.standard_normal(5), root @ root.T), rng.standard_normal((3, 2)), np.arange(3.0)
-    expected = root @ root.T
-    expected[:3, :3] += added @ added.T
-    found, still = _belief(belief, moved, added), _belief(belief, None, added)
-    assert found.covariance == pytest.approx(expected)
-    assert found.mean == pytest.approx([*(belief.mean[:3] + moved), *belief.mean[3:]])
-    assert still.covariance == pytest.approx(expected)
-    assert still.mean == pytest.approx(belief.mean)
-    assert belief.covariance == pytest.approx(root @ root.T)
-
-
 def banded_with(seed: int, rest: float = 0.3e-6) -> Banded:
     """Return a belief of the axis whose curve is any."""
-    rng, case = np.random.default_rng(seed), CASE.with_rests({"EXX": rest})
+    rng, described = np.random.default_rng(seed), CASE.description
+    case = Case(replace(described, machine=described.machine.with_rests({"EXX": rest})))
     size = case.knowledge.belief.size
     root = 1e-6 * rng.standard_normal((size, size))
     return Banded(case, Knowledge(case.observation, Belief(2e-6 * rng.standard_normal(size), root @ root.T)))

@@ -1,0 +1,77 @@
+"""`axiscal accept`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.arguments import Json, RecordFile
+from axiscal.cli.opened import opened_to_write
+from axiscal.cli.printing import say, say_document
+from axiscal.estimation.accepting import acceptance, change_words
+from axiscal.estimation.agreement_words import agreement_document, agreement_words, mistake_words
+
+_MOST = 1e6
+"""Odds beyond which nobody reads the digits."""
+
+
+def accept(
+    record: RecordFile,
+    cause: Annotated[
+        str | None,
+        typer.Argument(metavar="CAUSE", help="jump, sign, unit, swapped or shifted; without it: what is named."),
+    ] = None,
+    setup: Annotated[str | None, typer.Option(metavar="NAME", help="Whose readings, where several are named.")] = None,
+    json: Json = False,
+) -> None:
+    """Accept a mistake that the readings name: what follows sees them without it. undo takes it back.
+
+    Readings that contradict each other name mistakes that explain it at more than 20 : 1. Readings that come later are
+    taken as they are read.
+
+    \b
+    Examples:
+      axiscal accept mill.axiscal
+      axiscal accept mill.axiscal jump
+    """
+    if cause is None:
+        with Campaign.open(record, write=False) as campaign:
+            document, lines = _named(campaign)
+    else:
+        with opened_to_write(record) as campaign:
+            document, lines = _accepted(campaign, cause, setup)
+    if json:
+        say_document({"schema": "axiscal-accept/1", **document})
+    else:
+        say("\n".join(lines))
+
+
+def _named(campaign: Campaign) -> tuple[dict[str, object], list[str]]:
+    """Return what the readings name, as a document and in words."""
+    known = campaign.known()
+    if not known.agreement.explained:
+        return {"agreement": agreement_document(known.agreement)}, [f"{agreement_words(known, campaign.path)}."]
+    lines = []
+    for each in known.agreement.explained:
+        odds = f"{each.odds:.0f}" if each.odds < _MOST else "more than a million"
+        words, change = mistake_words(each, known), change_words(acceptance(each, known))
+        lines += [f"{each.mistake}, {odds} : 1: {words}.", f"  Accepted: {change}."]
+    lines.append(f"Accept one: axiscal accept {campaign.path} CAUSE")
+    return {"agreement": agreement_document(known.agreement)}, lines
+
+
+def _accepted(campaign: Campaign, cause: str, setup: str | None) -> tuple[dict[str, object], list[str]]:
+    """Accept a mistake, and return how the readings agreed before and agree now, as a document and in words."""
+    before = campaign.known()
+    change = change_words(campaign.accept(cause, setup))
+    now = campaign.known()
+    lines = [
+        f"Before: {agreement_words(before, campaign.path)}.",
+        f"Accepted: {change}.",
+        f"Now: {agreement_words(now, campaign.path)}.",
+        f"Go on: axiscal next {campaign.path}; take it back: axiscal undo {campaign.path}",
+    ]
+    agreements = {"before": agreement_document(before.agreement), "agreement": agreement_document(now.agreement)}
+    return {"accepted": cause, "change": change, **agreements}, lines

@@ -1,0 +1,54 @@
+"""What a person accepts of the mistakes that readings name, and what that changes, in words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from axiscal.estimation.estimation import Estimation
+from axiscal.exceptions import RecordError
+from axiscal.language.spoken import said
+from axiscal.promise.agreement import NAMED, Explained
+from axiscal.record.accepted import Accepted
+
+
+def acceptance(each: Explained, known: Estimation) -> Accepted:
+    """Return the event that puts right a mistake that readings name."""
+    names = tuple(known.stated.description.setups[index].name for index in each.setups)
+    if each.mistake == "jump":
+        number = known.readings[each.reading].numbered(each.reading)
+        return Accepted("jump", names, number, name=f"{names[0]}, before reading {number}")
+    return Accepted(each.mistake, names, factor=1 / each.factor if each.mistake == "unit" else each.factor)
+
+
+def named(known: Estimation, cause: str, setup: str | None, path: Path) -> Accepted:
+    """Return the likeliest mistake of a kind that readings name.
+
+    setup : whose readings, where several are named; path : of the record
+    Raises RecordError where they do not name it, or for several set-ups.
+    """
+    each = [acceptance(found, known) for found in known.agreement.explained]
+    mine = [one for one in each if one.mistake == cause and (setup is None or setup in one.setups)]
+    if not mine:
+        others = ", ".join(dict.fromkeys(f'{one.mistake} of "{one.setups[0]}"' for one in each)) or "no mistake"
+        of = "" if setup is None else f' of "{setup}"'
+        what = f'The readings do not name "{cause}"{of} at more than {NAMED:g} : 1; they name {others}'
+        raise RecordError(what, f"Look at what they name: axiscal accept {path}", path)
+    if len({one.setups for one in mine}) > 1 and setup is None:
+        names = ", ".join(dict.fromkeys(f'"{one.setups[0]}"' for one in mine))
+        raise RecordError(f'The readings name "{cause}" of {names}', "Say which one with --setup NAME", path)
+    return mine[0]
+
+
+def change_words(accepted: Accepted) -> str:
+    """Return what an accepted mistake changes."""
+    name, factor = accepted.setups[0], accepted.factor
+    if accepted.mistake == "jump":
+        what = 'the readings of "{setup}" before reading {number} have a zero of their own'
+        return said(what, setup=name, number=accepted.reading)
+    if accepted.mistake == "swapped":
+        return said('"{setup}" and "{other}" exchange their values', setup=name, other=accepted.setups[1])
+    if accepted.mistake != "shifted":
+        return said('the values of "{setup}" so far are multiplied by {factor:.6g}', setup=name, factor=factor)
+    if factor > 0:
+        return said('the values of "{setup}" move to the reading behind; the first one is left out', setup=name)
+    return said('the values of "{setup}" move to the reading before; the last one is left out', setup=name)

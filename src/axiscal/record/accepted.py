@@ -1,0 +1,85 @@
+"""A mistake that a person accepted: what it makes of the readings so far. `undo` takes it back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from axiscal.measurement.reading import Reading
+
+
+@dataclass(frozen=True, slots=True)
+class Accepted:
+    """A mistake of `promise.agreement` that the readings named, and a person accepted.
+
+    mistake : jump, sign, unit, swapped or shifted; setups : whose readings
+    reading : number of the first one behind a jump; name : of the set-up that those before it then belong to
+    factor : the values are multiplied by it; of shifted ones, 1 to the place behind and −1 to the place before
+    """
+
+    mistake: str
+    setups: tuple[str, ...]
+    reading: int = 0
+    factor: float = 1.0
+    name: str = ""
+
+
+def put_right(readings: Sequence[Reading], accepted: Accepted) -> list[Reading]:
+    """Return the readings without the mistake; raises ValueError where they cannot have it."""
+    mine = [[i for i, each in enumerate(readings) if each.setup == name] for name in accepted.setups]
+    if not all(mine):
+        raise ValueError("a mistake of readings that there are not")
+    changed = MISTAKES[accepted.mistake](readings, mine, accepted)
+    return [right for i, each in enumerate(readings) if (right := changed.get(i, each)) is not None]
+
+
+_Changed = dict[int, Reading | None]
+"""By index, None for a reading that is left out."""
+
+
+def _jump(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
+    first = next((i for i in mine[0] if readings[i].number == accepted.reading), None)
+    if first is None or first == mine[0][0]:
+        raise ValueError(f"no zero jumped before reading {accepted.reading}")
+    return {i: replace(readings[i], setup=accepted.name) for i in mine[0] if i < first}
+
+
+def _times(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
+    return {i: _multiplied(readings[i], accepted.factor) for i in mine[0]}
+
+
+def _multiplied(reading: Reading, factor: float) -> Reading:
+    std = None if reading.std is None else reading.std * abs(factor)
+    value, *others = (factor * each for each in reading.values)
+    return replace(reading, value=value, others=tuple(others), std=std)
+
+
+def _swapped(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
+    one, other = mine
+    if len(one) != len(other):
+        raise ValueError(f"{len(one)} values of one set-up cannot be swapped with {len(other)} of another")
+    pairs = [*zip(one, other, strict=True), *zip(other, one, strict=True)]
+    return {i: _with_value_of(readings[i], readings[j]) for i, j in pairs}
+
+
+def _shifted(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
+    step, last = int(accepted.factor), len(mine[0])
+    partners = {i: k - step for k, i in enumerate(mine[0])}
+    return {
+        i: _with_value_of(readings[i], readings[mine[0][k]]) if 0 <= k < last else None for i, k in partners.items()
+    }
+
+
+def _with_value_of(reading: Reading, other: Reading) -> Reading:
+    if len(reading.values) != len(other.values):
+        raise ValueError("readings of one value and of three cannot be exchanged")
+    return replace(reading, value=other.value, others=other.others, std=other.std)
+
+
+MISTAKES: Mapping[str, Callable[[Sequence[Reading], Sequence[Sequence[int]], Accepted], _Changed]] = {
+    "jump": _jump,
+    "sign": _times,
+    "unit": _times,
+    "swapped": _swapped,
+    "shifted": _shifted,
+}

@@ -1,0 +1,261 @@
+"""A mistake in a simulated campaign, through the command: it is named, accepted, gone, and back with `undo`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.app import run
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.inheritance import last_campaign
+from axiscal.estimation.uncertain import expanded_uncertainty
+from axiscal.exceptions import OvertakenError, ReadingError
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.promise.agreement import Agreement
+from axiscal.record.accepted import Accepted
+from axiscal.record.carried import heritage_text
+from axiscal.report.summarising import Extras, summarise
+from axiscal.simulation import Simulator
+
+MACHINE = """chain = "w-b-X-Y-t"
+[axes.X]
+travel = ["0 mm", "500 mm"]
+[axes.Y]
+travel = ["0 mm", "500 mm"]
+[errors]
+EXX = { std = "20 um", length = "150 mm" }
+EYY = { std = "2 um", length = "150 mm" }
+"""
+CAMPAIGN = """machine = "m"
+usual = "off"
+sure = "exactly"
+[target]
+readings = 99
+"""
+NAMES = {"X": "x", "X again": "x", "Y": "y"}
+SETUP = """[[setups]]
+name = "{name}"
+instrument = "interferometer"
+direction = "{axis}"
+moves = ["{moves}"]
+noise = "0.5 um"
+approach = "both"
+drift = "0"
+"""
+COUNT = 12
+SETUPS = "".join(SETUP.format(name=name, axis=axis, moves=axis.upper()) for name, axis in NAMES.items())
+DESCRIBED = campaign_from_texts(CAMPAIGN + SETUPS, "c.toml", MACHINE, "m")
+
+
+@cache
+def right() -> tuple[Reading, ...]:
+    """Return readings of three set-ups at uneven places, two of them of the same error."""
+    drawn, rng = Simulator(DESCRIBED.machine, DESCRIBED.setups).drawn(3), np.random.default_rng(5)
+    found = list[Reading]()
+    for number, name in enumerate(NAMES):
+        setup = DESCRIBED.setup(name)
+        (moving,) = setup.moves
+        for x in np.linspace(0.01, 0.48, COUNT) + 4e-3 * np.sin(3.0 * np.arange(COUNT) + number):
+            pose = tuple(float(x) if axis == moving else 0.25 for axis in range(2))
+            side = tuple(int(axis == moving) for axis in range(2))
+            found.append(Reading(name, pose, side, drawn.read(setup, pose, side, rng)))
+    return tuple(found)
+
+
+def with_values(values: Sequence[float]) -> tuple[Reading, ...]:
+    """Return the readings with other values."""
+    return tuple(replace(each, value=float(value)) for each, value in zip(right(), values, strict=True))
+
+
+def values() -> Array:
+    """Return the values by set-up, (3, COUNT)."""
+    return np.array([each.value for each in right()]).reshape(3, COUNT)
+
+
+def times(factor: float, row: int) -> tuple[Reading, ...]:
+    changed = values()
+    changed[row] *= factor
+    return with_values(changed.ravel().tolist())
+
+
+def shifted() -> tuple[Reading, ...]:
+    changed = values()
+    changed[1] = np.roll(changed[1], -1)
+    return with_values(changed.ravel().tolist())
+
+
+def jumped() -> tuple[Reading, ...]:
+    changed = values()
+    changed[1, 6:] += 30e-6
+    return with_values(changed.ravel().tolist())
+
+
+class Wrong(NamedTuple):
+    """A mistake: what it made of the readings, what it is called, whose it is, and which reading is left out then.
+
+    alone : without the readings of Y, so that what is wrong is more than a fifth of all
+    """
+
+    readings: Callable[[], tuple[Reading, ...]]
+    cause: str
+    setup: str
+    out: int = -1
+    alone: bool = False
+
+
+MISTAKES = {
+    "jump": Wrong(jumped, "jump", "X again", alone=True),
+    "sign": Wrong(lambda: times(-1, 1), "sign", "X again"),
+    "um as mm": Wrong(lambda: times(1e-3, 1), "unit", "X again"),
+    "inches": Wrong(lambda: times(25.4, 2), "unit", "Y"),
+    "swapped": Wrong(lambda: with_values(values()[[0, 2, 1]].ravel().tolist()), "swapped", "Y"),
+    "one late": Wrong(shifted, "shifted", "X again", 12, alone=True),
+}
+
+
+def recorded(path: Path, readings: Sequence[Reading]) -> Path:
+    with Campaign.create(path, DESCRIBED) as campaign:
+        campaign.adopt(tuple(readings))
+    return path
+
+
+def used(wrong: Wrong, readings: Sequence[Reading]) -> list[Reading]:
+    return [each for each in readings if each.setup != "Y" or not wrong.alone]
+
+
+def expanded(path: Path) -> float:
+    """Return U over the volume, m."""
+    with Campaign.open(path, write=False) as campaign:
+        return expanded_uncertainty(campaign.known()).space
+
+
+def known(path: Path) -> tuple[list[tuple[str, float]], Agreement]:
+    """Return set-up and value of the readings that everything behind sees, and whether they agree."""
+    with Campaign.open(path, write=False) as campaign:
+        return [(each.setup, each.value) for each in campaign.state.readings], campaign.known().agreement
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_is_named_accepted_and_taken_back(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    wrong = MISTAKES[name]
+    truth = used(wrong, right())
+    u = expanded(recorded(tmp_path / "right.axiscal", truth))
+    path = recorded(tmp_path / "mill.axiscal", used(wrong, wrong.readings()))
+    before, found = known(path)
+    assert (found.contradicts, found.withheld, found.explained[0].mistake) == (True, False, wrong.cause)
+    assert run(["status", str(path)]) == 0
+    assert f"axiscal accept {path} {wrong.cause}" in capsys.readouterr().out
+    assert run(["accept", str(path), wrong.cause, "--setup", wrong.setup]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].startswith("Before: The readings contradict each other")
+    count = len(truth) - (wrong.out >= 0)
+    assert said[2] == f"Now: {count} of {count} readings agree with the others."
+    now, agreement = known(path)
+    assert not agreement.contradicts
+    step = np.array([30e-6 if wrong.cause == "jump" and i >= 18 else 0.0 for i in range(len(truth))])
+    kept = [i for i in range(len(truth)) if i != wrong.out]
+    assert [value for _, value in now] == pytest.approx([truth[i].value + step[i] for i in kept], rel=1e-12)
+    assert expanded(path) == pytest.approx(u, rel=0.2)
+    assert run(["undo", str(path)]) == 0
+    assert "what was accepted" in capsys.readouterr().out
+    assert known(path) == (before, found)
+
+
+def test_a_jump_gives_the_readings_before_it_a_set_up_of_their_own(tmp_path: Path) -> None:
+    path = recorded(tmp_path / "mill.axiscal", used(MISTAKES["jump"], jumped()))
+    assert run(["accept", str(path), "jump"]) == 0
+    with Campaign.open(path) as campaign:
+        numbers = {each.number: each.setup for each in campaign.state.readings}
+        assert [numbers[n] for n in (12, 13, 18, 19)] == ["X", *["X again, before reading 19"] * 2, "X again"]
+        assert campaign.description.setups[-1].name == "X again, before reading 19"
+        gone = Reading("X again, before reading 19", (0.1, 0.25), (1, 0), 0.0)
+        with pytest.raises(ReadingError, match="its zero jumped"):
+            campaign.record(0.0, at=gone.place)
+        assert "X again, before reading 19" not in {place.setup for place in campaign.prepared()}
+        assert campaign.next() == campaign.state.pending
+        assert campaign.record(1e-6).number == 25
+        campaign.undo()
+        campaign.undo()
+        assert [setup.name for setup in campaign.description.setups] == [*NAMES]
+    for _ in range(2):  # taken back and accepted once more: the same set-up comes once more
+        assert run(["accept", str(path), "jump"]) == 0
+        assert run(["undo", str(path)]) == 0
+    assert run(["status", str(path)]) == 0
+
+
+def test_what_is_not_named_is_refused_and_the_record_stays(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    good, bad = recorded(tmp_path / "good.axiscal", right()), recorded(tmp_path / "bad.axiscal", times(-1, 1))
+    for path, words, what in [
+        (good, ["jump"], 'do not name "jump" at more than 20 : 1; they name no mistake'),
+        (bad, ["shifted"], 'do not name "shifted" at more than 20 : 1; they name sign of "X", sign of "X again"'),
+        (bad, ["sign", "--setup", "Y"], 'do not name "sign" of "Y" at more than 20 : 1'),
+        (bad, ["rubbish"], 'do not name "rubbish"'),
+        (bad, ["sign"], 'name "sign" of "X", "X again". Say which one with --setup NAME'),
+    ]:
+        content = path.read_bytes()
+        assert run(["accept", str(path), *words]) == 1
+        assert what in " ".join(capsys.readouterr().err.split())
+        assert path.read_bytes() == content
+
+
+def test_where_another_process_has_written_since_nothing_is_accepted(tmp_path: Path) -> None:
+    path = recorded(tmp_path / "mill.axiscal", times(1e-3, 1))
+    with Campaign.open(path) as campaign, Campaign.open(path) as other:
+        other.note("warm")
+        with pytest.raises(OvertakenError):
+            campaign.accept("unit")
+        assert campaign.looked_at_again().accepted == ()
+        assert campaign.accept("unit") == Accepted("unit", ("X again",), factor=1000.0)
+        assert other.looked_at_again().accepted == campaign.state.accepted
+        campaign.undo()
+        assert other.looked_at_again().readings == other.state.written
+
+
+def test_a_finished_campaign_is_taken_back_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = recorded(tmp_path / "mill.axiscal", times(1e-3, 1))
+    with Campaign.open(path) as campaign:
+        campaign.finish("enough")
+    assert run(["accept", str(path), "unit"]) == 1
+    assert "Take the end back with `axiscal undo`" in " ".join(capsys.readouterr().err.split())
+    assert run(["undo", str(path)]) == 0
+    assert run(["accept", str(path), "unit"]) == 0
+
+
+def test_without_a_cause_it_lists_what_is_named_and_writes_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = recorded(tmp_path / "mill.axiscal", times(1e-3, 1))
+    content = path.read_bytes()
+    assert run(["accept", str(path)]) == 0
+    named, change, then = capsys.readouterr().out.splitlines()
+    assert named.startswith('unit, more than a million : 1: all values of "X again" are 0.001 times')
+    assert change == '  Accepted: the values of "X again" so far are multiplied by 1000.'
+    assert then == f"Accept one: axiscal accept {path} CAUSE"
+    assert run(["accept", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["agreement"]["explained"][0]["mistake"] == "unit"
+    assert path.read_bytes() == content
+
+
+def test_status_report_and_an_heir_know_what_was_accepted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = recorded(tmp_path / "mill.axiscal", used(MISTAKES["jump"], jumped()))
+    assert run(["accept", str(path), "jump"]) == 0
+    said = 'the readings of "X again" before reading 19 have a zero of their own'
+    capsys.readouterr()
+    assert run(["status", str(path)]) == 0
+    assert f"Accepted: {said}" in capsys.readouterr().out
+    with Campaign.open(path) as campaign:
+        found = summarise(campaign, campaign.concluded(), Extras())
+        description, readings = last_campaign(heritage_text(path))
+        assert (readings, description.setups[-1].name) == (campaign.state.readings, "X again, before reading 19")
+    assert [each.text for each in found.warnings if each.code == "accepted"] == [f"A person accepted: {said}."]
