@@ -13,6 +13,7 @@ from axiscal.estimation.membership_words import membership_words
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.guide.question import asked_text
 from axiscal.guide.second_thoughts import contradictions
+from axiscal.language.spoken import said
 from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit
 
@@ -32,6 +33,8 @@ def status(record: OwnRecord, details: Details = False, json: Json = False) -> N
         if details:
             say("\n".join(_lines(campaign)))
         say(standing_screen(campaign, campaign.so_far()))
+        for each in campaign.state.newer:
+            say(said("An entry of a newer version: {kind}. It says nothing of the readings.", kind=each.kind))
 
 
 def _lines(campaign: Campaign) -> list[str]:
@@ -50,7 +53,6 @@ def _lines(campaign: Campaign) -> list[str]:
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
     lines += [f"Accepted: {change_words(each)}" for each in state.accepted]
     lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
-    lines += [f"An entry of a newer version: {each.kind}; it says nothing of readings" for each in state.newer]
     if state.finished is not None:
         return [*lines, f"Finished: {state.finished}"]
     if status.reached is not None:
