@@ -144,7 +144,7 @@ def whole_after(mark: Mark, content: bytes) -> list[tuple[EventText, Mark]]:
     return found[:whole]
 
 
-class Line(NamedTuple):
+class WholeLine(NamedTuple):
     """A line that stands whole in a damaged file: from which byte to which, its event, the chain that it names."""
 
     begin: int
@@ -153,7 +153,7 @@ class Line(NamedTuple):
     chain: str
 
 
-def whole_lines(content: bytes) -> Iterator[Line]:
+def whole_lines(content: bytes) -> Iterator[WholeLine]:
     """Yield every line of a file that is as it was written, whatever stands before it."""
     at = START
     while found := _LINE.search(content, at):
@@ -163,7 +163,7 @@ def whole_lines(content: bytes) -> Iterator[Line]:
             at = found.start() + 1
         else:
             at = found.end()
-            yield Line(found.start(), at, row, chain)
+            yield WholeLine(found.start(), at, row, chain)
 
 
 def damaged_row(line: bytes) -> EventText | None:

@@ -19,8 +19,8 @@ from axiscal.record.line_form import (
     SQLITE,
     START,
     EventText,
-    Line,
     Mark,
+    WholeLine,
     chained,
     damaged_row,
     form_of,
@@ -29,7 +29,7 @@ from axiscal.record.line_form import (
 )
 from axiscal.record.log import EMPTY
 
-_BEGINNING = Line(START, START, EventText("", "", ""), EMPTY)
+_BEGINNING = WholeLine(START, START, EventText("", "", ""), EMPTY)
 """What the first event follows."""
 _WIPED = 16 * " "
 """No line of text has so many blanks; any number of some would do, for a sector has 512 bytes."""
@@ -58,7 +58,7 @@ class Standing(NamedTuple):
     ends: bool
 
 
-_Run = dict[int, Line]
+_Run = dict[int, WholeLine]
 """Lines of which each follows from those before it by its chain, numbered from the first of them."""
 
 
@@ -108,11 +108,11 @@ def _runs(content: bytes) -> list[_Run]:
     return runs
 
 
-def _follows(before: Line, line: Line) -> bool:
+def _follows(before: WholeLine, line: WholeLine) -> bool:
     return chained(before.chain, line.row) == line.chain
 
 
-def _one_between(content: bytes, before: Line, behind: Line) -> bool:
+def _one_between(content: bytes, before: WholeLine, behind: WholeLine) -> bool:
     """Return whether one damaged line links two: by the chain that it names, or by the one that its text gives."""
     stretch = content[before.end : behind.begin]
     if chained(stretch[:64].decode(errors="replace"), behind.row) == behind.chain:
@@ -121,9 +121,9 @@ def _one_between(content: bytes, before: Line, behind: Line) -> bool:
     return row is not None and chained(chained(before.chain, row), behind.row) == behind.chain
 
 
-def _placed(content: bytes, runs: Sequence[_Run], marks: Sequence[Mark]) -> dict[int, Line]:
+def _placed(content: bytes, runs: Sequence[_Run], marks: Sequence[Mark]) -> dict[int, WholeLine]:
     """Return the lines whose numbers are certain: from a mark, and from the beginning."""
-    found = dict[int, Line]()
+    found = dict[int, WholeLine]()
     for run in runs:
         numbers = {line.chain: n for n, line in run.items()}
         named = next((mark for mark in marks if mark.chain in numbers), None)
@@ -160,7 +160,7 @@ def _newest(marks: Sequence[Mark], chains: Container[str]) -> Mark:
     return ordered[-1] if ordered else Mark()
 
 
-def _missing(kept: dict[int, Line], newest: Mark, size: int) -> list[Missing]:
+def _missing(kept: dict[int, WholeLine], newest: Mark, size: int) -> list[Missing]:
     found, number, end = list[Missing](), 0, START
     for following, line in kept.items():
         if following > number + 1:
