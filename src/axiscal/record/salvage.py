@@ -95,17 +95,21 @@ def _runs(content: bytes) -> list[_Run]:
         if line.chain in seen:  # a block that stands here twice
             continue
         seen.add(line.chain)
-        before = next((run for run in reversed(runs) if _follows(run[max(run)], line)), None)
+        before = next((run for run in reversed(runs) if _follows(_last(run), line)), None)
         if before is not None:
-            before[max(before) + 1] = line
-        elif _one_between(content, latest[max(latest)], line):
+            before[next(reversed(before)) + 1] = line
+        elif _one_between(content, _last(latest), line):
             before = latest
-            before[max(before) + 2] = line
+            before[next(reversed(before)) + 2] = line
         else:
             before = {0: line}
             runs.append(before)
         latest = before
     return runs
+
+
+def _last(run: _Run) -> WholeLine:
+    return run[next(reversed(run))]
 
 
 def _follows(before: WholeLine, line: WholeLine) -> bool:
@@ -139,7 +143,7 @@ def _may_begin(content: bytes, head: _Run, found: _Run) -> bool:
 
     A single line of text between them would link them, were it of the same record.
     """
-    last, first = max(head), min(found)
+    last, first = next(reversed(head)), min(found)
     stretch = content[head[last].end : found[first].begin]
     return last + 1 < first and not _is_line(stretch)
 
