@@ -22,7 +22,7 @@ EZXY = { std = "40 um", knots = 5, length = ["150 mm", "100 mm"], rest = "2 um" 
 """
 CAMPAIGN = """
 machine = "machine.toml"
-sure = "{sure}"
+scales = "{scales}"
 [target]
 readings = 10
 [[setups]]
@@ -36,10 +36,10 @@ noise = "2 um"
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("sure", ["exactly", "roughly"])
-def test_a_virtual_bed_is_planned_read_and_estimated(sure: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("scales", ["stated", "estimate"])
+def test_a_virtual_bed_is_planned_read_and_estimated(scales: str, tmp_path: Path) -> None:
     (tmp_path / "machine.toml").write_text(MACHINE)
-    (tmp_path / "campaign.toml").write_text(CAMPAIGN.format(sure=sure))
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN.format(scales=scales))
     out = tmp_path / "out"
     assert run(["run", str(tmp_path / "campaign.toml"), "--source", "sim:3", "--out", str(out)]) == 0
     result = json.loads((out / "result.json").read_text())

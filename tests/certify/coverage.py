@@ -70,7 +70,7 @@ class Trial:
 
     def __init__(self, name: str, readings: int | None = None) -> None:
         setups, usual = MACHINES[name]
-        text = f'machine = "{name}"\nusual = "off"\nsure = "exactly"\n[target]\nreadings = 1\n{setups}'
+        text = f'machine = "{name}"\n[target]\nreadings = 1\n{setups}'
         description = campaign_from_texts(text, "campaign.toml", load_machine(name).text, name)
         self.name, self.description = name, description
         self.estimation = estimated(Case(description), planned(Case(description), readings or usual))

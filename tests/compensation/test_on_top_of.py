@@ -285,8 +285,7 @@ def test_numbers_of_old_files_that_are_missing_or_none_are_named() -> None:
 
 
 CAMPAIGN = (
-    'machine = "machine.toml"\nusual = "off"\nsure = "exactly"\n{active}[target]\nreadings = 9\n'
-    '[[setups]]\nname = "x"\ninstrument = "interferometer"\n'
+    'machine = "machine.toml"\nusual = "off"\nsure = "exactly"\n{active}[target]\nreadings = 9\n[[setups]]\nname = "x"\ninstrument = "interferometer"\n'
     'direction = "x"\nmoves = ["X"]\napproach = "both"\n'
 )
 

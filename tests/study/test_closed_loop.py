@@ -20,7 +20,7 @@ from axiscal.study.study_file import read_study
 from tests.study.texts import CAMPAIGN, STUDY, written
 
 REPLANNED = STUDY.replace('"even"', '"replanned"').split("[grid]")[0]
-LEARNT = CAMPAIGN.replace('sure = "exactly"', 'sure = "roughly"')
+LEARNT = CAMPAIGN.replace("[target]", 'scales = "estimate"\n[target]')
 FAR = CAMPAIGN.replace('"3 um"', '"1 nm"')
 """No readings reach it: what ends it is that some in a row hardly help."""
 DRIFTING = CAMPAIGN.replace('noise = "0.5 um"', 'noise = "0.5 um"\ndrift = "20 um/h"')

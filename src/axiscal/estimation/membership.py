@@ -1,7 +1,7 @@
 """Whether a machine is like its sisters: the rival beliefs side by side, and their mixture, which is what is reported.
 
-Each belief is as probable as it foretells the readings. Bad readings, noise and rests are judged by the widest
-of them: to a narrow one that is wrong every reading stands off. The planner works for the likeliest.
+Each belief is as probable as it foretells the readings; which readings are bad, noise and rests are judged by the
+widest of them, for to a narrow one that is wrong every reading stands off. The planner works for the likeliest.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ import numpy as np
 
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, drawn
-from axiscal.promise.draws import Weighed, draws, mode, weighed
+from axiscal.promise.draws import draws, mode, weighed
 from axiscal.promise.problem import Problem, problem
 from axiscal.promise.usual import Learnable, sizes_of
 from axiscal.promise.which_space import space_of
@@ -27,9 +27,7 @@ _CERTAIN = 6.0
 _FEWEST, _MOST = 4, 60
 """Readings below which no unit can be told, and above which more only take time."""
 _LEAST_FIT = 0.05
-"""Readings that scatter by less of what is expected than this, multiplied, are no readings."""
-_FARTHEST = float(np.log(1000.0)) / 2
-"""Logarithm of what errors or noise may be beside what is stated, multiplied: what is nearer to it as written stays."""
+"""Readings whose mean square is less of what is expected than this are no readings."""
 
 
 class OtherUnit(NamedTuple):
@@ -48,7 +46,9 @@ def other_unit(observation: Observation, readings: Sequence[Reading]) -> OtherUn
             continue
         sizes = sizes_of(observation.machine, observation.setups, Learnable("roughly", usual=True, inherited=False))
         posed = problem(observation, mine, sizes)
-        stated = _weighed(posed).log_evidence
+        if _LEAST_FIT < _square(posed) < 1 / _LEAST_FIT:
+            continue  # too good a noise, or a file that was copied, is no other unit
+        stated = _log_evidence(posed)
         odds = {factor: (_multiplied(posed, factor) - stated) / np.log(10.0) for factor in FACTORS}
         best = max(odds, key=lambda factor: odds[factor])
         if odds[best] > _CERTAIN:
@@ -59,17 +59,20 @@ def other_unit(observation: Observation, readings: Sequence[Reading]) -> OtherUn
 def _multiplied(posed: Problem, factor: float) -> float:
     """Return log p of the readings if f times their values are right; minus infinity if these would be nothing."""
     other = replace(posed, values=factor * posed.values)
-    stated = space_of(other).given(np.zeros(len(posed.sizes)))
-    if stated is not None and stated.square < _LEAST_FIT * len(other.values):
+    if _square(other) < _LEAST_FIT:
         return -np.inf
-    found = _weighed(other)
-    told = [index for index, size in enumerate(posed.sizes.of) if size.kind in ("std", "reversal", "noise")]
-    if np.max(np.abs(found.weights @ found.thetas)[told]) > _FARTHEST:
-        return -np.inf
-    return found.log_evidence + len(posed.values) * float(np.log(factor))
+    return _log_evidence(other) + len(other.values) * float(np.log(factor))
 
 
-def _weighed(posed: Problem) -> Weighed:
-    """Return draws of the sizes with their evidence, log p(y)."""
+def _square(posed: Problem) -> float:
+    """Return the mean square of readings over what is expected of them with sizes as stated."""
+    stated = space_of(posed).given(np.zeros(len(posed.sizes)))
+    if stated is None:
+        return np.inf
+    return float(posed.values @ stated.precision(posed.values[:, None])[:, 0]) / len(posed.values)
+
+
+def _log_evidence(posed: Problem) -> float:
+    """Return log p(y), the sizes averaged over."""
     space = space_of(posed)
-    return weighed(space, draws(space, mode(space)))
+    return weighed(space, draws(space, mode(space))).log_evidence
