@@ -119,6 +119,10 @@ class UnreachableError(RecordError):
     """The server that keeps the records does not answer; what it holds is not known, so nothing is left out."""
 
 
+class NewerError(RecordError):
+    """A record that a newer version of axiscal has written to, where this one cannot do without what it wrote."""
+
+
 class OvertakenError(RecordError):
     """A step that was meant for a state of the record in which it is no longer."""
 

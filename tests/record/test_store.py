@@ -180,7 +180,6 @@ READING = '{"setup":"a","position":[0],"approach":[1],"value":%s,"std":%s}'
         ("recorded", READING % ("1", "-1e-6")),
         ("recorded", READING % ("1", "NaN")),
         ("recorded", READING % ("1", "1e300")),
-        ("invented", "{}"),
         ("skipped", '{"reason":"no question was open"}'),
         ("undone", '{"event":77}'),
         (

@@ -18,6 +18,7 @@ from tests.reliability import (
     command_faults,
     power_loss,
     record_faults,
+    salvaged,
     same_bytes,
     set_faults,
     writers,
@@ -44,6 +45,7 @@ def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
         lambda: changed.many(100_000),
         bad_files.read_all,
         lambda: same_bytes.compared(long, pythons),
+        *(partial(salvaged.tried, name, 1430 if long else 150) for name in salvaged.DAMAGES),
     )
 
 

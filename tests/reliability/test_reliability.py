@@ -17,6 +17,7 @@ from tests.reliability import (
     fuzz,
     power_loss,
     record_faults,
+    salvaged,
     same_bytes,
     set_faults,
     writers,
@@ -71,6 +72,12 @@ def test_no_bit_of_a_record_changes_unseen() -> None:
 
 def test_a_record_that_lacks_its_end_is_damaged() -> None:
     assert changed.ends().lost == 0
+
+
+@pytest.mark.parametrize("name", salvaged.DAMAGES)
+def test_what_stands_whole_in_a_damaged_record_comes_back(name: str) -> None:
+    trial = salvaged.tried(name, 45)
+    assert (trial.lost, trial.tried) == (0, 45), trial.detail
 
 
 @pytest.mark.long

@@ -20,10 +20,9 @@ from axiscal.campaign.ending import BUDGET, Ended, count_reached, out_of_reach
 from axiscal.campaign.interrupt import noted_interrupts
 from axiscal.campaign.knowing import Knowing
 from axiscal.campaign.milestones import Milestone, Status
-from axiscal.campaign.possible import described, kept_text, refuse_of_branch, refuse_unreadable
+from axiscal.campaign.possible import beginning_of, described, kept_text, refuse_of_branch, refuse_unreadable
 from axiscal.campaign.refusing import refuse_endless, refuse_implausible
 from axiscal.campaign.sources import Request, Skip, Source
-from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.accepting import named
 from axiscal.estimation.case import Case
@@ -39,7 +38,6 @@ from axiscal.record.closing import Closing
 from axiscal.record.copies import refuse_other, write_copy
 from axiscal.record.events import (
     Asked,
-    Created,
     Event,
     Finished,
     Gap,
@@ -76,9 +74,7 @@ class Campaign(Closing):
     @classmethod
     def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = plan_ahead) -> Self:
         """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
-        texts = description.machine.text, description.text, description.machine_source, description.source
-        held = description.usual_doubts, description.machine.fine_knots
-        return cls(created_log(path, Created(*texts, versions(), description.prior_text, *held)), description, planner)
+        return cls(created_log(path, beginning_of(description)), description, planner)
 
     @classmethod
     def open(cls, path: str | Path, planner: Planner = plan_ahead, *, write: bool = True) -> Self:

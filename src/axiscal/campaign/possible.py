@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.mounted_anew import with_mounted
 from axiscal.exceptions import ReadingError, RecordError
@@ -14,8 +15,9 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.reading import LARGEST, Reading
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.accepted import Accepted
-from axiscal.record.events import Asked, Event, Mounted, Planned, Recorded, Stored
+from axiscal.record.events import Asked, Created, Event, Mounted, Planned, Recorded, Stored
 from axiscal.record.log import EventLog
+from axiscal.record.store import restoring
 from axiscal.units import format_quantity
 
 LONGEST_TEXT = 2000
@@ -33,12 +35,24 @@ def described(record: EventLog) -> CampaignDescription:
     created = record.state().created
     if created is None:
         raise RecordError("The record is empty", "Start a campaign with `axiscal start`", record.path)
-    texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
-    description = campaign_from_texts(
-        *texts, prior_text=created.prior_text, usual_doubts=created.usual_doubts, fine_knots=created.fine_knots
-    )
+    description = created_description(created)
     _refuse_impossible(record.events(), description, record.path)
     return with_mounted(description, record.state().mounted)
+
+
+def beginning_of(description: CampaignDescription) -> Created:
+    """Return the event with which a campaign of a description begins."""
+    texts = description.machine.text, description.text, description.machine_source, description.source
+    held = description.usual_doubts, description.machine.fine_knots
+    return Created(*texts, versions(), description.prior_text, *held)
+
+
+def created_description(created: Created) -> CampaignDescription:
+    """Return the description that a campaign began with; raises DescriptionError."""
+    texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
+    return campaign_from_texts(
+        *texts, prior_text=created.prior_text, usual_doubts=created.usual_doubts, fine_knots=created.fine_knots
+    )
 
 
 def kept_text(text: str, what: str, remedy: str) -> str:
@@ -97,14 +111,14 @@ def _refuse_other_count(setup: Setup, count: int) -> None:
 
 
 def _refuse_impossible(events: Iterable[Stored], description: CampaignDescription, path: Path) -> None:
-    checked = _Checked(description)
+    checked = Possible(description)
     for stored in events:
         if fault := checked.fault(stored.event):
             what = f"The record is damaged: event {stored.number} cannot be: {fault}"
-            raise RecordError(what, "Restore it from a copy; the file has been left as it was", path)
+            raise RecordError(what, restoring(path), path)
 
 
-class _Checked:
+class Possible:
     """What a place must be on a machine with these set-ups."""
 
     def __init__(self, description: CampaignDescription) -> None:

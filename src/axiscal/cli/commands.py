@@ -36,6 +36,7 @@ _FILES = {
     "verify": "verify",
     "report": "report",
     "copy": "copy_record",
+    "salvage": "salvage",
     "iso230": "iso230",
     "reproduce": "reproduce",
     "machine": "machine",

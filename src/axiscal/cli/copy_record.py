@@ -7,11 +7,14 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.possible import described
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text
-from axiscal.record.opening import file_name, is_stored
+from axiscal.exceptions import NewerError
+from axiscal.record.copies import write_copy
+from axiscal.record.log import EventLog
+from axiscal.record.opening import file_name, is_stored, opened_log
 
 
 def copy_record(
@@ -34,12 +37,22 @@ def copy_record(
     name = file_name(record).name
     beside = Path(name) if is_stored(record) else record.with_name(f"{name}.copy")
     target = beside if to is None else to / name if to.is_dir() else to
-    with Campaign.open(record, write=False) as campaign:
-        campaign.copy(target)
-        state = campaign.state
+    with opened_log(record, write=False) as log:
+        readings = _readings(log)
+        write_copy(log, target)
+        last, name = log.last(), log.name
     if json:
-        document = {"copy": str(target), "readings": len(state.readings), "event": state.last, "hash": state.name}
+        document = {"copy": str(target), "readings": readings, "event": last, "hash": name}
         say_document({"schema": "axiscal-copy/1", **document})
     else:
-        count = count_text(len(state.readings), "reading")
-        say(f"{target} holds {count}, up to event {state.last} of the record, {state.name[:12]}.")
+        count = count_text(last, "event") if readings is None else count_text(readings, "reading")
+        say(f"{target} holds {count}, up to event {last} of the record, {name[:12]}.")
+
+
+def _readings(log: EventLog) -> int | None:
+    """Return how many readings a record has, checked; None where only a newer version can know."""
+    try:
+        described(log)
+        return len(log.state().readings)
+    except NewerError:
+        return None

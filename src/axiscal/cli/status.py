@@ -13,6 +13,7 @@ from axiscal.estimation.membership_words import membership_words
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.guide.question import asked_text
 from axiscal.guide.second_thoughts import contradictions
+from axiscal.language.spoken import said
 from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit
 
@@ -32,6 +33,8 @@ def status(record: OwnRecord, details: Details = False, json: Json = False) -> N
         if details:
             say("\n".join(_lines(campaign)))
         say(standing_screen(campaign, campaign.so_far()))
+        for each in campaign.state.newer:
+            say(said("An entry of a newer version: {kind}. It says nothing of the readings.", kind=each.kind))
 
 
 def _lines(campaign: Campaign) -> list[str]:
@@ -86,6 +89,7 @@ def _document(campaign: Campaign) -> dict[str, object]:
         "question": campaign.request(state.pending).message() if state.pending else None,
         "accepted": [change_words(each) for each in state.accepted],
         "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
+        "newer": [each.kind for each in state.newer],
         "skipped": [
             campaign.request(gap.asked).message() | {"reason": gap.reason, "set_up_left": gap.whole}
             for gap in state.skipped

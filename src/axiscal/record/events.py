@@ -104,7 +104,20 @@ class Finished:
     because: str
 
 
-Event = Created | Planned | Asked | Recorded | Skipped | Noted | Mounted | Accepted | Undone | Finished
+@dataclass(frozen=True, slots=True)
+class Newer:
+    """An entry that a newer version wrote: of an unknown kind, or with a field that this version does not know.
+
+    kind, text : as they stand in the record, the text in JSON
+    of_readings : the readings cannot be known without it
+    """
+
+    kind: str
+    text: str
+    of_readings: bool = False
+
+
+Event = Created | Planned | Asked | Recorded | Skipped | Noted | Mounted | Accepted | Undone | Finished | Newer
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,6 +183,7 @@ class State:
     undo : what can be taken back, the latest last
     notes : what was noted on the way
     mounted : set-ups that were mounted anew for a branch, or whose zero jumped later
+    newer : entries of a newer version, which say nothing of readings
     last : number of the last event
     name : the hash chained over the contents of all events, 64 hex digits; "" where they are in no record
     """
@@ -188,6 +202,7 @@ class State:
     last: int = 0
     name: str = ""
     written: tuple[Reading, ...] = ()
+    newer: tuple[Newer, ...] = ()
 
     @property
     def free(self) -> int:
@@ -236,13 +251,14 @@ class Folding:
         self._undo: list[Undoable] = []
         self._notes: list[Note] = []
         self._mounted: list[Mounted] = []
+        self._newer: list[Newer] = []
         self._highest: list[int] = []
         self._last = 0
 
     def copied(self) -> Folding:
         """Return another that goes on from here."""
         other = copy(self)
-        for name in ("_readings", "_written", "_skipped", "_plan", "_undo", "_notes", "_mounted", "_highest"):
+        for name in ("_readings", "_written", "_skipped", "_plan", "_undo", "_notes", "_mounted", "_newer", "_highest"):
             setattr(other, name, list(getattr(self, name)))
         return other
 
@@ -262,6 +278,7 @@ class Folding:
             tuple(self._mounted),
             self._last,
             written=tuple(self._written),
+            newer=tuple(self._newer),
         )
 
     def add(self, stored: Stored) -> None:
@@ -281,6 +298,8 @@ class Folding:
             self._notes.append(Note(event.text, stored.at, after))
         elif isinstance(event, Mounted):
             self._mounted.append(event)
+        elif isinstance(event, Newer):
+            self._newer.append(event)
         elif isinstance(event, Accepted):
             self._undo.append(Undoable(stored.number, event, self._pending, tuple(self._readings)))
             self._accept(event)
@@ -300,7 +319,7 @@ class Folding:
             raise EventOrderError("the campaign was created twice")
         if not first and self._created is None:
             raise EventOrderError("the first event is not the creation of the campaign")
-        if self._finished is not None and not isinstance(stored.event, Undone | Noted):
+        if self._finished is not None and not isinstance(stored.event, Undone | Noted | Newer):
             raise EventOrderError("it comes after the end of the campaign")
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:

@@ -31,6 +31,7 @@ MOST_TORN = 1 << 26
 """Bytes that are looked at behind marks of which one is torn: of one transaction, the largest of which has a tenth."""
 _SUM = 8
 """Hex digits of a CRC-32."""
+_LINE = re.compile(rb"[0-9a-f]{64} [^\n]*\n")
 _HEAD = re.compile(rb"axiscal record (\d{1,9}) ([0-9a-f]{8})\n")
 _WORDS = """
 The record of one calibration: what happened, event by event, oldest first; only ever added to.
@@ -141,6 +142,37 @@ def whole_after(mark: Mark, content: bytes) -> list[tuple[EventText, Mark]]:
     except DamageError:
         pass
     return found[:whole]
+
+
+class WholeLine(NamedTuple):
+    """A line that stands whole in a damaged file: from which byte to which, its event, the chain that it names."""
+
+    begin: int
+    end: int
+    row: EventText
+    chain: str
+
+
+def whole_lines(content: bytes) -> Iterator[WholeLine]:
+    """Yield every line of a file that is as it was written, whatever stands before it."""
+    at = START
+    while found := _LINE.search(content, at):
+        try:
+            row, chain = _row(found[0], 0)
+        except DamageError:
+            at = found.start() + 1
+        else:
+            at = found.end()
+            yield WholeLine(found.start(), at, row, chain)
+
+
+def damaged_row(line: bytes) -> EventText | None:
+    """Return the event that a damaged line seems to hold, None where it seems to hold none."""
+    try:
+        at, kind, payload = line[65 : -_SUM - 3].decode().split(" ", 2)
+    except ValueError:
+        return None
+    return EventText(at, kind, payload)
 
 
 def _lines(content: bytes) -> list[bytes]:

@@ -10,8 +10,9 @@ from types import TracebackType
 from typing import NamedTuple, Protocol, Self
 from uuid import UUID, uuid5
 
-from axiscal.exceptions import OvertakenError, RecordError
-from axiscal.record.events import Event, EventOrderError, Folding, State, Stored
+from axiscal.document.quoting import shown
+from axiscal.exceptions import NewerError, OvertakenError, RecordError
+from axiscal.record.events import Event, EventOrderError, Folding, Newer, State, Stored
 from axiscal.record.line_form import DamageError, EventText, chained
 from axiscal.record.payload import PayloadError, decode, encode
 
@@ -76,10 +77,15 @@ class EventLog(Protocol):
 
 
 class Story:
-    """The events of a log as far as they have been read, and the state that follows from them."""
+    """The events of a log as far as they have been read, and the state that follows from them.
+
+    An entry of a newer version stops the state where it may say something of readings; the events go on.
+    """
 
     def __init__(self) -> None:
         self.events, self._folding = list[Stored](), Folding()
+        self._newer: Stored | None = None
+        self._stopped = False
 
     def happened(self, number: int, row: EventText) -> None:
         """Take over an event that was read; raises DamageError."""
@@ -94,28 +100,55 @@ class Story:
         for stored in events:
             _refuse_timeless(stored)
             try:
-                self._folding.add(stored)
+                self._fold(stored)
             except EventOrderError as error:
                 raise DamageError(f"event {stored.number}: {error}") from error
             self.events.append(stored)
 
+    def _fold(self, stored: Stored) -> None:
+        event = stored.event
+        if isinstance(event, Newer):
+            self._newer = self._newer or stored
+            self._stopped = self._stopped or event.of_readings
+        if self._stopped:
+            return
+        try:
+            self._folding.add(stored)
+        except EventOrderError:
+            if self._newer is None:
+                raise
+            self._stopped = True  # it may follow from the newer entry
+
     def then(self, rows: Sequence[EventText], path: Path) -> Story:
         """Return this with events that are to be written behind; raises RecordError where they cannot follow."""
         after = Story()
-        after._folding = self._folding.copied()
+        after._folding, after._newer, after._stopped = self._folding.copied(), self._newer, self._stopped
         stored = [Stored(len(self.events) + n, row.at, decode(row.kind, row.payload)) for n, row in enumerate(rows, 1)]
         try:
             for each in stored:
-                after._folding.add(each)
+                after._fold(each)
         except EventOrderError as error:
             remedy = "Look at it with `axiscal status`; nothing was written"
             raise RecordError(f"This cannot follow what the record holds: {error}", remedy, path) from error
         after.events = [*self.events, *stored]
         return after
 
-    def state(self) -> State:
-        """Return the state folded from all events."""
+    def state(self, path: Path) -> State:
+        """Return the state folded from all events; raises NewerError."""
+        if self._stopped:
+            raise self._of_newer("This one can copy and sync the record, no more", path)
         return self._folding.state()
+
+    def refuse_to_add(self, path: Path) -> None:
+        """Raise NewerError where a newer version wrote here: what this one adds might not follow."""
+        if self._newer is not None:
+            raise self._of_newer("This one can read, copy and sync the record; nothing was written", path)
+
+    def _of_newer(self, still: str, path: Path) -> NewerError:
+        assert self._newer is not None
+        kind = shown(encode(self._newer.event)[0])
+        what = f"Event {self._newer.number} is an entry of a newer version of axiscal: {kind}"
+        return NewerError(what, f"Install that version to go on with it. {still}", path)
 
 
 def _refuse_timeless(stored: Stored) -> None:

@@ -5,15 +5,27 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
-from typing import Any
+from dataclasses import asdict, fields
+from typing import Any, get_args
 
 from axiscal.document.quoting import shown
 from axiscal.exceptions import RecordError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import MISTAKES, Accepted
-from axiscal.record.events import Asked, Created, Event, Finished, Mounted, Noted, Planned, Recorded, Skipped, Undone
+from axiscal.record.events import (
+    Asked,
+    Created,
+    Event,
+    Finished,
+    Mounted,
+    Newer,
+    Noted,
+    Planned,
+    Recorded,
+    Skipped,
+    Undone,
+)
 
 ABSURD = 1e9
 """m or rad: no number of a reading is as large; what deviates by less is judged by those who know the machine."""
@@ -25,6 +37,8 @@ class PayloadError(ValueError):
 
 def encode(event: Event) -> tuple[str, str]:
     """Return kind and JSON text; raise ValueError if a number is not finite, RecordError for what is no text."""
+    if isinstance(event, Newer):
+        return event.kind, event.text
     text = json.dumps(_fields(event), allow_nan=False, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
     _refuse_halves(text)
     return type(event).__name__.lower(), text
@@ -41,10 +55,12 @@ def _refuse_halves(text: str) -> None:
 
 
 def decode(kind: str, text: str) -> Event:
-    """Return the event; raise PayloadError if this is none."""
+    """Return the event, `Newer` for one that this version does not know; raise PayloadError if this is none."""
     try:
-        fields = json.loads(text)
-        return _READ[kind](fields)
+        found = _names(json.loads(text))
+        if kind in _READ and found.keys() <= _KEYS[kind]:
+            return _READ[kind](found)
+        return Newer(kind, text, kind != "noted" if kind in _READ else not _OF_READINGS.isdisjoint(found))
     except (KeyError, TypeError, ValueError, RecursionError) as error:
         raise PayloadError(f"an entry of kind {kind!r} cannot be read: {error}") from error
 
@@ -180,3 +196,14 @@ _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
     "undone": lambda fields: Undone(_whole(fields["event"])),
     "finished": lambda fields: Finished(_text(fields["because"])),
 }
+_AT = frozenset(("setup", "position", "approach"))
+_KEYS: Mapping[str, frozenset[str]] = {
+    kind.__name__.lower(): frozenset(field.name for field in fields(kind)) for kind in get_args(Event)
+} | {
+    "planned": frozenset(("places", "grounds")),
+    "asked": _AT | {"reading"},
+    "recorded": _AT | {"reading", "value", "std", "others", "accepted", "time"},
+}
+"""The fields that this version knows of each kind; one with others is a newer version's."""
+_OF_READINGS = _AT | {"reading", "readings", "event", "events", "setups", "value", "values"}
+"""An unknown kind with one of these fields says something of readings. A kind to come keeps to that."""

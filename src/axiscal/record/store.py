@@ -15,7 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Self
 
-from axiscal.exceptions import RecordError
+from axiscal.exceptions import NewerError, RecordError
 from axiscal.record.alone import HeldError, alone
 from axiscal.record.closing import Closing
 from axiscal.record.durable import clear_drafts, draft_of, read_at, sync, sync_folder, write_at, write_whole, written
@@ -118,8 +118,9 @@ class Record(Closing):
         """Write `events` in one transaction and return the number of the last one.
 
         after : number of the last event the caller knows of; RecordError if another process has written since
-        Raises ValueError for an event that cannot be kept.
+        Raises ValueError for an event that cannot be kept, NewerError where a newer version has written.
         """
+        self._story.refuse_to_add(self.path)
         return self.extend(rows_of(events), after)
 
     def extend(self, rows: Sequence[EventText], after: int | None = None) -> int:
@@ -160,7 +161,7 @@ class Record(Closing):
     def state(self) -> State:
         """Return the state folded from all events."""
         self.last()
-        return replace(self._story.state(), name=self._mark.chain)
+        return replace(self._story.state(self.path), name=self._mark.chain)
 
     def texts(self) -> tuple[ChainedText, ...]:
         """Return all events as they were written."""
@@ -275,7 +276,7 @@ def _form(path: Path) -> int:
     start = _start_of(path)
     form = form_of(start)
     if form is not None and form > FORM:
-        raise RecordError(
+        raise NewerError(
             f"This record was written by a newer axiscal (form {form}; this one knows {FORM})",
             "Install the newer version to go on with it; nothing was changed",
             path,
@@ -333,11 +334,19 @@ def record_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except DamageError as error:
-        raise RecordError(
-            f"The record is damaged: {error}", "Restore it from a copy; the file has been left as it was", path
-        ) from error
+        raise RecordError(f"The record is damaged: {error}", restoring(path), path) from error
     except OSError as error:
         raise _not_taken(path, error) from error
+
+
+def restoring(path: Path) -> str:
+    """Return what to do about a damaged record."""
+    left = "the file has been left as it was"
+    with contextlib.suppress(OSError), path.open("rb") as file:
+        if form_of(file.read(BLOCK)) == SQLITE:
+            return f"Restore it from a copy; {left}"
+    new = path.with_name(f"{path.stem}-salvaged.axiscal")
+    return f"Restore it from a copy, or save what stands whole: axiscal salvage {path} {new}; {left}"
 
 
 def _not_taken(path: Path, error: OSError) -> RecordError:

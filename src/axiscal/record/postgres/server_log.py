@@ -106,8 +106,9 @@ class ServerLog(Closing):
         """Keep `events` in one transaction and return the number of the last one.
 
         after : number of the last event the caller knows of; OvertakenError if another one has written since
-        Raises ValueError for an event that cannot be kept.
+        Raises ValueError for an event that cannot be kept, NewerError where a newer version has written.
         """
+        self._story.refuse_to_add(self.path)
         return self.extend(rows_of(events), after)
 
     def extend(self, rows: Sequence[EventText], after: int | None = None) -> int:
@@ -188,7 +189,7 @@ class ServerLog(Closing):
     def state(self) -> State:
         """Return the state folded from all events."""
         self._catch_up()
-        return replace(self._story.state(), name=self.name)
+        return replace(self._story.state(self.path), name=self.name)
 
     def close(self) -> None:
         """Close the connection."""

@@ -1,0 +1,267 @@
+"""A new record of what stands whole: what is missing is named, nothing is mixed, and nothing is written over."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.possible import beginning_of
+from axiscal.campaign.salvaging import Salvaged, salvaged
+from axiscal.cli.app import run
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.exceptions import NewerError, RecordError
+from axiscal.measurement.reading import Reading
+from axiscal.record.accepted import Accepted
+from axiscal.record.events import Asked, Event, Finished, Noted, Recorded, Skipped, Undone
+from axiscal.record.line_form import MARK, MARKS, START, EventText
+from axiscal.record.store import Record
+from tests.reliability.salvaged import CAMPAIGN, MACHINE, Line, lines_of
+
+DESCRIPTION = campaign_from_texts(CAMPAIGN, "campaign.toml", MACHINE, "machine.toml")
+
+
+def recorded(value: float) -> Recorded:
+    return Recorded(Reading("along x", (0.1,), (1,), value))
+
+
+def asked(number: int) -> Asked:
+    return Asked(number, recorded(0).reading.place)
+
+
+def made(path: Path, *events: Event) -> Path:
+    with Record.create(path, beginning_of(DESCRIPTION)) as record:
+        for event in events:
+            record.append(event)
+    return path
+
+
+def without(path: Path, *numbers: int) -> list[Line]:
+    """Change a bit in each of these events of a record, and return its lines as they were."""
+    content = bytearray(path.read_bytes())
+    lines = list(lines_of(bytes(content)))
+    for number in numbers:
+        content[lines[number - 1].end - 12] ^= 1
+    path.write_bytes(content)
+    return lines
+
+
+def values(found: Salvaged) -> list[float]:
+    return [reading.value for reading in found.state.readings]
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "mill.axiscal"
+
+
+@pytest.fixture
+def new(tmp_path: Path) -> Path:
+    return tmp_path / "new.axiscal"
+
+
+def test_a_whole_record_comes_back_whole(path: Path, new: Path) -> None:
+    made(path, asked(1), recorded(1e-6), recorded(2e-6), Finished("enough"), Noted("later"))
+    found = salvaged(path, new)
+    assert (found.entries, found.missing, found.left, values(found)) == (6, (), (), [1e-6, 2e-6])
+    with Record.open(path, write=False) as old, Record.open(new, write=False) as again:
+        assert again.texts()[:-1] == tuple(t._replace(row=t.row._replace(closes=False)) for t in old.texts())
+    assert "nothing" in found.state.notes[-1].text
+
+
+def test_numbers_and_bytes_of_what_is_missing_are_named_and_noted(path: Path, new: Path) -> None:
+    made(path, *(recorded(1e-6 * number) for number in range(1, 9)))
+    lines = without(path, 4, 6, 7)
+    found = salvaged(path, new)
+    assert found.missing == (
+        f"event 4 (bytes {lines[3].begin} to {lines[3].end})",
+        f"events 6 to 7 (bytes {lines[5].begin} to {lines[6].end})",
+    )
+    assert values(found) == [1e-6, 2e-6, 4e-6, 7e-6, 8e-6]
+    assert all(words in found.state.notes[-1].text for words in (*found.missing, "mill.axiscal", "6 events"))
+
+
+def test_what_is_taken_back_has_another_number_now(path: Path, new: Path) -> None:
+    made(path, recorded(1e-6), recorded(2e-6), recorded(3e-6), Undone(4), recorded(4e-6))
+    without(path, 2)
+    assert values(salvaged(path, new)) == [2e-6, 4e-6]
+
+
+def test_a_taking_back_of_what_is_missing_is_left_out(path: Path, new: Path) -> None:
+    made(path, recorded(1e-6), recorded(2e-6), Undone(3), recorded(4e-6))
+    without(path, 3)
+    found = salvaged(path, new)
+    assert (values(found), found.left) == ([1e-6, 4e-6], ("event 4 (undone): what it takes back is missing",))
+
+
+def test_what_must_have_been_taken_back_does_not_stand(path: Path, new: Path) -> None:
+    """The second reading: only so could the first one be taken back. The end: only so could readings follow."""
+    made(path, recorded(1e-6), recorded(2e-6), Undone(3), Undone(2), Finished("enough"), Undone(6), recorded(4e-6))
+    without(path, 4, 7)
+    found = salvaged(path, new)
+    assert (values(found), found.state.finished) == ([4e-6], None)
+    why = "what follows shows that it was taken back"
+    assert found.left == (f"event 3 (recorded): {why}", f"event 6 (finished): {why}")
+
+
+def test_a_skip_without_its_question_is_left_out(path: Path, new: Path) -> None:
+    made(path, recorded(1e-6), asked(2), Skipped("blocked"), recorded(2e-6))
+    without(path, 3)
+    found = salvaged(path, new)
+    assert values(found) == [1e-6, 2e-6]
+    assert [words[:17] for words in found.left] == ["event 4 (skipped)"]
+
+
+def test_a_mistake_that_was_accepted_is_left_out_where_readings_may_be_missing(path: Path, new: Path) -> None:
+    mistake = Accepted("sign", ("along x",), factor=-1.0)
+    made(path, recorded(1e-6), recorded(2e-6), mistake)
+    assert values(salvaged(path, new)) == [-1e-6, -2e-6]
+    without(path, 2)
+    found = salvaged(path, new.with_name("second.axiscal"))
+    assert (values(found), len(found.left)) == ([2e-6], 1)
+
+
+def test_the_tail_and_the_marks_may_be_gone(path: Path, new: Path) -> None:
+    made(path, *(recorded(1e-6 * number) for number in range(1, 9)))
+    content, lines = path.read_bytes(), lines_of(path.read_bytes())
+    path.write_bytes(content[: lines[6].begin + 50])
+    found = salvaged(path, new)
+    assert (len(values(found)), found.missing) == (5, (f"events 7 to 9 (bytes {lines[6].begin} to {len(content)})",))
+    blank = MARK * b" "
+    for at in MARKS:
+        content = content[:at] + blank + content[at + MARK :]
+    path.write_bytes(content)
+    found = salvaged(path, new.with_name("second.axiscal"))
+    assert (len(values(found)), len(found.missing)) == (8, 1)
+    assert "both marks" in found.missing[0]
+
+
+def test_half_a_transaction_that_nobody_acknowledged_is_not_taken(path: Path, new: Path) -> None:
+    made(path, recorded(1e-6))
+    before = path.read_bytes()
+    with Record.open(path) as record:
+        batch: list[Event] = [recorded(2e-6), recorded(3e-6)]
+        record.append(*batch)
+    lines = lines_of(path.read_bytes())
+    path.write_bytes(before + path.read_bytes()[len(before) : lines[2].end])
+    assert values(salvaged(path, new)) == [1e-6]
+
+
+@pytest.mark.parametrize("lines", [3, 4, 5])
+def test_the_beginning_of_another_record_is_not_put_before_the_rest(
+    path: Path, new: Path, tmp_path: Path, lines: int
+) -> None:
+    """Both are of one machine with one description, so only the chain tells their readings apart."""
+    made(path, *(recorded(1e-6 * number) for number in range(1, 9)))
+    other = made(tmp_path / "other.axiscal", *(recorded(1e-5 + 1e-6 * number) for number in range(1, 9)))
+    cut = lines_of(other.read_bytes())[lines].begin - 40
+    behind = [line for line in lines_of(path.read_bytes()) if line.begin >= cut]
+    path.write_bytes(path.read_bytes()[:START] + other.read_bytes()[START:cut] + path.read_bytes()[cut:])
+    with pytest.raises(RecordError, match=r"Event 1.*does not stand whole"):
+        salvaged(path, new)
+    assert not new.exists()
+    with Record.open(other, write=False) as record:  # its first event says the same
+        found = salvaged(path, new, record.texts()[0].row)
+    assert values(found) == [json.loads(line.payload)["value"] for line in behind]
+    assert any("may be of another file" in words for words in found.missing)
+
+
+def test_whole_lines_that_no_chain_leads_to_are_named_and_left_out(path: Path, new: Path, tmp_path: Path) -> None:
+    made(path, *(recorded(1e-6 * number) for number in range(1, 20)))
+    other = made(tmp_path / "other.axiscal", *(recorded(1e-5 + 1e-6 * number) for number in range(1, 20)))
+    lines = lines_of(path.read_bytes())
+    begin, end = lines[5].begin + 60, lines[12].begin + 60
+    content = path.read_bytes()
+    path.write_bytes(content[:begin] + other.read_bytes()[begin:end] + content[end:])
+    found = salvaged(path, new)
+    assert max(values(found)) < 1e-4
+    assert set(values(found)) == {1e-6 * n for n in (*range(1, 5), *range(13, 20))}
+    assert re.search(r"\d whole lines \(bytes \d+ to \d+\) may be of another file", found.missing[-1])
+
+
+@pytest.fixture
+def beheaded(path: Path) -> tuple[Path, EventText]:
+    """A record whose first event is wiped, and that event."""
+    made(path, recorded(1e-6), recorded(2e-6))
+    with Record.open(path, write=False) as record:
+        first = record.texts()[0].row
+    content = path.read_bytes()
+    path.write_bytes(content[:START] + bytes(512) + content[START + 512 :])
+    return path, first
+
+
+def test_without_its_beginning_a_record_needs_one(beheaded: tuple[Path, EventText], new: Path) -> None:
+    path, first = beheaded
+    with pytest.raises(RecordError, match=r"Event 1.*2 readings do.*--beginning"):
+        salvaged(path, new)
+    found = salvaged(path, new, first)
+    assert (values(found), len(found.missing)) == ([1e-6, 2e-6], 2)
+
+
+def test_the_command_takes_it_from_a_copy_or_the_description(
+    beheaded: tuple[Path, EventText], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, first = beheaded
+    copy = tmp_path / "copy.axiscal"
+    Record.made(copy, [first]).close()
+    (tmp_path / "machine.toml").write_text(MACHINE)
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    for beginning in (copy, tmp_path / "campaign.toml"):
+        new = tmp_path / f"from-{beginning.stem}.axiscal"
+        assert run(["salvage", str(path), str(new), "--beginning", str(beginning)]) == 0
+        assert "holds 2 readings, from 3 events" in capsys.readouterr().out
+        assert run(["status", str(new)]) == 0
+        assert "2 readings" in capsys.readouterr().out
+
+
+def test_a_damaged_record_names_the_command_and_it_writes_over_nothing(
+    path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made(path, *(recorded(1e-6 * number) for number in range(1, 9)))
+    without(path, 5)
+    damaged = path.read_bytes()
+    new = tmp_path / "mill-salvaged.axiscal"
+    for command in ("status", "copy"):
+        assert run([command, str(path)]) == 1
+        assert f"axiscal salvage {path} {new};" in " ".join(capsys.readouterr().err.split())
+    assert run(["salvage", str(path), str(new), "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert (said["readings"], said["events"], len(said["missing"]), said["left_out"]) == (7, 8, 1, [])
+    kept = new.read_bytes()
+    assert run(["status", str(new), "--details"]) == run(["copy", str(new)]) == 0
+    assert ": salvaged from mill.axiscal, 8 events" in capsys.readouterr().out
+    assert run(["salvage", str(path), str(new)]) == 1
+    assert "exists already" in capsys.readouterr().err
+    assert (path.read_bytes(), new.read_bytes()) == (damaged, kept)
+
+
+def test_an_event_that_cannot_be_is_left_out(path: Path, new: Path) -> None:
+    made(path, recorded(1e-6), Recorded(Reading("along x", (7.0,), (1,), 2e-6)))
+    found = salvaged(path, new)
+    assert (values(found), found.left) == ([1e-6], ("event 3 (recorded): X = 7000 mm is outside the travel",))
+
+
+def test_an_entry_of_a_newer_version_comes_along_unless_it_says_something_of_readings(path: Path, new: Path) -> None:
+    made(path, recorded(1e-6))
+    at = "2028-03-01T08:00:00.000+00:00"
+    with Record.open(path) as record:
+        record.extend([EventText(at, "calibrated", '{"instrument":"laser"}')])
+    assert [each.kind for each in salvaged(path, new).state.newer] == ["calibrated"]
+    with Record.open(path) as record:
+        record.extend([EventText(at, "weighted", '{"reading":1}')])
+    with pytest.raises(NewerError, match="weighted"):
+        salvaged(path, new.with_name("second.axiscal"))
+
+
+def test_what_is_no_record_of_this_form_is_refused(path: Path, new: Path) -> None:
+    path.write_bytes(b"machine = 'mill'\n" * 2000)
+    with pytest.raises(RecordError, match="No entry of a record stands whole"):
+        salvaged(path, new)
+    earlier = Path(__file__).parents[1] / "record" / "earlier" / "form1-closed.axiscal.gz"
+    path.write_bytes(gzip.decompress(earlier.read_bytes()))
+    with pytest.raises(RecordError, match="SQLite"):
+        salvaged(path, new)
+    assert not new.exists()

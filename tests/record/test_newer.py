@@ -1,0 +1,170 @@
+"""Entries of next year's version: kept, passed on, named, and in the way of nothing but what needs them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from axiscal.cli.app import run
+from axiscal.exceptions import NewerError
+from axiscal.record.copies import write_copy
+from axiscal.record.events import Newer, Noted
+from axiscal.record.line_form import EventText
+from axiscal.record.postgres.database import Database
+from axiscal.record.postgres.server_log import ServerLog
+from axiscal.record.postgres.syncing import synced
+from axiscal.record.store import Record
+from tests.generators.begun import begun
+from tests.reliability.salvaged import CAMPAIGN, MACHINE
+
+AT = "2028-03-01T08:00:00.000+00:00"
+CALIBRATED = EventText(AT, "calibrated", '{"certificate":"K-17","due":"2029-03-01","instrument":"laser"}')
+SIGNED = EventText(AT, "noted", '{"author":"Anna","text":"warm"}')
+HARMLESS = pytest.mark.parametrize("row", [CALIBRATED, SIGNED], ids=lambda row: row.kind)
+STOPPING = pytest.mark.parametrize(
+    "row",
+    [
+        EventText(AT, "weighted", '{"reading":1,"weight":0.5}'),
+        EventText(AT, "finished", '{"because":"enough","signed":"Anna"}'),
+        EventText(
+            AT,
+            "recorded",
+            '{"approach":[1],"humidity":0.4,"position":[0.1],"setup":"along x","std":null,"value":1e-6}',
+        ),
+    ],
+    ids=lambda row: row.kind,
+)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """A campaign with two readings."""
+    files = {"machine.toml": MACHINE, "campaign.toml": CAMPAIGN}
+    at = ("--setup", "along x", "--at", "X=100mm")
+    begin, given = ("start", "campaign.toml", "mill.axiscal"), ("record", "mill.axiscal", "1.5 um", *at)
+    begun(tmp_path, files, begin, given, given)
+    return tmp_path / "mill.axiscal"
+
+
+def written(path: Path, row: EventText) -> tuple[str, str]:
+    """Let next year's version write an entry, and return what a log has to hold of it."""
+    with Record.open(path) as record:
+        record.extend([row])
+    return row.kind, row.payload
+
+
+def last(path: Path) -> tuple[str, str]:
+    with Record.open(path, write=False) as record:
+        row = record.texts()[-1].row
+    return row.kind, row.payload
+
+
+@HARMLESS
+def test_the_state_goes_on_without_what_says_nothing_of_readings(path: Path, row: EventText) -> None:
+    with Record.open(path, write=False) as record:
+        before = record.state()
+    written(path, row)
+    with Record.open(path, write=False) as record:
+        after = record.state()
+    assert (after.readings, after.notes, after.plan) == (before.readings, before.notes, before.plan)
+    assert after.newer == (Newer(row.kind, row.payload),)
+    assert (after.last, len(after.readings)) == (before.last + 1, 2)
+
+
+@HARMLESS
+def test_people_are_told_of_it(path: Path, row: EventText, capsys: pytest.CaptureFixture[str]) -> None:
+    written(path, row)
+    assert run(["status", str(path)]) == 0
+    assert f"An entry of a newer version: {row.kind}" in capsys.readouterr().out
+    assert run(["status", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["newer"] == [row.kind]
+
+
+@HARMLESS
+def test_nothing_is_written_behind_it(path: Path, row: EventText, capsys: pytest.CaptureFixture[str]) -> None:
+    written(path, row)
+    before = path.read_bytes()
+    with Record.open(path) as record, pytest.raises(NewerError, match=f"newer version of axiscal.*{row.kind}"):
+        record.append(Noted("by this version"))
+    for words in (["note", str(path), "warm"], ["undo", str(path)], ["finish", str(path), "--out", "out"]):
+        assert run(words) == 1
+        assert "Install that version" in capsys.readouterr().err
+    assert path.read_bytes() == before
+
+
+@STOPPING
+def test_what_may_say_something_of_readings_stops_what_needs_them(
+    path: Path, row: EventText, capsys: pytest.CaptureFixture[str]
+) -> None:
+    written(path, row)
+    with Record.open(path, write=False) as record, pytest.raises(NewerError, match=row.kind):
+        record.state()
+    assert run(["status", str(path)]) == 1
+    said = capsys.readouterr().err
+    assert "newer version" in said
+    assert "damaged" not in said
+
+
+@HARMLESS
+def test_a_copy_holds_it(path: Path, row: EventText, capsys: pytest.CaptureFixture[str]) -> None:
+    entry = written(path, row)
+    assert run(["copy", str(path)]) == 0
+    assert "holds 2 readings" in capsys.readouterr().out
+    assert last(path.with_name("mill.axiscal.copy")) == entry
+
+
+@STOPPING
+def test_a_copy_holds_also_what_stops_others(path: Path, row: EventText, capsys: pytest.CaptureFixture[str]) -> None:
+    entry = written(path, row)
+    assert run(["copy", str(path)]) == 0
+    assert "events" in capsys.readouterr().out
+    assert last(path.with_name("mill.axiscal.copy")) == entry
+
+
+def test_what_comes_behind_it_may_hang_on_it(path: Path) -> None:
+    """A newer version may take its own entries back: that is no damage."""
+    written(path, CALIBRATED)
+    with Record.open(path, write=False) as record:
+        number = record.last()
+    written(path, EventText(AT, "undone", f'{{"event":{number}}}'))
+    with Record.open(path, write=False) as record, pytest.raises(NewerError):
+        record.state()
+
+
+def test_it_goes_to_the_store_and_to_other_laptops(path: Path, tmp_path: Path, database: Database) -> None:
+    other = tmp_path / "other.axiscal"
+    with Record.open(path) as record:
+        write_copy(record, other)
+        campaign = synced(database, record, str(tmp_path)).campaign
+    for row in (CALIBRATED, EventText(AT, "weighted", '{"reading":1}')):
+        entry = written(path, row)
+        for file in (path, other):
+            with Record.open(file) as record:
+                synced(database, record, str(tmp_path))
+        assert last(other) == entry
+        log = ServerLog(database, campaign)
+        assert log.texts()[-1].row[1:3] == entry
+        with pytest.raises(NewerError):
+            log.append(Noted("by this version"))
+
+
+def test_readings_of_a_branch_that_holds_it_are_taken_over(
+    path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    branch = tmp_path / "branch.axiscal"
+    with Record.open(path, write=False) as record:
+        write_copy(record, branch)
+    assert run(["record", str(branch), "2.5 um", "--setup", "along x", "--at", "X=200mm"]) == 0
+    written(branch, CALIBRATED)
+    assert run(["adopt", str(path), str(branch), "--same-mounting"]) == 0
+    assert "1 reading of" in capsys.readouterr().out
+    with Record.open(path, write=False) as record:
+        assert [reading.value for reading in record.state().readings] == [1.5e-6, 1.5e-6, 2.5e-6]
+
+
+@pytest.mark.parametrize("payload", ["[1]", "7", "not json"])
+def test_what_is_no_entry_at_all_is_damage(path: Path, payload: str) -> None:
+    with Record.open(path) as record, pytest.raises(ValueError, match="calibrated"):
+        record.extend([EventText(AT, "calibrated", payload)])
