@@ -54,6 +54,6 @@ def _problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint
     rows = np.concatenate([seen.rows / np.sqrt(seen.variances)[:, None] for seen in parts])
     box = whole_travel(model)
     unseen = unseen_factor(belief.factor, rows)[: model.size]
-    yardstick = Yardstick(model, box, volume_moments(model, box), unseen)
+    yardstick = Yardstick(model, box, volume_moments(model, box), unseen, unseen)
     root = criterion.joint_root(model) if joint else yardstick.root
     return Task(observation, belief, root, yardstick, spread(machine, setups, candidates))
