@@ -94,13 +94,16 @@ class _Plans:
     def work(self) -> float:
         """The operations of one sweep of one plan, roughly."""
         size = self._bare.size
-        each = {s: sum(4.0 * len(g.columns) ** 2 * len(g.positions) + 4.0 * size**2 for g in stack.grids)
-                for s, stack in self._stacks.items()}
+        each = {
+            s: sum(4.0 * len(g.columns) ** 2 * len(g.positions) + 4.0 * size**2 for g in stack.grids)
+            for s, stack in self._stacks.items()
+        }
         return sum(each[s] + 16.0 * size**2 for s in self._setups.tolist()) + 6.0 * size**3
 
     def drawn(self, count: int) -> Points:
         """Return random plans."""
-        return (self._rng.random((count, *self._sizes.shape)) * self._sizes).astype(np.intp)
+        points: Points = (self._rng.random((count, *self._sizes.shape)) * self._sizes).astype(np.intp)
+        return points
 
     def redrawn(self, points: Points) -> Points:
         """Return the plans with a few readings of each drawn anew."""
