@@ -6,8 +6,6 @@ lattice by the exact step, under what all the others tell.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-
 import numpy as np
 
 from axiscal.design.gains.candidate_rows import Pool
@@ -15,11 +13,8 @@ from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.running_gains import Allowed, Replacement, Scores
 from axiscal.design.plan.move_all import moved
 from axiscal.design.plan.patience import Patience, work_of_climb
-from axiscal.design.step.best_step import best_of, climbed_on_chart
+from axiscal.design.step.best_step import climbed_on_chart
 from axiscal.design.step.climb import Climb
-from axiscal.design.step.parked_lines import best_of_each, one_line_each
-from axiscal.design.step.starts_stacked import adds_up
-from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.ties import ALIKE, first_best, ranked
@@ -37,7 +32,6 @@ _WORTH_OF_MANY = 2e-3
 _FEW = 120
 _CANDIDATES = 4
 _CHARTED = 2
-_SMALL = 60
 _WORK = 4e9
 """Floating point operations after which an exchange ends: by work, not by the clock, for the same plan anywhere."""
 
@@ -113,43 +107,20 @@ def _move(scores: Scores) -> None:
 
 def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float) -> None:
     """Put the best reading there is, on the lattice or off it, into each slot; work : of one climb, operations"""
-    left, ahead = list(range(len(scores.members))), 1
-    while left and not patience.spent:
-        whole, left, ahead = left[:ahead], left[ahead:], min(2 * ahead, _AHEAD)
-        part = [slot for slot in whole if not scores.held_alone(slot)]
-        for number, found in enumerate(_better(scores, part, allowed)):
-            if patience.spent:
-                return
-            patience.take(work)
-            if found is not None:
-                scores.leave(part[number])
-                scores.enter(found, part[number])
-                left, ahead = whole[whole.index(part[number]) + 1 :] + left, 1
-                break
+    for slot in range(len(scores.members)):
+        if patience.spent:
+            return
+        if scores.held_alone(slot):
+            continue
+        patience.take(work)
+        found = _better(scores, slot, allowed)
+        if found is not None:
+            scores.leave(slot)
+            scores.enter(found, slot)
 
 
-def _better(scores: Scores, slots: Sequence[int], allowed: Allowed) -> Iterator[Places | None]:
-    """Yield the best reading for each slot, each as if it alone was left, or None where none is better."""
-    setups = np.unique(scores.pool.lattice.setups).tolist()
-    together = _small(scores.pool, scores.state.observation) and one_line_each(scores.begun.observation, setups)
-    if together and all(allowed(scores, slot).all() for slot in slots):
-        yield from _better_on_lines(scores, slots, setups)
-    else:
-        yield from (_better_alone(scores, slot, allowed) for slot in slots)
-
-
-def _better_on_lines(scores: Scores, slots: Sequence[int], setups: list[int]) -> Iterator[Places | None]:
-    """Yield the same where one axis moves in each set-up, from one search for all slots."""
-    columns = scores.columns_without(slots)
-    reach = scores.state.root.of(columns)
-    found = best_of_each(scores.scorer(), setups, columns[: scores.pool.size], reach)
-    better = scores.state.gains_grown(found, columns, reach) > np.sum(reach**2, axis=0) * (1 + _BETTER)
-    for index, more in enumerate(better.tolist()):
-        yield found.at(index) if more else None
-
-
-def _better_alone(scores: Scores, slot: int, allowed: Allowed) -> Places | None:
-    """Return the same of one slot."""
+def _better(scores: Scores, slot: int, allowed: Allowed) -> Places | None:
+    """Return the best reading for a slot, or None where none is better than what it holds."""
     gains, _ = scores.without(slot)
     gains = np.where(allowed(scores, slot), gains, -np.inf)
     state, change = scores.known_without(slot)
@@ -166,20 +137,11 @@ def _climbed(pool: Pool, scorer: Scorer, gains: Array, old: Places) -> Places:
     """
     lattice = pool.lattice
     order = ranked(gains, ALIKE, _CANDIDATES)
-    if np.all(np.isfinite(gains)) and _small(pool, scorer.observation):
-        return best_of(scorer, lattice).place
     begun = Places.joined([old, lattice.within(order[np.isfinite(gains[order])])])
     climbs = [_climb(scorer, setup, *begun.of(setup)) for setup, _ in begun.by_setup()]
     best = climbs[first_best(np.array([climb.gains.max() for climb in climbs]), ALIKE)]
     top = first_best(best.gains, ALIKE)
     return Places.one(best.setup, best.poses[top], best.approaches[top])
-
-
-def _small(pool: Pool, observation: Observation) -> bool:
-    """Whether a search over everything costs no more than climbing from a few places."""
-    used = [int(setup) for setup in np.unique(pool.lattice.setups)]
-    free = pool.size <= 2 * _SMALL and all(observation.setups[setup].chart is None for setup in used)
-    return free and all(adds_up(observation, setup) for setup in used)
 
 
 def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb:
