@@ -154,7 +154,7 @@ def test_a_mistake_is_named_accepted_and_taken_back(
     path = recorded(tmp_path / "mill.axiscal", used(wrong, wrong.readings()))
     before, found = known(path)
     assert (found.contradicts, found.withheld, found.explained[0].mistake) == (True, False, wrong.cause)
-    assert run(["status", str(path)]) == 0
+    assert run(["status", str(path), "--details"]) == 0
     assert f"axiscal accept {path} {wrong.cause}" in capsys.readouterr().out
     assert run(["accept", str(path), wrong.cause, "--setup", wrong.setup]) == 0
     said = capsys.readouterr().out.splitlines()
@@ -191,7 +191,7 @@ def test_a_jump_gives_the_readings_before_it_a_set_up_of_their_own(tmp_path: Pat
     for _ in range(2):  # taken back and accepted once more: the same set-up comes once more
         assert run(["accept", str(path), "jump"]) == 0
         assert run(["undo", str(path)]) == 0
-    assert run(["status", str(path)]) == 0
+    assert run(["status", str(path), "--details"]) == 0
 
 
 def test_what_is_not_named_is_refused_and_the_record_stays(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -252,7 +252,7 @@ def test_status_report_and_an_heir_know_what_was_accepted(tmp_path: Path, capsys
     assert run(["accept", str(path), "jump"]) == 0
     said = 'the readings of "X again" before reading 19 have a zero of their own'
     capsys.readouterr()
-    assert run(["status", str(path)]) == 0
+    assert run(["status", str(path), "--details"]) == 0
     assert f"Accepted: {said}" in capsys.readouterr().out
     with Campaign.open(path) as campaign:
         found = summarise(campaign, campaign.concluded(), Extras())

@@ -50,7 +50,7 @@ def _evaluated(folder: Path, added: np.ndarray[Any, Any]) -> tuple[int, dict[str
         for n, ((x, side), more) in enumerate(zip(places, added, strict=True))
     ]
     (folder / "r.csv").write_text("\n".join(["setup,X_mm,approach,value_um,time", *rows]))
-    status = app.run(["estimate", "c.toml", "r.csv", "--out", "d"])
+    status = app.run(["estimate", "c.toml", "r.csv", "--out", "d", "--details"])
     return status, json.loads((folder / "d" / "result.json").read_text())
 
 
@@ -109,7 +109,7 @@ def test_a_campaign_that_contradicts_itself_is_finished_without_u_and_with_it_wh
     assert told.count("Not known: the readings contradict each other") == 1
     assert contradicting.read_bytes() == kept
     assert json.loads((home / "e" / "result.json").read_text())["U_um"] is None
-    assert app.run(["finish", str(contradicting), "--out", "f", "--anyway"]) == 0
+    assert app.run(["finish", str(contradicting), "--out", "f", "--anyway", "--details"]) == 0
     first, *others = capsys.readouterr().out.splitlines()
     assert first.startswith("U = ")
     result = json.loads((home / "f" / "result.json").read_text())

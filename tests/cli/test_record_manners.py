@@ -155,7 +155,7 @@ def test_a_note_is_kept_and_shown_also_after_the_end(record: Path, capsys: pytes
     assert "1 note so far" in capsys.readouterr().out
     assert run(["note", str(record), " "]) == 1
     assert "the note is empty" in capsys.readouterr().err
-    assert run(["status", str(record)]) == 0
+    assert run(["status", str(record), "--details"]) == 0
     assert ": new ball screw X" in capsys.readouterr().out
 
 

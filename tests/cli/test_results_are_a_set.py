@@ -96,7 +96,7 @@ def test_the_tables_are_those_of_the_controls_that_the_campaign_names(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (folder / "campaign.toml").write_text(f'controls = ["sinumerik", "klipper", "sinumerik"]\n{CAMPAIGN}')
-    assert run(["estimate", "campaign.toml", "readings.csv", "--out", "survey"]) == 0
+    assert run(["estimate", "campaign.toml", "readings.csv", "--out", "survey", "--details"]) == 0
     assert [line.split()[4] for line in capsys.readouterr().out.splitlines() if "With the files for" in line] == [
         "sinumerik",
         "csv",

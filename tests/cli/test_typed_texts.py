@@ -71,7 +71,7 @@ def test_what_is_kept_steers_no_terminal(record: Path, capsys: pytest.CaptureFix
     assert run(["note", str(record), STEERING]) == 0
     assert run(["record", str(record), "--skip", STEERING]) == 0
     assert WRITTEN in capsys.readouterr().out
-    assert run(["status", str(record)]) == 0
+    assert run(["status", str(record), "--details"]) == 0
     assert capsys.readouterr().out.count(WRITTEN) == 2
     assert run(["status", str(record), "--json"]) == 0
     document = capsys.readouterr().out

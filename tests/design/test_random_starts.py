@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.random_starts import best_of_random

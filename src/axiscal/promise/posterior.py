@@ -7,7 +7,7 @@ eq. 5.12). It is bad with odds, sizes integrated out, of
 
     0.01/0.99 Σ w L_θ/N(r; 0, S) N(r; 0, S + (30 σ)²) / Σ w L_θ
 
-Above 1 it is taken out, and again, up to a fifth of the readings. One reading alone cannot tell a slip from a detail of
+Above 1 the worst is taken out, with those of nearly the same odds, and again, up to a fifth of the readings. One reading alone cannot tell a slip from a detail of
 the machine. Where errors of the stated size could be as large, both answers count one half, with it and without it:
 
     m = ½ (m₀ + m₁),    C = ½ (C₀ + C₁) + ¼ (m₀ − m₁)(m₀ − m₁)ᵀ
@@ -35,6 +35,8 @@ _ODDS = 0.01 / 0.99
 """Assumption: one of a hundred readings is bad."""
 _MOST_BAD = 0.2
 """Where more than a fifth seem bad it is the model that is."""
+_ALIKE = float(np.log(2.0))
+"""Of log odds: which of such readings is bad nobody can say, and all go."""
 _DOUBTED = 3.0
 """Standard deviations from which on all draws are asked about one of many readings."""
 _DETAIL = 2.0
@@ -50,13 +52,13 @@ _Owned = tuple[Kind, str]
 class LeftOut:
     """What the others expect of one reading.
 
-    residual : (k,) read less expected, over the base noise; covariance : (k, k) of that; odds : that it is bad
+    residual : (k,) read less expected, over the base noise; covariance : (k, k) of that; log_odds : that it is bad
     z : largest residual of its numbers, in standard deviations
     """
 
     residual: Array
     covariance: Array
-    odds: float
+    log_odds: float
     z: float
 
 
@@ -98,11 +100,12 @@ def posterior(
         mine = problem.only(~np.isin(problem.reading, apart)) if apart else problem
         found = sized(mine)
         left = _left_out(mine, found)
-        doubtful = {i: each.odds for i, each in left.items() if i not in accepted}
-        worst = max(doubtful, key=lambda i: doubtful[i], default=None)
-        if worst is None or doubtful[worst] <= 1 or len(bad) + 1 > _MOST_BAD * count:
+        doubtful = {i: each.log_odds for i, each in left.items() if i not in accepted}
+        highest = max(doubtful.values(), default=0.0)
+        worst = [i for i, odds in doubtful.items() if odds >= highest - _ALIKE]
+        if highest <= 0 or len(bad) + len(worst) > _MOST_BAD * count:
             break
-        bad[worst] = left[worst]
+        bad |= {i: left[i] for i in worst}
     moments = _moments(mine, found)
     sizes = _sizes(mine, found)
     if details := [index for index in bad if _may_be_a_detail(problem, index, bad[index])]:
@@ -229,7 +232,8 @@ def _of_draws(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[
     residual = np.einsum("n,nrk->rk", found.weights, residuals)
     apart = residuals - residual
     spread = np.einsum("n,nrkl->rkl", found.weights, covariances + apart[..., :, None] * apart[..., None, :])
-    odds = _ODDS * found.weights @ np.exp(np.minimum(ratios, 600.0))
+    most = np.max(ratios, axis=0)
+    odds = np.log(_ODDS * (found.weights @ np.exp(ratios - most))) + most
     squares = np.sum(residual * np.linalg.solve(spread, residual[..., None])[..., 0], axis=1) / part.shape[1]
     return [LeftOut(*one) for one in zip(residual, spread, odds.tolist(), np.sqrt(squares).tolist(), strict=True)]
 
