@@ -91,7 +91,8 @@ class _Exchange:
                 self._improve(part[:, slot], c, d, steps, around)
             places[going] = part
             after = np.einsum("sij,ij->s", self._covariances(part), self.weights)
-            gained, values[going] = values[going] - after, after
+            gained: Array = values[going] - after
+            values[going] = after
             going = going[gained > SETTLED * after]
         return values
 

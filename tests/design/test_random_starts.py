@@ -1,4 +1,4 @@
-"""Plans from random starts: as good as many plain ones, with the readings that were asked for, and only where they fit."""
+"""Plans from random starts: as good as many plain ones, with the readings asked for, and only where they fit."""
 
 from __future__ import annotations
 

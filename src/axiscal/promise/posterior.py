@@ -7,8 +7,9 @@ eq. 5.12). It is bad with odds, sizes integrated out, of
 
     0.01/0.99 Σ w L_θ/N(r; 0, S) N(r; 0, S + (30 σ)²) / Σ w L_θ
 
-Above 1 the worst is taken out, with those of nearly the same odds, and again, up to a fifth of the readings. One reading alone cannot tell a slip from a detail of
-the machine. Where errors of the stated size could be as large, both answers count one half, with it and without it:
+Above 1 the worst is taken out, with those of nearly the same odds, and again, up to a fifth of the readings. One
+reading alone cannot tell a slip from a detail of the machine. Where errors of the stated size could be as large, both
+answers count one half, with it and without it:
 
     m = ½ (m₀ + m₁),    C = ½ (C₀ + C₁) + ¼ (m₀ − m₁)(m₀ − m₁)ᵀ
 """
