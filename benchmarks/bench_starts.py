@@ -91,16 +91,15 @@ class _Exchange:
                 self._improve(part[:, slot], c, d, steps, around)
             places[going] = part
             after = np.einsum("sij,ij->s", self._covariances(part), self.weights)
-            gained: Array = values[going] - after
-            values[going] = after
+            gained, values[going] = values[going] - after, after
             going = going[gained > SETTLED * after]
         return values
 
     def _covariances(self, places: Indices) -> Array:
         """Return C of each plan, (starts, n, n)."""
         seen = self._seen(places)
-        covariances: Array = np.linalg.inv(self.prior + np.swapaxes(seen, 1, 2) @ seen / self.noise)
-        return covariances
+        information = self.prior + np.swapaxes(seen, 1, 2) @ seen / self.noise
+        return np.asarray(np.linalg.inv(information), dtype=float)
 
     def _seen(self, places: Indices) -> Array:
         """Return the rows of readings, (..., n).  places : (..., q)"""
