@@ -98,8 +98,7 @@ class _Exchange:
     def _covariances(self, places: Indices) -> Array:
         """Return C of each plan, (starts, n, n)."""
         seen = self._seen(places)
-        information = self.prior + np.swapaxes(seen, 1, 2) @ seen / self.noise
-        return np.asarray(np.linalg.inv(information), dtype=float)
+        return np.asarray(np.linalg.inv(self.prior + np.swapaxes(seen, 1, 2) @ seen / self.noise), dtype=np.float64)
 
     def _seen(self, places: Indices) -> Array:
         """Return the rows of readings, (..., n).  places : (..., q)"""

@@ -1,4 +1,4 @@
-"""Plans from random starts: as good as many plain ones, with the readings asked for, and only where they fit."""
+"""Plans from random starts: as good as many plain ones, with the readings asked for, and only where rows add up."""
 
 from __future__ import annotations
 
@@ -53,14 +53,16 @@ def one_axis_each() -> Task:
     return problem(machine, (stepped, replace(second, moves=(2,))), 200)
 
 
-def test_the_readings_are_as_many_as_asked_for_on_the_raster_and_from_either_side() -> None:
+def test_the_readings_are_as_many_as_asked_for_on_the_raster_and_from_a_side() -> None:
     asked = one_axis_each()
     found = best_of_random(asked, [(0, 5), (1, 7)], 1e9)
     assert found is not None
     assert found.setups.tolist() == [0] * 5 + [1] * 7
     steps = found.poses[:5, 1] / 0.05
     np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
-    assert set(found.approaches[:5, 1]) == {-1.0, 1.0}
+    np.testing.assert_array_equal(np.abs(found.approaches), np.abs(np.sign(found.approaches)))
+    assert np.all(found.approaches[:5, 1] != 0)
+    assert np.all(found.approaches[5:, 2] != 0)
     np.testing.assert_array_equal(
         found.poses[:5, [0, 2]], np.tile(np.array(asked.observation.setups[0].park)[[0, 2]], (5, 1))
     )

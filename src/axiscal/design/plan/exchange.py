@@ -13,8 +13,10 @@ from axiscal.design.gains.gain import Scorer
 from axiscal.design.gains.running_gains import Allowed, Replacement, Scores
 from axiscal.design.plan.move_all import moved
 from axiscal.design.plan.patience import Patience, work_of_climb
-from axiscal.design.step.best_step import climbed_on_chart
+from axiscal.design.step.best_step import best_of, climbed_on_chart
 from axiscal.design.step.climb import Climb
+from axiscal.design.step.starts_stacked import adds_up
+from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.ties import ALIKE, first_best, ranked
@@ -32,6 +34,7 @@ _WORTH_OF_MANY = 2e-3
 _FEW = 120
 _CANDIDATES = 4
 _CHARTED = 2
+_SMALL = 60
 _WORK = 4e9
 """Floating point operations after which an exchange ends: by work, not by the clock, for the same plan anywhere."""
 
@@ -137,11 +140,20 @@ def _climbed(pool: Pool, scorer: Scorer, gains: Array, old: Places) -> Places:
     """
     lattice = pool.lattice
     order = ranked(gains, ALIKE, _CANDIDATES)
+    if np.all(np.isfinite(gains)) and _small(pool, scorer.observation):
+        return best_of(scorer, lattice).place
     begun = Places.joined([old, lattice.within(order[np.isfinite(gains[order])])])
     climbs = [_climb(scorer, setup, *begun.of(setup)) for setup, _ in begun.by_setup()]
     best = climbs[first_best(np.array([climb.gains.max() for climb in climbs]), ALIKE)]
     top = first_best(best.gains, ALIKE)
     return Places.one(best.setup, best.poses[top], best.approaches[top])
+
+
+def _small(pool: Pool, observation: Observation) -> bool:
+    """Whether a search over everything costs no more than climbing from a few places."""
+    used = [int(setup) for setup in np.unique(pool.lattice.setups)]
+    free = pool.size <= 2 * _SMALL and all(observation.setups[setup].chart is None for setup in used)
+    return free and all(adds_up(observation, setup) for setup in used)
 
 
 def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb:

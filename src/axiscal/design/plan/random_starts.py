@@ -26,7 +26,7 @@ _STARTS, _KEPT, _FEWEST = 64, 4, 4
 """Random plans at most; one in so many of them goes on; fewer are not worth the search."""
 _SWEEPS = 16
 """Sweeps that a start takes, roughly: as many starts as there is work for."""
-_ROUNDS, _STALLED = 24, 8
+_ROUNDS, _STALLED = 24, 3
 """How often the best are drawn anew in part, at most and without a better plan."""
 _REDRAWN = 0.05
 """Share of the readings that are drawn anew, one at least: more lose what was found."""
@@ -139,20 +139,21 @@ class _Plans:
             self.patience.take(len(going) * self.work)
 
     def _swept(self, points: Points, c: Array) -> Points:
-        """Return the plans after every coordinate of every reading was exchanged once.  c : changed"""
-        d = c @ self._weights @ c
+        """Return the plans after every coordinate of every reading was exchanged once.  c : C of each"""
+        both = np.stack([c, c @ self._weights @ c])
+        grids = {setup: list(self._grids(setup)) for setup in self._stacks}
         for slot, setup in enumerate(self._setups.tolist()):
             stack, at = self._stacks[setup], points[:, slot]
             row, noise = _seen(stack, at)
-            self._change(c, d, row, noise, leaves=True)
-            for number, (grid, squares) in enumerate(self._grids(setup)):
+            self._change(both, row, noise, leaves=True)
+            for number, (grid, squares) in enumerate(grids[setup]):
                 row[:, grid.columns] -= grid.rows[at[:, number]]
                 noise -= grid.variances[at[:, number]]
-                below = noise[:, None] + grid.variances + _forms(c, row, grid, squares)
-                at[:, number] = first_best_each(_forms(d, row, grid, squares) / below, ALIKE)
+                below, above = _forms(both, row, grid, squares)
+                at[:, number] = first_best_each(above / (noise[:, None] + grid.variances + below), ALIKE)
                 row[:, grid.columns] += grid.rows[at[:, number]]
                 noise += grid.variances[at[:, number]]
-            self._change(c, d, row, noise, leaves=False)
+            self._change(both, row, noise, leaves=False)
         return points
 
     def _grids(self, setup: int) -> Iterator[tuple[Grid, Array]]:
@@ -173,8 +174,9 @@ class _Plans:
         covariances: Array = self._factor @ known @ self._factor.T
         return covariances
 
-    def _change(self, c: Array, d: Array, row: Array, noise: Array, leaves: bool) -> None:
+    def _change(self, both: Array, row: Array, noise: Array, leaves: bool) -> None:
         """Bring C and C W C up to date, in place, for one reading of each plan.  row : (plans, n); noise : (plans,)"""
+        c, d = both
         sign, seen = 1.0 if leaves else -1.0, (c @ row[..., None])[..., 0]
         left = np.maximum(noise - sign * np.sum(row * seen, axis=1), _LEFT * noise)
         u = seen / np.sqrt(left)[:, None]
@@ -193,9 +195,12 @@ def _seen(stack: Stack, points: Points) -> tuple[Array, Array]:
     return rows, noise
 
 
-def _forms(matrix: Array, row: Array, grid: Grid, squares: Array) -> Array:
-    """Return gᵀ M g at every position of a grid, (plans, positions).  row : (plans, n), what does not change of g"""
-    seen = (matrix @ row[..., None])[..., 0]
-    block = matrix[:, grid.columns[:, None], grid.columns].reshape(len(matrix), -1)
-    forms: Array = np.sum(row * seen, axis=1)[:, None] + 2 * seen[:, grid.columns] @ grid.rows.T + block @ squares
+def _forms(both: Array, row: Array, grid: Grid, squares: Array) -> Array:
+    """Return gᵀCg and gᵀCWCg at every position of a grid, (2, plans, positions).
+
+    both : C and C W C, (2, plans, n, n); row : (plans, n), what does not change of g
+    """
+    seen = (both @ row[..., None])[..., 0]
+    block = both[:, :, grid.columns[:, None], grid.columns].reshape(*seen.shape[:2], -1)
+    forms: Array = np.sum(row * seen, axis=2)[..., None] + 2 * seen[..., grid.columns] @ grid.rows.T + block @ squares
     return forms
