@@ -76,7 +76,7 @@ class Yardstick:
     """Measures a belief against the working volume.
 
     moments : over the volume; unseen : (errors.size, r) factor of C_∞, the machine's own errors
-    left : (errors.size, r) factor of what endless readings leave, what instruments are off by with it
+    left : (errors.size, s) factor of what endless readings leave, what instruments are off by with it
     zeroed : directions x, y, z of the workpiece frame in which a constant shift is not counted
     sample : (m, q) poses of the volume where it is not a box of them; alignment : what probing the part takes off
     """
