@@ -127,27 +127,6 @@ class Covariance:
         change = LowRank(np.diag(weights), h, z, omega, turn / sizes, sizes[:, None] * turn.T)
         return replace(self, factor=taken), change
 
-    def columns_without(self, rows: Array, variances: Array) -> Array:
-        """Return d (n, k) of each number: without it alone the covariance is C + d dᵀ, and J larger by dᵀWd.
-
-        rows : (k, n); variances : (k,)
-        """
-        seen = rows / np.sqrt(variances)[:, None] @ self.factor
-        left = np.maximum(1.0 - np.sum(seen**2, axis=1), _OPEN)
-        columns: Array = self.factor @ (seen / np.sqrt(left)[:, None]).T
-        return columns
-
-    def gains_grown(self, places: Places, columns: Array, reach: Array) -> Array:
-        """Return the gain of readings of one number each, (k,), the i-th under C + d dᵀ with the i-th of columns.
-
-        columns : d (n, k); reach : V d (w, k)
-        """
-        rows, variances, _ = self.rows(places)
-        near, more = rows @ self.factor, np.sum(rows * columns.T, axis=1)
-        far = near @ self.weighted.T + more[:, None] * reach.T
-        gains: Array = np.sum(far**2, axis=1) / (variances + np.sum(near**2, axis=1) + more**2)
-        return gains
-
     def weighed(self, h: Array) -> tuple[Array, Array]:
         """Return C W H (n, k) and Hᵀ W H (k, k).  h : H (n, k)"""
         reach = self.root.of(h)

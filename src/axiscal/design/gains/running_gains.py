@@ -181,10 +181,6 @@ class Scores:
         rows = self._padded(member)
         return self.state.changed(rows, np.full(len(rows), member.variance), leaving=True)
 
-    def columns_without(self, slots: Sequence[int]) -> Array:
-        """Return d (n, k) of each of several readings of one number: without it alone C is C + d dᵀ."""
-        return self.state.columns_without(self._stacked()[list(slots)], self._noises[list(slots)])
-
     def scorer(self) -> Scorer:
         """Return the gains as if no cell had been visited, which are found once until a reading moves."""
         if self._bare is None or self._bare[0] is not self.state:

@@ -6,8 +6,6 @@ lattice by the exact step, under what all the others tell.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-
 import numpy as np
 
 from axiscal.design.gains.candidate_rows import Pool
@@ -17,7 +15,6 @@ from axiscal.design.plan.move_all import moved
 from axiscal.design.plan.patience import Patience, work_of_climb
 from axiscal.design.step.best_step import best_of, climbed_on_chart
 from axiscal.design.step.climb import Climb
-from axiscal.design.step.parked_lines import best_of_each, one_line_each
 from axiscal.design.step.starts_stacked import adds_up
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
@@ -113,43 +110,20 @@ def _move(scores: Scores) -> None:
 
 def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float) -> None:
     """Put the best reading there is, on the lattice or off it, into each slot; work : of one climb, operations"""
-    left, ahead = list(range(len(scores.members))), 1
-    while left and not patience.spent:
-        whole, left, ahead = left[:ahead], left[ahead:], min(2 * ahead, _AHEAD)
-        part = [slot for slot in whole if not scores.held_alone(slot)]
-        for number, found in enumerate(_better(scores, part, allowed)):
-            if patience.spent:
-                return
-            patience.take(work)
-            if found is not None:
-                scores.leave(part[number])
-                scores.enter(found, part[number])
-                left, ahead = whole[whole.index(part[number]) + 1 :] + left, 1
-                break
+    for slot in range(len(scores.members)):
+        if patience.spent:
+            return
+        if scores.held_alone(slot):
+            continue
+        patience.take(work)
+        found = _better(scores, slot, allowed)
+        if found is not None:
+            scores.leave(slot)
+            scores.enter(found, slot)
 
 
-def _better(scores: Scores, slots: Sequence[int], allowed: Allowed) -> Iterator[Places | None]:
-    """Yield the best reading for each slot, each as if it alone was left, or None where none is better."""
-    setups = np.unique(scores.pool.lattice.setups).tolist()
-    together = _small(scores.pool, scores.state.observation) and one_line_each(scores.begun.observation, setups)
-    if together and all(allowed(scores, slot).all() for slot in slots):
-        yield from _better_on_lines(scores, slots, setups)
-    else:
-        yield from (_better_alone(scores, slot, allowed) for slot in slots)
-
-
-def _better_on_lines(scores: Scores, slots: Sequence[int], setups: list[int]) -> Iterator[Places | None]:
-    """Yield the same where one axis moves in each set-up, from one search for all slots."""
-    columns = scores.columns_without(slots)
-    reach = scores.state.root.of(columns)
-    found = best_of_each(scores.scorer(), setups, columns[: scores.pool.size], reach)
-    better = scores.state.gains_grown(found, columns, reach) > np.sum(reach**2, axis=0) * (1 + _BETTER)
-    for index, more in enumerate(better.tolist()):
-        yield found.at(index) if more else None
-
-
-def _better_alone(scores: Scores, slot: int, allowed: Allowed) -> Places | None:
-    """Return the same of one slot."""
+def _better(scores: Scores, slot: int, allowed: Allowed) -> Places | None:
+    """Return the best reading for a slot, or None where none is better than what it holds."""
     gains, _ = scores.without(slot)
     gains = np.where(allowed(scores, slot), gains, -np.inf)
     state, change = scores.known_without(slot)

@@ -3,8 +3,8 @@
     plan = make_plan(task, Limits(readings=40))
     plan.places.poses[0], plan.accuracy.rms, plan.seconds, plan.ratio
 
-The readings are chosen together: the best of what exchange makes of a greedy, a space-filling and an evenly spaced
-design, so that no plan is worse than one of these. While measuring, `renewal.renewed` plans the rest.
+The readings are chosen together: the best of what exchange makes of a greedy, a space-filling, an evenly spaced and the
+best random design, so that no plan is worse than one of these. While measuring, `renewal.renewed` plans the rest.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from axiscal.design.plan.greedy import Setups, Trial, affordable, chosen_setups,
 from axiscal.design.plan.order import arriving, in_order, seconds_each
 from axiscal.design.plan.patience import PATIENCE, Patience
 from axiscal.design.plan.plain_designs import plain_designs
+from axiscal.design.plan.random_starts import best_of_random
 from axiscal.design.plan.shaken import shaken
 from axiscal.design.plan.task import Clock, Limits, Task, clock
 from axiscal.design.plan.within_limits import fitted
@@ -34,6 +35,8 @@ from axiscal.numerics.ties import ALIKE, first_best
 
 Progress = Callable[[str], None]
 
+_RANDOM = 0.05
+"""Share of the patience that random starts may take besides."""
 _ROUNDS = 6
 """Rounds end where no reading moves; this only ends what would go round."""
 
@@ -104,7 +107,7 @@ def make_plan(
     setups = chosen_setups(task, limits, times)
     pool = Pool(task.observation, task.lattice.within(np.isin(task.lattice.setups, setups)), task.memory)
     progress("readings chosen together")
-    trial = _together(task, limits, times, pool, setups)
+    trial = _together(task, limits, times, pool, setups, _RANDOM * patience)
     progress("off the lattice")
     polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
     trial = fitted(task, limits, times, trial)
@@ -128,13 +131,17 @@ def _refuse(task: Task, limits: Limits) -> None:
         raise PlanError(what, "Allow more time, or give a set-up that is mounted faster")
 
 
-def _together(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setups) -> Trial:
-    """Return the best of what exchange makes of several beginnings with the same number of readings per set-up."""
+def _together(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setups, work: float) -> Trial:
+    """Return the best of what exchange makes of several beginnings with the same number of readings per set-up.
+
+    work : operations that random starts may take
+    """
     base, meter = Scores(pool, task.state), RunningAccuracy.of(task.yardstick, task.state.factor)
     greedy = filled(base.fork(), meter, limits, times, setups)
     counts = [(s, int(np.sum(greedy.scores.places.setups == s))) for s in setups]
     trials = [greedy]
-    for begun in plain_designs(task, counts):
+    random = best_of_random(task, counts, work)
+    for begun in [*plain_designs(task, counts), *([] if random is None else [random])]:
         scores = base.fork()
         scores.enter_all(begun)
         trials.append(replace(greedy, scores=scores))

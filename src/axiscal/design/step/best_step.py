@@ -18,7 +18,6 @@ from axiscal.design.gains.gain import Scorer
 from axiscal.design.step.certified_plane import certifiable, certified_gain
 from axiscal.design.step.chart_climb import ROUNDS, ChartClimb
 from axiscal.design.step.climb import Climb
-from axiscal.design.step.parked_lines import parked
 from axiscal.design.step.starts_stacked import adds_up, starts
 from axiscal.design.step.starts_with_levers import dense_starts
 from axiscal.estimation.knowledge import Knowledge
@@ -167,7 +166,11 @@ def _prepared(scorer: Scorer, setup: int) -> Climb:
 
 
 def _parked(scorer: Scorer, setup: int) -> Climb:
-    poses, approaches = parked(scorer.observation.setups[setup])
+    """Return the best reading along the one axis that moves, from every side."""
+    mounted = scorer.observation.setups[setup]
+    poses = np.tile(np.array(mounted.park), (len(mounted.sides), 1))
+    approaches = np.zeros_like(poses)
+    approaches[:, list(mounted.moves)] = np.array(mounted.sides, dtype=float)[:, None]
     climb = Climb(scorer, setup, poses, approaches, np.zeros(len(poses)))
     climb.finish()
     return climb

@@ -7,8 +7,7 @@ add E to the vectors of the levers λ, which are the first of p, and pᵀ(V + E)
 
 from __future__ import annotations
 
-from copy import copy
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,18 +48,6 @@ class LineForms:
     def lines(self) -> int:
         """How many lines there are."""
         return len(self._above)
-
-    def grown(self, near: Array, far: Array, sizes: Array) -> Self:
-        """Return the forms under several covariances C + d dᵀ, those of all lines under the first of them first.
-
-        near, far : (lines, l, s) what the fixed vectors see of each d, and of C W d; sizes : (s,) dᵀWd
-        Where no cell was visited: (C + d dᵀ) W (C + d dᵀ) = C W C + C W d dᵀ + d dᵀW C + d (dᵀWd) dᵀ.
-        """
-        other, (near, far) = copy(self), (part.transpose(2, 0, 1) for part in (near, far))
-        own, crossed = (part[..., :, None] * near[..., None, :] for part in (near, far))
-        above = self._above + crossed + crossed.swapaxes(2, 3) + sizes[:, None, None, None] * own
-        other._above, other._below = (each.reshape(-1, *each.shape[2:]) for each in (above, self._below + own))
-        return other
 
     @property
     def _near(self) -> Array:

@@ -8,7 +8,6 @@ short vector and two small matrices.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -119,23 +118,6 @@ class _Number:
         return np.concatenate([self.far, *(own.vectors.reshape(lines, -1, width) for own in self.own)], axis=1)
 
 
-class GrownLines(Lines):
-    """The same lines under several covariances C + d dᵀ, all of them under the first, then under the next.
-
-    columns : d (n, s); reach : V d (w, s)
-    """
-
-    def __init__(
-        self, scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array, columns: Array, reach: Array
-    ) -> None:
-        super().__init__(scorer, setup, axis, poses, approaches)
-        wider = replace(scorer, both=np.hstack([columns, scorer.both[:, scorer.rank :] @ reach]))
-        ways = directions_of(scorer.observation.setups[setup])
-        seen = [_Number(wider, setup, axis, poses, approaches, way).vectors for way in ways]
-        near, far = np.split(np.concatenate(seen, axis=1), 2, axis=2)
-        self._forms = self._forms.grown(near, far, np.sum(reach**2, axis=0))
-
-
 class SampledLines:
     """The same where no such vectors give the gain: the lever is another function of the axis, as for an instrument
     that looks towards a station, or feet stand aside of the position.
@@ -161,11 +143,11 @@ class SampledLines:
 
 def lines_along(scorer: Scorer, setup: int, axis: int, poses: Array, approaches: Array) -> Lines | SampledLines:
     """Return the lines through poses (lines, q) along an axis."""
-    kind = Lines if straight(scorer.observation, setup, axis) else SampledLines
+    kind = Lines if _straight(scorer.observation, setup, axis) else SampledLines
     return kind(scorer, setup, axis, poses, approaches)
 
 
-def straight(observation: Observation, setup: int, axis: int) -> bool:
+def _straight(observation: Observation, setup: int, axis: int) -> bool:
     """Return whether what a unit of each unknown adds follows from its values at the nodes, looked at in two places."""
     return _straight_on(observation.errors, observation.setups[setup], axis)
 

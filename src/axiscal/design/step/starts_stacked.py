@@ -74,7 +74,7 @@ def _adds_up(errors: ErrorModel, mounted: Setup) -> bool:
 
 def starts(scorer: Scorer, setup: int) -> Starts:
     """Return the points that no neighbour beats on a fine lattice over a set-up that adds up."""
-    stack = _stack(scorer.observation, setup)
+    stack = stack_of(scorer.observation, setup)
     sizes = [len(grid.positions) for grid in stack.grids]
     above, below = stack.tables(scorer)
     if np.prod(sizes) <= _EVERY_POINT:
@@ -89,7 +89,7 @@ def starts(scorer: Scorer, setup: int) -> Starts:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Grid:
+class Grid:
     """Places positions of one axis, (p,), with the sign of the approach, (p,), and what they add.
 
     columns : (c,) of the rows that change along the axis; rows : (p, c); variances : (p,)
@@ -104,12 +104,12 @@ class _Grid:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Stack:
+class Stack:
     """The lattice of one set-up: the row (n,) and variance of the parked pose, and what each axis adds."""
 
     row: Array
     variance: float
-    grids: list[_Grid]
+    grids: list[Grid]
 
     def tables(self, scorer: Scorer) -> tuple[Pairs, Pairs]:
         """Return numerator and denominator of the gain on the tensor lattice."""
@@ -121,15 +121,16 @@ class _Stack:
 
 
 @remembered
-def _stack(observation: Observation, setup: int) -> _Stack:
+def stack_of(observation: Observation, setup: int) -> Stack:
+    """Return the lattice of a set-up that adds up."""
     mounted = observation.setups[setup]
     park = np.array([mounted.park])
     parked = observation.rows(setup, park, np.zeros_like(park))
     row, variance = parked.rows[0], float(parked.variances[0])
-    return _Stack(row, variance, [_grid(observation, setup, axis, row, variance) for axis in mounted.moves])
+    return Stack(row, variance, [_grid(observation, setup, axis, row, variance) for axis in mounted.moves])
 
 
-def _grid(observation: Observation, setup: int, axis: int, parked: Array, variance: float) -> _Grid:
+def _grid(observation: Observation, setup: int, axis: int, parked: Array, variance: float) -> Grid:
     mounted = observation.setups[setup]
     positions = _positions(observation, setup, axis)
     signs = np.full(len(positions), float(mounted.sides[0]))
@@ -141,7 +142,7 @@ def _grid(observation: Observation, setup: int, axis: int, parked: Array, varian
     seen = observation.rows(setup, poses, approaches)
     added = seen.rows - parked
     columns = np.flatnonzero(np.any(added != 0, axis=0))
-    return _Grid(axis, positions, signs, columns, added[:, columns], seen.variances - variance)
+    return Grid(axis, positions, signs, columns, added[:, columns], seen.variances - variance)
 
 
 def _positions(observation: Observation, setup: int, axis: int) -> Array:
