@@ -3,8 +3,8 @@
     plan = make_plan(task, Limits(readings=40))
     plan.places.poses[0], plan.accuracy.rms, plan.seconds, plan.ratio
 
-The readings are chosen together: the best of what exchange makes of a greedy, a space-filling and an evenly spaced
-design, so that no plan is worse than one of these. While measuring, `renewal.renewed` plans the rest.
+The readings are chosen together: the best of what exchange makes of a greedy, a space-filling, an evenly spaced and the
+best random design, so that no plan is worse than one of these. While measuring, `renewal.renewed` plans the rest.
 """
 
 from __future__ import annotations

@@ -26,12 +26,14 @@ _STARTS, _KEPT, _FEWEST = 64, 4, 4
 """Random plans at most; one in so many of them goes on; fewer are not worth the search."""
 _SWEEPS = 16
 """Sweeps that a start takes, roughly: as many starts as there is work for."""
-_ROUNDS, _STALLED = 24, 3
+_ROUNDS, _STALLED = 24, 8
 """How often the best are drawn anew in part, at most and without a better plan."""
 _REDRAWN = 0.05
 """Share of the readings that are drawn anew, one at least: more lose what was found."""
 _SETTLED = 1e-3
 """Share of J that a sweep must gain to be followed by another."""
+_CALLS = 1e6
+"""Operations that the calls into numpy for one reading are worth, however many plans there are."""
 _LEFT = 1e-9
 """Share of a reading's noise: no division by nought where it alone holds an unknown."""
 
@@ -136,7 +138,7 @@ class _Plans:
             if not len(going) or self.patience.spent:
                 return values
             points[going] = self._swept(points[going], c)
-            self.patience.take(len(going) * self.work)
+            self.patience.take(len(going) * self.work + len(self._setups) * _CALLS)
 
     def _swept(self, points: Points, c: Array) -> Points:
         """Return the plans after every coordinate of every reading was exchanged once.  c : C of each"""
