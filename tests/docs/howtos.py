@@ -16,6 +16,7 @@ from axiscal.cli.app import run
 from axiscal.compensation.export_options import ExportOptions
 from axiscal.compensation.registry import export
 from axiscal.description.campaign import read_campaign
+from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.place import Place
 from axiscal.report.arrow_pictures import volume_panels
@@ -74,17 +75,29 @@ def draw_tour(folder: Path) -> None:
     with Campaign.open(folder / "rehearsal" / "campaign.axiscal", write=False) as campaign:
         known = campaign.concluded()
         summary = summarise(campaign, known, Extras())
-    tables = export(known.estimate(), "linuxcnc", ExportOptions())
-    panels = volume_panels(volume_error(known, "linuxcnc", tables.control))
+    _keep_volume("volume.svg", known, "linuxcnc")
+    curve = next(curve for curve in summary.curves if curve.name == "EXX")
+    figure = groups([curve])[0].rows[0][0].figure
+    _keep("curve.svg", paper_svg(figure, 700))
+
+
+def draw_demo(folder: Path) -> None:
+    """Draw the error of the volume as the report of the demo has it.  folder : where its results go"""
+    run(["demo", "--out", str(folder)])
+    with Campaign.open(folder / "campaign.axiscal", write=False) as campaign:
+        _keep_volume("demo.svg", campaign.concluded(), "linuxcnc-volumetric")
+
+
+def _keep_volume(name: str, known: Estimation, controller: str) -> None:
+    """Write the panels of the volume beside each other: as found, as left by tables, how well known."""
+    tables = export(known.estimate(), controller, ExportOptions())
+    panels = volume_panels(volume_error(known, controller, tables.control))
     beside = "".join(
         f'<g transform="translate({300 * k} 0)">{panel.svg}<text x="10" y="14" font-size="13">{panel.name}</text></g>'
         for k, panel in enumerate(panels)
     )
     whole = alone(f'<svg viewBox="0 0 900 320" width="900" height="320">{beside}</svg>')
-    _keep("volume.svg", whole)
-    curve = next(curve for curve in summary.curves if curve.name == "EXX")
-    figure = groups([curve])[0].rows[0][0].figure
-    _keep("curve.svg", paper_svg(figure, 700))
+    _keep(name, whole)
 
 
 def _keep(name: str, svg: str) -> None:
@@ -102,6 +115,8 @@ def main() -> None:
                 draw_tour(Path(folder))
             else:
                 draw(page, Path(folder))
+    with TemporaryDirectory() as folder:
+        draw_demo(Path(folder))
 
 
 if __name__ == "__main__":

@@ -17,6 +17,8 @@ import axiscal
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "axiscal"
 LINES = 400
+WORDS = {"README.md": 450, "CHANGELOG.md": 1500}
+"""What somebody reads before deciding to stay, and before deciding to update."""
 
 # Spelt in halves, so that this file does not contain what it looks for.
 REGISTRIES = [
@@ -160,6 +162,11 @@ def _pickling(tree: ast.Module) -> Iterator[str]:
 def test_files_stay_small() -> None:
     lengths = {path.relative_to(ROOT): len(_text(path).splitlines()) for path in PACKAGE.rglob("*.py")}
     assert {path: length for path, length in lengths.items() if length > LINES} == {}
+
+
+@pytest.mark.parametrize("page", WORDS)
+def test_first_pages_stay_short(page: str) -> None:
+    assert len((ROOT / page).read_text(encoding="utf-8").split()) <= WORDS[page]
 
 
 def test_nothing_names_a_registry_or_a_workplace() -> None:

@@ -1,4 +1,4 @@
-"""`axiscal accept`."""
+"""`axiscal step accept`."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ def accept(
     setup: Annotated[str | None, typer.Option(metavar="NAME", help="Whose readings, where several are named.")] = None,
     json: Json = False,
 ) -> None:
-    """Accept a mistake that the readings name: what follows sees them without it. undo takes it back.
+    """Accept a mistake that the readings name.
 
-    Readings that contradict each other name mistakes that explain it at more than 20 : 1. Readings that come later are
-    taken as they are read.
+    What follows sees the readings without it; undo takes it back. Readings that contradict each other name mistakes
+    that explain it at more than 20 : 1. Readings that come later are taken as they are read.
 
     \b
     Examples:
-      axiscal accept mill.axiscal
-      axiscal accept mill.axiscal jump
+      axiscal step accept mill.axiscal
+      axiscal step accept mill.axiscal jump
     """
     if cause is None:
         with Campaign.open(record, write=False) as campaign:

@@ -1,4 +1,4 @@
-"""`axiscal adopt`."""
+"""`axiscal shop adopt`."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ def adopt(
     ] = False,
     json: Json = False,
 ) -> None:
-    """Take the readings of a branch over into the campaign that it left; the branch stays as it is.
+    """Take the readings of a branch over into its campaign.
 
-    They come behind those of the campaign, as readings that were given. What was planned, asked and taken back there
-    stays there. Given again, it takes only what has been read since.
+    The branch stays as it is. Its readings come behind those of the campaign, as readings that were given. What was
+    planned, asked and taken back there stays there. Given again, it takes only what has been read since.
 
     \b
     Example:
-      axiscal adopt store:mill-7 store:3f2a91c4-07de
+      axiscal shop adopt store:mill-7 store:3f2a91c4-07de
     """
     if same_mounting and mounted_anew:
         raise typer.BadParameter("Say --same-mounting or --mounted-anew, not both.")

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from axiscal.cli.commands import LazyGroup
+from axiscal.cli.commands import AllCommands
 from axiscal.cli.printing import complain, say
 from axiscal.exceptions import AxiscalError
 
@@ -18,7 +18,7 @@ INTERRUPTED = 130
 
 app = typer.Typer(
     name="axiscal",
-    cls=LazyGroup,
+    cls=AllCommands,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
     add_completion=True,
@@ -33,7 +33,7 @@ def axiscal(version: Annotated[bool, typer.Option("--version", help="Print the v
 
     \b
     Example: the loop with a person
-      axiscal start campaign.toml mill.axiscal
+      axiscal step start campaign.toml mill.axiscal
       axiscal measure mill.axiscal
       axiscal finish mill.axiscal --out results
 

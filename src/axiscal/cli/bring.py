@@ -1,4 +1,4 @@
-"""`axiscal bring`."""
+"""`axiscal shop bring`."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ def bring(
     records: Annotated[list[Path], typer.Argument(metavar="RECORD...", help="Records, files *.axiscal.")],
     json: Json = False,
 ) -> None:
-    """Bring records that were measured elsewhere, on a laptop's own disk, into the shop's folder.
+    """Bring records from a laptop into the shop's folder.
 
     A record that is there already goes on to what is brought, whatever its name; nothing is ever overwritten by less,
     and one that has gone on by itself in the folder is left and named. Two campaigns of the same name both find room.
 
     \b
     Example:
-      axiscal bring /srv/records mill.axiscal results/campaign.axiscal
+      axiscal shop bring /srv/records mill.axiscal results/campaign.axiscal
     """
     done, faults = list[tuple[Path, Brought]](), list[RecordError]()
     for record in records:

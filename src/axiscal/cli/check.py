@@ -1,4 +1,4 @@
-"""`axiscal check`."""
+"""`axiscal shop check`."""
 
 from __future__ import annotations
 
@@ -45,16 +45,17 @@ def check(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Say by a dozen readings whether a machine is still as its last campaign left it, or is to be measured again.
+    """Check by a dozen readings whether a machine has changed.
 
-    First it says where: the places that tell most of a machine that has changed since. Then it judges the readings:
-    out of order is what a machine that changes as is usual would read in less than one of a hundred cases.
+    It says whether the machine is still as its last campaign left it, or needs a new campaign. First it names
+    the places that tell most of a machine that has changed since. Then it judges the readings: out of order is what a
+    machine that changes as is usual would read in less than one of a hundred cases.
 
     \b
     Examples:
-      axiscal check mill.axiscal --plan check.csv
-      axiscal check mill.axiscal check.csv
-      axiscal check mill.axiscal check.csv --tables sinumerik
+      axiscal shop check mill.axiscal --plan check.csv
+      axiscal shop check mill.axiscal check.csv
+      axiscal shop check mill.axiscal check.csv --tables sinumerik
     """
     with Campaign.open(record, write=False) as campaign:
         begun = datetime.fromisoformat(campaign.begun)

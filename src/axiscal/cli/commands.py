@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import gc
+from collections.abc import Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -14,61 +15,92 @@ from typing import Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-_FILES = {
-    "demo": "demo",
+_MAIN = {
     "init": "init",
-    "schema": "schema",
     "plan": "plan",
-    "start": "start",
     "measure": "measure",
     "serve": "serve",
+    "finish": "finish",
+    "export": "export",
+    "verify": "verify",
+    "report": "report",
+    "demo": "demo",
+    "fleet": "fleet",
+}
+"""In the order of `--help`. A file holds a function of its own name; one of several commands also holds their `app`."""
+_STEP = {
+    "start": "start",
     "next": "next_reading",
     "record": "record",
     "undo": "undo",
     "accept": "accept",
     "note": "note",
     "status": "status",
-    "finish": "finish",
     "run": "run_loop",
+}
+_DATA = {
     "estimate": "estimate",
+    "iso230": "iso230",
     "predict": "predict",
-    "export": "export",
-    "verify": "verify",
-    "report": "report",
     "copy": "copy_record",
     "salvage": "salvage",
-    "iso230": "iso230",
+    "schema": "schema",
     "reproduce": "reproduce",
-    "machine": "machine",
-    "type": "type",
-    "fleet": "fleet",
-    "bring": "bring",
-    "sync": "sync",
-    "adopt": "adopt",
-    "due": "due",
-    "check": "check",
-    "study": "study",
 }
-"""In the order of `--help`. A file holds a function of its own name; one of several commands also holds their `app`."""
+_SHOP = {"bring": "bring", "sync": "sync", "adopt": "adopt", "type": "type", "due": "due", "check": "check"}
+_GROUPS: Mapping[str, tuple[str, Mapping[str, str]]] = {
+    "step": ("Take one step of a campaign per command, as scripts do.", _STEP),
+    "data": ("Work on readings, records and poses in files.", _DATA),
+    "shop": ("Keep many machines: one store, types, when each is due.", _SHOP),
+}
+_MORE = {"machine": "machine", "study": "study"}
+_UNGROUPED = {**_STEP, **_DATA, **_SHOP}
+"""The names that commands had before there were groups: they work, and no help lists them."""
 
 
-class LazyGroup(TyperGroup):
-    """The commands of all files."""
+class _LazyGroup(TyperGroup):
+    """Commands, each loaded from its file when it is called.
 
-    def __init__(self, **attributes: Any) -> None:
+    files : the file of each command
+    """
+
+    def __init__(self, files: Mapping[str, str], **attributes: Any) -> None:
         super().__init__(**attributes)
-        self.commands = dict.fromkeys(_FILES, TyperCommand("not loaded"))
+        self.files = files
+        self.commands = dict.fromkeys(files, TyperCommand("not loaded"))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a command by its name, loaded now; None if there is no such command."""
-        return _command(cmd_name, _FILES[cmd_name]) if cmd_name in _FILES else None
+        return _command(cmd_name, self.files[cmd_name]) if cmd_name in self.files else None
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the list of commands into the help, each with the first sentence that its file says of it."""
-        limit = formatter.width - 6 - max(map(len, _FILES))
-        read = {name: TyperCommand(name, help=_docstring(file)) for name, file in _FILES.items()}
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, command.get_short_help_str(limit)) for name, command in read.items()])
+        _write(formatter, "Commands", _summaries(self.files))
+
+
+class AllCommands(_LazyGroup):
+    """The commands of all files: ten that a calibration needs, the others in groups."""
+
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__({**_MAIN, **_MORE, **_UNGROUPED}, **attributes)
+        self.commands.update(dict.fromkeys(_GROUPS, TyperCommand("not loaded")))
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names that help and completion show."""
+        return [*_MAIN, *_GROUPS, *_MORE]
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command or group by its name, loaded now; None if there is no such command."""
+        if cmd_name not in _GROUPS:
+            return super().get_command(ctx, cmd_name)
+        text, files = _GROUPS[cmd_name]
+        return _LazyGroup(files, name=cmd_name, help=text, rich_markup_mode=None, no_args_is_help=True)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write both lists into the help, each command with the first sentence that its file says of it."""
+        _write(formatter, "Commands", _summaries(_MAIN))
+        groups = [(name, text) for name, (text, _) in _GROUPS.items()]
+        _write(formatter, "More commands, in groups", [*groups, *_summaries(_MORE)])
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was called; each is a door of planning or estimating."""
@@ -89,6 +121,15 @@ def _command(name: str, file: str) -> Any:
     alone = typer.Typer(rich_markup_mode=None, add_completion=False)
     alone.command(name)(getattr(module, file))
     return typer.main.get_command(alone)
+
+
+def _write(formatter: Any, title: str, rows: Iterable[tuple[str, str]]) -> None:
+    with formatter.section(title):
+        formatter.write_dl(list(rows))
+
+
+def _summaries(files: Mapping[str, str]) -> list[tuple[str, str]]:
+    return [(name, _docstring(file).splitlines()[0]) for name, file in files.items()]
 
 
 def _docstring(file: str) -> str:

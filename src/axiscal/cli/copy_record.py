@@ -1,4 +1,4 @@
-"""`axiscal copy`."""
+"""`axiscal data copy`."""
 
 from __future__ import annotations
 
@@ -25,13 +25,14 @@ def copy_record(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Copy a record, checked and whole, also while another command is writing to it.
+    """Copy a record, checked and whole.
 
-    The copy takes the place of an earlier copy of the same record, and of nothing else.
+    Another command may be writing to it. The copy takes the place of an earlier copy of the same record, and of nothing
+    else.
 
     \b
     Example:
-      axiscal copy mill.axiscal /media/stick
+      axiscal data copy mill.axiscal /media/stick
     """
 
     name = file_name(record).name

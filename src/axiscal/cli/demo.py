@@ -27,10 +27,10 @@ def demo(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path("axiscal-demo"),
     details: Details = False,
 ) -> None:
-    """Do the whole job on a built-in five-axis machine whose hidden errors come from real measured curves.
+    """Calibrate a built-in five-axis machine, from plan to report.
 
-    It plans, measures on a virtual machine, estimates, stops, writes tables and a report, and says what was promised
-    and what was reached.
+    Its hidden errors come from measured curves. It plans, measures on a virtual machine, estimates, stops, writes
+    tables and a report, and says what was promised and what was reached.
 
     \b
     Example:

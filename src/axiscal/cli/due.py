@@ -1,4 +1,4 @@
-"""`axiscal due`."""
+"""`axiscal shop due`."""
 
 from __future__ import annotations
 
@@ -46,18 +46,19 @@ def due(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Say when each machine is due: how far off it is by now with the tables of its last campaign, and until when.
+    """Say when each machine is due for calibration.
 
-    How much a machine changes, at once and with the years, is learnt from machines that were measured again: records
-    with the same `serial` in machine.toml. Where none was, nine tenths are taken to be kept, and as much in a year.
+    It says how far off each is by now with the tables of its last campaign, and until when that will do. How much a
+    machine changes, at once and with the years, is learnt from machines that were measured again: records with the same
+    `serial` in machine.toml. Where none was, nine tenths are taken to be kept, and as much in a year.
 
     \b
     Examples:
-      axiscal due records
-      axiscal due records --target "4 um" --calendar due.ics
-      axiscal due store: --tables sinumerik
-      axiscal due records --tolerance "20 um" --again
-      axiscal due records --type vmc600.type.json
+      axiscal shop due records
+      axiscal shop due records --target "4 um" --calendar due.ics
+      axiscal shop due store: --tables sinumerik
+      axiscal shop due records --tolerance "20 um" --again
+      axiscal shop due records --type vmc600.type.json
     """
     rms, worst = (None if each is None else positive_length(each) for each in (target, tolerance))
     taught = None if of_type is None else type_prior(carried_text(of_type))

@@ -1,4 +1,4 @@
-"""`axiscal estimate`."""
+"""`axiscal data estimate`."""
 
 from __future__ import annotations
 
@@ -57,9 +57,9 @@ def estimate(
 
     \b
     Examples:
-      axiscal estimate campaign.toml readings.csv --out results
-      axiscal estimate campaign.toml readings.csv --compensation-active false --out results
-      axiscal estimate campaign.toml --log axiscal_3F2A9C01.txt --programs programs --out results
+      axiscal data estimate campaign.toml readings.csv --out results
+      axiscal data estimate campaign.toml readings.csv --compensation-active false --out results
+      axiscal data estimate campaign.toml --log axiscal_3F2A9C01.txt --programs programs --out results
     """
 
     description = campaign_with_sisters(campaign, target_needed=False, asking=False, told=tell)

@@ -99,9 +99,10 @@ def export(
     anyway: Anyway = False,
     json: Json = False,
 ) -> None:
-    """Write compensation files for a control, read back and tried in a simulated one before they are offered.
+    """Write compensation files for a control.
 
-    Each says what it holds, what was left out, and how much error that leaves.
+    They are read back and tried in a simulated control first. Each says what it holds, what was left out, and how much
+    error that leaves.
 
     \b
     Examples:

@@ -34,11 +34,11 @@ def fleet(
     ] = None,
     json: Json = False,
 ) -> None:
-    """List the records of a shop: which machine, when, how well it was known, against which target, by which digest.
+    """List the records of a shop.
 
-    An index is kept beside the records, `.fleet.sqlite`, so that each is read and estimated only once; it can be thrown
-    away. That of a store is in the user's folder for caches. Records that are damaged, no records, or the same as
-    another are named with the reason.
+    Each line has machine, day, accuracy, target, and the digest of the record. An index is kept beside the records,
+    `.fleet.sqlite`, so that each is read and estimated only once; it can be thrown away. That of a store is in the
+    user's folder for caches. Records that are damaged, no records, or the same as another are named with the reason.
 
     The page shows what is left with each machine's tables from campaign to campaign, when it is due, what the campaigns
     found with 95 % bands, figures of ISO 230-2 where readings are such a test, and what was noted.

@@ -48,11 +48,12 @@ def init(
     ] = 0,
     language: Language = None,
 ) -> None:
-    """Write a first machine.toml and campaign.toml, with a word on every line; ask for what is not given.
+    """Write a first machine.toml and campaign.toml.
 
-    From a built-in machine, or from the INI file of a LinuxCNC: axes, limits, units, speeds, kinematics with their
-    pivots, joints, and whether tables or backlash are active. What the INI cannot say is marked CHECK. The JSON schemas
-    beside the files let editors complete and check while you write. Nothing is written over.
+    Every line has a word of explanation; the command asks for what is not given. From a built-in machine, or from the
+    INI file of a LinuxCNC: axes, limits, units, speeds, kinematics with their pivots, joints, and whether tables or
+    backlash are active. What the INI cannot say is marked CHECK. The JSON schemas beside the files let editors complete
+    and check while you write. Nothing is written over.
 
     \b
     Examples:

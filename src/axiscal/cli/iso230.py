@@ -1,4 +1,4 @@
-"""`axiscal iso230`."""
+"""`axiscal data iso230`."""
 
 from __future__ import annotations
 
@@ -52,7 +52,9 @@ def iso230(
     readings: Annotated[Path, typer.Argument(metavar="READINGS.csv", help="The test; its columns say which one.")],
     json: Json = False,
 ) -> None:
-    """Print the figures of ISO 230: of an axis, a circle, diagonals, a spindle; of axes together, ISO 10791-6.
+    """Print the figures of ISO 230 and ISO 10791-6.
+
+    The columns say what was tested: an axis, a circle, diagonals, a spindle, or axes together.
 
     Positioning, ISO 230-2: target_mm, direction (+ or -), run, deviation_um; target_deg and deviation_arcsec for a
     rotary axis; a Renishaw .rtl file of a linear axis does as well. Behind ± stands how far each figure scatters when
@@ -64,7 +66,7 @@ def iso230(
 
     \b
     Example:
-      axiscal iso230 readings.csv
+      axiscal data iso230 readings.csv
     """
 
     found = figures_of(readings)

@@ -19,7 +19,7 @@ app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, add_completion=Fa
 
 @app.callback()
 def machine() -> None:
-    """The built-in machines, and a description of your own checked."""
+    """List the built-in machines; check your own description."""
 
 
 @app.command("list")
@@ -42,7 +42,7 @@ def list_machines(json: Json = False) -> None:
 
 @app.command("show")
 def show(name: Annotated[str, typer.Argument(metavar="NAME", help="A built-in machine.")]) -> None:
-    """Print the description of a built-in machine, to be copied and changed.
+    """Print a built-in description, to be copied and changed.
 
     \b
     Example:
@@ -57,7 +57,9 @@ def check(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A machine description, or a built-in name.")],
     json: Json = False,
 ) -> None:
-    """Check a description, and say which combinations of its errors no reading of the tool point can tell apart.
+    """Check a description of a machine.
+
+    It says which combinations of its errors no reading of the tool point can tell apart.
 
     \b
     Example:

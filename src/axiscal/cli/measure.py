@@ -25,10 +25,10 @@ def measure(
     ] = None,
     language: Language = None,
 ) -> None:
-    """Take the readings of a campaign at one prompt: where to go, what to expect, type what you read.
+    """Take the readings of a campaign at one prompt.
 
-    Each reading is on the disk before the next question is shown. Type ? for help, pause to stop for now; at the end
-    the results are written.
+    It says where to go and what to expect; you type what you read. Each reading is on the disk before the next question
+    is shown. Type ? for help, pause to stop for now; at the end the results are written.
 
     \b
     Examples:

@@ -1,4 +1,4 @@
-"""`axiscal next`."""
+"""`axiscal step next`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def next_reading(
 
     \b
     Example:
-      axiscal next mill.axiscal
+      axiscal step next mill.axiscal
     """
 
     with opened_to_write(record) as campaign:

@@ -1,4 +1,4 @@
-"""`axiscal note`."""
+"""`axiscal step note`."""
 
 from __future__ import annotations
 
@@ -21,13 +21,14 @@ def note(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Keep a sentence in the record: who measured, how warm it was, what was repaired.
+    """Keep a sentence in the record.
 
-    It changes nothing that is computed, is shown by `axiscal status`, and may come after the end of the campaign.
+    Such as who measured, how warm it was, or what was repaired. It changes nothing that is computed, is shown by
+    `axiscal status`, and may come after the end of the campaign.
 
     \b
     Example:
-      axiscal note mill.axiscal "new ball screw X" --renewed X
+      axiscal step note mill.axiscal "new ball screw X" --renewed X
     """
     with opened_to_write(record) as campaign:
         for axis in renewed or ():

@@ -111,11 +111,12 @@ def plan(
     ] = 1000,
     json: Json = False,
 ) -> None:
-    """Plan a calibration: which readings, in which order, how long, how good, and how far from the best possible.
+    """Plan which readings to take, and say how good they make it.
 
-    Without options the campaign's own target holds. --readings and --budget plan for the best that so many readings, or
-    so much time, can bring; --target alone plans within the campaign's own readings and budget. --clearance, --order,
-    --feed and --dwell go before what [programs] of the campaign says. Nothing is recorded.
+    It gives their order, the minutes, and the distance from the best possible plan. Without options the campaign's own
+    target holds. --readings and --budget plan for the best that so many readings, or so much time, can bring; --target
+    alone plans within the campaign's own readings and budget. --clearance, --order, --feed and --dwell go before what
+    [programs] of the campaign says. Nothing is recorded.
 
     \b
     Examples:

@@ -1,4 +1,4 @@
-"""`axiscal predict`."""
+"""`axiscal data predict`."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ def predict(
     poses: Annotated[Path, typer.Argument(metavar="POSES.csv", help="Columns X_mm, ... C_deg, and optional approach.")],
     json: Json = False,
 ) -> None:
-    """Say what the TCP deviation is at poses: mean and standard deviation along x, y, z of the workpiece frame.
+    """Say how far off the tool is at poses.
 
-    Axes that are left out stand at the middle of their travel.
+    Mean and standard deviation of the tool point along x, y, z of the workpiece frame. Axes that are left out stand at
+    the middle of their travel.
 
     \b
     Example:
-      axiscal predict mill.axiscal poses.csv --json
+      axiscal data predict mill.axiscal poses.csv --json
     """
 
     wanted = read_poses(poses)

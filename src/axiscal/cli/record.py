@@ -1,4 +1,4 @@
-"""`axiscal record`."""
+"""`axiscal step record`."""
 
 from __future__ import annotations
 
@@ -46,24 +46,24 @@ def record(
     then_next: Annotated[bool, typer.Option("--next", help="Then say which reading comes next.")] = False,
     json: Json = False,
 ) -> None:
-    """Keep a reading: actual minus commanded, along (about) the set-up's direction.
+    """Keep a reading: actual minus commanded.
 
-    It is on the disk when the command ends. Values may be negative: "-1.7 um" is no option. A reading that the others
-    contradict is kept but not used, and the answer says so: take it back with undo and read again, or record it with
-    --accept if it is right.
+    A value is positive along (about) the set-up's direction. It is on the disk when the command ends. Values may be
+    negative: "-1.7 um" is no option. A reading that the others contradict is kept but not used, and the answer says so:
+    take it back with undo and read again, or record it with --accept if it is right.
 
     --log keeps all readings of a log that measuring programs have written (axiscal plan --gcode CONTROLLER --log).
 
     \b
     Examples:
-      axiscal record mill.axiscal "-1.7 um"
-      axiscal record mill.axiscal 2.1um --std 0.2um
-      axiscal record mill.axiscal "0.8 um" --at "X=120 mm" --setup "laser along X" --approach X+
-      axiscal record mill.axiscal "0.4 um" --next
-      axiscal record mill.axiscal "1.2 -0.4 0.8 um"      x, y and z of a sphere
-      axiscal record mill.axiscal --log axiscal_3F2A9C01.txt --programs programs
-      axiscal record mill.axiscal --skip "the beam is blocked here"
-      axiscal record mill.axiscal --leave "the laser has to go back"
+      axiscal step record mill.axiscal "-1.7 um"
+      axiscal step record mill.axiscal 2.1um --std 0.2um
+      axiscal step record mill.axiscal "0.8 um" --at "X=120 mm" --setup "laser along X" --approach X+
+      axiscal step record mill.axiscal "0.4 um" --next
+      axiscal step record mill.axiscal "1.2 -0.4 0.8 um"      x, y and z of a sphere
+      axiscal step record mill.axiscal --log axiscal_3F2A9C01.txt --programs programs
+      axiscal step record mill.axiscal --skip "the beam is blocked here"
+      axiscal step record mill.axiscal --leave "the laser has to go back"
     """
 
     text = " ".join(value or [])

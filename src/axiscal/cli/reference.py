@@ -34,7 +34,8 @@ def _helps(command: Any, path: str, parent: Any) -> Iterator[tuple[str, str]]:
         command, info_name=path.rpartition(" ")[2], parent=parent, terminal_width=WIDTH, max_content_width=WIDTH
     )
     yield path, command.get_help(context)
-    for name in getattr(command, "commands", {}):
+    names = command.list_commands(context) if hasattr(command, "list_commands") else []
+    for name in names:
         yield from _helps(command.get_command(context, name), f"{path} {name}", context)
 
 

@@ -27,10 +27,11 @@ def report(
     ] = None,
     language: ReportLanguage = None,
 ) -> None:
-    """Write the report of a campaign, finished or not: one page that needs no network, a PDF, or a certificate.
+    """Write the report of a campaign, finished or not.
 
-    FILE.xml is a Digital Calibration Certificate (DCC 3.3.0), without signature and seal: whoever is responsible adds
-    them. With --schema it is compared with PTB's schema, which has to be at hand.
+    The report is a page that needs no network, a PDF, or a certificate. FILE.xml is a Digital Calibration Certificate
+    (DCC 3.3.0), without signature and seal: whoever is responsible adds them. With --schema it is compared with PTB's
+    schema, which has to be at hand.
 
     The page and the PDF are in the language that --language or AXISCAL_LANGUAGE names, else in that of campaign.toml
     ([report] language), else in English; the certificate is in English.

@@ -1,4 +1,4 @@
-"""`axiscal reproduce`."""
+"""`axiscal data reproduce`."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ Folder = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folde
 
 
 def reproduce(out: Folder = None, json: Json = False) -> None:
-    """Simulate again what the source paper simulated, and draw its figures 4 to 7.
+    """Simulate the source paper again and draw its figures 4 to 7.
 
     Then figures 6 and 7 again where a joint turns far, two joints act together, or a station is unknown.
 
     \b
     Example:
-      axiscal reproduce --out paper
+      axiscal data reproduce --out paper
     """
 
     experiment, found = run(), beyond()

@@ -1,4 +1,4 @@
-"""`axiscal run`."""
+"""`axiscal step run`."""
 
 from __future__ import annotations
 
@@ -44,14 +44,15 @@ def run_loop(
     details: Details = False,
     json: Json = False,
 ) -> None:
-    """Run the whole loop without a person: ask, read from SOURCE, until a target is reached.
+    """Run the whole loop without a person.
 
-    Every reading is on the disk before the next one is asked for; after Ctrl-C or a source that dies, --resume goes on.
+    It asks and reads from SOURCE until a target is reached. Every reading is on the disk before the next one is asked
+    for; after Ctrl-C or a source that dies, --resume goes on.
 
     \b
     Examples:
-      axiscal run campaign.toml --source sim:7 --out results
-      axiscal run campaign.toml --source "exec:./laser.py --port 3" --out results
+      axiscal step run campaign.toml --source sim:7 --out results
+      axiscal step run campaign.toml --source "exec:./laser.py --port 3" --out results
     """
 
     description, seconds = read_campaign(campaign), parse_quantity(timeout, "time")

@@ -1,4 +1,4 @@
-"""`axiscal schema`."""
+"""`axiscal data schema`."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from axiscal.description.file_schemas import SCHEMAS
 def schema(
     file: Annotated[str, typer.Argument(metavar="FILE", help=f"Which file: {' or '.join(SCHEMAS)}.")],
 ) -> None:
-    """Print the JSON schema of machine.toml or campaign.toml, by which editors complete and check.
+    """Print the JSON schema of machine.toml or campaign.toml.
+
+    Editors complete and check both files by it.
 
     \b
     Example:
-      axiscal schema campaign > campaign.schema.json
+      axiscal data schema campaign > campaign.schema.json
     """
     if file not in SCHEMAS:
         raise typer.BadParameter(f"there are schemas of {' and '.join(SCHEMAS)}")

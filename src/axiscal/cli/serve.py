@@ -19,7 +19,7 @@ def serve(
     ] = 0,
     language: Language = None,
 ) -> None:
-    """Take the readings of a campaign on a page in the browser, until Ctrl-C.
+    """Take the readings of a campaign on a page in the browser.
 
     The page is for this computer only; its address holds a token that is new at every start. Several windows, and
     `axiscal measure` beside them, may be open at once: each reading is on the disk before the next one is asked for.

@@ -1,4 +1,4 @@
-"""`axiscal start`."""
+"""`axiscal step start`."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ def start(
     compensation_active: Active = None,
     json: Json = False,
 ) -> None:
-    """Begin a campaign with a person at the machine: make its record.
+    """Begin a campaign: make its record.
 
     The record carries both descriptions; later changes of the files do not touch it. Where nobody has said whether a
     compensation is active on the control, a person at a terminal is asked.
 
     \b
     Examples:
-      axiscal start campaign.toml mill.axiscal
-      axiscal start campaign.toml mill.axiscal --compensation-active machine.ini
+      axiscal step start campaign.toml mill.axiscal
+      axiscal step start campaign.toml mill.axiscal --compensation-active machine.ini
     """
 
     if record is not None and out is not None:

@@ -1,4 +1,4 @@
-"""`axiscal status`."""
+"""`axiscal step status`."""
 
 from __future__ import annotations
 
@@ -19,11 +19,13 @@ from axiscal.units import format_quantity, to_unit
 
 
 def status(record: OwnRecord, details: Details = False, json: Json = False) -> None:
-    """Say where a campaign stands: readings, accuracy, minutes, what was skipped, what is asked.
+    """Say where a campaign stands.
+
+    It shows readings, accuracy, minutes, skipped readings, and the question that is open.
 
     \b
     Example:
-      axiscal status mill.axiscal
+      axiscal step status mill.axiscal
     """
 
     with Campaign.open(record, write=False) as campaign:

@@ -59,11 +59,11 @@ def study(
     ] = False,
     json: Json = False,
 ) -> None:
-    """Measure many virtual machines in many ways, and say which set-up pays.
+    """Find by virtual machines which set-up pays.
 
-    STUDY names a campaign, which of its keys vary, and how many virtual machines each way is tried on. Every result is
-    on the disk at once: after Ctrl-C, or anything worse, --resume goes on. DIR gets study.sqlite while it runs, then
-    study.html and cases.csv (cases.parquet where pyarrow is installed).
+    It measures many virtual machines in many ways. STUDY names a campaign, which of its keys vary, and how many virtual
+    machines each way is tried on. Every result is on the disk at once: after Ctrl-C, or anything worse, --resume goes
+    on. DIR gets study.sqlite while it runs, then study.html and cases.csv (cases.parquet where pyarrow is installed).
 
     \b
     Examples:

@@ -1,4 +1,4 @@
-"""`axiscal sync`."""
+"""`axiscal shop sync`."""
 
 from __future__ import annotations
 
@@ -34,15 +34,16 @@ def sync(
     ] = False,
     json: Json = False,
 ) -> None:
-    """Bring a laptop's record and the shop's store together, whichever of them has gone on; nothing is ever lost.
+    """Bring a laptop's record and the shop's store together.
 
-    Where both have gone on by themselves, the laptop's part becomes a branch, a campaign of its own: nothing is merged,
-    for plan, question and undo are about an order. What is measured on the laptop later goes there, too.
+    Either may have gone on; nothing is ever lost. Where both have gone on by themselves, the laptop's part becomes a
+    branch, a campaign of its own: nothing is merged, for plan, question and undo are about an order. What is measured
+    on the laptop later goes there, too.
 
     \b
     Examples:
-      axiscal sync --prepare --store postgresql://keeper@server/shop
-      axiscal sync mill.axiscal
+      axiscal shop sync --prepare --store postgresql://keeper@server/shop
+      axiscal shop sync mill.axiscal
     """
     database = opened_database(store_address(store))
     try:

@@ -1,4 +1,4 @@
-"""`axiscal type learn / explain / rehearse`."""
+"""`axiscal shop type learn / explain / rehearse`."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ Page = Annotated[Path | None, typer.Option("--page", metavar="FILE.html", help="
 
 @app.callback()
 def type() -> None:
-    """What machines of one type teach the next one."""
+    """Learn from machines of one type what the next is like."""
 
 
 @app.command("learn")
@@ -59,16 +59,16 @@ def learn(
     page: Page = None,
     json: Json = False,
 ) -> None:
-    """Learn from records of machines of one type what the next one will be like.
+    """Learn from records what the next machine will be like.
 
     What counts are the readings, never what was concluded from them: a record measured with such a prior teaches the
     same. Records that cannot be used are left out and named. The file goes into a campaign: prior = "vmc600.type.json".
 
     \b
     Examples:
-      axiscal type learn records --out vmc600.type.json
-      axiscal type learn records/*.axiscal --out vmc600.type.json --page vmc600.html
-      axiscal type learn store: --of VMC-600 --out vmc600.type.json
+      axiscal shop type learn records --out vmc600.type.json
+      axiscal shop type learn records/*.axiscal --out vmc600.type.json --page vmc600.html
+      axiscal shop type learn store: --of VMC-600 --out vmc600.type.json
     """
     if not 0 < doubt < 1:
         raise typer.BadParameter("a doubt lies between 0 and 1", param_hint="--doubt")
@@ -94,12 +94,14 @@ def explain(
     page: Page = None,
     json: Json = False,
 ) -> None:
-    """Say which records count and why others do not, what was learnt, and what it saves a campaign.
+    """Say what was learnt from which records.
+
+    It says, too, why other records do not count, and what a campaign saves.
 
     \b
     Examples:
-      axiscal type explain vmc600.type.json
-      axiscal type explain vmc600.type.json --campaign campaign.toml --page vmc600.html
+      axiscal shop type explain vmc600.type.json
+      axiscal shop type explain vmc600.type.json --campaign campaign.toml --page vmc600.html
     """
     described = None if campaign is None else read_campaign(campaign)
     if len(source) == 1 and source[0].suffix == ".json":
@@ -193,12 +195,14 @@ def rehearse(
     seed: Annotated[int, typer.Option(metavar="N", help="Another type for another seed.", min=0)] = 1,
     json: Json = False,
 ) -> None:
-    """Make records of virtual sisters, to see beforehand what a type could teach: each is measured as CAMPAIGN plans.
+    """Make records of virtual machines of one type.
+
+    They show beforehand what a type could teach. Each is measured as CAMPAIGN plans.
 
     \b
     Example: machines half as large as stated
-      axiscal type rehearse campaign.toml --machines 12 --size 0.5 --out records
-      axiscal type learn records --out virtual.type.json
+      axiscal shop type rehearse campaign.toml --machines 12 --size 0.5 --out records
+      axiscal shop type learn records --out virtual.type.json
     """
     if not 0 < size <= _LARGEST:
         raise typer.BadParameter(f"a size lies above 0 and is at most {_LARGEST:g}", param_hint="--size")

@@ -1,4 +1,4 @@
-"""`axiscal undo`."""
+"""`axiscal step undo`."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from axiscal.guide.taking_back import take_back
 
 
 def undo(record: OwnRecord, json: Json = False) -> None:
-    """Take back the last reading, skip, accepted mistake or finish.
+    """Take back the last reading, skip, accepted mistake or end.
 
     Its question is open again. The record still shows that it happened.
 
     \b
     Example:
-      axiscal undo mill.axiscal
+      axiscal step undo mill.axiscal
     """
 
     with opened_to_write(record) as campaign:

@@ -51,11 +51,12 @@ def verify(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Check a compensated machine at places that were not read before, and say pass, fail or undecided.
+    """Check a compensated machine at places not read before.
 
-    First it plans: each table at its ends and where it corrects most, then where the machine should be worst, and best.
-    Read these places without the tables and with them; then give both files. A reading decides only with its
-    uncertainty (ISO 14253-1). A table that is missing or has the wrong sign fails; tables not checked are named.
+    It says pass, fail or undecided. First it plans: each table at its ends and where it corrects most, then where the
+    machine should be worst, and best. Read these places without the tables and with them; then give both files. A
+    reading decides only with its uncertainty (ISO 14253-1). A table that is missing or has the wrong sign fails; tables
+    not checked are named.
 
     \b
     Examples:

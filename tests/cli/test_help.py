@@ -1,0 +1,76 @@
+"""`axiscal --help`: ten commands, the others in groups, each in a line; the names of before there were groups work."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+import typer.main
+
+from axiscal.cli.app import app
+from axiscal.cli.reference import reference
+from tests.docs.test_commands_on_pages import taken
+
+TEN = ["init", "plan", "measure", "serve", "finish", "export", "verify", "report", "demo", "fleet"]
+GROUPED = {
+    "step": ["start", "next", "record", "undo", "accept", "note", "status", "run"],
+    "data": ["estimate", "iso230", "predict", "copy", "schema", "reproduce"],
+    "shop": ["bring", "sync", "adopt", "type", "due", "check"],
+}
+LONGEST = 60
+"""Characters of a summary: a line of help fits 80 columns with the name before it."""
+_LINE = re.compile(r"^  ([a-z0-9]+) +(\S.*)$", re.MULTILINE)
+HELPS = [section for section in reference().split("\n## ") if "\nCommands:\n" in section]
+
+
+def _listed(help_text: str, title: str) -> dict[str, str]:
+    """Return the summaries under a title of a help, by their commands."""
+    return dict(_LINE.findall(help_text.partition(f"\n{title}:\n")[2].partition("\n\n")[0]))
+
+
+def _help_of(words: list[str]) -> str:
+    """Return what a command says of itself behind its usage."""
+    command: Any = typer.main.get_command(app)
+    context = command.context_class(command, info_name="axiscal")
+    for word in words:
+        command = command.get_command(context, word)
+        context = command.context_class(command, info_name=word, parent=context)
+    text: str = command.get_help(context)
+    return text.partition("\n\n")[2]
+
+
+def test_ten_commands_come_first_and_the_others_in_groups() -> None:
+    assert list(_listed(HELPS[0], "Commands")) == TEN
+    assert list(_listed(HELPS[0], "More commands, in groups")) == [*GROUPED, "machine", "study"]
+
+
+@pytest.mark.parametrize("section", HELPS, ids=lambda section: section.splitlines()[0])
+def test_every_command_is_said_in_one_short_sentence(section: str) -> None:
+    shown = _listed(section, "Commands") | _listed(section, "More commands, in groups")
+    assert {name: text for name, text in shown.items() if len(text) > LONGEST or not text.endswith(".")} == {}
+
+
+@pytest.mark.parametrize(("group", "name"), [(group, name) for group, names in GROUPED.items() for name in names])
+def test_a_command_of_a_group_is_called_by_its_name_alone_too(group: str, name: str) -> None:
+    assert f"\n  {name} " in _help_of([group])
+    assert _help_of([name]) == _help_of([group, name])
+
+
+def test_a_name_of_no_group_is_refused() -> None:
+    for words in (["step", "plan"], ["shop", "next"], ["step", "nxt"]):
+        with pytest.raises(Exception, match="No such command"):
+            taken(words)
+
+
+@pytest.mark.parametrize("words", [["--help"], ["step", "--help"]])
+def test_help_loads_no_command(words: list[str]) -> None:
+    program = (
+        f"import sys; sys.argv = ['axiscal', *{words!r}]; from axiscal.cli import main; main();"
+        "sys.exit(' '.join({'axiscal.campaign', 'axiscal.cli.plan', 'axiscal.cli.status'} & set(sys.modules)))"
+    )
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert "Commands:" in run.stdout
+    assert run.stderr.strip() == ""

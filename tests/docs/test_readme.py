@@ -1,0 +1,36 @@
+"""README shows what the program shows: the demo's last screen, and a picture of its volume."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from axiscal.cli.app import run
+from tests.docs.howtos import DOCS
+
+README = (DOCS.parent / "README.md").read_text(encoding="utf-8")
+SCREEN = re.findall(r"^```text\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
+
+
+def _shape(screen: str) -> list[str]:
+    """Return the lines of a screen without what another processor may round or count otherwise: figures and room."""
+    return [" ".join(re.sub(r"[\d.]+", "#", line).split()) for line in screen.splitlines()]
+
+
+def test_it_shows_one_screen_that_ends_in_a_success() -> None:
+    assert len(SCREEN) == 1
+    assert SCREEN[0].startswith("TARGET REACHED")
+    assert re.findall(r"^!\[.*?\]\(docs/pictures/(.*?)\)$", README, re.MULTILINE) == ["demo.svg"]
+
+
+@pytest.mark.long
+def test_the_screen_is_the_demos(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(["demo", "--out", "demo-out"]) == 0
+    lines = _shape(capsys.readouterr().out)
+    shown = _shape(SCREEN[0])
+    assert lines[-len(shown) :] == shown
