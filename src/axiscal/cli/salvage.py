@@ -34,7 +34,7 @@ def salvage(
 
     \b
     Example:
-      axiscal salvage mill.axiscal mill-salvaged.axiscal
+      axiscal data salvage mill.axiscal mill-salvaged.axiscal
     """
     found = salvaged(record, new, None if beginning is None else _first(beginning))
     if json:

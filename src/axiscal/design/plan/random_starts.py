@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from axiscal.design.plan.patience import Patience
 from axiscal.design.plan.task import Task
-from axiscal.design.step.starts_stacked import Grid, Stack, adds_up, stack_of
+from axiscal.design.step.starts_stacked import Grid, StackedStarts, adds_up, stack_of
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
@@ -188,7 +188,7 @@ class _Plans:
         c += sign * u[:, :, None] * u[:, None, :]
 
 
-def _seen(stack: Stack, points: Points) -> tuple[Array, Array]:
+def _seen(stack: StackedStarts, points: Points) -> tuple[Array, Array]:
     """Return the rows (..., n) and noise (...) of readings of one set-up.  points : (..., axes)"""
     rows, noise = np.tile(stack.row, (*points.shape[:-1], 1)), np.full(points.shape[:-1], stack.variance)
     for number, grid in enumerate(stack.grids):

@@ -104,7 +104,7 @@ class Grid:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Stack:
+class StackedStarts:
     """The lattice of one set-up: the row (n,) and variance of the parked pose, and what each axis adds."""
 
     row: Array
@@ -121,13 +121,13 @@ class Stack:
 
 
 @remembered
-def stack_of(observation: Observation, setup: int) -> Stack:
+def stack_of(observation: Observation, setup: int) -> StackedStarts:
     """Return the lattice of a set-up that adds up."""
     mounted = observation.setups[setup]
     park = np.array([mounted.park])
     parked = observation.rows(setup, park, np.zeros_like(park))
     row, variance = parked.rows[0], float(parked.variances[0])
-    return Stack(row, variance, [_grid(observation, setup, axis, row, variance) for axis in mounted.moves])
+    return StackedStarts(row, variance, [_grid(observation, setup, axis, row, variance) for axis in mounted.moves])
 
 
 def _grid(observation: Observation, setup: int, axis: int, parked: Array, variance: float) -> Grid:
