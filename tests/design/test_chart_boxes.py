@@ -96,9 +96,8 @@ def test_a_level_that_nothing_reaches_is_what_is_said() -> None:
 
 @pytest.mark.long
 def test_a_plan_on_a_circle_is_proven_for_every_angle() -> None:
-    text = 'machine = "three-axis-mill"\nusual = "off"\n' + CASES["a bar in a plane"].replace("100 mm", "-70 mm").replace(
-        '"0 mm", "0 mm"', '"300 mm", "200 mm"'
-    )
+    bar = CASES["a bar in a plane"].replace("100 mm", "-70 mm").replace('"0 mm", "0 mm"', '"300 mm", "200 mm"')
+    text = f'machine = "three-axis-mill"\nusual = "off"\n{bar}'
     mill = Case(campaign_from_texts(text, "c.toml", load_machine("three-axis-mill").text, "three-axis-mill"))
     task = posed(mill, mill.knowledge, candidates=200)
     places = task.lattice.within(np.arange(0, 200, 40))
