@@ -30,7 +30,7 @@ _MARGIN, _THIN = 0.02, 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """When to stop: the first of rms, worst, expanded, readings, budget that is reached.
+    """When to stop: at its readings or budget, or once all rows with a limit and one of rms, worst, U are reached.
 
     rms, worst : m, of the TCP over the volume; budget : s
     volume : (lowest, highest) coordinate per axis in chain order, m or rad
@@ -57,14 +57,19 @@ class Target:
     wants: tuple[Want, ...] = ()
 
     @property
+    def lines(self) -> tuple[Want, ...]:
+        """The rows with a limit that are not the volume's."""
+        return tuple(want for want in self.wants if want.limit is not None and want.row.kind != "volume")
+
+    @property
     def accurate(self) -> bool:
-        """Whether an accuracy is asked for."""
-        return not self.rms is self.worst is self.expanded is None
+        """Whether an accuracy is asked for, of the volume or of a row."""
+        return bool(self.lines) or not self.rms is self.worst is self.expanded is None
 
     @property
     def empty(self) -> bool:
         """Whether nothing would ever stop the campaign."""
-        return self.rms is self.worst is self.expanded is self.readings is self.budget is None
+        return not self.accurate and self.readings is self.budget is None
 
 
 def read_target(table: TargetTable, machine: Machine, document: Document) -> Target:
