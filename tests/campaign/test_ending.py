@@ -15,11 +15,12 @@ from axiscal.campaign.ending import ALL_REACHED, CONTRADICT, reaches, standing
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.target import Target
 from axiscal.description.wants import RowName, Want
+from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.uncertain import expanded_uncertainty
-from axiscal.planning.feasibility import out_of_reach
+from axiscal.planning.feasibility import out_of_reach, reached_unread
 from axiscal.planning.promise import WantedAccuracy
 from axiscal.promise.agreement import Explained
 from tests.generators.laser_axis import CASE, closed, machine, read
@@ -168,3 +169,11 @@ def test_before_the_first_reading_it_is_said_whether_any_can_and_which_set_up_wo
     assert said.startswith("the rms target cannot be reached with these set-ups: endless readings would leave ")
     assert 'With "ball bar in xy" as well it can be reached: ' in said
     assert re.search(r"\d+ readings in [0-9.]+ min for all set-ups", said)
+
+
+def test_sizes_that_meet_a_target_unread_are_checked_by_a_few_readings() -> None:
+    case = Case(replace(CASE.description, target=asked(1.0)))
+    ends = [standing(case.description.target, concluded(case, read(machine(5), 28)[:count])) for count in (0, 5, 6)]
+    assert ends == [None, None, "rms target reached"]
+    assert reached_unread(case, Limits(rms=1.0))
+    assert reached_unread(case, Limits(rms=1e-7)) is None

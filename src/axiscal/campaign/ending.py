@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from axiscal.accuracy.expanded import expanded
 from axiscal.accuracy.yardstick import Accuracy, attainable
 from axiscal.answer.known import known_rows
 from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.uncertain import expanded_uncertainty
-from axiscal.planning.promise import WantedAccuracy, asked
+from axiscal.planning.promise import FEW, WantedAccuracy, asked
 from axiscal.units import to_unit
 
 FUTILE = 50
@@ -66,8 +67,10 @@ def _said(target: Target, known: Estimation) -> str | None:
     spent = [each for each in volume if each.now <= attainable(each.wanted.limit, each.wanted.floor)]
     if volume and not spent:
         return None
+    if not known.readings:
+        return None
     if not target.lines and first is not None:
-        return f"{first.wanted.name} {_REACHED}"
+        return None if _unread(target, known) else f"{first.wanted.name} {_REACHED}"
     rows = [row for row in known_rows(known) if row.row.kind != "volume"]
     missing = [row for row in rows if row.reached is False]
     if not missing and (first is not None or not volume):
@@ -79,6 +82,16 @@ def _said(target: Target, known: Estimation) -> str | None:
     floor, left = (f"{to_unit(size, 'um'):.3g} um" for size in (spent[0].wanted.floor, spent[0].now))
     name = spent[0].wanted.name
     return f"{name} target cannot be reached: endless readings would leave {floor}, these leave {left}"
+
+
+def _unread(target: Target, known: Estimation) -> bool:
+    """Return whether sizes as stated meet an accuracy unread, and fewer readings than check them were taken."""
+    if len(known.readings) >= FEW:
+        return False
+    yardstick, prior = known.stated.yardstick, known.stated.prior
+    rms, worst, *_ = yardstick.measure(prior)
+    pairs = (target.rms, rms), (target.worst, worst), (target.expanded, expanded(yardstick, prior).space)
+    return any(limit is not None and before <= limit for limit, before in pairs)
 
 
 def known_to(name: str, known: Estimation) -> float:

@@ -50,7 +50,7 @@ class Target:
     volume: tuple[tuple[float, float], ...]
     criterion: Criterion
     part: PartVolume | None = None
-    aligned: bool = False
+    aligned: bool = True
     expanded: float | None = None
     counted: Counted = EVERY_WAY
     refers_to: RefersTo = "as read"
@@ -86,11 +86,12 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
     if part is not None and table.volume:
         raise _fault(document, "part and volume exclude one another", "Give one of them", "part")
     volume = _volume(table, machine, document) if part is None else _around(part, machine, document)
-    aligned = part is not None if table.aligned is None else table.aligned
     if not table.directions:
         remedy = 'Give one or more of "x", "y", "z", such as directions = ["z"] for a height'
         raise _fault(document, "no direction is left in which the tool point counts", remedy, "directions")
     x, y, z = (way in table.directions for way in ("x", "y", "z"))
+    usual = part is not None or (x and y and z)  # where heights alone count, as of a bed, no part is probed
+    aligned = usual if table.aligned is None else table.aligned
     limits = table.rms, table.worst, table.readings, table.budget
     wants = read_wants(table.wants, machine, document)
     expanded = _expanded(table.U, wants, document)
