@@ -26,6 +26,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics.spread import even_points
 
 _EVERY_LINE = 'directions = ["z"]'
+_EVERY = "aligned = false"
 
 
 def texts() -> tuple[str, str]:
@@ -63,13 +64,13 @@ def test_rms_and_worst_are_those_of_heights_of_the_belief() -> None:
     shift = heights.mean(axis=1, keepdims=True) if yardstick.zeroed[2] else 0.0
     rests = np.mean(np.einsum("fm,f->m", errors.levers(poses)[:, :, 2] ** 2, errors.rests**2))
     assert found.accuracy.rms == pytest.approx(np.sqrt(np.mean((heights - shift) ** 2) + rests), rel=0.04)
-    assert found.accuracy.rms < 0.3 * known("").accuracy.rms
+    assert found.accuracy.rms < 0.3 * known(_EVERY).accuracy.rms
     assert found.accuracy.worst >= found.accuracy.rms
 
 
 def test_u_is_that_of_the_height_and_every_direction_keeps_its_own() -> None:
     """A distance along one direction is a ±: U in space is then U along z; what does not count is not called known."""
-    found, whole = known(), known("")
+    found, whole = known(), known(_EVERY)
     alone = expanded(found.case.yardstick, found.knowledge.belief)
     every = expanded(whole.case.yardstick, found.knowledge.belief)
     assert alone.space == pytest.approx(alone.axes[2], rel=1e-6)
@@ -86,7 +87,7 @@ def test_all_three_directions_are_what_nobody_says() -> None:
 
 def test_the_criterion_is_blind_to_what_moves_the_nozzle_sideways() -> None:
     of = known().case.errors.names
-    alone, every = (each.case.yardstick.root.gram.matrix for each in (known(), known("")))
+    alone, every = (each.case.yardstick.root.gram.matrix for each in (known(), known(_EVERY)))
     sideways, up = of["EXX"].columns, of["EZX"].columns
     assert np.abs(alone[sideways, sideways]).max() == 0.0
     np.testing.assert_allclose(alone[up, up], every[up, up], atol=1e-12)

@@ -27,6 +27,7 @@ usual = "off"
 sure = "exactly"
 [target]
 readings = 9
+aligned = false
 [[setups]]
 name = "laser"
 instrument = "interferometer"

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
 
-from axiscal.campaign.ending import CONTRADICT, reaches, standing
+from axiscal.answer.known import known_rows
+from axiscal.answer.rows import answered
+from axiscal.campaign import ending
+from axiscal.campaign.ending import ALL_REACHED, CONTRADICT, reaches, standing
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.target import Target
+from axiscal.description.wants import RowName, Want
+from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.planning.feasibility import out_of_reach
+from axiscal.estimation.uncertain import expanded_uncertainty
+from axiscal.planning.feasibility import out_of_reach, reached_unread
+from axiscal.planning.promise import WantedAccuracy
 from axiscal.promise.agreement import Explained
 from tests.generators.laser_axis import CASE, closed, machine, read
 
+POSITIONING, BACKLASH = RowName("positioning", ("X",)), RowName("backlash", ("X",))
 HIDDEN = """
 chain = "w-b-X-Y-t"
 [axes.X]
@@ -95,6 +104,59 @@ def test_no_reading_can_is_said_only_below_the_floor(gapped: Estimation) -> None
         del yardstick.__dict__["floors"]
 
 
+def wanting(wants: Sequence[Want], expanded: float | None = None, taken: int = 28) -> tuple[Target, Estimation]:
+    """Return a target of rows and U over the volume, m, and what readings make known for it."""
+    target = replace(CASE.description.target, rms=None, expanded=expanded, wants=tuple(wants))
+    case = Case(replace(CASE.description, target=target))
+    return target, concluded(case, closed(read(machine(5), 28))[:taken])
+
+
+def test_all_rows_with_a_limit_have_to_be_reached_by_the_u_that_the_screen_shows() -> None:
+    names = POSITIONING, BACKLASH
+    _, known = wanting([Want(name, 1.0) for name in names])
+    position, back = (row.known for row in answered(known, {}))
+    for factors, said in (((1.01, 1.01), ALL_REACHED), ((1.01, 0.99), None), ((0.99, 1.01), None)):
+        limits = [factor * u for factor, u in zip(factors, (position, back), strict=True)]
+        target, known = wanting([Want(name, limit) for name, limit in zip(names, limits, strict=True)])
+        assert standing(target, known) == said
+        assert reaches(target, known) is (said is not None)
+
+
+def test_the_volume_and_the_rows_are_wanted_together() -> None:
+    _, known = wanting([Want(POSITIONING, 1.0)])
+    (row,), u = answered(known, {}), expanded_uncertainty(known).space
+    for volume, limit, said in ((1.01, 1.01, ALL_REACHED), (0.99, 1.01, None), (1.01, 0.99, None)):
+        target, known = wanting([Want(POSITIONING, limit * row.known)], volume * u)
+        assert standing(target, known) == said
+
+
+def test_few_readings_close_together_do_not_reach_a_row() -> None:
+    """A row with a limit holds as far as its set-up may read, not between the places that were read."""
+    target, known = wanting([Want(POSITIONING, 5e-6)], taken=2)
+    assert standing(target, known) is None
+    assert not answered(known, {})[0].reached
+
+
+def test_an_unreachable_row_ends_it_once_readings_have_taken_away_what_they_can(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    target, known = wanting([Want(POSITIONING, 1e-9)])
+    (row,) = known_rows(known)
+    for floor, said in ((0.85, None), (0.95, "positioning X cannot be reached with these set-ups")):
+        monkeypatch.setattr(ending, "known_rows", lambda *_, f=floor: (replace(row, floor=f * row.known),))
+        assert standing(target, known) == said
+        assert reaches(target, known) is False
+
+
+def test_an_unreachable_volume_ends_no_job_whose_rows_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    wants = Want(POSITIONING), Want(BACKLASH)
+    for taken in (2, 28):
+        target, known = wanting(wants, 1e-9, taken)
+        u = expanded_uncertainty(known).space
+        monkeypatch.setattr(ending, "asked", lambda *_, u=u: (WantedAccuracy("U", 1e-9, u),))
+        assert (standing(target, known) is None) is (taken == 2)
+
+
 def stated(rms: float) -> Case:
     """Return a laser along X and an error across it, which that does not see.  rms : target, um"""
     return Case(campaign_from_texts(TEXT.replace("RMS", f"{rms:.6f} um"), "c.toml", HIDDEN, "m.toml"))
@@ -107,3 +169,11 @@ def test_before_the_first_reading_it_is_said_whether_any_can_and_which_set_up_wo
     assert said.startswith("the rms target cannot be reached with these set-ups: endless readings would leave ")
     assert 'With "ball bar in xy" as well it can be reached: ' in said
     assert re.search(r"\d+ readings in [0-9.]+ min for all set-ups", said)
+
+
+def test_sizes_that_meet_a_target_unread_are_checked_by_a_few_readings() -> None:
+    case = Case(replace(CASE.description, target=asked(1.0)))
+    ends = [standing(case.description.target, concluded(case, read(machine(5), 28)[:count])) for count in (0, 5, 6)]
+    assert ends == [None, None, "rms target reached"]
+    assert reached_unread(case, Limits(rms=1.0))
+    assert reached_unread(case, Limits(rms=1e-7)) is None

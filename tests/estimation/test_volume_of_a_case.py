@@ -18,15 +18,15 @@ from tests.generators.campaigns import drawn, mixed
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 
 
-def aligned() -> Case:
-    """Return the mill with a part that is aligned before it is machined."""
+def aligned(part: bool = True) -> Case:
+    """Return the mill with a part that is aligned before it is machined, or with none."""
     case = mixed()
-    target = replace(case.description.target, aligned=True)
+    target = replace(case.description.target, aligned=part)
     return Case(replace(case.description, target=target))
 
 
 def test_a_part_that_is_aligned_is_measured_at_poses_all_over_the_volume() -> None:
-    case, box = aligned(), mixed()
+    case, box = aligned(), aligned(part=False)
     sample = case.yardstick.sample
     assert sample is not None
     assert sample.shape == (POSES, 3)
@@ -43,7 +43,7 @@ def test_a_part_that_is_aligned_is_measured_at_poses_all_over_the_volume() -> No
 
 def test_what_is_left_of_a_part_that_is_aligned_is_less_than_of_the_box() -> None:
     """A shift and a turn of the whole volume are no errors then, so that less is open before any reading."""
-    whole, part = (case.yardstick.measure(case.prior).rms for case in (mixed(), aligned()))
+    whole, part = (case.yardstick.measure(case.prior).rms for case in (aligned(part=False), aligned()))
     assert part < 0.95 * whole
 
 

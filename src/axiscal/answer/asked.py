@@ -24,24 +24,29 @@ class AskedRow:
     map: Functional | None = None
 
 
-def asked_rows(description: CampaignDescription, readings: Sequence[Reading]) -> list[AskedRow]:
-    """Return the rows of a campaign with their lines, in the order in which they are asked for."""
-    lines = _lines(description, readings)
+def asked_rows(description: CampaignDescription, readings: Sequence[Reading], *, whole: bool = False) -> list[AskedRow]:
+    """Return the rows of a campaign with their lines, in the order in which they are asked for.
+
+    whole : lines go as far as set-ups may, read or not; else as far as they were read
+    """
+    lines = _lines(description, readings, whole)
     wants = description.target.wants or [Want(row) for row in (*_answered(description, lines), RowName("volume"))]
     return [_asked(want, description, lines) for want in wants]
 
 
-def _lines(description: CampaignDescription, readings: Sequence[Reading]) -> dict[RowName, AxisLine]:
+def _lines(description: CampaignDescription, readings: Sequence[Reading], whole: bool) -> dict[RowName, AxisLine]:
     """Return the line of each row that a set-up reads, of several set-ups that with the most places read.
 
-    A set-up of which nothing was read counts before the first reading only.
+    A set-up of which nothing was read counts before the first reading, and where lines are whole.
     """
     machine, found = description.machine, dict[RowName, AxisLine]()
-    used = {reading.setup for reading in readings} or {setup.name for setup in description.setups}
+    used = {setup.name for setup in description.setups}
+    if readings and not whole:
+        used = {reading.setup for reading in readings}
     for setup in description.setups:
         if setup.name not in used or (seen := seen_by(setup)) is None:
             continue
-        line = line_of(setup, readings, machine)
+        line = line_of(setup, readings, machine, whole)
         for row in _rows_seen(machine.axes[line.axis], *seen):
             if row not in found or line.read > found[row].read:
                 found[row] = line

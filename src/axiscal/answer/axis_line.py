@@ -71,15 +71,18 @@ def seen_by(setup: Setup) -> Seen | None:
     return model_of(setup).reads, along
 
 
-def line_of(setup: Setup, readings: Sequence[Reading], machine: Machine) -> AxisLine:
-    """Return the line of a set-up that reads one: what was read of it, or may be where nothing was."""
+def line_of(setup: Setup, readings: Sequence[Reading], machine: Machine, whole: bool = False) -> AxisLine:
+    """Return the line of a set-up that reads one: what was read of it, or may be where nothing was.
+
+    whole : as far as it may be read, whatever was
+    """
     (axis,) = setup.moves
     mine = [reading for reading in readings if reading.setup == setup.name]
+    stands, ends = np.array(setup.park), setup.span(machine.axes[axis], axis)
     if mine:
         at = np.array([reading.pose for reading in mine])
-        stands, ends = np.median(at, axis=0), (float(at[:, axis].min()), float(at[:, axis].max()))
-    else:
-        stands, ends = np.array(setup.park), setup.span(machine.axes[axis], axis)
+        stands = np.median(at, axis=0)
+        ends = ends if whole else (float(at[:, axis].min()), float(at[:, axis].max()))
     poses = np.tile(stands, (PLACES, 1))
     poses[:, axis] = np.linspace(*ends, PLACES)
     return AxisLine(axis, poses, setup.name, *_places(mine, axis))

@@ -1,9 +1,6 @@
 """Rows of an answer: what was found, how well that is known, what tables leave of it, and what is not measured.
 
-    found = √(estimate² + u²),    left = √((what the tables leave)² + u²),    both RMS over the places of a row
-
-U is the size that 95 % of what is not known stays below, over the posterior and over the places. A row whose U is more
-than half of its U before the first reading is not measured.
+found = √(estimate² + u²),    left = √((what the tables leave)² + u²),    both RMS over the places of a row
 """
 
 from __future__ import annotations
@@ -13,64 +10,42 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.accuracy.expanded import expanded, expanded_floor, reach
+from axiscal.accuracy.expanded import reach
 from axiscal.answer.asked import AskedRow, asked_rows
-from axiscal.answer.axis_line import AxisLine
 from axiscal.answer.functional import Functional
+from axiscal.answer.known import KnownRow, known_line, known_volume, spectra_of
 from axiscal.answer.one_more import with_one_more
 from axiscal.compensation.effect import Control, left_by, rms, tour
 from axiscal.compensation.offer import POSES, spread_poses, unknown_rms
-from axiscal.description.wants import RowName, Want
 from axiscal.error_model.volume import Counted
 from axiscal.estimation.bands import Banded
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 
-_MEASURED = 0.5
-"""Of the U before the first reading: a row that is known no better is not measured."""
-
 
 @dataclass(frozen=True)
-class AnsweredRow:
+class AnsweredRow(KnownRow):
     """A row of an answer, all sizes m or rad.
 
-    angular : they are rad
     found, largest : RMS and largest size of the error over the places, with what is not known of it
-    known : U; before : U before the first reading, at the sizes as learnt; floor : U that endless readings leave
     left : RMS that the tables of each control leave, by its name; none of rotations
-    limit : what U is to be; None where no limit is given
-    measured : whether readings tell it; then : U after one reading from the other side; None where that tells no more
-    lines : where it holds
+    then : U of a row that is not measured, after one reading from the other side; None where that tells no more
     """
 
-    row: RowName
-    angular: bool
     found: float
     largest: float
-    known: float
-    before: float
-    floor: float
     left: Mapping[str, float]
-    limit: float | None
-    measured: bool
-    lines: tuple[AxisLine, ...] = ()
     then: float | None = None
-
-    @property
-    def reached(self) -> bool | None:
-        """Whether it is known as well as asked for; None where no limit is given."""
-        return None if self.limit is None else self.measured and self.known <= self.limit
 
 
 @one_thread()
 def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[AnsweredRow, ...]:
     """Return the rows of a campaign.  controls : what the tables of each control that is offered do"""
-    asked = asked_rows(known.stated.description, known.readings)
+    described = known.stated.description
+    asked = asked_rows(described, known.readings, whole=bool(described.target.lines))
     found = [
-        _volume(each.want, known, controls) if each.map is None else _row(each, each.map, known, controls)
-        for each in asked
+        _volume(each, known, controls) if each.map is None else _row(each, each.map, known, controls) for each in asked
     ]
     turned = with_one_more(known, [each.lines[0] for each in found if _unturned(each)])
     if turned is None:
@@ -89,12 +64,11 @@ def _unturned(row: AnsweredRow) -> bool:
 
 def _row(asked: AskedRow, functional: Functional, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
     """Return a row along lines."""
-    estimate, wide = known.estimate(), known.banded
-    errors = wide.case.errors
-    spectra = functional.spectra(errors, wide.knowledge.belief.factor)
+    estimate = known.estimate()
+    spectra = spectra_of(functional, known)
     variances = spectra.sum(axis=1)
     if functional.angular:
-        at, left = functional.rows(errors) @ estimate.mean, dict[str, Array]()
+        at, left = functional.rows(known.banded.case.errors) @ estimate.mean, dict[str, Array]()
     else:
         where = functional.poses, functional.sides
         at = functional.of(estimate.deviation(*where))
@@ -103,19 +77,11 @@ def _row(asked: AskedRow, functional: Functional, known: Estimation, controls: M
             for name, control in controls.items()
         }
     found = _squares(functional, at) + variances
-    before, u = reach(functional.spectra(errors, wide.case.prior.factor)), reach(spectra)
     return AnsweredRow(
-        asked.want.row,
-        functional.angular or asked.want.row.kind == "squareness",
+        **vars(known_line(asked, functional, known, spectra)),
         found=float(np.sqrt(np.mean(found))),
         largest=float(np.sqrt(np.max(found))),
-        known=u,
-        before=before,
-        floor=reach(functional.spectra(errors, wide.case.yardstick.left)),
         left={name: float(np.sqrt(np.mean(_squares(functional, each) + variances))) for name, each in left.items()},
-        limit=asked.want.limit,
-        measured=bool(u <= _MEASURED * before),
-        lines=asked.lines,
     )
 
 
@@ -129,9 +95,9 @@ def _squares(functional: Functional, row: Array) -> Array:
     return squares
 
 
-def _volume(want: Want, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
-    """Return the row of the volume: U is the one that a report begins with."""
-    estimate, wide = known.estimate(), known.banded.case
+def _volume(asked: AskedRow, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
+    """Return the row of the volume."""
+    estimate = known.estimate()
     sample = estimate.sample
     where = spread_poses(estimate) if sample is None else tour(sample[:POSES], estimate.box)
     unknown = unknown_rms(estimate, *where)
@@ -143,21 +109,14 @@ def _volume(want: Want, known: Estimation, controls: Mapping[str, Control]) -> A
         return float(np.hypot(rms(shape(deviations), estimate.counted), unknown))
 
     here = estimate.deviation(*where)
-    u = expanded_uncertainty(known)
     return AnsweredRow(
-        want.row,
-        angular=False,
+        **vars(known_volume(asked, known)),
         found=size(here),
         largest=float(np.hypot(_farthest(shape(here), estimate.counted), unknown)),
-        known=u.space,
-        before=expanded(wide.yardstick, wide.prior).space,
-        floor=expanded_floor(wide.yardstick).space,
         left={
             name: size(left_by(estimate.machine, estimate.deviation, control, *where))
             for name, control in controls.items()
         },
-        limit=known.stated.description.target.expanded,
-        measured=bool(known.readings),
     )
 
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
+from axiscal.accuracy.expanded import expanded
 from axiscal.accuracy.yardstick import Accuracy, attainable
+from axiscal.answer.known import known_rows
 from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.uncertain import expanded_uncertainty
-from axiscal.planning.promise import asked
+from axiscal.planning.promise import FEW, WantedAccuracy, asked
 from axiscal.units import to_unit
 
 FUTILE = 50
@@ -17,6 +20,8 @@ OUT_OF_REACH = f"target out of reach: the last {FUTILE} readings improved it by 
 CONTRADICT = "the readings contradict each other, and no single mistake explains it"
 BUDGET = "time budget used"
 _REACHED = "target reached"
+ALL_REACHED = f"every {_REACHED}"
+_BEYOND = "cannot be reached with these set-ups"
 _HARDLY = 0.99
 
 
@@ -27,6 +32,13 @@ class Ended:
     because: str
 
 
+class _Standing(NamedTuple):
+    """An accuracy of the volume that is asked for, and how well it is known, m."""
+
+    wanted: WantedAccuracy
+    now: float
+
+
 def count_reached(target: Target, count: int) -> str | None:
     """Return in words that so many readings are all that were wanted; None where they are not."""
     if target.readings is None or count < target.readings:
@@ -35,30 +47,51 @@ def count_reached(target: Target, count: int) -> str | None:
 
 
 def standing(target: Target, known: Estimation) -> str | None:
-    """Return in words why an accuracy asks for no more readings; None where it does."""
+    """Return in words why limits ask for no more readings; None where they do."""
     found = _said(target, known)
     return CONTRADICT if found is not None and known.agreement.withheld else found
 
 
 def reaches(target: Target, known: Estimation) -> bool | None:
-    """Return whether an accuracy that was asked for is reached, with what no reading can see; None where none was."""
+    """Return whether limits that are given are reached, with what no reading can see; None where none is."""
     return (standing(target, known) or "").endswith(_REACHED) if target.accurate else None
 
 
 def _said(target: Target, known: Estimation) -> str | None:
-    """Return which accuracy asks for no more readings, one that is reached first; None where all do.
+    """Return that one accuracy of the volume and all other rows are reached, or that no reading can; None for neither.
 
-    The floors are those of the sizes as stated.
+    The floors of the volume are those of the sizes as stated.
     """
-    done = [(each, known_to(each.name, known)) for each in asked(target, known.case.yardstick)]
-    done = [(each, now) for each, now in done if now <= attainable(each.limit, each.floor)]
-    for each, now in done:
-        if now <= each.limit:
-            return f"{each.name} {_REACHED}"
-    for each, now in done:
-        floor, left = (f"{to_unit(size, 'um'):.3g} um" for size in (each.floor, now))
-        return f"{each.name} target cannot be reached: endless readings would leave {floor}, these leave {left}"
-    return None
+    volume = [_Standing(each, known_to(each.name, known)) for each in asked(target, known.case.yardstick)]
+    first = next((each for each in volume if each.now <= each.wanted.limit), None)
+    spent = [each for each in volume if each.now <= attainable(each.wanted.limit, each.wanted.floor)]
+    if volume and not spent:
+        return None
+    if not known.readings:
+        return None
+    if not target.lines and first is not None:
+        return None if _unread(target, known) else f"{first.wanted.name} {_REACHED}"
+    rows = [row for row in known_rows(known) if row.row.kind != "volume"]
+    missing = [row for row in rows if row.reached is False]
+    if not missing and (first is not None or not volume):
+        return ALL_REACHED
+    if not all(row.settled for row in rows):
+        return None
+    if first is not None or not volume:
+        return f"{', '.join(row.row.name for row in missing)} {_BEYOND}"
+    floor, left = (f"{to_unit(size, 'um'):.3g} um" for size in (spent[0].wanted.floor, spent[0].now))
+    name = spent[0].wanted.name
+    return f"{name} target cannot be reached: endless readings would leave {floor}, these leave {left}"
+
+
+def _unread(target: Target, known: Estimation) -> bool:
+    """Return whether sizes as stated meet an accuracy unread, and fewer readings than check them were taken."""
+    if len(known.readings) >= FEW:
+        return False
+    yardstick, prior = known.stated.yardstick, known.stated.prior
+    rms, worst, *_ = yardstick.measure(prior)
+    pairs = (target.rms, rms), (target.worst, worst), (target.expanded, expanded(yardstick, prior).space)
+    return any(limit is not None and before <= limit for limit, before in pairs)
 
 
 def known_to(name: str, known: Estimation) -> float:

@@ -33,10 +33,11 @@ from axiscal.planning.feasibility import (
     fewer_than_asked,
     not_to_the_letter,
     out_of_reach,
+    reached_unread,
     refuse_endless,
     refuse_out_of_reach,
 )
-from axiscal.planning.next_readings import placed
+from axiscal.planning.next_readings import few_more, placed
 from axiscal.planning.plan_document import bound_sentence, plan_document
 from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable
 from axiscal.planning.what_if import alternatives
@@ -149,6 +150,9 @@ def plan(
         refuse_out_of_reach(case, limits)
     elif readings is None and budget is None and (said := out_of_reach(case)) is not None:
         tell(f"Mind: {said}")
+    if (unread := reached_unread(case, limits)) is not None:
+        tell(f"Mind: {unread}")
+        limits = few_more(limits)
     if compare is not None:
         _compared(case, limits, how, compare, json)
         return

@@ -30,7 +30,7 @@ _MARGIN, _THIN = 0.02, 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """When to stop: the first of rms, worst, expanded, readings, budget that is reached.
+    """When to stop: at its readings or budget, or once all rows with a limit and one of rms, worst, U are reached.
 
     rms, worst : m, of the TCP over the volume; budget : s
     volume : (lowest, highest) coordinate per axis in chain order, m or rad
@@ -50,21 +50,26 @@ class Target:
     volume: tuple[tuple[float, float], ...]
     criterion: Criterion
     part: PartVolume | None = None
-    aligned: bool = False
+    aligned: bool = True
     expanded: float | None = None
     counted: Counted = EVERY_WAY
     refers_to: RefersTo = "as read"
     wants: tuple[Want, ...] = ()
 
     @property
+    def lines(self) -> tuple[Want, ...]:
+        """The rows with a limit that are not the volume's."""
+        return tuple(want for want in self.wants if want.limit is not None and want.row.kind != "volume")
+
+    @property
     def accurate(self) -> bool:
-        """Whether an accuracy is asked for."""
-        return not self.rms is self.worst is self.expanded is None
+        """Whether an accuracy is asked for, of the volume or of a row."""
+        return bool(self.lines) or not self.rms is self.worst is self.expanded is None
 
     @property
     def empty(self) -> bool:
         """Whether nothing would ever stop the campaign."""
-        return self.rms is self.worst is self.expanded is self.readings is self.budget is None
+        return not self.accurate and self.readings is self.budget is None
 
 
 def read_target(table: TargetTable, machine: Machine, document: Document) -> Target:
@@ -81,11 +86,12 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
     if part is not None and table.volume:
         raise _fault(document, "part and volume exclude one another", "Give one of them", "part")
     volume = _volume(table, machine, document) if part is None else _around(part, machine, document)
-    aligned = part is not None if table.aligned is None else table.aligned
     if not table.directions:
         remedy = 'Give one or more of "x", "y", "z", such as directions = ["z"] for a height'
         raise _fault(document, "no direction is left in which the tool point counts", remedy, "directions")
     x, y, z = (way in table.directions for way in ("x", "y", "z"))
+    usual = part is not None or (x and y and z)  # where heights alone count, as of a bed, no part is probed
+    aligned = usual if table.aligned is None else table.aligned
     limits = table.rms, table.worst, table.readings, table.budget
     wants = read_wants(table.wants, machine, document)
     expanded = _expanded(table.U, wants, document)

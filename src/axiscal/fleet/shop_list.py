@@ -160,6 +160,7 @@ def target_words(target: Target) -> str:
     """Return when a campaign stops, in words."""
     lengths = ("RMS", target.rms), ("worst", target.worst), ("U", target.expanded)
     said = [f"{name} {format_quantity(value, 'um', 3)}" for name, value in lengths if value is not None]
+    said += [want.row.name for want in target.lines]
     if target.readings is not None:
         said.append(f"{target.readings} readings")
     if target.budget is not None:

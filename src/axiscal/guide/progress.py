@@ -53,6 +53,7 @@ def goals_text(target: Target) -> str:
     """Return what ends the campaign, the first of them that is reached: "U 10 um · RMS 2 um · 40 readings · 90 min"."""
     lengths = (("U", target.expanded), ("RMS", target.rms), (said("worst"), target.worst))
     goals = [f"{name} {said_quantity(length, 'um', 3)}" for name, length in lengths if length is not None]
+    goals += [counted("{count} row", "{count} rows", len(target.lines))] if target.lines else []
     goals += [] if target.readings is None else [counted("{count} reading", "{count} readings", target.readings)]
     goals += [] if target.budget is None else [said_quantity(target.budget, "min", 3)]
     return " · ".join(goals)

@@ -20,7 +20,7 @@ from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.time_taken import reading_seconds
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.helping import helping_words
-from axiscal.planning.next_readings import posed
+from axiscal.planning.next_readings import posed, promised_already
 from axiscal.planning.promise import asked, reachable_rms
 from axiscal.units import format_quantity, to_unit
 
@@ -88,15 +88,25 @@ def refuse_endless(case: Case, limits: Limits, candidates: int) -> None:
             raise PlanError(what, "Say how many readings as well, with --readings, or give an accuracy with --target")
 
 
+def reached_unread(case: Case, limits: Limits) -> str | None:
+    """Say that errors of the usual sizes are within the target before any reading; None where they are not."""
+    if not promised_already(limits, case, case.knowledge):
+        return None
+    return "errors of the sizes that are stated or usual meet the target unread: a few readings check their sizes"
+
+
 def fewer_than_asked(limits: Limits, plan: Plan) -> str | None:
     """Say that a plan has fewer readings than were asked for, and why; None where it has not."""
     planned = len(plan.readings)
     if limits.readings is None or planned >= limits.readings:
         return None
-    why = "they reach the accuracy that is asked for" if plan.met else "no other reading is worth its time"
+    why = "no other reading is worth its time"
+    if plan.met:
+        short = not_to_the_letter(limits, plan) is not None
+        why = "more would take away hardly anything" if short else "they reach the accuracy that is asked for"
     if limits.budget is not None and not plan.met:
         why = f"more do not fit into {format_quantity(limits.budget, 'min', 4)}"
-    return f"{limits.readings:,} readings were asked for and {planned:,} are planned: {why}"
+    return f"{limits.readings:,} readings are allowed and {planned:,} are planned: {why}"
 
 
 def _what_helps(case: Case, target: Target) -> str:

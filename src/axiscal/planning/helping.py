@@ -12,6 +12,7 @@ from axiscal.design.plan.plan import make_plan
 from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.uncertain import as_standard
 from axiscal.exceptions import InputError, PlanError
 from axiscal.measurement.setup import Setup
 from axiscal.planning.next_readings import posed
@@ -61,7 +62,8 @@ def _with_one_more(described: CampaignDescription) -> Iterator[tuple[CampaignDes
 def _words(described: CampaignDescription, target: Target, added: list[Setup]) -> str:
     """Return what would help, with the readings and minutes of a plan for it."""
     case, names = case_of(described), " and ".join(f'"{setup.name}"' for setup in added)
-    rms = min([each for each in (target.rms, target.expanded) if each is not None], default=None)
+    wanted = None if target.expanded is None else as_standard(case, case.knowledge, target.expanded)
+    rms = max([each for each in (target.rms, wanted) if each is not None], default=None)
     limits = Limits(target.readings, rms, target.worst, target.budget)
     try:
         made = make_plan(posed(case, case.knowledge, candidates=_CANDIDATES), limits, patience=0.0, bounded=False)

@@ -27,12 +27,11 @@ from axiscal.measurement.reading import Reading
 from axiscal.planning.overrun import with_room
 from axiscal.planning.plan_basis import at_gap, in_gap
 from axiscal.planning.plane_start import plane_start
+from axiscal.planning.promise import FEW
 from axiscal.record.events import Gap
 
 _CANDIDATES = 2000
 _AT_ONCE = 150
-_MORE = 6
-"""Readings planned at once for what likely sizes reach and all sizes together do not: then it is looked at again."""
 _SMALL = 120
 """Unknowns up to which readings are climbed off the lattice: beyond, a person at the machine would wait too long."""
 
@@ -47,11 +46,10 @@ def planned_places(
     """
     task = posed(case, knowledge, gaps, readings)
     limits = limits_left(_standard(case, knowledge), len(readings), timed(case, readings, Timed()).seconds)
-    beyond = _promised(limits, case, knowledge)
     if not len(task.lattice):
         return ()
-    if beyond:
-        limits = replace(limits, readings=max(_few(limits), len(left)), rms=None, worst=None)
+    if promised_already(limits, case, knowledge):
+        limits = few_more(limits, len(left))
     if begin := _first(case, task, readings, gaps):
         return begin
     patience = 0.0 if gaps else _patience(task.observation)  # off the lattice a way might lead into a gap
@@ -155,14 +153,15 @@ def _standard(case: Case, knowledge: Knowledge) -> Target:
     return replace(target, rms=max(target.rms or 0.0, as_standard(case, knowledge, target.expanded)))
 
 
-def _promised(limits: Limits, case: Case, knowledge: Knowledge) -> bool:
+def promised_already(limits: Limits, case: Case, knowledge: Knowledge) -> bool:
     """Return whether the likely sizes reach an accuracy that is asked for: where it is planned on, all do not."""
     return limits.accurate and limits.met(case.yardstick.measure(knowledge.belief))
 
 
-def _few(limits: Limits) -> int:
-    """Return how many readings are planned for what the likely sizes reach and all sizes together do not."""
-    return _MORE if limits.readings is None else min(_MORE, limits.readings)
+def few_more(limits: Limits, least: int = 0) -> Limits:
+    """Return limits of a few readings for what the likely sizes reach.  least : at least so many"""
+    few = FEW if limits.readings is None else min(FEW, limits.readings)
+    return replace(limits, readings=max(few, least), rms=None, worst=None)
 
 
 def limits_left(target: Target, taken: int, seconds: float) -> Limits:

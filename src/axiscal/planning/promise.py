@@ -13,6 +13,9 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading_rows import blank_readings
 
+FEW = 6
+"""Readings planned at once for what likely sizes reach and all sizes together do not: then it is looked at again."""
+
 
 class WantedAccuracy(NamedTuple):
     """An accuracy that is asked for, and what endless readings would leave of it, m."""

@@ -53,7 +53,8 @@ class AnswerRow:
 class Aim(NamedTuple):
     """What is asked for, in `unit`: name is "rms", "worst" or "U" of the volume, or that of a row.
 
-    now : how well it is known; unread : lines that nobody has read, without which it is not measured
+    now : how well it is known; reachable : whether endless readings would reach it
+    unread : lines that nobody has read, without which it is not measured
     """
 
     name: str
@@ -61,6 +62,7 @@ class Aim(NamedTuple):
     limit: float
     floor: float
     measured: bool = True
+    reachable: bool = True
     unread: int = 0
     unit: str = "um"
 

@@ -20,7 +20,7 @@ from axiscal.estimation.agreement_words import agreement_words, mistake_words
 from axiscal.estimation.estimation import Estimation
 from axiscal.machine.axis import Axis
 from axiscal.measurement.place_texts import shown_pose
-from axiscal.planning.promise import asked
+from axiscal.planning.promise import WantedAccuracy, asked
 from axiscal.report.answer import Aim, AnswerLine, AnswerRow, ResultAnswer, Verdict
 from axiscal.report.promises import NamedMistake, ReadingAgreement
 from axiscal.units import to_unit
@@ -32,10 +32,8 @@ _TARGETS = 5
 def answer_of(campaign: Campaign, known: Estimation, controls: Mapping[str, Control]) -> ResultAnswer:
     """Return the answer.  controls : what the tables of each control that is offered do"""
     rows = answered(known, controls)
-    volume = [
-        Aim(each.name, to_unit(known_to(each.name, known), "um"), to_unit(each.limit, "um"), to_unit(each.floor, "um"))
-        for each in asked(known.stated.description.target, known.case.yardstick)
-    ]
+    wanted = asked(known.stated.description.target, known.case.yardstick)
+    volume = [_accuracy(each, known_to(each.name, known)) for each in wanted]
     lines = [_aim(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
     coming = campaign.state.plan if campaign.state.finished is None else ()
     verdict = _verdict(known, volume, lines)
@@ -73,8 +71,8 @@ def _verdict(known: Estimation, volume: Sequence[Aim], lines: Sequence[Aim]) -> 
     met = not volume or any(aim.reached for aim in volume)
     if met and all(aim.reached for aim in lines):
         return "reached"
-    hopeless = not met and all(aim.floor > aim.limit for aim in volume)
-    return "unreachable" if hopeless or any(aim.floor > aim.limit for aim in lines) else "more"
+    hopeless = not met and not any(aim.reachable for aim in volume)
+    return "more" if not hopeless and all(aim.reachable for aim in lines) else "unreachable"
 
 
 def _planned(campaign: Campaign) -> tuple[int, float]:
@@ -102,10 +100,15 @@ def _share(aim: Aim) -> float:
     return max((aim.now**2 - aim.floor**2) / (aim.limit**2 - aim.floor**2) - 1, 0.0)
 
 
+def _accuracy(wanted: WantedAccuracy, now: float) -> Aim:
+    now, limit, floor = (to_unit(size, "um") for size in (now, wanted.limit, wanted.floor))
+    return Aim(wanted.name, now, limit, floor, reachable=floor <= limit)
+
+
 def _aim(row: AnsweredRow) -> Aim:
     now, limit, floor = (to_unit(size, _unit(row)) for size in (row.known, row.limit or 0.0, row.floor))
     unread = sum(not line.read for line in row.lines)
-    return Aim(row.row.name, now, limit, floor, row.measured, unread, _unit(row))
+    return Aim(row.row.name, now, limit, floor, row.measured, row.reachable, unread, _unit(row))
 
 
 def _unit(row: AnsweredRow) -> str:

@@ -10,6 +10,7 @@ from axiscal.campaign.ending import count_reached, out_of_reach, standing
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.campaign.sources.source import Request
 from axiscal.description.campaign import CampaignDescription
+from axiscal.description.wants import Want
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.timed import Timed, elapsed, timed
@@ -72,5 +73,7 @@ def replanned(case: Case, stop: Stop, truth: VirtualMachine, number: int) -> tup
 def _ending_so(described: CampaignDescription, stop: Stop) -> CampaignDescription:
     target = described.target
     if stop.readings is not None or stop.budget is not None:
+        wants = tuple(Want(want.row) for want in target.wants)
         target = replace(target, readings=stop.readings, budget=stop.budget, rms=None, worst=None, expanded=None)
+        target = replace(target, wants=wants)
     return replace(described, target=target)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from axiscal.campaign.ending import reaches
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.design.plan.task import Limits
 from axiscal.error_model.model import ErrorModel
@@ -159,7 +160,7 @@ def _figures(known: Estimation, truth: VirtualMachine, question: StudyCase) -> d
         "coverage_tcp": tcp_held(known, truth, poses, ways),
         "agreement": "contradict" if known.agreement.contradicts else "agree",
         "said": " ".join(said),
-        "reached": _reached(known),
+        "reached": reaches(known.case.description.target, known),
     }
 
 
@@ -181,16 +182,3 @@ def left_over(known: Estimation, truth: VirtualMachine) -> Array:
     shift: Array = whole.mean(axis=0) * np.array(yardstick.zeroed, dtype=float)
     counted: Array = (whole - shift) * np.array(yardstick.counted, dtype=float)
     return counted
-
-
-def _reached(known: Estimation) -> bool | None:
-    """Return whether an accuracy that the campaign asks for is printed, and promised; None where none is."""
-    target = known.case.description.target
-    if not target.accurate:
-        return None
-    pairs = (
-        (target.rms, known.accuracy.rms),
-        (target.worst, known.accuracy.worst),
-        (target.expanded, expanded_uncertainty(known).space),
-    )
-    return not known.agreement.withheld and any(limit is not None and value <= limit for limit, value in pairs)
