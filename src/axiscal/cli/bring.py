@@ -21,8 +21,9 @@ def bring(
 ) -> None:
     """Bring records from a laptop into the shop's folder.
 
-    A record that is there already goes on to what is brought, whatever its name; nothing is ever overwritten by less,
-    and one that has gone on by itself in the folder is left and named. Two campaigns of the same name both find room.
+    A record that the folder has already goes on to what is brought, whatever its name. Less never overwrites more. A
+    record that has gone on in the folder by itself is left there and named. Two campaigns of the same name both find
+    room.
 
     \b
     Example:

@@ -114,10 +114,10 @@ def plan(
 ) -> None:
     """Plan which readings to take, and say how good they make it.
 
-    It gives their order, the minutes, and the distance from the best possible plan. Without options the campaign's own
-    target holds. --readings and --budget plan for the best that so many readings, or so much time, can bring; --target
-    alone plans within the campaign's own readings and budget. --clearance, --order, --feed and --dwell go before what
-    [programs] of the campaign says. Nothing is recorded.
+    It gives their order, the minutes, and the distance from the best possible plan. Nothing is recorded. Without
+    options the campaign's own target counts. --readings and --budget ask for the best plan of so many readings, or of
+    so much time. --target alone plans within the campaign's own readings and budget. --clearance, --order, --feed and
+    --dwell replace what [programs] of the campaign says.
 
     \b
     Examples:

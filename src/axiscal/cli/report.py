@@ -30,8 +30,8 @@ def report(
     """Write the report of a campaign, finished or not.
 
     The report is a page that needs no network, a PDF, or a certificate. FILE.xml is a Digital Calibration Certificate
-    (DCC 3.3.0), without signature and seal: whoever is responsible adds them. With --schema it is compared with PTB's
-    schema, which has to be at hand.
+    (DCC 3.3.0). It has neither signature nor seal: whoever is responsible adds them. --schema compares it with PTB's
+    schema, which you have to have.
 
     The page and the PDF are in the language that --language or AXISCAL_LANGUAGE names, else in that of campaign.toml
     ([report] language), else in English; the certificate is in English.

@@ -36,9 +36,9 @@ def sync(
 ) -> None:
     """Bring a laptop's record and the shop's store together.
 
-    Either may have gone on; nothing is ever lost. Where both have gone on by themselves, the laptop's part becomes a
-    branch, a campaign of its own: nothing is merged, for plan, question and undo are about an order. What is measured
-    on the laptop later goes there, too.
+    Either may have gone on; no reading is lost. If both have gone on, the laptop's part becomes a branch, a campaign of
+    its own. Nothing is merged, because plan, question and undo depend on the order. The laptop's later readings go
+    there, too.
 
     \b
     Examples:
