@@ -6,7 +6,6 @@ The two are types of their own: where a root is asked for, a Gram matrix is refu
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -17,7 +16,6 @@ from axiscal.error_model.volume import VolumeMoments
 from axiscal.exceptions import ShapeError
 from axiscal.numerics import Array
 
-CriterionName = Literal["volume", "joint", "worst"]
 _ROUNDING = 1e-15
 """An eigenvalue of this share is rounding of the largest, in float64."""
 _SYMMETRIC = 1e-9

@@ -7,16 +7,18 @@ than half of its U before the first reading is not measured.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from axiscal.accuracy.expanded import expanded, expanded_floor, reach
 from axiscal.accuracy.yardstick import attainable
 from axiscal.answer.asked import AskedRow, asked_rows
 from axiscal.answer.axis_line import AxisLine
-from axiscal.answer.functional import Functional
+from axiscal.belief import Belief
 from axiscal.description.wants import RowName
-from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.uncertain import expanded_uncertainty
+from axiscal.estimation.case import Case
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 
@@ -52,64 +54,45 @@ class KnownRow:
     @property
     def reachable(self) -> bool:
         """Whether endless readings would reach its limit, or measure it where no limit is given."""
-        return self.floor <= self._goal
+        return self.floor <= self.goal
 
     @property
     def settled(self) -> bool:
         """Whether it is reached, or measured where no limit is given; else whether readings took away what they can."""
-        return self.known <= attainable(self._goal, self.floor)
+        return self.known <= attainable(self.goal, self.floor)
 
     @property
-    def _goal(self) -> float:
+    def goal(self) -> float:
+        """U at which it is reached, or measured where no limit is given; of the volume inf where none is."""
         measured = math.inf if self.row.kind == "volume" else _MEASURED * self.before
         return min(math.inf if self.limit is None else self.limit, measured)
 
 
 @one_thread()
-def known_rows(known: Estimation) -> tuple[KnownRow, ...]:
+def known_rows(case: Case, knowledge: Knowledge, readings: Sequence[Reading]) -> tuple[KnownRow, ...]:
     """Return how well the rows of a campaign are known, as far as its set-ups may read them."""
-    asked = asked_rows(known.stated.description, known.readings, whole=True)
-    return tuple(_known(each, each.map, known) for each in asked)
+    asked = asked_rows(case.description, readings, whole=True)
+    return tuple(known_row(each, case, knowledge.belief, bool(readings)) for each in asked)
 
 
-def _known(asked: AskedRow, functional: Functional | None, known: Estimation) -> KnownRow:
-    if functional is None:
-        return known_volume(asked, known)
-    return known_line(asked, functional, known, spectra_of(functional, known))
+def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownRow:
+    """Return how well a belief knows a row.  read : whether any reading was taken"""
+    limit, kind = asked.want.limit, asked.want.row.kind
+    if asked.map is None:
+        limit, (u, before, floor) = case.description.target.expanded, _of_volume(case, belief)
+        angular, measured = False, read
+    else:
+        u, before, floor = (reach(asked.map.spectra(case.errors, each)) for each in _factors(case, belief))
+        angular, measured = asked.map.angular or kind == "squareness", bool(u <= _MEASURED * before)
+    return KnownRow(asked.want.row, angular, u, before, floor, limit, measured, asked.lines)
 
 
-def spectra_of(functional: Functional, known: Estimation) -> Array:
-    """Return the variances of each vector of a row along its main directions, (k/d, d)."""
-    wide = known.banded
-    return functional.spectra(wide.case.errors, wide.knowledge.belief.factor)
+def _of_volume(case: Case, belief: Belief) -> tuple[float, float, float]:
+    """Return U, U before the first reading and the floor of the volume, m: U is the one that a report begins with."""
+    yardstick = case.yardstick
+    return expanded(yardstick, belief).space, expanded(yardstick, case.prior).space, expanded_floor(yardstick).space
 
 
-def known_line(asked: AskedRow, functional: Functional, known: Estimation, spectra: Array) -> KnownRow:
-    """Return how well a row along lines is known.  spectra : `spectra_of` it"""
-    wide, kind = known.banded.case, asked.want.row.kind
-    before, u = reach(functional.spectra(wide.errors, wide.prior.factor)), reach(spectra)
-    return KnownRow(
-        asked.want.row,
-        functional.angular or kind == "squareness",
-        known=u,
-        before=before,
-        floor=reach(functional.spectra(wide.errors, wide.yardstick.left)),
-        limit=asked.want.limit,
-        measured=bool(u <= _MEASURED * before),
-        lines=asked.lines,
-    )
-
-
-def known_volume(asked: AskedRow, known: Estimation) -> KnownRow:
-    """Return how well the volume is known: U is the one that a report begins with."""
-    wide = known.banded.case
-    return KnownRow(
-        asked.want.row,
-        angular=False,
-        known=expanded_uncertainty(known).space,
-        before=expanded(wide.yardstick, wide.prior).space,
-        floor=expanded_floor(wide.yardstick).space,
-        limit=known.stated.description.target.expanded,
-        measured=bool(known.readings),
-        lines=(),
-    )
+def _factors(case: Case, belief: Belief) -> tuple[Array, Array, Array]:
+    """Return F of what is known, of the prior and of what endless readings leave."""
+    return belief.factor, case.prior.factor, case.yardstick.left

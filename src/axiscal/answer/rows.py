@@ -13,7 +13,7 @@ import numpy as np
 from axiscal.accuracy.expanded import reach
 from axiscal.answer.asked import AskedRow, asked_rows
 from axiscal.answer.functional import Functional
-from axiscal.answer.known import KnownRow, known_line, known_volume, spectra_of
+from axiscal.answer.known import KnownRow, known_row
 from axiscal.answer.one_more import with_one_more
 from axiscal.compensation.effect import Control, left_by, rms, tour
 from axiscal.compensation.offer import POSES, spread_poses, unknown_rms
@@ -65,10 +65,10 @@ def _unturned(row: AnsweredRow) -> bool:
 def _row(asked: AskedRow, functional: Functional, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
     """Return a row along lines."""
     estimate = known.estimate()
-    spectra = spectra_of(functional, known)
-    variances = spectra.sum(axis=1)
+    case, belief = known.banded.case, known.banded.knowledge.belief
+    variances = functional.spectra(case.errors, belief.factor).sum(axis=1)
     if functional.angular:
-        at, left = functional.rows(known.banded.case.errors) @ estimate.mean, dict[str, Array]()
+        at, left = functional.rows(case.errors) @ estimate.mean, dict[str, Array]()
     else:
         where = functional.poses, functional.sides
         at = functional.of(estimate.deviation(*where))
@@ -78,7 +78,7 @@ def _row(asked: AskedRow, functional: Functional, known: Estimation, controls: M
         }
     found = _squares(functional, at) + variances
     return AnsweredRow(
-        **vars(known_line(asked, functional, known, spectra)),
+        **vars(known_row(asked, case, belief, bool(known.readings))),
         found=float(np.sqrt(np.mean(found))),
         largest=float(np.sqrt(np.max(found))),
         left={name: float(np.sqrt(np.mean(_squares(functional, each) + variances))) for name, each in left.items()},
@@ -110,7 +110,7 @@ def _volume(asked: AskedRow, known: Estimation, controls: Mapping[str, Control])
 
     here = estimate.deviation(*where)
     return AnsweredRow(
-        **vars(known_volume(asked, known)),
+        **vars(known_row(asked, known.banded.case, known.banded.knowledge.belief, bool(known.readings))),
         found=size(here),
         largest=float(np.hypot(_farthest(shape(here), estimate.counted), unknown)),
         left={

@@ -71,7 +71,7 @@ def _said(target: Target, known: Estimation) -> str | None:
         return None
     if not target.lines and first is not None:
         return None if _unread(target, known) else f"{first.wanted.name} {_REACHED}"
-    rows = [row for row in known_rows(known) if row.row.kind != "volume"]
+    rows = [row for row in known_rows(*known.banded, known.readings) if row.row.kind != "volume"]
     missing = [row for row in rows if row.reached is False]
     if not missing and (first is not None or not volume):
         return ALL_REACHED

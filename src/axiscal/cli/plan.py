@@ -37,7 +37,7 @@ from axiscal.planning.feasibility import (
     refuse_endless,
     refuse_out_of_reach,
 )
-from axiscal.planning.next_readings import few_more, placed
+from axiscal.planning.next_readings import enough_for_rows, few_more, placed, posed
 from axiscal.planning.plan_document import bound_sentence, plan_document
 from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable
 from axiscal.planning.what_if import alternatives
@@ -192,7 +192,8 @@ def _limits(case: Case, readings: int | None, target: str | None, budget: str | 
     if rms is not None:  # an accuracy, within what the campaign allows
         return Limits(own.readings, rms, None, own.budget)
     own_rms = own.rms if own.expanded is None else max(own.rms or 0.0, as_standard(case, case.knowledge, own.expanded))
-    return Limits(own.readings, own_rms, own.worst, own.budget)
+    limits = Limits(own.readings, own_rms, own.worst, own.budget)
+    return enough_for_rows(case, case.knowledge, posed(case, case.knowledge), limits) if own.lines else limits
 
 
 def _compared(case: Case, limits: Limits, how: Thoroughness, page: Path, as_json: bool) -> None:

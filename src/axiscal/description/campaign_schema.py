@@ -46,7 +46,7 @@ class TargetTable(Table):
     )
     aligned: bool | None = Field(None, examples=["true"])
     directions: list[Literal["x", "y", "z"]] = Field(default=["x", "y", "z"], examples=['["z"]'])
-    criterion: Literal["volume", "joint", "worst"] = Field("volume", examples=['"volume"'])
+    criterion: Literal["volume", "rows", "joint", "worst"] | None = Field(None, examples=['"volume"'])
     refers_to: Literal["20 degC", "as read"] | None = Field(None, examples=['"20 degC"'])
     wants: list[str] = Field(default=[], examples=['["positioning X 5 um", "backlash X", "volume 20 um"]'])
     unchecked: Literal["refuse", "allow"] = Field("refuse", examples=['"allow"'])

@@ -18,7 +18,7 @@ from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import Axis, Machine
 from axiscal.units import format_quantity, parse_quantity
 
-Criterion = Literal["volume", "joint", "worst"]
+Criterion = Literal["volume", "rows", "joint", "worst"]
 RefersTo = Literal["20 degC", "as read"]
 MOST_READINGS = 100_000
 """Weeks of measuring; whoever says more has slipped."""
@@ -95,7 +95,8 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
     limits = table.rms, table.worst, table.readings, table.budget
     wants = read_wants(table.wants, machine, document)
     expanded = _expanded(table.U, wants, document)
-    return Target(*limits, volume, table.criterion, part, aligned, expanded, (x, y, z), wants=wants)
+    criterion = table.criterion or ("rows" if any(want.row.kind != "volume" for want in wants) else "volume")
+    return Target(*limits, volume, criterion, part, aligned, expanded, (x, y, z), wants=wants)
 
 
 def _expanded(stated: float | None, wants: Sequence[Want], document: Document) -> float | None:

@@ -24,6 +24,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
+from axiscal.planning.by_rows import rows_root, settled
 from axiscal.planning.overrun import with_room
 from axiscal.planning.plan_basis import at_gap, in_gap
 from axiscal.planning.plane_start import plane_start
@@ -32,6 +33,8 @@ from axiscal.record.events import Gap
 
 _CANDIDATES = 2000
 _AT_ONCE = 150
+_GROWTH = 1.5
+"""From one number of readings that is tried to the next: at most a third of them is too many."""
 _SMALL = 120
 """Unknowns up to which readings are climbed off the lattice: beyond, a person at the machine would wait too long."""
 
@@ -48,7 +51,9 @@ def planned_places(
     limits = limits_left(_standard(case, knowledge), len(readings), timed(case, readings, Timed()).seconds)
     if not len(task.lattice):
         return ()
-    if promised_already(limits, case, knowledge):
+    if case.description.target.lines:
+        limits = enough_for_rows(case, knowledge, task, limits, readings, left)
+    elif promised_already(limits, case, knowledge):
         limits = few_more(limits, len(left))
     if begin := _first(case, task, readings, gaps):
         return begin
@@ -153,6 +158,30 @@ def _standard(case: Case, knowledge: Knowledge) -> Target:
     return replace(target, rms=max(target.rms or 0.0, as_standard(case, knowledge, target.expanded)))
 
 
+def enough_for_rows(
+    case: Case,
+    knowledge: Knowledge,
+    task: Task,
+    limits: Limits,
+    readings: Sequence[Reading] = (),
+    left: Sequence[Place] = (),
+) -> Limits:
+    """Return limits of as many readings as reach all rows with a limit, or take away what they can; of no accuracy.
+
+    readings : so far; left : of an earlier plan
+    """
+    most = _AT_ONCE if limits.readings is None else limits.readings
+    if left and settled(case, knowledge, readings, left):
+        return Limits(min(len(left), most), budget=limits.budget)
+    count = min(FEW, most)
+    while count < most:
+        made = make_plan(task, Limits(count, budget=limits.budget), patience=0.0, bounded=False)
+        if settled(case, knowledge, readings, placed(case, made)):
+            break
+        count = min(math.ceil(_GROWTH * count), most)
+    return Limits(count, budget=limits.budget)
+
+
 def promised_already(limits: Limits, case: Case, knowledge: Knowledge) -> bool:
     """Return whether the likely sizes reach an accuracy that is asked for: where it is planned on, all do not."""
     return limits.accurate and limits.met(case.yardstick.measure(knowledge.belief))
@@ -180,4 +209,6 @@ def root_of(case: Case, belief: Belief) -> Root:
     name = case.description.target.criterion
     if name == "joint":
         return joint_root(case.errors)
+    if name == "rows":
+        return rows_root(case)
     return case.yardstick.root if name == "volume" else case.yardstick.worst_root(belief)

@@ -1,0 +1,51 @@
+"""Plans for rows: J sums their variances over what each is to be known to, and a plan ends where all are reached."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from axiscal.accuracy.criterion import Gram, Root
+from axiscal.accuracy.expanded import BAND
+from axiscal.answer.asked import AskedRow, asked_rows
+from axiscal.answer.known import known_row, known_rows
+from axiscal.estimation.case import Case
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import blank_readings
+from axiscal.numerics import Array
+
+_VOLUME = 0.5
+"""Of U before the first reading: a volume without a limit weighs as a row without one."""
+
+
+def rows_root(case: Case) -> Root:
+    """Return V of J = Σ v / g², v the mean variance of a row and g its standard deviation where it is as wanted."""
+    parts = [np.zeros((0, case.errors.size))]
+    for asked in asked_rows(case.description, (), whole=True):
+        row = known_row(asked, case, case.prior, read=False)
+        goal = row.goal if asked.map is not None else min(row.goal, _VOLUME * row.before)
+        if goal > 0:
+            parts.append(_own(asked, case) * BAND / goal)
+    stacked = np.concatenate(parts)
+    return Gram(stacked.T @ stacked).root
+
+
+def _own(asked: AskedRow, case: Case) -> Array:
+    """Return V of the mean variance of a row, (k, size)."""
+    if asked.map is None:
+        return case.yardstick.root.matrix
+    scaled: Array = asked.map.rows(case.errors) / np.sqrt(len(asked.map.weights) / asked.map.dimensions)
+    return scaled
+
+
+def settled(case: Case, knowledge: Knowledge, readings: Sequence[Reading], places: Sequence[Place]) -> bool:
+    """Return whether readings at these places, whatever they show, reach all limits or take away what they can.
+
+    readings : so far, which are known
+    """
+    blank = blank_readings(case.description.setups, places)
+    rows = known_rows(case, knowledge.read(blank), [*readings, *blank])
+    return all(row.settled for row in rows if row.limit is not None)

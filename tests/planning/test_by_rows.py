@@ -1,0 +1,88 @@
+"""Plans for rows: how much better they know them, where they end, and what a backlash needs."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.answer.asked import asked_rows
+from axiscal.answer.known import KnownRow, known_rows
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.machine import load_machine
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading_rows import blank_readings
+from axiscal.planning.by_rows import rows_root
+from axiscal.planning.next_readings import planned_places
+
+HOW_TO = Path(__file__).parents[2] / "docs" / "howto" / "dial-and-square.md"
+DIAL = re.findall(r'```toml title="campaign.toml"\n(.*?)```', HOW_TO.read_text(), re.S)[0]
+
+
+def case(text: str) -> Case:
+    return Case(campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "three-axis-mill"))
+
+
+def dial(target: str) -> Case:
+    return case(DIAL.replace("readings = 12", target))
+
+
+def planned(of: Case) -> tuple[Place, ...]:
+    return planned_places(of, of.knowledge, (), ())
+
+
+def rows(of: Case, places: tuple[Place, ...]) -> dict[str, KnownRow]:
+    """Return how well the rows of a campaign are known after readings at places."""
+    taken = blank_readings(of.description.setups, places)
+    return {row.row.name: row for row in known_rows(of, of.knowledge.read(taken), taken)}
+
+
+@pytest.mark.parametrize(("aligned", "times"), [("false", 1.2), ("true", 1.15)])
+def test_twelve_readings_planned_for_squareness_know_it_better(aligned: str, times: float) -> None:
+    """Against those planned for the volume; aligned, the squareness is most of what is left of that."""
+    wanted = dial('readings = 12\nwants = ["squareness XY"]')
+    volume = planned(dial(f"readings = 12\naligned = {aligned}"))
+    own = planned(wanted)
+    assert len(own) == len(volume) == 12
+    here, there = (rows(wanted, places)["squareness XY"].known for places in (own, volume))
+    assert there > times * here
+
+
+def test_j_is_the_variance_over_the_squared_limit() -> None:
+    """A limit that is half as wide weighs four times; of two rows J is the sum."""
+    factor = dial("readings = 12").prior.factor
+    one, half, other, both = (
+        rows_root(dial(f"readings = 12\nwants = [{wants}]")).value(factor)
+        for wants in (
+            '"squareness XY 20 urad"',
+            '"squareness XY 10 urad"',
+            '"straightness X in Y 3 um"',
+            '"squareness XY 20 urad", "straightness X in Y 3 um"',
+        )
+    )
+    assert half == pytest.approx(4 * one, rel=1e-9)
+    assert both == pytest.approx(one + other, rel=1e-9)
+    of = dial('readings = 12\nwants = ["squareness XY 20 urad"]')
+    (asked,) = asked_rows(of.description, (), whole=True)
+    assert asked.map is not None
+    drawn = factor[: of.errors.size] @ np.random.default_rng(1).standard_normal((factor.shape[1], 20_000))
+    slopes = asked.map.rows(of.errors) @ drawn
+    assert one == pytest.approx(np.mean(slopes**2) * (1.96 / 20e-6) ** 2, rel=0.03)
+
+
+def test_a_plan_for_limits_has_as_many_readings_as_reach_them() -> None:
+    noisy = DIAL.replace('"1 um"', '"6 um"')
+    wide, tight = (case(noisy.replace("readings = 12", f'wants = ["squareness XY {u} urad"]')) for u in (45, 30))
+    few, many = planned(wide), planned(tight)
+    assert len(few) < len(many) < 60
+    for of, places in ((wide, few), (tight, many)):
+        assert rows(of, places)["squareness XY"].reached
+    assert len(planned(replace_readings(tight, 7))) == 7
+
+
+def replace_readings(of: Case, readings: int) -> Case:
+    return Case(replace(of.description, target=replace(of.description.target, readings=readings)))
