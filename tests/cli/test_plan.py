@@ -272,9 +272,9 @@ def test_a_plan_whose_end_nobody_would_see_is_refused_before_it_begins(
 
 def test_a_plan_of_fewer_readings_than_asked_for_says_so(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["plan", str(campaign), "--readings", "12", "--budget", "10.4 min"]) == 0
-    found = re.search(r"(\d+) readings were asked for and (\d+) are planned: more do not fit", capsys.readouterr().out)
+    found = re.search(r"(\d+) readings are allowed and (\d+) are planned: more do not fit", capsys.readouterr().out)
     assert found is not None
     asked, planned = map(int, found.groups())
     assert planned < asked == 12
     assert run(["plan", str(campaign), "--readings", "3"]) == 0
-    assert "were asked for" not in capsys.readouterr().out
+    assert "are allowed" not in capsys.readouterr().out

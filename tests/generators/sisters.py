@@ -25,6 +25,7 @@ usual = "off"
 sure = "exactly"
 {first}[target]
 rms = "2 um"
+aligned = false
 [[setups]]
 name = "laser"
 instrument = "interferometer"

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from tests.generators.texts import TWO_SPHERES
+from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
 from tests.web.served import PATIENCE, Served, served, started
 
 
@@ -160,7 +160,12 @@ def test_a_note_answers_nothing_so_who_has_seen_the_state_before_may_still_answe
     assert kept(page) == [1.5]
 
 
-def test_the_outlook_is_the_volume_the_way_and_what_the_plan_will_reach(page: Served) -> None:
+def test_the_outlook_is_the_volume_the_way_and_what_the_plan_will_reach(tmp_path: Path) -> None:
+    with served(started(tmp_path, FOUR_READINGS.replace("readings = 4", "readings = 4\naligned = false"))) as page:
+        _outlook(page)
+
+
+def _outlook(page: Served) -> None:
     page.call("readings", after=page.state()["last"], text="1.5")
     seen, state = page.call("outlook").document, page.state()
     assert len(seen["points"]) == len(seen["error_um"]) == len(seen["std_um"]) > 100

@@ -86,7 +86,7 @@ def _said(target: Target, known: Estimation) -> str | None:
 
 def _unread(target: Target, known: Estimation) -> bool:
     """Return whether sizes as stated meet an accuracy unread, and fewer readings than check them were taken."""
-    if len(known.readings) >= FEW:
+    if len(known.readings) >= FEW or not len(known.stated.sizes):
         return False
     yardstick, prior = known.stated.yardstick, known.stated.prior
     rms, worst, *_ = yardstick.measure(prior)

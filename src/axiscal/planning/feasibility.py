@@ -90,7 +90,7 @@ def refuse_endless(case: Case, limits: Limits, candidates: int) -> None:
 
 def reached_unread(case: Case, limits: Limits) -> str | None:
     """Say that errors of the usual sizes are within the target before any reading; None where they are not."""
-    if not promised_already(limits, case, case.knowledge):
+    if not (len(case.sizes) and promised_already(limits, case, case.knowledge)):
         return None
     return "errors of the sizes that are stated or usual meet the target unread: a few readings check their sizes"
 

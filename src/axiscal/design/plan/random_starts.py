@@ -42,11 +42,11 @@ Points = NDArray[np.intp]
 
 
 def best_of_random(task: Task, counts: list[tuple[int, int]], work: float) -> Places | None:
-    """Return the best plan found; None where rows do not add up, or for so little work.
+    """Return the best plan found; None for no reading, where rows do not add up, or for so little work.
 
     counts : (set-up, readings) for each set-up; work : operations that the search may take
     """
-    if not all(_searched(task, setup) for setup, _ in counts):
+    if not any(count for _, count in counts) or not all(_searched(task, setup) for setup, _ in counts):
         return None
     plans = _Plans(task, np.repeat(*np.array(counts).T), Patience(work))
     starts = int(min(_STARTS, work / (_SWEEPS * plans.work)))
