@@ -23,6 +23,26 @@ HOW_TO = Path(__file__).parents[2] / "docs" / "howto" / "dial-and-square.md"
 DIAL = re.findall(r'```toml title="campaign.toml"\n(.*?)```', HOW_TO.read_text(), re.S)[0]
 
 
+LASERS = """machine = "three-axis-mill"
+[target]
+TARGET
+[[setups]]
+name = "laser along X"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+raster = { X = "10 mm" }
+approach = "both"
+[[setups]]
+name = "laser along Y"
+instrument = "interferometer"
+direction = "y"
+moves = ["Y"]
+raster = { Y = "10 mm" }
+approach = "both"
+"""
+
+
 def case(text: str) -> Case:
     return Case(campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "three-axis-mill"))
 
@@ -86,3 +106,15 @@ def test_a_plan_for_limits_has_as_many_readings_as_reach_them() -> None:
 
 def replace_readings(of: Case, readings: int) -> Case:
     return Case(replace(of.description, target=replace(of.description.target, readings=readings)))
+
+
+@pytest.mark.parametrize("wants", ['"backlash X"', '"positioning X", "backlash X", "backlash Y"'])
+def test_two_places_at_least_are_read_from_both_sides_where_backlash_is_wanted(wants: str) -> None:
+    of = case(LASERS.replace("TARGET", f"readings = 12\nwants = [{wants}]"))
+    places = planned(of)
+    assert len(places) == 12
+    found = rows(of, places)
+    for name, row in found.items():
+        if name.startswith("backlash"):
+            assert len(row.lines[0].both) >= 2
+            assert row.measured
