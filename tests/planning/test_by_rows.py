@@ -17,6 +17,7 @@ from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.by_rows import rows_root
+from axiscal.planning.feasibility import out_of_reach
 from axiscal.planning.next_readings import planned_places
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "howto" / "dial-and-square.md"
@@ -102,6 +103,16 @@ def test_a_plan_for_limits_has_as_many_readings_as_reach_them() -> None:
     for of, places in ((wide, few), (tight, many)):
         assert rows(of, places)["squareness XY"].reached
     assert len(planned(replace_readings(tight, 7))) == 7
+
+
+def test_a_row_that_these_set_ups_cannot_make_known_is_named_before_the_first_reading() -> None:
+    of = dial('wants = ["squareness XY 30 urad", "straightness X in Y 5 um"]')
+    (square, _) = rows(of, ()).values()
+    assert out_of_reach(of) is None
+    assert square.floor > 10e-6
+    said = out_of_reach(dial('wants = ["squareness XY 10 urad", "straightness X in Y 5 um"]')) or ""
+    assert said.startswith("squareness XY cannot be known to 10 urad with these set-ups: endless readings leave ")
+    assert "straightness" not in said
 
 
 def replace_readings(of: Case, readings: int) -> Case:
