@@ -16,9 +16,11 @@ from axiscal.measurement.setup import Setup
 from axiscal.planning.overrun import with_room
 
 _PLACES = 2
+"""Two show whether the reversal is the same along the travel, and cost one reading more than one."""
 _INWARD = 0.1
 """Share of the span from an end, where there is room to come from either side."""
 _SIDES = (1, -1)
+"""From + and from −."""
 _SAME = 1e-6
 """m or rad: two readings at one place."""
 

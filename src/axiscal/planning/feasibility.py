@@ -119,7 +119,8 @@ def fewer_than_asked(limits: Limits, plan: Plan) -> str | None:
         why = "more would take away hardly anything" if short else "they reach the accuracy that is asked for"
     if limits.budget is not None and not plan.met:
         why = f"more do not fit into {format_quantity(limits.budget, 'min', 4)}"
-    return f"{limits.readings:,} readings are allowed and {planned:,} are planned: {why}"
+    verb = "are allowed" if limits.accurate else "were asked for"
+    return f"{limits.readings:,} readings {verb} and {planned:,} are planned: {why}"
 
 
 def _what_helps(case: Case, target: Target) -> str:
