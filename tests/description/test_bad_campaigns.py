@@ -124,7 +124,7 @@ WRONG = [
     ('["50 mm", "550 mm"]', '["50 deg", "60 deg"]', "is an angle, not a length"),
     ('["50 mm", "550 mm"]', "[50, 60]", "50 has no unit"),
     ('volume = { X = ["50 mm", "550 mm"] }', 'volume = "all"', "volume"),
-    ('criterion = "volume"', 'criterion = "rms"', "'volume', 'joint' or 'worst'"),
+    ('criterion = "volume"', 'criterion = "rms"', "'volume', 'rows', 'joint' or 'worst'"),
     ('name = "laser along X"', "", '"name" is missing'),
     ('name = "laser along X"', 'name = ""', '"" is not a name'),
     ('name = "laser along X"', 'name = " laser"', '" laser" is not a name'),

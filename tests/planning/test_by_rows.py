@@ -17,10 +17,31 @@ from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.by_rows import rows_root
+from axiscal.planning.feasibility import out_of_reach
 from axiscal.planning.next_readings import planned_places
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "howto" / "dial-and-square.md"
 DIAL = re.findall(r'```toml title="campaign.toml"\n(.*?)```', HOW_TO.read_text(), re.S)[0]
+
+
+LASERS = """machine = "three-axis-mill"
+[target]
+TARGET
+[[setups]]
+name = "laser along X"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+raster = { X = "10 mm" }
+approach = "both"
+[[setups]]
+name = "laser along Y"
+instrument = "interferometer"
+direction = "y"
+moves = ["Y"]
+raster = { Y = "10 mm" }
+approach = "both"
+"""
 
 
 def case(text: str) -> Case:
@@ -84,5 +105,27 @@ def test_a_plan_for_limits_has_as_many_readings_as_reach_them() -> None:
     assert len(planned(replace_readings(tight, 7))) == 7
 
 
+def test_a_row_that_these_set_ups_cannot_make_known_is_named_before_the_first_reading() -> None:
+    of = dial('wants = ["squareness XY 30 urad", "straightness X in Y 5 um"]')
+    (square, _) = rows(of, ()).values()
+    assert out_of_reach(of) is None
+    assert square.floor > 10e-6
+    said = out_of_reach(dial('wants = ["squareness XY 10 urad", "straightness X in Y 5 um"]')) or ""
+    assert said.startswith("squareness XY cannot be known to 10 urad with these set-ups: endless readings leave ")
+    assert "straightness" not in said
+
+
 def replace_readings(of: Case, readings: int) -> Case:
     return Case(replace(of.description, target=replace(of.description.target, readings=readings)))
+
+
+@pytest.mark.parametrize("wants", ['"backlash X"', '"positioning X", "backlash X", "backlash Y"'])
+def test_two_places_at_least_are_read_from_both_sides_where_backlash_is_wanted(wants: str) -> None:
+    of = case(LASERS.replace("TARGET", f"readings = 12\nwants = [{wants}]"))
+    places = planned(of)
+    assert len(places) == 12
+    found = rows(of, places)
+    for name, row in found.items():
+        if name.startswith("backlash"):
+            assert len(row.lines[0].both) >= 2
+            assert row.measured

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from axiscal.accuracy.yardstick import Yardstick
+from axiscal.answer.known import known_rows
 from axiscal.description.target import Target
 from axiscal.design.bound.relaxation import Relaxation
 from axiscal.design.gains.candidate_rows import Pool
@@ -43,12 +44,24 @@ _INSTANT = 1e-3
 def out_of_reach(case: Case) -> str | None:
     """Return why no reading of these set-ups can reach a target, and what would help; None where one can."""
     target = case.description.target
+    if target.lines and (said := _rows_out_of_reach(case)):
+        return said
     wanted = asked(target, case.yardstick)
     if not wanted or any(each.floor <= each.limit for each in wanted):
         return None
     name, limit, floor = wanted[0]
     said = f"the {name} target cannot be reached with these set-ups: {_leaves(limit, floor)}"
     return f"{said}. {_what_helps(case, target)}. The campaign ends where readings have taken away what they can"
+
+
+def _rows_out_of_reach(case: Case) -> str:
+    """Return which rows endless readings would not make known to their limits, "" for none."""
+    rows = [row for row in known_rows(case, case.knowledge, ()) if row.limit is not None and not row.reachable]
+    parts = list[str]()
+    for row in rows[:_NAMED]:
+        floor, limit = (format_quantity(size, "urad" if row.angular else "um", 3) for size in (row.floor, row.goal))
+        parts.append(f"{row.row.name} cannot be known to {limit} with these set-ups: endless readings leave {floor}")
+    return "; ".join(parts)
 
 
 @one_thread()
@@ -106,7 +119,8 @@ def fewer_than_asked(limits: Limits, plan: Plan) -> str | None:
         why = "more would take away hardly anything" if short else "they reach the accuracy that is asked for"
     if limits.budget is not None and not plan.met:
         why = f"more do not fit into {format_quantity(limits.budget, 'min', 4)}"
-    return f"{limits.readings:,} readings are allowed and {planned:,} are planned: {why}"
+    verb = "are allowed" if limits.accurate else "were asked for"
+    return f"{limits.readings:,} readings {verb} and {planned:,} are planned: {why}"
 
 
 def _what_helps(case: Case, target: Target) -> str:

@@ -24,6 +24,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
+from axiscal.planning.both_sides import with_both_sides
 from axiscal.planning.by_rows import rows_root, settled
 from axiscal.planning.overrun import with_room
 from axiscal.planning.plan_basis import at_gap, in_gap
@@ -63,7 +64,8 @@ def planned_places(
         coming = renewed(task, limits, coming, patience)
     if not len(coming):
         coming = _begun(task, limits, patience, case.description.usual)
-    return tuple(place for place in with_rooms(case, coming) if not in_gap(case, place, gaps))
+    places = with_both_sides(case, readings, with_rooms(case, coming))
+    return tuple(place for place in places if not in_gap(case, place, gaps))
 
 
 def _first(case: Case, task: Task, readings: Sequence[Reading], gaps: Sequence[Gap]) -> tuple[Place, ...]:
