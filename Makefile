@@ -18,7 +18,7 @@ help:
 	@echo "make test       set everything up, run linters, type checker and the tests that take little time; five minutes once installed (make check is the same)"
 	@echo "make test-long  the other tests, and those of drawn cases with eight times as many of them; a quarter of an hour"
 	@echo "make quick      linters and the tests that take no time, in half a minute; for between two edits"
-	@echo "make golden     26 campaigns in two languages give what they gave, numbers to 1e-9, in a minute (ONLY='mill prior'; RENEW=1: keep what comes now)"
+	@echo "make golden     26 campaigns in two languages give what they gave, numbers to 1e-4, in a minute (ONLY='mill prior'; RENEW=1: keep what comes now)"
 	@echo "make bench      measure the figures that the README states"
 	@echo "make bench-peers  measure side by side with other libraries, into docs/peers.md (half an hour; ARGS='--only trieste')"
 	@echo "make docs       make the generated pages of docs/ anew"

@@ -10,8 +10,11 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
-TOLERANCE = 1e-9
-"""Of two numbers relative to the larger one, or in a list of numbers to the largest of the list."""
+TOLERANCE = 1e-4
+"""Of two numbers relative to the larger one, or in a list of numbers to the largest of the list.
+
+What is learnt from readings is a search that ends within its own tolerance: processors differ by up to 1e-5.
+"""
 FLOOR = 1e-6
 """um, urad, minutes, in documents: picometres, where a number is the rounding of what cancels."""
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")

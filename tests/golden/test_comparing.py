@@ -32,20 +32,20 @@ def test_what_is_equal_has_no_difference(tmp_path: Path) -> None:
 
 
 def test_a_difference_names_file_place_and_both_values(tmp_path: Path) -> None:
-    other = {**KEPT, "curve": [0.0, 40.00001, -3.0]}
-    assert _found(tmp_path, {"a_json": KEPT}, {"a_json": other}) == ["a.json: $.curve[1]: 40.0 | 40.00001"]
+    other = {**KEPT, "curve": [0.0, 40.01, -3.0]}
+    assert _found(tmp_path, {"a_json": KEPT}, {"a_json": other}) == ["a.json: $.curve[1]: 40.0 | 40.01"]
 
 
 @pytest.mark.parametrize(
     "change",
     [
-        {"rms_um": 1.250002},
+        {"rms_um": 1.2502},
         {"rms_um": "1.25"},
         {"rms_um": None},
         {"seen": 1},
         {"curve": [0.0, 40.0]},
         {"curve": [0.0, 40.0, -3.0, 0.0]},
-        {"curve": [2e-6, 40.0, -3.0]},
+        {"curve": [0.005, 40.0, -3.0]},
         {"text": "RMS 2.5 um after 4 readings"},
         {"text": "RMS 2.5 um of 3 readings"},
         {"more": 0.0},
@@ -57,7 +57,7 @@ def test_no_change_that_people_see_passes(change: dict[str, Any], tmp_path: Path
 
 @pytest.mark.parametrize(
     "change",
-    [{"rms_um": 1.2500005}, {"curve": [5e-7, 40.0, -3.0]}, {"text": "RMS 2.500000001 um after 3 readings"}],
+    [{"rms_um": 1.25001}, {"curve": [0.003, 40.0, -3.0]}, {"text": "RMS 2.50001 um after 3 readings"}],
 )
 def test_what_rounding_does_passes(change: dict[str, Any], tmp_path: Path) -> None:
     assert _found(tmp_path, {"a_json": KEPT}, {"a_json": {**KEPT, **change}}) == []
