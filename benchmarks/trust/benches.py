@@ -150,7 +150,7 @@ def case_of(name: Name, scales: str, changes: Changes = (), usual: str = "on") -
     bench = BENCHES[name]
     machine, setup = bench.machine, bench.setup
     head = f'usual = "{usual}"\nscales = "{scales}"\n{bench.head}'
-    text = f'machine = "m"\n{head}[target]\nreadings = {bench.readings}\n{setup}'
+    text = f'machine = "m"\n{head}[target]\naligned = false\nreadings = {bench.readings}\n{setup}'
     for old, new in (*changes, *_USUAL):
         machine, text = machine.replace(old, new), text.replace(old, new)
     return Case(campaign_from_texts(text, "campaign.toml", machine, "m"))
