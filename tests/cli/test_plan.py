@@ -153,13 +153,15 @@ def test_a_target_alone_is_planned_within_what_the_campaign_allows(
 
 
 @pytest.mark.parametrize("more", [[], ["--prove"]])
-def test_a_target_that_is_met_before_anything_is_read_needs_a_few_that_check_it(
-    campaign: Path, more: list[str], capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(("sure", "needed"), [("exactly", 0), ("roughly", 6)])
+def test_a_target_that_is_met_before_anything_is_read_needs_a_few_that_check_the_sizes(
+    campaign: Path, more: list[str], sure: str, needed: int, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    campaign.write_text(campaign.read_text().replace('sure = "exactly"', f'sure = "{sure}"'))
     assert run(["plan", str(campaign), "--target", "90 mm", "--json", *more]) == 0
     printed = capsys.readouterr()
-    assert len(json.loads(printed.out)["points"]) == 6
-    assert "meet the target unread" in " ".join(printed.err.split())
+    assert len(json.loads(printed.out)["points"]) == needed
+    assert ("meet the target unread" in " ".join(printed.err.split())) == (needed > 0)
 
 
 def test_an_unknown_control_is_refused_before_the_campaign_is_read(capsys: pytest.CaptureFixture[str]) -> None:
@@ -274,9 +276,9 @@ def test_a_plan_whose_end_nobody_would_see_is_refused_before_it_begins(
 
 def test_a_plan_of_fewer_readings_than_asked_for_says_so(campaign: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["plan", str(campaign), "--readings", "12", "--budget", "10.4 min"]) == 0
-    found = re.search(r"(\d+) readings are allowed and (\d+) are planned: more do not fit", capsys.readouterr().out)
+    found = re.search(r"(\d+) readings were asked for and (\d+) are planned: more do not fit", capsys.readouterr().out)
     assert found is not None
     asked, planned = map(int, found.groups())
     assert planned < asked == 12
     assert run(["plan", str(campaign), "--readings", "3"]) == 0
-    assert "are allowed" not in capsys.readouterr().out
+    assert "were asked for" not in capsys.readouterr().out
