@@ -64,9 +64,9 @@ def test_what_rounding_does_passes(change: dict[str, Any], tmp_path: Path) -> No
 
 
 def test_lines_of_a_table_are_compared_by_their_numbers(tmp_path: Path) -> None:
-    tables = {"x_comp": "0.0 1.5 2\n10.0 1.5 2\n"}, {"x_comp": "0.0 1.5 2\n10.0 1.6 2\n20.0 0 0\n"}
+    tables = {"x_comp": "0.0 1.5 2\n10.0 1.5 2\n"}, {"x_comp": "0.0 1.6 2\n10.0 1.7 2\n20.0 0 0\n"}
     found = _found(tmp_path, *tables)
-    assert found == ["x.comp: line 2: 10.0 1.5 2 | 10.0 1.6 2", "x.comp: line 3: (nothing) | 20.0 0 0"]
+    assert found == ["x.comp: line 2: 10.0 1.5 2 | 10.0 1.7 2", "x.comp: line 3: (nothing) | 20.0 0 0"]
 
 
 def test_a_file_that_is_gone_is_a_difference(tmp_path: Path) -> None:
