@@ -154,7 +154,7 @@ def test_plan_run_and_files_of_a_bed_say_that_the_height_counts(
     words = ["--machine", "printer-gantry", "--instrument", "probe", "--target", "60 um"]
     assert app.run(["init", str(tmp_path / "bed"), *words]) == 0
     campaign, out = str(tmp_path / "bed" / "campaign.toml"), tmp_path / "out"
-    assert app.run(["run", campaign, "--source", "sim:3", "--out", str(out)]) == 0
+    assert app.run(["run", campaign, "--source", "sim:3", "--out", str(out), "--details"]) == 0
     said = capsys.readouterr().out
     assert "um along z alone (95 %" in said
     assert "counted along z alone" in said

@@ -158,7 +158,7 @@ def test_results_written_beside_their_record_say_what_its_status_says(
         assert run(["status", "out/campaign.axiscal", "--json"]) == 0
         said, result = json.loads(capsys.readouterr().out), json.loads((folder / "out" / "result.json").read_text())
         assert said["readings"] == 8
-        assert said["rms_um"] == pytest.approx(result["rms_um"], abs=1e-6)
+        assert said["rms_um"] == pytest.approx(result["rms_um"], rel=1e-5)
         assert not beside(folder / "out")
 
 

@@ -148,7 +148,7 @@ def estimated(folder: Path, step: float, campaign: str) -> tuple[str, list[str]]
     rows = [f"laser along x,{x:.3f},{y:.2f}" for x, y in zip(np.linspace(0, 1000, 24), values, strict=True)]
     (folder / "readings.csv").write_text("\n".join(["setup,X_mm,value_um", *rows]) + "\n")
     files = [str(folder / name) for name in ("campaign.toml", "readings.csv", "out")]
-    printed = CliRunner().invoke(app, ["estimate", *files[:2], "--out", files[2]]).stdout
+    printed = CliRunner().invoke(app, ["estimate", *files[:2], "--out", files[2], "--details"]).stdout
     document = json.loads((folder / "out" / "result.json").read_text())
     return " ".join(printed.split()), [warning["code"] for warning in document["warnings"]]
 
