@@ -5,9 +5,9 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsafe \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
-COVERING := tests/document tests/description tests/measurement tests/evaluation tests/record tests/compensation tests/gcode \
+COVERING := tests/document tests/description tests/measurement tests/evaluation tests/record tests/tables tests/programs \
 	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py tests/cli/test_type.py tests/web/test_first.py \
-	tests/acceptance/test_at_the_machine.py tests/linuxcnc/test_patched_configuration.py tests/study/test_study_file.py
+	tests/linuxcnc/test_patched_configuration.py tests/ports/test_study_file.py
 
 .PHONY: help demo demo-linuxcnc howto-linuxcnc test test-long check quick golden bench bench-peers docs docs-site languages trust certify reliability fuzz fuzz-coverage coverage mutants requests audit lock clean distclean
 
@@ -20,11 +20,11 @@ help:
 	@echo "make quick      linters and the tests that take no time, in half a minute; for between two edits"
 	@echo "make golden     26 campaigns in two languages give what they gave, numbers to 1e-4, in a minute (ONLY='mill prior'; RENEW=1: keep what comes now)"
 	@echo "make bench      measure the figures that the README states"
-	@echo "make bench-peers  measure side by side with other libraries, into docs/peers.md (half an hour; ARGS='--only trieste')"
+	@echo "make bench-peers  measure side by side with other libraries, into docs/evidence/peers.md (half an hour; ARGS='--only trieste')"
 	@echo "make docs       make the generated pages of docs/ anew"
 	@echo "make languages  bring the translations of prompt, page and report up to the messages there are (src/axiscal/language/translations)"
 	@echo "make docs-site  the documentation as a site in build/site, tools in .venv-docs"
-	@echo "make trust      measure how far the printed bands can be trusted, into docs/trust.md (PART=iso: only that section; PART=attacks MACHINES=100 of each, 20 unless said, MINUTES=30 at a time; ONLY='step; bump': shown, not written)"
+	@echo "make trust      measure how far the printed bands can be trusted, into docs/evidence/trust.md (PART=iso: only that section; PART=attacks MACHINES=100 of each, 20 unless said, MINUTES=30 at a time; ONLY='step; bump': shown, not written)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part; CASES=20000 of it; PART=gcode, PART=dialects, PART=plans and PART=simulator go on where they were ended)"
 	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours, MINUTES=20 at a time; ROWS='8 9': only these; PYTHONS=...: other interpreters too)"
 	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run)"
@@ -40,7 +40,7 @@ demo: .venv/run.stamp
 	$(BIN)/axiscal demo --out demo-out
 
 demo-linuxcnc: .venv/run.stamp
-	$(BIN)/python -m axiscal.demo.linuxcnc --out demo-linuxcnc-out
+	$(BIN)/python -m tests.linuxcnc.demo --out demo-linuxcnc-out
 
 howto-linuxcnc: .venv/dev.stamp
 	$(BIN)/python -m tests.linuxcnc.howto
@@ -56,10 +56,13 @@ test-long: .venv/dev.stamp
 	AXISCAL_HYPOTHESIS=long $(BIN)/pytest -n 2 --dist loadfile -m "long or hypothesis"
 
 # Whole rooms where their tests take seconds, else the files that do.
-QUICK := accuracy belief/test_belief_properties.py description docs/test_constants.py docs/test_house.py docs/test_shapes.py \
-	document error_model/test_gauge.py evaluation gcode/test_programs.py library/test_surface.py machine measurement/test_displacement.py \
-	measurement/test_instrument_files.py numerics record report/test_edges.py report/test_wording.py units
-SLOW := accuracy/test_as_one.py accuracy/test_expanded.py description/test_sights.py numerics/test_threads.py record/test_store.py
+QUICK := description docs/test_constants.py docs/test_house.py docs/test_shapes.py document errors/test_gauge.py \
+	estimation/test_alignment.py estimation/test_belief_properties.py estimation/test_criterion.py estimation/test_directions.py \
+	estimation/test_other_tool.py estimation/test_yardstick.py evaluation/test_around_a_turn.py evaluation/test_evaluation.py \
+	evaluation/test_evaluation_properties.py evaluation/test_kinematic.py machine measurement/test_displacement.py \
+	measurement/test_instrument_files.py numerics present/test_edges.py present/test_wording.py programs/test_programs.py \
+	python/test_surface.py record units
+SLOW := description/test_sights.py numerics/test_threads.py record/test_store.py
 
 quick: .venv/dev.stamp
 	$(BIN)/ruff check .
@@ -80,6 +83,7 @@ docs: .venv/dev.stamp
 	$(BIN)/python -m tests.docs.examples
 	$(BIN)/python -m tests.docs.stories
 	$(BIN)/python -m tests.docs.api
+	$(BIN)/python -m tests.docs.cli
 	$(BIN)/python -m tests.docs.result
 	$(BIN)/python -m tests.docs.howtos
 

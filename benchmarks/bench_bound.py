@@ -11,19 +11,19 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.belief import Belief
-from axiscal.design.bound.certificate import rank_bound
-from axiscal.design.bound.lower_bound import lower_bound, settling
-from axiscal.design.bound.relaxation import Relaxation
-from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.running_gains import Scores
-from axiscal.design.plan.exchange import exchange
-from axiscal.design.plan.plan import make_plan
-from axiscal.design.plan.task import Limits, Task
+from axiscal.estimation.belief import Belief
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
+from axiscal.planning.bound.certificate import rank_bound
+from axiscal.planning.bound.lower_bound import lower_bound, settling
+from axiscal.planning.bound.relaxation import Relaxation
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.plan.exchange import exchange
+from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.task import Limits, Task
 from benchmarks.cases import five_axis
 
 STARTS = 6

@@ -13,14 +13,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 
-from axiscal.accuracy import criterion
-from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.running_gains import Scores
-from axiscal.design.plan.plan import make_plan
-from axiscal.design.plan.task import Limits, Task
-from axiscal.design.step.best_step import best_step
+from axiscal.estimation.accuracy import criterion
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.numerics.threads import one_thread
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.step.best_step import best_step
 from benchmarks.cases import five_axis, stacked
 from benchmarks.peers.problems import CASES
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.measurement.place_texts import approach_text
-from axiscal.simulation import Simulator
+from axiscal.measurement.simulation import Simulator
 
 CAMPAIGN = """
 machine = "three-axis-mill"

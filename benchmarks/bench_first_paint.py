@@ -66,7 +66,7 @@ def asking(browser: Browser, address: str, size: tuple[int, int]) -> float:
 
 def demo_campaign() -> str:
     """Return the demo's campaign.toml."""
-    return resources.files("axiscal.demo").joinpath("campaign.toml").read_text(encoding="utf-8")
+    return resources.files("axiscal.present.demo").joinpath("campaign.toml").read_text(encoding="utf-8")
 
 
 def main() -> None:

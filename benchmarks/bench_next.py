@@ -10,16 +10,16 @@ from __future__ import annotations
 import statistics
 import time
 
-from axiscal.accuracy import criterion
-from axiscal.design.step.best_step import best_step
-from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import volume_moments, whole_travel
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import volume_moments, whole_travel
+from axiscal.estimation.accuracy import criterion
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.machine import Machine, load_machine, machine_from_text
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Approach, Setup
 from axiscal.numerics.threads import one_thread
+from axiscal.planning.step.best_step import best_step
 
 ONE_SPLINE = """
 chain = "w-b-X-t"

@@ -26,7 +26,7 @@ READINGS = 62
 
 def opened(folder: Path) -> Campaign:
     """Return the demo's campaign with so many readings as its only target, begun in a folder."""
-    text = resources.files("axiscal.demo").joinpath("campaign.toml").read_text(encoding="utf-8")
+    text = resources.files("axiscal.present.demo").joinpath("campaign.toml").read_text(encoding="utf-8")
     counted = re.sub(r"(?m)^readings = .*$", f"readings = {READINGS}", re.sub(r"(?m)^rms = .*$", "", text))
     described = campaign_from_texts(counted, "demo", load_machine("dmu60").text, "dmu60")
     return Campaign.create(folder / "page.axiscal", described)

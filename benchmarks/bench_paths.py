@@ -29,13 +29,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.demo.five_axis import SEED, description, hidden_machine
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.case import Case
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.planning.next_readings import posed
+from axiscal.present.demo.five_axis import SEED, description, hidden_machine
 from benchmarks import bench_estimate
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -99,7 +99,7 @@ def demo_plan(readings: int, *more: str) -> Callable[[Path], list[str]]:
     """Return how a plan of the demo's campaign is asked for."""
 
     def arguments(folder: Path) -> list[str]:
-        text = resources.files("axiscal.demo").joinpath("campaign.toml").read_text(encoding="utf-8")
+        text = resources.files("axiscal.present.demo").joinpath("campaign.toml").read_text(encoding="utf-8")
         (folder / "demo.toml").write_text(text, encoding="utf-8")
         return ["plan", str(folder / "demo.toml"), "--readings", str(readings), *more]
 

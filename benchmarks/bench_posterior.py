@@ -20,23 +20,22 @@ from typing import TypeVar
 
 import numpy as np
 
-from axiscal.demo.measured_truth import measured_truth
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.usual import Learnable, sizes_of, usual_machine
 from axiscal.estimation.case import Case
+from axiscal.estimation.promise import problem as estimate_problem
+from axiscal.estimation.promise.draws import draws, mode, weighed
+from axiscal.estimation.promise.posterior import posterior
+from axiscal.estimation.promise.problem import Problem, problem
+from axiscal.estimation.promise.spaces import turned, variances_of
+from axiscal.estimation.promise.unknowns import Unknowns, space_of
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.promise import problem as estimate_problem
-from axiscal.promise.draws import draws, mode, weighed
-from axiscal.promise.posterior import posterior
-from axiscal.promise.problem import Problem, problem
-from axiscal.promise.spaces import turned, variances_of
-from axiscal.promise.unknowns import Unknowns
-from axiscal.promise.usual import Learnable, sizes_of, usual_machine
-from axiscal.promise.which_space import space_of
-from axiscal.simulation import Simulator
+from axiscal.present.demo.measured_truth import measured_truth
 
 T = TypeVar("T")
 _SEED = 2005
@@ -46,7 +45,7 @@ TARGETS = {60: (0.5, 0.02), 200: (1.5, 0.05), 2000: (1.0, 0.05)}
 
 def case_and_readings(count: int) -> tuple[Case, list[Reading]]:
     """Return the demo's machine and readings of it by the first set-up, a minute apart."""
-    text = resources.files("axiscal.demo").joinpath("campaign.toml").read_text(encoding="utf-8")
+    text = resources.files("axiscal.present.demo").joinpath("campaign.toml").read_text(encoding="utf-8")
     described = campaign_from_texts(text, "campaign.toml", load_machine("dmu60").text, "dmu60")
     simulator = Simulator(described.machine, described.setups)
     machine = simulator.with_curves(measured_truth(Case(described).errors, _SEED), _SEED)

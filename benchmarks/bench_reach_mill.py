@@ -17,14 +17,14 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.design.bound.chart_boxes import largest_on_chart
-from axiscal.design.gains.covariance import Covariance
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
-from axiscal.measurement.chart_places import arrivals_of, chart_candidates
-from axiscal.measurement.charts.arrivals import has_room
+from axiscal.measurement.candidates import arrivals_of, chart_candidates
+from axiscal.measurement.charts.chart import has_room
 from axiscal.measurement.place import Places
 from axiscal.numerics.threads import one_thread
+from axiscal.planning.bound.chart_boxes import largest_on_chart
+from axiscal.planning.gains.covariance import Covariance
 from benchmarks.rests_as_noise import left_with_rests_as_noise
 
 _MIDDLE, _LENGTH = {"X": 300, "Y": 200, "Z": 200}, {"X": 600, "Y": 400, "Z": 400}
@@ -75,7 +75,7 @@ def _levels() -> str:
 
 
 def _case(setups: str, target: str, machine: str = "three-axis-mill") -> Case:
-    text = f'machine = "{machine}"\n[target]\nreadings = 1\n{target}\n{setups}'
+    text = f'machine = "{machine}"\nusual = "off"\n[target]\nreadings = 1\n{target}\n{setups}'
     return Case(campaign_from_texts(text, "campaign.toml", load_machine(machine).text, machine))
 
 

@@ -1,6 +1,6 @@
 """What keeping a reading costs: the record beside SQLite in several journal modes; and opening 100,000 events.
 
-`python benchmarks/bench_record.py`; figures for docs/decisions/one-file-of-lines.md.
+`python benchmarks/bench_record.py`; figures for docs/decisions.
 """
 
 from __future__ import annotations

@@ -18,11 +18,11 @@ import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.simulated import SimulatedSource
-from axiscal.demo.five_axis import SEED, description, hidden_machine
 from axiscal.estimation.case import Case
 from axiscal.machine.motion import travel_seconds
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.planner import next_places
+from axiscal.present.demo.five_axis import SEED, description, hidden_machine
 from axiscal.record.events import Asked
 
 
@@ -37,7 +37,7 @@ def steps(campaign: Campaign, source: SimulatedSource) -> Iterator[tuple[float, 
         asked, taken = campaign.next(), time.process_time() - begun
         if isinstance(asked, Asked) and asked.place.setup == before.place.setup:
             begun = time.process_time()
-            known = campaign.known()
+            known = campaign.estimate()
             next_places(known.case, known.knowledge, known.readings, known.outliers, (), campaign.state.plan)
             renewed = time.process_time() - begun
             way = float(travel_seconds(machine, np.array(before.place.pose), np.array(asked.place.pose)))

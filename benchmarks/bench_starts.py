@@ -16,10 +16,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.design.plan.plan import make_plan
-from axiscal.design.plan.task import Limits, Task
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
+from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.task import Limits, Task
 from benchmarks.cases import stacked
 from benchmarks.peers.problems import TRAVEL, Stacked
 

@@ -1,6 +1,6 @@
 """What the store of a shop costs: an index over 100,000 events, and a PostgreSQL server with eight writers.
 
-`python -m benchmarks.bench_store`; figures for docs/fleet.md. The server is one of its own, with its disk waited for.
+`python -m benchmarks.bench_store`; figures for docs/evidence/fleet.md. The server is its own and waits for its disk.
 """
 
 from __future__ import annotations
@@ -14,14 +14,13 @@ from pathlib import Path
 
 from axiscal.exceptions import OvertakenError
 from axiscal.measurement.reading import Reading
+from axiscal.ports.postgres.address import store_address
+from axiscal.ports.postgres.database import Database, prepare
+from axiscal.ports.postgres.server_log import ServerLog
+from axiscal.ports.postgres.syncing import synced
 from axiscal.record.events import Created, Event, Recorded
 from axiscal.record.folder_index import FolderIndex
 from axiscal.record.log import chained_texts
-from axiscal.record.postgres.address import store_address
-from axiscal.record.postgres.database import Database
-from axiscal.record.postgres.schema import prepare
-from axiscal.record.postgres.server_log import ServerLog
-from axiscal.record.postgres.syncing import synced
 from axiscal.record.store import Record
 from tests.record.postgres_server import running_server
 

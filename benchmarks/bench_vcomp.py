@@ -11,9 +11,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 
-from axiscal.compensation.controllers.linuxcnc_volumetric.vcomp_reading import read
-from tests.compensation.core_library import Core
-from tests.compensation.test_vcomp_file import text
+from axiscal.ports.linuxcnc.volumetric.vcomp_reading import read
+from tests.tables.core_library import Core
+from tests.tables.test_vcomp_file import text
 
 COUNT = 20_000
 

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.beyond`: the pictures of docs/future-work.md, three of them also on the page of `reproduce`."""
+"""`python -m benchmarks.beyond`: the pictures of docs/evidence/equations.md; `reproduce` shows three of them, too."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.measurement.reading import Reading
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Thoroughness, proposed
-from axiscal.reproduction.beyond import Compared, beyond
+from axiscal.ports.paper.beyond import Compared, beyond
 from tests.docs.pictures import svg
 
 PICTURES = Path(__file__).parents[1] / "docs" / "pictures"

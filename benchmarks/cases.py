@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.accuracy import criterion
-from axiscal.accuracy.yardstick import Yardstick
-from axiscal.belief import Belief
-from axiscal.design.plan.task import Task
-from axiscal.error_model.gauge import unseen_factor
-from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import volume_moments, whole_travel
+from axiscal.errors.gauge import unseen_factor
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import volume_moments, whole_travel
+from axiscal.estimation.accuracy import criterion
+from axiscal.estimation.accuracy.yardstick import Yardstick
+from axiscal.estimation.belief import Belief
 from axiscal.machine import Axis, Machine, load_machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup, Unknown
+from axiscal.planning.plan.task import Task
 from benchmarks.peers.problems import Stacked
 
 

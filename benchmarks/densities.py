@@ -1,4 +1,4 @@
-"""`python -m benchmarks.densities`: the tables and the picture of docs/densities.md, measured in two minutes."""
+"""`python -m benchmarks.densities`: the tables and the picture of docs/evidence/densities.md, in two minutes."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.simulation import Simulator
 from tests.docs.pictures import svg
 from tests.generators.one_axis import MACHINE
 
-PAGE = Path(__file__).parents[1] / "docs" / "densities.md"
-PICTURE = PAGE.parent / "pictures" / "densities.svg"
+PAGE = Path(__file__).parents[1] / "docs" / "evidence" / "densities.md"
+PICTURE = PAGE.parents[1] / "pictures" / "densities.svg"
 _MICRO = 1e6
 _MACHINES = 40
 _PLACES = np.linspace(0.02, 0.98, 13)

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.shapes`: the table and the picture of docs/shapes.md, in some minutes."""
+"""`python -m benchmarks.shapes`: the table and the picture of docs/evidence/shapes.md, in some minutes."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Thoroughness, proposed
-from axiscal.simulation import Simulator
 from tests.docs.pictures import svg
 
-PAGE = Path(__file__).parents[1] / "docs" / "shapes.md"
-PICTURE = PAGE.parent / "pictures" / "shapes.svg"
+PAGE = Path(__file__).parents[1] / "docs" / "evidence" / "shapes.md"
+PICTURE = PAGE.parents[1] / "pictures" / "shapes.svg"
 _MICRO, _MACHINES = 1e6, 12
 _CURVE = 'EXX = { std = "10 um", length = "200 mm", knots = 21, rest = "0.3 um"PERIOD }\n'
 _MACHINE = 'chain = "w-b-X-t"\n[axes.X]\ntravel = ["0 mm", "1000 mm"]\n[errors]\n' + _CURVE

@@ -18,13 +18,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from axiscal.campaign.versions import versions
-from axiscal.study.outcome import outcome
-from axiscal.study.processes import Processes
-from axiscal.study.results import FILE, Results
-from axiscal.study.running import run_missing
-from axiscal.study.study_file import Study, read_study
-from axiscal.study.work import Done, Engine, WorkItem, here
-from tests.study.texts import CAMPAIGN
+from axiscal.ports.study.outcome import outcome
+from axiscal.ports.study.processes import Processes
+from axiscal.ports.study.results import FILE, Results, run_missing
+from axiscal.ports.study.study_file import Study, read_study
+from axiscal.ports.study.work import Done, Engine, WorkItem, here
+from tests.ports.texts import CAMPAIGN
 
 _STUDY = """[study]
 campaign = "campaign.toml"

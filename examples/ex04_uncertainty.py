@@ -7,7 +7,7 @@ surprised. The last reading here is 20 um off: the belief is not asked to swallo
 import numpy as np
 
 import axiscal as ac
-from axiscal.error_model.prior import matern52
+from axiscal.errors.prior import matern52
 
 
 def main() -> dict[str, object]:

@@ -8,8 +8,8 @@ have does not matter. The fall is a ratio of two polynomials between knots; `bes
 import numpy as np
 
 import axiscal as ac
-from axiscal.accuracy.criterion import value, volume_root
-from axiscal.error_model.volume import volume_moments, whole_travel
+from axiscal.errors.volume import volume_moments, whole_travel
+from axiscal.estimation.accuracy.criterion import value, volume_root
 from axiscal.measurement.candidates import spread
 
 

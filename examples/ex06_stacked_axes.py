@@ -5,7 +5,7 @@ the sum of the three constants can ever be seen. The paper's measure J counts th
 height itself is known well.
 """
 
-from axiscal.reproduction.stack import greedy, three_joints
+from axiscal.ports.paper.stack import greedy, three_joints
 
 
 def main() -> dict[str, object]:

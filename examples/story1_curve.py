@@ -1,7 +1,7 @@
 """One spline and its exact next position.
 
 A positioning error over 600 mm, known beforehand to 10 µm and smooth over 150 mm. Each reading is taken where the mean
-variance over the travel falls most; that place is found exactly, not on a grid.
+variance over the travel falls most; the search is exact, not on a grid.
 """
 
 import axiscal as ac

@@ -1,4 +1,4 @@
-"""Write docs/fleet-printers.md: `python -m benchmarks.fleet`; what is done already is kept in build/fleet.jsonl."""
+"""Write build/fleet-printers.md: `python -m benchmarks.fleet`; what is done already is kept in build/fleet.jsonl."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 from scipy.stats import ttest_1samp
 
-from axiscal.fleet.type_learning import lesson
 from axiscal.numerics.threads import one_thread
+from axiscal.ports.fleet.type_learning import lesson
 from benchmarks.fleet.left_out import COUNTS, each_way
 from benchmarks.fleet.printers import DATA, printers, types
 
 _ASKED = 0.93
 """Share of the shape that is to be within its bands."""
 ROOT = Path(__file__).resolve().parents[2]
-PAGE, KEPT = ROOT / "docs" / "fleet-printers.md", ROOT / "build" / "fleet.jsonl"
+PAGE, KEPT = ROOT / "build" / "fleet-printers.md", ROOT / "build" / "fleet.jsonl"
 _HEAD = """# What sisters teach, in the field
 
 Bed maps of printers of five types by as many owners; each machine is left out once, and its type is learnt from the

@@ -1,7 +1,7 @@
 """How often a check of few readings finds a crash, and calls a machine in order out of order: on a three-axis mill.
 
-`python -m benchmarks.fleet.checks`; figures for docs/fleet.md. A machine is drawn as a campaign of sixty readings left
-it and as it drifts since; then its squareness A0Z is off, or the scale of Z, or both.
+`python -m benchmarks.fleet.checks`; figures for docs/evidence/fleet.md. A machine is drawn as a campaign of sixty
+readings left it and as it drifts since; then its squareness A0Z is off, or the scale of Z, or both.
 """
 
 from __future__ import annotations
@@ -9,16 +9,16 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
-from axiscal.fleet.quick_check import QuickCheck
-from axiscal.fleet.rehearsal import measured
+from axiscal.estimation.promise.problem import Inherited
 from axiscal.machine import load_machine
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import unique_root
 from axiscal.numerics.threads import one_thread
-from axiscal.promise.problem import Inherited
-from axiscal.simulation import Simulator
+from axiscal.ports.fleet.quick_check import QuickCheck
+from axiscal.ports.fleet.rehearsal import measured
 
 NAME = "three-axis-mill"
 _LASER = """[[setups]]

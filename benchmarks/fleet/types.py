@@ -1,4 +1,4 @@
-"""Write docs/fleet-types.md: `python -m benchmarks.fleet.types`; what is done already is kept in build/types.jsonl."""
+"""Write build/fleet-types.md: `python -m benchmarks.fleet.types`; what is done already is kept in build/types.jsonl."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from axiscal.estimation.case import Rival
+from axiscal.estimation.inference.data_equation import DataEquation
+from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import TypePrior, rivals
-from axiscal.fleet.type_learning import Lesson
-from axiscal.inference.sisters.data_equation import DataEquation
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.promise.problem import Inherited
+from axiscal.ports.fleet.type_learning import Lesson
 from benchmarks.fleet.until_target import Reached, plan_as_stated, reached
 from benchmarks.fleet.virtual_types import Bench, Form, VirtualType
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE, KEPT = ROOT / "docs" / "fleet-types.md", ROOT / "build" / "types.jsonl"
+PAGE, KEPT = ROOT / "build" / "fleet-types.md", ROOT / "build" / "types.jsonl"
 TYPES, MACHINES, SISTERS = 40, 4, (1, 3, 10)
 """Of each form; new machines of each type; how many are known."""
 _NEW = 1000

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.estimation.case import Rival
-from axiscal.inference.sisters.belonging import Moments, moments_of
+from axiscal.estimation.inference.data_equation import Moments, moments_of
+from axiscal.estimation.promise.problem import Inherited
 from axiscal.numerics import Array
-from axiscal.promise.problem import Inherited
 from benchmarks.fleet.virtual_types import Bench
 
 _MOST = 300

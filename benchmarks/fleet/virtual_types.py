@@ -12,15 +12,15 @@ from functools import cached_property
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.error_model.model import Term
+from axiscal.errors.model import Term
 from axiscal.estimation.case import Case
-from axiscal.inference.reading_set import ReadingSet
-from axiscal.inference.sisters.data_equation import DataEquation, data_equation
-from axiscal.inference.sisters.prior_units import PriorUnits, prior_units
+from axiscal.estimation.inference.data_equation import DataEquation, data_equation
+from axiscal.estimation.inference.reading_set import ReadingSet
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import unique_root
+from axiscal.ports.fleet.sisters.prior_units import PriorUnits, prior_units
 
 NAME = "three-axis-mill"
 _SETUP = """[[setups]]

@@ -1,1 +1,1 @@
-"""Machines and instruments that are not linear: how far, and what taking it off brings. Writes docs/nonlinear.md."""
+"""Machines and instruments that are not linear: how far, and what that brings. Writes docs/evidence/nonlinear.md."""

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.nonlinear`: the tables of docs/nonlinear.md, measured."""
+"""`python -m benchmarks.nonlinear`: the tables of docs/evidence/nonlinear.md, measured."""
 
 from __future__ import annotations
 
@@ -10,15 +10,14 @@ import numpy as np
 
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from benchmarks.nonlinear.at_once import figures
 from benchmarks.nonlinear.path_picture import path_picture
 from benchmarks.nonlinear.remainders import KINDS, remainders
 from benchmarks.nonlinear.rounds import case_of, rounds
-from benchmarks.nonlinear.stations import at_once, bars, compared, path, tracers
+from benchmarks.nonlinear.stations import bars, compared, path, tracers
 from benchmarks.nonlinear.two_step import compared_evaluations
 
-PAGE = Path(__file__).parents[2] / "docs" / "nonlinear.md"
-PICTURE = PAGE.parent / "progressive-path.svg"
+PAGE = Path(__file__).parents[2] / "docs" / "evidence" / "nonlinear.md"
+PICTURE = PAGE.parents[1] / "pictures" / "progressive-path.svg"
 _MACHINES = 20
 _MICRO = 1e6
 
@@ -93,22 +92,11 @@ def evaluation_by_evaluation() -> Iterator[str]:
         yield f"| {points} | {4 * points} | {together:.2f} | {stepwise:.2f} |"
 
 
-def turn_by_turn() -> Iterator[str]:
-    """Yield the table of four tracers in turn and at once."""
-    yield "| distances | in turn: min | promised, um | at once: min | promised, um |"
-    yield "|---|---|---|---|---|"
-    for points in (8,):
-        ways = figures(tracers("5 mm", "10 mm"), 4 * points), figures(at_once("5 mm", "10 mm"), points)
-        each = [f"{seconds / 60:.1f} | {rms * _MICRO:.2f}" for seconds, rms in ways]
-        yield f"| {4 * points} | {' | '.join(each)} |"
-
-
 TABLES: dict[str, Callable[[], Iterator[str]]] = {
     "left out": left_out,
     "rounds": round_by_round,
     "stations": station_by_station,
     "evaluations": evaluation_by_evaluation,
-    "at-once": turn_by_turn,
 }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.belief import Belief
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.progressive.bent_readings import BentReadings
 from axiscal.measurement.reading_rows import shown_values
 

@@ -8,10 +8,10 @@ from types import MappingProxyType
 
 import numpy as np
 
-from axiscal.error_model.actual import deviation_of
-from axiscal.error_model.linear_bound import linear_to
-from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import whole_travel
+from axiscal.errors.actual import deviation_of
+from axiscal.errors.linear_bound import linear_to
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import whole_travel
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import actual_deviation

@@ -8,14 +8,14 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.error_model.actual import deviation_of
-from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.errors.actual import deviation_of
+from axiscal.estimation.absorbed import absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.located import bent
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.simulation import Simulator, VirtualMachine
 
 CAMPAIGN = """machine = "m"
 [target]
@@ -70,7 +70,7 @@ def rounds(case: Case, seed: int) -> list[Round]:
     sides = np.ones_like(poses)
     truth, control = machine.deviation(poses, sides), _control(case, machine)
     nominal, found = case.errors.rows(poses, sides), list[Round]()
-    known = absorbed(Absorbed.nothing(case), readings, {})
+    known = absorbed(case, readings, {})
     for number in range(_ROUNDS + 1):
         if number == _ROUNDS:
             known = bent(known, readings, {})
@@ -83,7 +83,7 @@ def rounds(case: Case, seed: int) -> list[Round]:
         white = np.linalg.solve(np.linalg.cholesky(factor @ factor.T), control - mean)
         found.append(Round(float(missed), float(band), float(np.mean(white**2))))
         if number < _ROUNDS - 1:
-            known = absorbed(Absorbed.nothing(known.case.linear_about(belief.mean)), readings, {})
+            known = absorbed(known.case.linear_about(belief.mean), readings, {})
     return found
 
 

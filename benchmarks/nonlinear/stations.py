@@ -7,18 +7,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.belief import Belief
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.error_model.actual import deviation_of
-from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.errors.actual import deviation_of
+from axiscal.estimation.absorbed import absorbed
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
-from axiscal.estimation.progressive.bent_readings import BentReadings
-from axiscal.estimation.progressive.polish import polished
-from axiscal.estimation.progressive.shares import shares
+from axiscal.estimation.progressive.bent_readings import BentReadings, polished, shares
 from axiscal.estimation.progressive.starts import closed_form
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
-from axiscal.simulation import Simulator, VirtualMachine
+from axiscal.measurement.simulation import Simulator, VirtualMachine
 from benchmarks.nonlinear.other_ways import gauss_newton, sigma_points
 
 STATIONS = (("-900", "-700", "-500"), ("900", "-600", "-100"), ("-200", "900", "-600"), ("100", "100", "700"))
@@ -143,7 +141,7 @@ def compared(case: Case, seed: int) -> Row:
         polished(problem, start) for start in (taken[-1].point, closed_form(case, readings, case.prior.mean))
     )
     linear, found = (
-        judged(case, machine, absorbed(Absorbed.nothing(each), readings, {}).knowledge.belief)
+        judged(case, machine, absorbed(each, readings, {}).knowledge.belief)
         for each in (case, case.linear_about(best.point))
     )
     by_points, by_rounds = (judged(case, machine, way(problem)) for way in (sigma_points, gauss_newton))

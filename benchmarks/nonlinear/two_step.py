@@ -11,16 +11,15 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.absorbed import absorbed
 from axiscal.estimation.case import Case
-from axiscal.estimation.progressive.bent_readings import BentReadings
-from axiscal.estimation.progressive.polish import polished
+from axiscal.estimation.progressive.bent_readings import BentReadings, polished
 from axiscal.estimation.progressive.starts import closed_form, tips
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.rigid import skew
-from axiscal.simulation import Simulator, VirtualMachine
 
 _POSES = 150
 _LOOSE, _TURNED = 1e-3, 1e-3
@@ -48,7 +47,7 @@ def compared_evaluations(case: Case, points: int, seed: int) -> Missed:
     ]
     problem = BentReadings(case, readings)
     found = polished(problem, closed_form(case, readings, case.prior.mean)).point
-    known = absorbed(Absorbed.nothing(case.linear_about(found)), readings, {})
+    known = absorbed(case.linear_about(found), readings, {})
     together = known.knowledge.belief.mean[: case.errors.size]
     stepwise = _second_step(case, poses, sides, *_first_step(case, readings, points))
     return Missed(*(_missed(case, machine, mean) for mean in (together, stepwise)))

@@ -1,4 +1,4 @@
-"""Measure side by side and write docs/peers.md: `make bench-peers`, or a part of it, which is only printed:
+"""Measure side by side and write docs/evidence/peers.md: `make bench-peers`, or a part of it, which is only printed:
 
 python -m benchmarks.peers --only trieste --case a --criterion joint
 """
@@ -16,7 +16,7 @@ from benchmarks.peers.problems import CASES, CRITERIA, Posed, case_of
 from benchmarks.peers.runner import ROOT, Bounds, keep, kept, run
 from benchmarks.peers.table import line, page
 
-PAGE = ROOT / "docs" / "peers.md"
+PAGE = ROOT / "docs" / "evidence" / "peers.md"
 
 
 def main() -> None:

@@ -60,7 +60,7 @@ class Judge:
 
     def _faster(self, case: Stacked) -> Verdict:
         mine, theirs = self._of("axiscal", case), self._of("trieste", case)
-        asked = f"({case.letter}) a pick is to be at least {FASTER[case.letter]:.0f} times faster than Trieste's"
+        asked = f"({case.letter}) a pick at least {FASTER[case.letter]:.0f} times faster than Trieste's"
         if mine is None or theirs is None:
             return Verdict(f"{asked}; there is nothing to compare.", None)
         ratio = call_seconds(theirs) / call_seconds(mine)
@@ -72,7 +72,7 @@ class Judge:
     def _gains(self, rival: Rival) -> Verdict:
         known = [(case, self._of(rival.key, case)) for case in CASES]
         found = {case.letter: self._worst(case, outcome) for case, outcome in known if outcome is not None}
-        asked = f"at every state that {rival.label} reaches, our next pick is to gain at least as much"
+        asked = f"at every state that {rival.label} reaches, our next pick gains at least as much"
         if not found:
             return Verdict(f"{asked}; there is nothing to compare.", None)
         figures = ", ".join(f"({letter}) {worst:.9g}" for letter, worst in found.items())
@@ -91,7 +91,7 @@ class Judge:
 
     def _lower(self, case: Stacked) -> Verdict:
         mine = self._of("axiscal-together", case)
-        asked = f"({case.letter}) J of our plan is to be no higher than any other's"
+        asked = f"({case.letter}) J of our plan no higher than any other's"
         others = {r.key: self._of(r.key, case) for r in FIELD if not r.ours}
         values = {key: self._value(case, outcome) for key, outcome in others.items() if outcome is not None}
         if mine is None or not values:
@@ -107,21 +107,21 @@ class Judge:
     def _sooner(self, case: Stacked) -> Verdict:
         mine, theirs = self._of("axiscal-together", case), self._of("trieste", case)
         if case.letter in LONGEST:
-            asked = f"({case.letter}) the whole plan is to take less than {LONGEST[case.letter]:.0f} s"
+            asked = f"({case.letter}) the whole plan in less than {LONGEST[case.letter]:.0f} s"
             if mine is None:
                 return Verdict(f"{asked}; there is nothing to judge.", None)
             return Verdict(f"{asked}: {call_seconds(mine):.2f} s.", call_seconds(mine) < LONGEST[case.letter])
-        asked = f"({case.letter}) the whole plan is to take less time than Trieste's picks one by one"
+        asked = f"({case.letter}) the whole plan in less time than Trieste's picks one by one"
         if mine is None or theirs is None:
             return Verdict(f"{asked}; there is nothing to compare.", None)
         usual = call_seconds(theirs) * case.readings
-        figures = f"{call_seconds(mine):.2f} s against {usual:.2f} s, not counting that Trieste's first pick"
-        text = f"{asked}: {figures} builds its graph ({sum(theirs.processor[: case.readings]):.1f} s with it)."
+        figures = f"{call_seconds(mine):.2f} s against {usual:.2f} s, without Trieste's first pick"
+        text = f"{asked}: {figures} ({sum(theirs.processor[: case.readings]):.1f} s with it)."
         return Verdict(text, call_seconds(mine) < usual)
 
     def _listed(self, case: Stacked) -> Verdict:
         mine, theirs = self._of("axiscal-candidates", case), self._of("pyapprox", case)
-        asked = f"({case.letter}) a pick from 2,000 candidates is to be as fast as pyapprox's"
+        asked = f"({case.letter}) a pick from 2,000 candidates as fast as pyapprox's"
         if mine is None or theirs is None:
             return Verdict(f"{asked}; there is nothing to compare.", None)
         same = np.isclose(self._value(case, mine), self._value(case, theirs), rtol=1e-9)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from benchmarks.peers import evaluator
 from benchmarks.peers.field import FIELD, Rival
-from benchmarks.peers.judge import Judge, Outcomes, Picker, call_seconds
+from benchmarks.peers.judge import Judge, Outcomes, Picker, Verdict, call_seconds
 from benchmarks.peers.problems import CASES, CRITERIA, CriterionName, Posed
 from benchmarks.peers.runner import Bounds, Outcome
 
@@ -17,41 +17,47 @@ _LARGE = 2e9
 
 _HEAD = """# Side by side with other libraries
 
-`make bench-peers` measures this page anew; nothing here is typed by hand. The same problems for all, in {run}; every
-library in a process of its own, which is ended after {seconds:.0f} s of the processor or beyond {memory:.3g} GB.
+`make bench-peers` measures this page, in {run}. Each library solves the same problems in its process,
+which ends after {seconds:.0f} s of the processor or beyond {memory:.3g} GB.
 
 The problems are natural splines on [0, 10] that add up, C₀ = I, one number per reading:
-{cases}.
+
+{cases}
+
 Criterion `joint` is the paper's, the variances of all splines integrated; `volume` is the mean variance of their sum.
-J is computed from the positions alone by one evaluator that shares nothing with axiscal: SciPy's splines, Gauss's
-quadrature, a plain inverse.
+One evaluator computes J from the positions alone and shares nothing with axiscal: SciPy's splines, Gauss's quadrature,
+a plain inverse.
 
-A library of Gaussian processes is given the exact kernel, the product of the splines' rows, and the quadrature nodes
-that make its integral exact, so it solves the same problem; "over fewest places" gives Trieste as few linear forms as
-J has, which its user would have to find first. Everything else is the library's default or its tutorials'. pyapprox,
-FIGAROH and axiscal choose from the same 2,000 random candidates, FIGAROH by its own criterion, the determinant; pyoptex
-has 101 levels on each axis and J itself as its metric.
+Libraries of Gaussian processes get the exact kernel and quadrature nodes that make its integral exact. "Over fewest
+places" gives Trieste as few linear forms as J has. Other settings are defaults or those of tutorials. Pyapprox, FIGAROH
+and axiscal choose from the same 2,000 random candidates. FIGAROH takes its own criterion, the determinant. Pyoptex has
+101 levels on each axis and J as its metric.
 
-Times are seconds of the processor, all threads added up, with every library held to one thread: the median of the
-picks where readings are chosen one at a time, of whole plans where they are chosen together; who is quick is asked
-again for a second. Our plans include their lower bound, which no other gives. A cell is the time, J after the last
-reading, and the memory where it is above {large:.0f} GB.
+Times are seconds of the processor on one thread: the median pick where readings are chosen one at a time, else whole
+plans. Our plans include their lower bound, which no other gives. A cell is the time, J after the last reading, and the
+memory above {large:.0f} GB.
 """
 
 
 def page(outcomes: Outcomes, ours: Picker, bounds: Bounds, resumed: bool = False) -> Iterator[str]:
     """Yield the lines of the page.  resumed : whether some outcomes come from an earlier part of the run"""
-    cases = ";\n".join(f"{case.name}, σ² = {case.noise**2:g}, {case.readings} readings" for case in CASES)
+    cases = "\n".join(f"- {case.name}, σ² = {case.noise**2:g}, {case.readings} readings" for case in CASES)
     run = "a run that was resumed" if resumed else "one run"
     head = _HEAD.format(run=run, seconds=bounds.seconds, memory=bounds.memory / 1e9, cases=cases, large=_LARGE / 1e9)
     yield head.rstrip("\n")
     for criterion in CRITERIA:
         yield f"\n## Criterion `{criterion}`\n"
         yield from table(outcomes, criterion)
-        yield "\nWhat was asked for:\n"
-        yield from (str(verdict) for verdict in Judge(outcomes, criterion, ours).verdicts())
+        yield from _missed(list(Judge(outcomes, criterion, ours).verdicts()))
     yield "\n## Measured with\n"
     yield f"{computer()}; {', '.join(versions(outcomes))}."
+
+
+def _missed(verdicts: list[Verdict]) -> Iterator[str]:
+    """Yield how many goals are reached, and each that is not."""
+    missed = [verdict for verdict in verdicts if not verdict.reached]
+    yield f"\nWe reach {len(verdicts) - len(missed)} of {len(verdicts)} goals." + (" The others:\n" if missed else "")
+    yield from (str(verdict) for verdict in missed)
 
 
 def table(outcomes: Outcomes, criterion: CriterionName) -> Iterator[str]:

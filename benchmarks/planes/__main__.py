@@ -1,4 +1,4 @@
-"""Write docs/planes.md: `python -m benchmarks.planes` takes five minutes; --only NAME prints what one map gives."""
+"""Write docs/evidence/planes.md: `python -m benchmarks.planes` takes five minutes; --only NAME prints one map."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from axiscal.numerics.threads import one_thread
 from benchmarks.planes.designs import Outcome, outcome
 from benchmarks.planes.maps import DATA, Plane, maps
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "planes.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "evidence" / "planes.md"
 COUNTS = (12, 16, 25)
 DESIGNS = {
     "two curves, planned": (True, False),
@@ -22,20 +22,16 @@ DESIGNS = {
 _HEAD = """# What errors of two axes buy
 
 Measured maps of printer beds and of a granite plate, read in 12, 16 or 25 of their nodes; the other nodes are the
-truth. `python -m benchmarks.planes` writes this page (five minutes; the maps are not part of the project). One
-description serves all maps, in round figures: `EZX` and `EZY` of 50 um over 0.35 of the travel, `EZXY` half as large
-with a rest of 5 um, `usual = "off"`. *Two curves* is the same without `EZXY`, the rests with the curves. Maps
-count where fewer than half of the nodes are ever read. *Missed* is the RMS over all nodes of truth less estimate, in
-um, geometric mean over the maps; *held* the share of the unread nodes within the printed 95 %. A second reading close
-beside one of the first nine, one for each dozen, was tried: with 12 and 16 readings more was missed, with 25 as much.
+truth. `python -m benchmarks.planes` writes this page in five minutes and prints each map; the maps are not part of the
+project. One description serves all maps: `EZX` and `EZY` of 50 um over 0.35 of the travel, `EZXY` half as large with a
+rest of 5 um, `usual = "off"`.
+
+- *Two curves*: the same without `EZXY`.
+- *Missed*: RMS over all nodes of truth less estimate, um, geometric mean over the maps.
+- *Held*: share of the unread nodes within the printed 95 %.
 
 """
 _COLUMNS = "".join(f"{design}: missed | held | " for design in DESIGNS)
-_EACH = """
-## Map by map
-Missed, um, and held, %.
-
-"""
 
 
 def _table(heads: str, rows: list[str]) -> str:
@@ -64,8 +60,7 @@ def main() -> int:
     whole = _table(f"| readings | maps | {_COLUMNS}planned/grid | planned/two curves |", summary)
     print(whole)
     if wanted is None:
-        each = _table(f"| map | nodes | readings | {' | '.join(DESIGNS)} |", [_line(row) for row in rows])
-        PAGE.write_text(_HEAD + whole + _EACH + each, encoding="utf-8")
+        PAGE.write_text(_HEAD + whole, encoding="utf-8")
     return 0
 
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy import stats
 
-from benchmarks.trust.attacks import ATTACKS, Outcome, outcome
+from benchmarks.trust.attacks import ATTACKS, EVERY, Outcome, outcome
 from benchmarks.trust.benches import PLACES
 from benchmarks.trust.kept import KEPT, Found, Keeping
 
@@ -36,15 +36,16 @@ class Trial(NamedTuple):
 Outcomes = dict[Trial, Outcome]
 
 
-EVERY = tuple(range(len(ATTACKS)))
+KNOWN, UNKNOWN = tuple(range(len(ATTACKS))), tuple(range(len(ATTACKS), len(EVERY)))
+"""Numbers of the families that the model has a row for, and of those that it has none for."""
 
 
 def beginning_with(words: Sequence[str]) -> tuple[int, ...]:
     """Return the numbers of the attacks that begin with one of some words."""
-    return tuple(number for number in EVERY if ATTACKS[number].words.startswith(tuple(words)))
+    return tuple(number for number in (*KNOWN, *UNKNOWN) if EVERY[number].words.startswith(tuple(words)))
 
 
-def attacked(machines: int, processes: int, seconds: float, which: Sequence[int] = EVERY) -> tuple[Outcomes, int]:
+def attacked(machines: int, processes: int, seconds: float, which: Sequence[int] = KNOWN) -> tuple[Outcomes, int]:
     """Try the machines that are missing, one of every cell after the other; return the outcomes of this version.
 
     seconds : after which no more are begun; what is done is kept, and the next run goes on from there
@@ -60,7 +61,7 @@ def attacked(machines: int, processes: int, seconds: float, which: Sequence[int]
 
 def tried(trial: Trial) -> dict[str, Any]:
     """Return the outcome of one machine, what is not a number as none."""
-    found = asdict(outcome(ATTACKS[trial.attack], trial.places, _SCALES, trial.seed))
+    found = asdict(outcome(EVERY[trial.attack], trial.places, _SCALES, trial.seed))
     return {name: None if value != value else value for name, value in found.items()}
 
 
@@ -77,11 +78,11 @@ def _complete(kept: Outcomes, machines: int, which: Sequence[int]) -> int:
     return machines
 
 
-def attack_rows(kept: Outcomes, machines: int, which: Sequence[int] = EVERY) -> Iterator[str]:
+def attack_rows(kept: Outcomes, machines: int, which: Sequence[int] = KNOWN) -> Iterator[str]:
     """Yield the lines of the table: one for each attack, a cell for each choice of places."""
     for number in which:
         cells = [_cell(_outcomes(kept, number, places, machines)) for places in PLACES]
-        yield f"| {ATTACKS[number].words} | {' | '.join(cells)} |"
+        yield f"| {EVERY[number].words} | {' | '.join(cells)} |"
 
 
 def _outcomes(kept: Outcomes, attack: int, places: str, machines: int) -> list[Outcome]:
@@ -89,13 +90,14 @@ def _outcomes(kept: Outcomes, attack: int, places: str, machines: int) -> list[O
 
 
 def _cell(found: Sequence[Outcome]) -> str:
-    """Return share inside, ratio and share far off of the machines of which U is printed, and share withheld of all."""
+    """Return share inside, ratio and share far off where U is printed, and the share withheld, if any is."""
     told = [each for each in found if not each.withheld]
     withheld = f"{1 - len(told) / len(found):.0%}"
     if not told:
         return f"–, –, –, {withheld}"
     inside, ratios = np.mean([each.inside for each in told]), np.array([each.ratio for each in told])
-    return f"{inside:.0%}, {np.exp(np.mean(np.log(ratios))):.2f}, {np.mean(ratios > FAR):.0%}, {withheld}"
+    shown = f"{inside:.0%}, {np.exp(np.mean(np.log(ratios))):.2f}, {np.mean(ratios > FAR):.0%}"
+    return f"{shown}, {withheld}" if len(told) < len(found) else shown
 
 
 def limits(count: int, of: int) -> tuple[float, float]:
@@ -105,7 +107,7 @@ def limits(count: int, of: int) -> tuple[float, float]:
 
 
 def goal_lines(kept: Outcomes, machines: int) -> Iterator[str]:
-    """Yield in words how many cells have few machines far off, and which have surely more."""
+    """Yield how many cells have few machines far off, and a list of those that surely have more."""
     cells = [
         (attack.words, places, sum(_far(each) for each in _outcomes(kept, number, places, machines)))
         for number, attack in enumerate(ATTACKS)
@@ -119,9 +121,27 @@ def goal_lines(kept: Outcomes, machines: int) -> Iterator[str]:
     yield f"Of {len(cells)} cells beside a turned sign, {reached} have at most {_GOAL:.0%} of machines above {FAR}."
     yield f"Over all of them {far} of {tried} machines are, {far / tried:.1%} ({low:.1%}–{high:.1%})."
     yield f"Where none of {machines} is, the share may still be up to {limits(0, machines)[1]:.0%}."
-    surely = [f"{words} ({places}) {k / machines:.0%}" for words, places, k in cells if limits(k, machines)[0] > _GOAL]
+    surely = [f"- {words} ({places}): {k / machines:.0%}" for words, places, k in cells if _surely(k, machines)]
     if surely:
-        yield f"More than that, by the lower limit of their share: {'; '.join(surely)}."
+        yield from ("", "Cells whose share is above that by its lower limit:", "", *surely)
+
+
+def _surely(count: int, of: int) -> bool:
+    return limits(count, of)[0] > _GOAL
+
+
+def foreign_lines(kept: Outcomes, machines: int) -> Iterator[str]:
+    """Yield the mean and the worst share inside U over the families that no row has, by places."""
+    yield ""
+    for places in PLACES:
+        shares = {
+            EVERY[number].words: float(np.mean([each.inside for each in told]))
+            for number in UNKNOWN
+            if (told := [each for each in _outcomes(kept, number, places, machines) if not each.withheld])
+        }
+        worst = min(shares, key=lambda words: shares[words])
+        mean = np.mean(list(shares.values()))
+        yield f"- {places}: {mean:.0%} inside in the mean, worst {shares[worst]:.0%} ({worst})"
 
 
 def _far(found: Outcome) -> bool:

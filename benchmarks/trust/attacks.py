@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.accuracy.expanded import expanded
+from axiscal.description.type_b import type_b_names
+from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.wrong_unit import refuse_implausible
@@ -17,13 +18,14 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.promise.type_b import type_b_names
-from axiscal.simulation import Simulator, VirtualMachine
 from benchmarks.trust.benches import BENCHES, Changes, Name, case_of, visits
 
 _POSES, _MINUTE = 200, 60.0
+_OVERRUN = 1e-3
+"""m, that an axis has come since it turned, where it comes from the other side."""
 _MOVED = 50e-6
 """m, by which a tool is longer, or an axis line elsewhere, than stated."""
 
@@ -31,8 +33,9 @@ Field = Callable[[Array, Array, float], Array]
 """Poses (m, q), sides of the first axis (m,), a place of the machine's own -> what it does besides, (m,) um."""
 Shown = Callable[[Array, Array, np.random.Generator], Array]
 """Values (m, k) um, shares of the time (m, 1), the machine's own chance -> what is read, (m, k) um."""
-Passing = Callable[[Array, Array], Array]
-"""Poses (m, q), shares of the time (m,) -> what comes and goes meanwhile, and is no error of the machine, (m,) um."""
+Passing = Callable[[Array, Array, Array], Array]
+"""Poses (m, q), sides of the first axis, shares of the time (m,) -> what readings show besides that is no error of the
+machine, (m,) um."""
 Moved = Callable[[Machine], Machine]
 """A machine as stated -> one whose chain is another."""
 Offsets = Mapping[str, Mapping[str, float]]
@@ -58,7 +61,7 @@ class Attack:
     truth: Changes = ()
     stated: Changes = ()
     field: Field = lambda x, side, place: 0.0 * side
-    passing: Passing = lambda x, along: 0.0 * along
+    passing: Passing = lambda x, side, along: 0.0 * along
     shown: Shown = lambda values, along, rng: values
     bench: Name = "axis"
     count: int | None = None
@@ -80,7 +83,7 @@ def _bad(count: int) -> Shown:
 
 def _strained(strain: float) -> Passing:
     """Return what makes all readings longer about the middle of the travel.  strain : um/m"""
-    return lambda x, along: strain * (x[:, 0] - 0.5)
+    return lambda x, side, along: strain * (x[:, 0] - 0.5)
 
 
 def _drifting(shape: Callable[[Array], Array]) -> Shown:
@@ -105,6 +108,37 @@ def _twist(x: Array) -> Array:
 def _sag(x: Array) -> Array:
     sag: Array = np.sin(np.pi * x[:, 0] / 0.4) * np.sin(np.pi * x[:, 1] / 0.4)
     return sag
+
+
+def _wound_up(way: float) -> Passing:
+    """Return what is missing of a reversal of 8 um soon after the axis has turned.  way : m, to 1/e of it"""
+
+    def passing(x: Array, side: Array, _along: Array) -> Array:
+        missing, since = np.zeros(len(x)), _OVERRUN
+        for number in range(len(x)):
+            on = number > 0 and side[number] == side[number - 1]
+            since = since + abs(float(x[number, 0] - x[number - 1, 0])) if on else _OVERRUN
+            missing[number] = -4 * side[number] * np.exp(-since / way)
+        return missing
+
+    return passing
+
+
+def _rough(x: Array, place: float) -> Array:
+    """Return a curve of the machine's own that has no slope anywhere: Matérn-1/2 of 5 um over 30 mm."""
+    rng, grid = np.random.default_rng(int(place * 2**52)), np.linspace(0, 1, 2001)
+    kept = np.exp(-(grid[1] - grid[0]) / 0.03)
+    values = np.empty(len(grid))
+    values[0] = rng.standard_normal()
+    for number, step in enumerate(rng.standard_normal(len(grid) - 1)):
+        values[number + 1] = kept * values[number] + np.sqrt(1 - kept**2) * step
+    curve: Array = 5 * np.interp(x[:, 0], grid, values)
+    return curve
+
+
+def _growing_noise(values: Array, along: Array, rng: np.random.Generator) -> Array:
+    noisier: Array = values + 2.5 * along * rng.standard_normal(values.shape)
+    return noisier
 
 
 def _longer(machine: Machine) -> Machine:
@@ -133,8 +167,8 @@ ATTACKS = (
     Attack("noise five times as stated", (("NOISE", "2.5 um"),)),
     Attack("drift, 10 µm", shown=_drifting(lambda t: t)),
     Attack("drift that levels off, 10 µm", shown=_drifting(lambda t: 1 - np.exp(-3 * t))),
-    Attack("zero that comes and goes, 10 µm", passing=lambda x, t: 10 * np.sin(np.pi * t) ** 2),
-    Attack("growth that comes and goes, 10 µm/m", passing=lambda x, t: 10 * x[:, 0] * (1 - np.abs(2 * t - 1))),
+    Attack("zero that comes and goes, 10 µm", passing=lambda x, side, t: 10 * np.sin(np.pi * t) ** 2),
+    Attack("growth that comes and goes, 10 µm/m", passing=lambda x, side, t: 10 * x[:, 0] * (1 - np.abs(2 * t - 1))),
     Attack("one bad reading, 8 µm", shown=_bad(1)),
     Attack("three bad readings, 8 µm", shown=_bad(3)),
     Attack("4 K too warm", field=lambda x, side, c: 11.7 * 4 * (x[:, 0] - 0.5)),
@@ -160,6 +194,24 @@ ATTACKS = (
     Attack("lengths: material, 1 K", passing=_strained(11.7), lengths=True),
     Attack("lengths: 20 µm/m", passing=_strained(20.0), lengths=True),
 )
+
+FOREIGN = (
+    Attack("air conditioning, 5 µm every 11 min", passing=lambda x, side, t: 5 * np.sin(2 * np.pi * 23 / 11 * t + 0.7)),
+    Attack("sawtooth of 100 mm, 8 µm", field=lambda x, side, c: 8 * ((x[:, 0] / 0.1 + c) % 1 - 0.5)),
+    Attack("rough curve, 5 µm", field=lambda x, side, c: _rough(x, c)),
+    Attack(
+        "pitch of 10 mm, 5 µm, that swells over 400 mm",
+        field=lambda x, side, c: (
+            5 * (1 + np.sin(2 * np.pi * (x[:, 0] / 0.4 + c))) / 2 * np.sin(2 * np.pi * x[:, 0] / 0.01)
+        ),
+    ),
+    Attack("pitch of half an inch, 5 µm", field=lambda x, side, c: 5 * np.sin(2 * np.pi * x[:, 0] / 0.0127)),
+    Attack("reversal that needs 60 mm, 8 µm", field=lambda x, side, c: 4 * side, passing=_wound_up(0.06)),
+    Attack("reversal that needs 300 mm, 8 µm", field=lambda x, side, c: 4 * side, passing=_wound_up(0.3)),
+    Attack("noise that grows to five times", shown=_growing_noise),
+)
+"""Families that no row of the model has."""
+EVERY = (*ATTACKS, *FOREIGN)
 
 
 def _x(poses: Array) -> Array:
@@ -227,7 +279,7 @@ def attacked(attack: Attack, places: str, scales: str, seed: int) -> Attacked:
     read[:, 0] += attack.field(poses, sides[:, 0], own)
     read += 1e6 * _aside(stated.description.machine, (attack.tool, attack.chain), poses)[:, : read.shape[1]]
     along = np.linspace(0, 1, len(read))
-    read[:, 0] += attack.passing(poses, along)
+    read[:, 0] += attack.passing(poses, sides[:, 0], along)
     values = attack.shown(read, along[:, None], rng) * 1e-6
     readings = tuple(
         Reading("it", *visit, float(value[0]), others=tuple(value[1:].tolist()), time=_MINUTE * index)

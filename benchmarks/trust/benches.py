@@ -10,10 +10,10 @@ from typing import Literal
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.place import Places
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Thoroughness, proposed
 
 Name = Literal["axis", "plate", "five axes"]

@@ -49,6 +49,11 @@ class Measured:
     readings: int
     unit: str = "um"
 
+    @property
+    def owner(self) -> str:
+        """The machine that it is of: curves of one machine count once."""
+        return self.name.partition(",")[0]
+
     def read(self, pose: tuple[float, ...]) -> float:
         """Return the truth at a place; between known places of a curve on the straight line, of a map the nearest."""
         if self.places.shape[1] == 1:
@@ -69,6 +74,8 @@ def _curve(
     return Measured(name, machine, campaign, x[:, None], y, readings, "urad" if instrument in _ANGULAR else "um")
 
 
+_KNOTS = 15
+"""At most, along a side of a map."""
 _ANGULAR = ("level", "autocollimator")
 
 
@@ -110,26 +117,35 @@ def spindle() -> Measured:
 
 
 def _map(name: str, steps: tuple[float, float], grid: Array, readings: int) -> Measured:
-    """A bed map (rows y, columns x, mm): two linear axes, one on the other; nodes not probed are NaN."""
+    """Return a bed map (rows y, columns x, mm); nodes that were not probed are NaN."""
     ny, nx = grid.shape
-    (dx, dy), size = steps, ((nx - 1) * steps[0], (ny - 1) * steps[1])
+    x, y = np.meshgrid(np.arange(nx) * steps[0], np.arange(ny) * steps[1])
+    known = np.isfinite(grid.ravel())
+    places, values = np.column_stack([x.ravel(), y.ravel()])[known] * 1e-3, grid.ravel()[known] * 1e-3
+    return bed_map(name, places, values, readings, f'raster = {{ X = "{steps[0]:.9g} mm", Y = "{steps[1]:.9g} mm" }}\n')
+
+
+def bed_map(name: str, places: Array, heights: Array, readings: int, raster: str = "") -> Measured:
+    """Return a bed as two linear axes, one on the other.
+
+    places : (m, 2) m, a grid or most of one; heights : (m,) m; raster : where readings may be taken
+    """
+    places = places - places.min(axis=0)
+    size = places.max(axis=0) * 1e3
+    nx, ny = (min(_KNOTS, len(np.unique(np.round(column, 9)))) for column in places.T)
     machine = (
         'chain = "w-b-X-Y-t"\n[axes.X]\ntravel = ["0 mm", "{0:.9g} mm"]\n[axes.Y]\ntravel = ["0 mm", "{1:.9g} mm"]\n'
     )
-    lengths = [0.4 * extent for extent in size]
+    lengths = 0.4 * size
     errors = (
         f'EZX = {{ std = "50 um", knots = {nx}, length = "{lengths[0]:.4g} mm", rest = "estimate" }}',
         f'EZY = {{ std = "50 um", knots = {ny}, length = "{lengths[1]:.4g} mm", rest = "estimate" }}',
         f'EAX = {{ std = "200 urad", knots = {nx}, length = "{lengths[0]:.4g} mm", rest = "estimate" }}',
     )
     text = machine.format(*size) + "[errors]\n" + "\n".join(errors) + "\n"
-    raster = f'raster = {{ X = "{dx:.9g} mm", Y = "{dy:.9g} mm" }}\n{_anywhere(size)}'
-    campaign = CAMPAIGN.format(instrument="probe", direction="z", noise="5 um", raster=raster)
-    x, y = np.meshgrid(np.arange(nx) * dx, np.arange(ny) * dy)
-    known = np.isfinite(grid.ravel())
-    places = np.column_stack([x.ravel(), y.ravel()])[known] * 1e-3
-    values = grid.ravel()[known]
-    return Measured(name, text, campaign, places, (values - values.mean()) * 1e-3, readings)
+    reach = f"{raster}{_anywhere(size)}"
+    campaign = CAMPAIGN.format(instrument="probe", direction="z", noise="5 um", raster=reach)
+    return Measured(name, text, campaign, places, heights - heights.mean(), readings)
 
 
 def _anywhere(size: Sequence[float] | Array) -> str:
@@ -140,7 +156,7 @@ def _anywhere(size: Sequence[float] | Array) -> str:
 def printer(index: int) -> Measured:
     """A Klipper bed mesh, 11 x 11."""
     mesh = json.loads((DATA / "plane" / "klipper" / "neptune4.json").read_text())[index]
-    return _map(f"printer bed {index + 1}, 11 x 11", (20.0, 20.0), np.array(mesh["points_mm"]), 25)
+    return _map(f"printer bed 11 x 11, map {index + 1}", (20.0, 20.0), np.array(mesh["points_mm"]), 25)
 
 
 def height_map(file: str, name: str, readings: int) -> Measured:
@@ -221,13 +237,13 @@ def iso_test() -> IsoTest:
 CASES: tuple[Callable[[], Measured], ...] = (
     lambda: lathe("level_y_um_per_m", "lathe bed, pitch"),
     lambda: lathe("level_x_um_per_m", "lathe bed, roll"),
-    lambda: mirror("030", "mirror 480 mm, slope", 0, 1.0, "20 urad", 16),
-    lambda: mirror("037", "mirror 1000 mm, slope", 6, 1e-6, "1 urad", 24),
+    lambda: mirror("030", "mirror of 480 mm, slope", 0, 1.0, "20 urad", 16),
+    lambda: mirror("037", "mirror of 1000 mm, slope", 6, 1e-6, "1 urad", 24),
     spindle,
     lambda: printer(0),
     lambda: printer(4),
-    lambda: height_map("predator2_13x13.csv", "delta printer bed, 13 x 13", 30),
-    lambda: height_map("caribou_8x7.csv", "printer bed, 8 x 7", 20),
+    lambda: height_map("predator2_13x13.csv", "delta printer bed", 30),
+    lambda: height_map("caribou_8x7.csv", "printer bed 8 x 7", 20),
     lambda: plug_plate("3 um"),
     lambda: plug_plate("0.3 um"),
 )

@@ -7,9 +7,9 @@ from typing import Literal
 
 import numpy as np
 
-from axiscal.error_model.prior import matern52
-from axiscal.inference.intervals import sites
-from axiscal.inference.weighted_fit import Fitted
+from axiscal.errors.prior import matern52
+from axiscal.estimation.inference.intervals import sites
+from axiscal.estimation.inference.weighted_fit import Fitted
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root
 

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.compensation.sampling import axis_tables
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -16,6 +15,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.evaluation import read_iso230
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.tables.sampling import axis_tables
 
 GOLDEN = Path(__file__).resolve().parents[2] / "tests" / "golden" / "iso230"
 FILES = ("ess_target_x", "ess_muts_x", "ess_muts_y")

@@ -13,11 +13,10 @@ from typing import Any
 
 from axiscal.campaign.versions import versions
 from axiscal.exceptions import StudyError
-from axiscal.study.processes import Processes
-from axiscal.study.results import Results
-from axiscal.study.running import run_missing
-from axiscal.study.study_case import canonical
-from axiscal.study.work import Engine, Solve, WorkItem, here
+from axiscal.ports.study.processes import Processes
+from axiscal.ports.study.results import Results, run_missing
+from axiscal.ports.study.study_case import canonical
+from axiscal.ports.study.work import Engine, Solve, WorkItem, here
 from benchmarks.trust.sources import ROOT, version
 
 KEPT = ROOT / "build" / "trust"

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass
 
 import numpy as np
+from scipy.interpolate import RBFInterpolator
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
@@ -14,7 +15,6 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.planning.planner import next_places
-from axiscal.report.findings import findings
 from axiscal.units import to_unit
 from benchmarks.trust.curves import IsoTest, Measured
 
@@ -24,41 +24,71 @@ _DRAWS = 3
 
 @dataclass(frozen=True)
 class Outcome:
-    """share : of the truth in the 95 % band; rms, std : what was missed, and what the band says; flags : codes said
+    """share : of the truth in the 95 % band; rms, std : what was missed, and what the band says
 
     withheld : share of the estimates whose U is withheld, since the readings contradict each other
     """
 
-    design: str
     share: float
     rms: float
     std: float
-    flags: tuple[str, ...]
     withheld: float
 
 
-def outcomes(case: Measured) -> list[Outcome]:
-    """Return what planned, evenly spaced and random readings of a case, as many of each, make of it."""
+@dataclass(frozen=True)
+class Outcomes:
+    """What as many readings make of a case at each kind of places.
+
+    spline : what a thin-plate spline through the even readings misses
+    """
+
+    planned: Outcome
+    even: Outcome
+    random: Outcome
+    spline: float
+
+
+def outcomes(case: Measured) -> Outcomes:
+    """Return what readings of a case make of it, in its unit."""
     described = campaign_from_texts(case.campaign, "campaign.toml", case.machine, "measured")
     problem = Case(described)
-    low, high = np.array([axis.travel for axis in described.machine.axes]).T
-    even = _judged("evenly spaced", case, problem, _nearest(case, _even(case, low, high)))
-    draws = [_judged("random", case, problem, _random(case, low, high, seed)) for seed in range(_DRAWS)]
-    figures = zip(*((d.share, d.rms, d.std, d.withheld) for d in draws), strict=True)
-    share, rms, std, withheld = (float(np.mean(column)) for column in figures)
-    flags = tuple(sorted({each for d in draws for each in d.flags}))
-    mean = Outcome("random", share, rms, std, flags, withheld)
-    return [_judged("planned", case, problem, None), even, mean]
+    low, high = _travel(problem)
+    evenly = at_even_places(case, problem)
+    draws = [_judged(case, problem, _read(case, _random(case, low, high, seed))) for seed in range(_DRAWS)]
+    mean = Outcome(*(float(np.mean(column)) for column in zip(*map(astuple, draws), strict=True)))
+    planned, even = _judged(case, problem, _planned(case, problem)), _judged(case, problem, evenly)
+    return Outcomes(planned, even, mean, _by_spline(case, evenly))
 
 
-def _judged(design: str, case: Measured, problem: Case, poses: Array | None) -> Outcome:
-    known = concluded(problem, _planned(case, problem) if poses is None else _read(case, poses))
+def at_even_places(case: Measured, problem: Case) -> list[Reading]:
+    """Return as many readings of a case as it asks for, evenly spaced."""
+    return _read(case, _nearest(case, _even(case, *_travel(problem))))
+
+
+def _travel(problem: Case) -> tuple[Array, Array]:
+    low, high = np.array([axis.travel for axis in problem.description.machine.axes]).T
+    return low, high
+
+
+def _judged(case: Measured, problem: Case, readings: Sequence[Reading]) -> Outcome:
+    known = concluded(problem, readings)
     mean, std = predicted(known, case.places, np.zeros_like(case.places))
     missed = case.truth - mean
     share = float(np.mean(np.abs(missed) <= BAND * std))
-    flags = tuple(sorted({finding.code for finding in findings(known)}))
     rms, spread = (to_unit(float(np.sqrt(np.mean(v**2))), case.unit) for v in (missed, std))
-    return Outcome(design, share, rms, spread, flags, float(known.agreement.withheld))
+    return Outcome(share, rms, spread, float(known.agreement.withheld))
+
+
+def _by_spline(case: Measured, readings: Sequence[Reading]) -> float:
+    """Return what a thin-plate spline misses, RMS; a natural cubic one along a line."""
+    first = {each.pose: each.value for each in readings}
+    spline = RBFInterpolator(
+        np.array(list(first), dtype=float),
+        np.array(list(first.values()), dtype=float),
+        kernel="cubic" if case.places.shape[1] == 1 else "thin_plate_spline",
+    )
+    missed = case.truth - np.asarray(spline(case.places))
+    return to_unit(float(np.sqrt(np.mean(missed**2))), case.unit)
 
 
 def predicted(estimation: Estimation, poses: Array, approaches: Array) -> tuple[Array, Array]:
@@ -112,24 +142,18 @@ def _nearest(case: Measured, poses: Array) -> Array:
     return np.array([case.places[int(np.argmin(np.sum((case.places - pose) ** 2, axis=1)))] for pose in poses])
 
 
-def iso_outcome(test: IsoTest) -> tuple[Outcome, int]:
-    """Return what the ISO 230-2 test says of the dense passes, one offset per pass taken off, and how many passes."""
+def iso_outcome(test: IsoTest) -> Outcome:
+    """Return what the ISO 230-2 test says of the dense passes, one offset per pass taken off."""
     described: CampaignDescription = campaign_from_texts(test.campaign, "campaign.toml", test.machine, "measured")
     known = concluded(Case(described), test.readings)
     parts = [_pass(known, *test.passes[key], np.sign(key)) for key in test.passes]
     missed, std = np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
-    flags = tuple(sorted({finding.code for finding in findings(known)}))
     rms, spread = (to_unit(float(np.sqrt(np.mean(v**2))), "um") for v in (missed, std))
     share = float(np.mean(np.abs(missed) <= BAND * std))
-    return Outcome("as measured", share, rms, spread, flags, float(known.agreement.withheld)), len(parts)
+    return Outcome(share, rms, spread, float(known.agreement.withheld))
 
 
 def _pass(estimation: Estimation, x: Array, y: Array, direction: float) -> tuple[Array, Array]:
     mean, std = predicted(estimation, x[:, None], np.full((len(x), 1), direction))
     missed: Array = y - mean
     return missed - missed.mean(), std
-
-
-def table(cases: Sequence[Callable[[], Measured]]) -> list[tuple[Measured, list[Outcome]]]:
-    """Return the outcomes of every case."""
-    return [(case, outcomes(case)) for case in (make() for make in cases)]

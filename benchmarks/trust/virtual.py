@@ -14,9 +14,9 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.machine import ErrorEntry, Machine, load_machine
 from axiscal.measurement.reading import Reading
-from axiscal.report.findings import findings
-from axiscal.simulation import Simulator, VirtualMachine
-from axiscal.study.coverage import curves_held, tcp_held
+from axiscal.measurement.simulation import Simulator, VirtualMachine
+from axiscal.ports.study.outcome import curves_held, tcp_held
+from axiscal.present.findings import findings
 from benchmarks.trust.kept import Trial, Tried, one_by_one
 
 _LENGTH = '[[setups]]\nname = "length {0}"\ninstrument = "indicator"\ndirection = "{0}"\napproach = "both"\n'

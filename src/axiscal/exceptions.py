@@ -179,6 +179,10 @@ class ProgramError(InputError):
     """A measuring program that cannot be written: it would leave the travel, or the control has no words for it."""
 
 
+class PortError(InputError):
+    """What an installed package brings cannot be used."""
+
+
 class StudyError(InputError):
     """A study that cannot be run, or gone on with."""
 

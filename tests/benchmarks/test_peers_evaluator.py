@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from axiscal.accuracy import criterion
+from axiscal.estimation.accuracy import criterion
 from axiscal.numerics import Array
 from benchmarks.cases import stacked
 from benchmarks.peers import evaluator

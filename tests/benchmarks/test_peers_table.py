@@ -143,7 +143,7 @@ def test_the_page_has_every_library_and_every_sentence() -> None:
     text = "\n".join(page(_known(_outcome("axiscal", EXACT, 0.0009), failed), ours.picker, Bounds()))
     assert all(rival.label in text for rival in FIELD)
     assert all(f"## Criterion `{criterion}`" in text for criterion in CRITERIA)
-    assert "in one run;" in text
+    assert "in one run." in text
     assert "0.9 ms" in text
     assert "failed: a / b" in text
     assert "not asked" in text

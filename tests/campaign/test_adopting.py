@@ -12,16 +12,14 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
-from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.mounted_anew import stands_with_others
+from axiscal.description.campaign import campaign_from_texts, stands_with_others
 from axiscal.estimation.inheritance import last_campaign
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.record.accepted import Accepted
-from axiscal.record.carried import heritage_text
-from axiscal.record.copies import write_copy
+from axiscal.record.copies import heritage_text, write_copy
 from axiscal.record.store import Record
 from tests.generators.sisters import read_on, slide, write_record
 
@@ -80,7 +78,7 @@ def test_a_branch_is_taken_over_once_and_what_it_has_read_since_later(
     assert values(main) == before + values(branch)[6:]
     assert values(branch)[:9] == there
     with Campaign.open(main, write=False) as campaign:
-        assert campaign.known().accuracy.rms > 0
+        assert campaign.estimate().accuracy.rms > 0
 
 
 def test_what_was_taken_back_here_is_said_and_taken_once_more_where_asked(
@@ -220,7 +218,7 @@ def test_a_set_up_mounted_anew_has_unknowns_of_its_own_beside_what_is_inherited(
     assert "--same-mounting, or not, --mounted-anew" in " ".join(capsys.readouterr().err.split())
     assert run(["adopt", str(heir), str(branch), "--mounted-anew"]) == 0
     with Campaign.open(heir, write=False) as campaign:
-        setups, known = campaign.description.setups, campaign.known()
+        setups, known = campaign.description.setups, campaign.estimate()
         anew = setups[-1].name
         assert [setup.name for setup in setups] == ["laser", "dial", anew]
         assert anew.startswith("laser, mounted for ")
@@ -253,7 +251,7 @@ def test_what_was_mounted_anew_goes_on_is_never_asked_for_and_comes_back_as_what
         with pytest.raises(ReadingError, match="stood for a branch"):
             campaign.record(1e-6, at=last.place)
         campaign.undo()
-        assert campaign.known().accuracy.rms > 0
+        assert campaign.estimate().accuracy.rms > 0
     heritage = last_campaign(heritage_text(main))
     assert [setup.name for setup in heritage[0].setups] == ["laser", "dial", anew]
     assert len(heritage[1]) == 8

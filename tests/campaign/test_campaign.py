@@ -19,8 +19,7 @@ from axiscal.campaign.sources import Answer, Request, Skip
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.uncertain import expanded_uncertainty
+from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError, SourceError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
@@ -173,10 +172,10 @@ def test_undo_takes_back_and_asks_again(start: Start) -> None:
     campaign = start("readings = 3")
     first = campaign.next()
     campaign.record(1e-6)
-    assert campaign.known().accuracy.rms == pytest.approx(std_after(1), rel=1e-6)
+    assert campaign.estimate().accuracy.rms == pytest.approx(std_after(1), rel=1e-6)
     campaign.next()
     campaign.undo()
-    assert campaign.known().accuracy.rms == pytest.approx(std_after(0), rel=1e-6)
+    assert campaign.estimate().accuracy.rms == pytest.approx(std_after(0), rel=1e-6)
     assert campaign.next() == first
     with pytest.raises(RecordError, match="nothing to take back"):
         campaign.undo()
@@ -208,7 +207,7 @@ def test_a_reading_keeps_the_number_under_which_it_was_asked_for(start: Start) -
     assert asked == [1, 2, 3, 3, 4]
     assert [reading.number for reading in campaign.state.readings] == [1, 3, 4]
     assert [milestone.number for milestone in campaign.history()] == [0, 1, 3, 4]
-    assert [reading.number for reading in reopened(campaign).known().readings] == [1, 3, 4]
+    assert [reading.number for reading in reopened(campaign).estimate().readings] == [1, 3, 4]
 
 
 def test_readings_that_nobody_asked_for_have_the_next_free_numbers(start: Start) -> None:
@@ -305,11 +304,11 @@ def test_a_campaign_ends_by_what_its_report_says_and_is_estimated_once(
         asked.append(readings)
         return estimated(case, readings)
 
-    monkeypatch.setattr("axiscal.campaign.knowing.estimated", counted)
+    monkeypatch.setattr("axiscal.campaign.campaign.estimated", counted)
     with Campaign.open(campaign.path) as again:
         assert again.finish() == met
-        assert again.concluded().accuracy.worst <= 4.5e-6
-        assert again.status().accuracy == again.known().accuracy
+        assert again.estimate(ended=True).accuracy.worst <= 4.5e-6
+        assert again.status().accuracy == again.estimate().accuracy
     assert len(asked) == 1
 
 
@@ -451,7 +450,7 @@ def test_readings_that_were_wanted_are_taken_even_if_they_help_little(start: Sta
 def test_a_target_is_reached_by_the_figure_that_is_printed(start: Start) -> None:
     campaign = start('rms = "5.5 um"\nreadings = 12')
     assert campaign.run(Listed(*[Answer(1e-6)] * 12), ignore) == "rms target reached"
-    target, concluded = campaign.description.target, campaign.concluded()
+    target, concluded = campaign.description.target, campaign.estimate(ended=True)
     assert reaches(target, concluded) is True
     assert reaches(replace(target, rms=0.99 * concluded.accuracy.rms), concluded) is False
     assert reaches(replace(target, rms=None), concluded) is None

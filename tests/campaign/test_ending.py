@@ -8,21 +8,31 @@ from dataclasses import replace
 
 import pytest
 
-from axiscal.answer.known import known_rows
-from axiscal.answer.rows import answered
+from axiscal.answers.rows import answered
 from axiscal.campaign import ending
-from axiscal.campaign.ending import ALL_REACHED, CONTRADICT, reaches, standing
+from axiscal.campaign.ending import (
+    _BEYOND,
+    ALL_REACHED,
+    CONTRADICT,
+    FUTILE,
+    OUT_OF_REACH,
+    out_of_reach,
+    reaches,
+    standing,
+)
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.target import Target
 from axiscal.description.wants import RowName, Want
-from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.uncertain import expanded_uncertainty
-from axiscal.planning.feasibility import out_of_reach, reached_unread
+from axiscal.estimation.estimation import Estimation, expanded_uncertainty
+from axiscal.estimation.functionals.known import known_rows
+from axiscal.estimation.promise.agreement import Explained
+from axiscal.planning.feasibility import reached_unread
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import WantedAccuracy
-from axiscal.promise.agreement import Explained
+from axiscal.present.plan_answer import reach_answer
+from axiscal.present.plan_words import reach_text
 from tests.generators.laser_axis import CASE, closed, machine, read
 
 POSITIONING, BACKLASH = RowName("positioning", ("X",)), RowName("backlash", ("X",))
@@ -92,6 +102,7 @@ def test_no_reading_can_is_said_only_below_the_floor(gapped: Estimation) -> None
     """A floor that is above the target ends the campaign where readings have taken away as much as was asked for."""
     known, floor = gapped.accuracy.rms, 2 * gapped.accuracy.rms
     yardstick = gapped.case.yardstick
+    gapped.case.__dict__["yardstick_as_sized"] = yardstick
     yardstick.__dict__["floors"] = (floor, floor)
     try:
         assert standing(asked(1.01 * floor), gapped) == "rms target reached"
@@ -101,7 +112,7 @@ def test_no_reading_can_is_said_only_below_the_floor(gapped: Estimation) -> None
         )
         assert reaches(asked(0.9 * known), gapped) is False
     finally:
-        del yardstick.__dict__["floors"]
+        del yardstick.__dict__["floors"], gapped.case.__dict__["yardstick_as_sized"]
 
 
 def wanting(wants: Sequence[Want], expanded: float | None = None, taken: int = 28) -> tuple[Target, Estimation]:
@@ -115,18 +126,20 @@ def test_all_rows_with_a_limit_have_to_be_reached_by_the_u_that_the_screen_shows
     names = POSITIONING, BACKLASH
     _, known = wanting([Want(name, 1.0) for name in names])
     position, back = (row.known for row in answered(known, {}))
-    for factors, said in (((1.01, 1.01), ALL_REACHED), ((1.01, 0.99), None), ((0.99, 1.01), None)):
+    none_can = f"positioning X {_BEYOND}"  # what these readings leave of it is the laser's own scale
+    for factors, said in (((1.01, 1.01), ALL_REACHED), ((1.01, 0.99), None), ((0.99, 1.01), none_can)):
         limits = [factor * u for factor, u in zip(factors, (position, back), strict=True)]
         target, known = wanting([Want(name, limit) for name, limit in zip(names, limits, strict=True)])
         assert standing(target, known) == said
-        assert reaches(target, known) is (said is not None)
+        assert reaches(target, known) is (said == ALL_REACHED)
 
 
 def test_the_volume_and_the_rows_are_wanted_together() -> None:
-    _, known = wanting([Want(POSITIONING, 1.0)])
+    few = 8  # endless readings would leave a tenth less
+    _, known = wanting([Want(POSITIONING, 1.0)], taken=few)
     (row,), u = answered(known, {}), expanded_uncertainty(known).space
     for volume, limit, said in ((1.01, 1.01, ALL_REACHED), (0.99, 1.01, None), (1.01, 0.99, None)):
-        target, known = wanting([Want(POSITIONING, limit * row.known)], volume * u)
+        target, known = wanting([Want(POSITIONING, limit * row.known)], volume * u, few)
         assert standing(target, known) == said
 
 
@@ -157,6 +170,16 @@ def test_an_unreachable_volume_ends_no_job_whose_rows_are_missing(monkeypatch: p
         assert (standing(target, known) is None) is (taken == 2)
 
 
+def test_a_volume_that_stands_still_ends_no_job_while_rows_come_nearer() -> None:
+    (row,) = answered(wanting([Want(POSITIONING, 1.0)], taken=16)[1], {})
+    wants = [Want(POSITIONING, 0.98 * row.known)]
+    (target, few), (_, many) = wanting(wants, taken=8), wanting(wants, taken=16)
+    endless, path = replace(target, readings=None, budget=None), [few.accuracy] * (FUTILE + 1)
+    assert out_of_reach(endless, path, lambda: few, many) is None
+    assert out_of_reach(endless, path, lambda: many, many) == OUT_OF_REACH
+    assert out_of_reach(replace(endless, wants=()), path, lambda: few, many) == OUT_OF_REACH
+
+
 def stated(rms: float) -> Case:
     """Return a laser along X and an error across it, which that does not see.  rms : target, um"""
     return Case(campaign_from_texts(TEXT.replace("RMS", f"{rms:.6f} um"), "c.toml", HIDDEN, "m.toml"))
@@ -164,11 +187,13 @@ def stated(rms: float) -> Case:
 
 def test_before_the_first_reading_it_is_said_whether_any_can_and_which_set_up_would_help() -> None:
     floor = 1e6 * stated(1.0).yardstick.floors[0]
-    assert out_of_reach(stated(1.001 * floor)) is None
-    said = out_of_reach(stated(0.999 * floor)) or ""
-    assert said.startswith("the rms target cannot be reached with these set-ups: endless readings would leave ")
-    assert 'With "ball bar in xy" as well it can be reached: ' in said
-    assert re.search(r"\d+ readings in [0-9.]+ min for all set-ups", said)
+    assert reach_answer(stated(1.001 * floor)) is None
+    found = reach_answer(stated(0.999 * floor))
+    assert found is not None
+    said = reach_text(found)
+    assert said.startswith("Out of reach: endless readings leave volume ")
+    assert 'With "ball bar in xy" as well it is reached: ' in said
+    assert re.search(r"\d+ readings in [0-9.]+ min", said)
 
 
 def test_sizes_that_meet_a_target_unread_are_checked_by_a_few_readings() -> None:

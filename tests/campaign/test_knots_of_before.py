@@ -11,13 +11,13 @@ from scipy.interpolate import CubicSpline
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.inheritance import inherited, last_campaign
 from axiscal.estimation.type_prior import type_prior
-from axiscal.fleet.type_learning import learnt_type
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.record.carried import heritage_text
+from axiscal.ports.fleet.type_learning import learnt_type
+from axiscal.record.copies import heritage_text
 from axiscal.record.events import Created
 from axiscal.record.payload import decode, encode
 from axiscal.record.store import Record
@@ -74,7 +74,7 @@ def written(path: Path, description: CampaignDescription, *, before: bool = Fals
 def figures(path: Path) -> tuple[Array, Array]:
     """Return what is known of EXX at the places, less what it is at 0: means and stds, (3,), m."""
     with Campaign.open(path) as campaign:
-        known = campaign.known()
+        known = campaign.estimate()
     term, belief = known.case.errors.names["EXX"], known.knowledge.belief
     rows = term.rows(PLACES) - term.rows(np.zeros(1))
     covariance = (belief.factor @ belief.factor.T)[term.columns, term.columns]

@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 
 from axiscal.campaign.sources import open_source
-from axiscal.campaign.sources.linuxcnc import LinuxcncMachine
 from axiscal.cli.app import run
 from axiscal.exceptions import SourceError
-from axiscal.lab.linuxcnc import session
 from axiscal.machine.description import load_machine, machine_from_text
-from axiscal.simulation import Simulator
+from axiscal.measurement.simulation import Simulator
+from axiscal.ports.linuxcnc.lab import session
+from axiscal.ports.linuxcnc.linuxcnc_source import LinuxcncMachine
 
 CAMPAIGN = """machine = "one-axis"
 [target]

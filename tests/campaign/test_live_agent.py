@@ -12,12 +12,12 @@ from typing import Any
 
 import pytest
 
-from axiscal.campaign.sources.linuxcnc_live import LiveSource, connection
-from axiscal.campaign.sources.linuxcnc_live.attached import _WayToBall
 from axiscal.campaign.sources.source import Request
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import SourceError
-from axiscal.gcode.steps import Move, Touched
+from axiscal.ports.linuxcnc.live import LiveSource, connection
+from axiscal.ports.linuxcnc.live.attached import _WayToBall
+from axiscal.programs.steps import Move, Touched
 from tests.generators import touched_table as table
 
 MODE_MANUAL, MODE_MDI, DONE, EXEC, IDLE = 1, 3, 1, 2, 1

@@ -17,11 +17,11 @@ from typing import Any
 
 import pytest
 
-from axiscal.campaign.printer_loader import loader_at
 from axiscal.cli.app import run
 from axiscal.exceptions import SourceError, TableError
+from axiscal.ports.printers.printer_loader import loader_at
 from tests.campaign.test_printer_source import Handler, Server, serving
-from tests.compensation.test_bed_round_trips import X, Y, bed, duet_map, estimated, klipper_file
+from tests.tables.test_bed_round_trips import X, Y, bed, duet_map, estimated, klipper_file
 
 INCLUDE = "[include axiscal_mesh.cfg]\n[printer]\nkinematics: cartesian\n"
 MAP = "0:/sys/heightmap.csv"

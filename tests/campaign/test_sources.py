@@ -23,7 +23,7 @@ from axiscal.machine import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.setup import Setup
-from axiscal.simulation import Simulator
+from axiscal.measurement.simulation import Simulator
 
 AXES = (Axis.named("X", True, (0.0, 0.6)), Axis.named("C", True, (0.0, math.tau)))
 SETUP = Setup("laser along X", "interferometer", (1, 0, 0), (0,), (0.3, 0), 1e-6, (), 60, 1, 3, (0, 0), "both")

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.belief import Belief
+from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline, even_knots
 

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.design.gains.gain import Scorer
-from axiscal.error_model.model import Term
-from axiscal.error_model.plane import PlaneError
+from axiscal.errors.model import Term
+from axiscal.errors.plane import PlaneError
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
@@ -24,10 +23,11 @@ from axiscal.machine import load_machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
+from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.report.curves import constants, curves
-from axiscal.report.planes import planes
-from axiscal.simulation import Simulator, VirtualMachine
+from axiscal.planning.gains.gain import Scorer
+from axiscal.present.curves import constants, curves
+from axiscal.present.plane_summary import planes
 from axiscal.units import from_unit
 
 CLAIMED, SLACK = 0.95, 0.015
@@ -139,7 +139,7 @@ def planned(problem: Case, readings: int) -> list[Reading]:
 def printed_stds(estimation: Estimation) -> list[tuple[Array, Array]]:
     """Return positions and standard deviations of every error as the report prints them, in SI."""
     shown = {curve.name: curve for curve in curves(estimation, (), None)}
-    single = {constant.name: constant for constant in constants(estimation, None)}
+    single = {constant.name: constant for constant in constants(estimation)}
     maps = {plane.name: plane for plane in planes(estimation)}
 
     def of(function: Term) -> tuple[Array, Array]:

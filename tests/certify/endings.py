@@ -8,20 +8,20 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from axiscal.accuracy.expanded import expanded
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.campaign.sources.source import Skip
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.design.plan.task import Limits
+from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case
 from axiscal.exceptions import SourceError
 from axiscal.measurement.reading_rows import blank_readings
+from axiscal.measurement.simulation import Simulator
 from axiscal.planning.next_readings import placed
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked
 from axiscal.planning.proposal import Thoroughness, proposed
 from axiscal.record.events import Asked
-from axiscal.simulation import Simulator
 
 LEAST = 0.99
 """Share of the campaigns with a target that can be reached which end with it."""
@@ -95,7 +95,7 @@ def _refuted(campaign: Campaign, source: SimulatedSource, more: int) -> bool:
         answer = source.read(campaign.request(place))
         assert not isinstance(answer, Skip)
         campaign.record(answer.value, answer.std, others=answer.others, live=answer.live)
-    known = campaign.concluded().accuracy
+    known = campaign.estimate(ended=True).accuracy
     return any(known.rms <= each.limit for each in asked(campaign.description.target, campaign.case().yardstick))
 
 

@@ -11,12 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.gcode import Program, dialect, programs
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.driving import Driving
 from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
+from axiscal.programs import Program, dialect, programs
 from tests.certify.gcode_traces import (
     READERS,
     Event,

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from axiscal.belief import Belief
+from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
 
 DIGITS = {"longley": 10.0, "wampler1": 9.0, "wampler2": 11.0, "filip": 7.0}

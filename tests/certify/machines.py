@@ -8,12 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.accuracy.criterion import Root, joint_root, volume_root
-from axiscal.belief import Belief
-from axiscal.design.gains.gain import Scorer
-from axiscal.design.step.best_step import best_of
-from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import volume_moments, whole_travel
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import volume_moments, whole_travel
+from axiscal.estimation.accuracy.criterion import Root, joint_root, volume_root
+from axiscal.estimation.belief import Belief
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
@@ -21,6 +19,8 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
+from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.step.best_step import best_of
 
 _BLOCK = 20_000
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from axiscal.belief import Belief
+from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
 
 LIMIT = 1e-8

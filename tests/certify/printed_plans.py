@@ -22,8 +22,8 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.exceptions import InputError, ProgramError
-from axiscal.gcode import controllers, dialect, programs
 from axiscal.measurement.place import Place
+from axiscal.programs import controllers, dialect, programs
 from tests.certify import silent_instrument
 from tests.certify.kept import Kept
 from tests.generators.printed_machine import PrintedMachine, printed_machine
@@ -41,7 +41,7 @@ def campaigns(folder: Path) -> list[Path]:
     """Return the campaigns of examples, demo and tests, and those that pages print, written into a folder."""
     found = [
         path
-        for part in ("src/axiscal/demo", "examples", "tests/golden/campaigns")
+        for part in ("src/axiscal/present/demo", "examples", "tests/linuxcnc/machines", "tests/golden/campaigns")
         for path in sorted((ROOT / part).rglob("*.toml"))
         if "[[setups]]" in path.read_text(encoding="utf-8") and path.parent.name != "refusals"
     ]

@@ -8,17 +8,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.compensation.controllers.linuxcnc import pivots
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import InputError, ProgramError
-from axiscal.gcode import dialect, programs
-from axiscal.lab.linuxcnc import Joint, Settings
-from axiscal.lab.linuxcnc.configuration import files
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
-from axiscal.measurement.chart_places import chart_candidates
+from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
+from axiscal.ports.linuxcnc.lab import Joint, Settings
+from axiscal.ports.linuxcnc.lab.configuration import files
+from axiscal.ports.linuxcnc.tables import pivots
+from axiscal.programs import dialect, programs
 from tests.certify.gcode import plan_on, random_machine, setups_of
 
 PROGRAMS = 8

@@ -7,6 +7,7 @@ import pytest
 from tests.certify import endings
 
 
+@pytest.mark.long
 def test_a_target_that_a_plan_reaches_is_reached() -> None:
     found = endings.feasible(3)
     assert found.because.endswith(" target reached")

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from axiscal.lab.linuxcnc import available
 from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.lab import available
 from tests.certify.kept import Kept
 from tests.certify.simulated import Simulated, random_simulated
 from tests.certify.simulator import Judge, Trace, verdicts

@@ -15,16 +15,16 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.inheritance import last_campaign
-from axiscal.estimation.uncertain import expanded_uncertainty
+from axiscal.estimation.promise.agreement import Agreement
 from axiscal.exceptions import OvertakenError, ReadingError
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.promise.agreement import Agreement
+from axiscal.present.summarising import Extras, summarise
 from axiscal.record.accepted import Accepted
-from axiscal.record.carried import heritage_text
-from axiscal.report.summarising import Extras, summarise
-from axiscal.simulation import Simulator
+from axiscal.record.copies import heritage_text
 
 MACHINE = """chain = "w-b-X-Y-t"
 [axes.X]
@@ -135,13 +135,13 @@ def used(wrong: Wrong, readings: Sequence[Reading]) -> list[Reading]:
 def expanded(path: Path) -> float:
     """Return U over the volume, m."""
     with Campaign.open(path, write=False) as campaign:
-        return expanded_uncertainty(campaign.known()).space
+        return expanded_uncertainty(campaign.estimate()).space
 
 
 def known(path: Path) -> tuple[list[tuple[str, float]], Agreement]:
     """Return set-up and value of the readings that everything behind sees, and whether they agree."""
     with Campaign.open(path, write=False) as campaign:
-        return [(each.setup, each.value) for each in campaign.state.readings], campaign.known().agreement
+        return [(each.setup, each.value) for each in campaign.state.readings], campaign.estimate().agreement
 
 
 @pytest.mark.parametrize("name", MISTAKES)
@@ -255,7 +255,7 @@ def test_status_report_and_an_heir_know_what_was_accepted(tmp_path: Path, capsys
     assert run(["status", str(path), "--details"]) == 0
     assert f"Accepted: {said}" in capsys.readouterr().out
     with Campaign.open(path) as campaign:
-        found = summarise(campaign, campaign.concluded(), Extras())
+        found = summarise(campaign, campaign.estimate(ended=True), Extras())
         description, readings = last_campaign(heritage_text(path))
         assert (readings, description.setups[-1].name) == (campaign.state.readings, "X again, before reading 19")
     assert [each.text for each in found.warnings if each.code == "accepted"] == [f"A person accepted: {said}."]

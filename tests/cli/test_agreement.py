@@ -70,10 +70,10 @@ def test_a_drift_of_usual_size_is_taken_off_without_a_word_of_it_in_the_campaign
     moved = next(each for each in result["warnings"] if each["code"] == "drift")["text"]
     assert (status, result["agreement"]["contradict"]) == (0, False)
     assert float(moved.partition("had moved by ")[2].partition(" ")[0]) == pytest.approx(10.0, abs=1.0)
-    promised, *others = capsys.readouterr().out.splitlines()
-    assert promised.startswith("U = ")
-    assert "with zeros that wander as is usual, 5 um/h" in promised
-    assert "40 of 40 readings agree with the others." in others
+    told = capsys.readouterr().out
+    assert "with zeros that wander as is usual, 5 um/h" in told
+    assert "Agreement: 40 of 40 readings agree with the others" in told
+    assert "Readings agree: 40 of 40." in told
 
 
 def test_noise_beyond_what_was_stated_is_learnt_and_no_contradiction(folder: Path) -> None:
@@ -90,12 +90,12 @@ def test_readings_that_nothing_explains_promise_nothing_and_are_all_kept(
     told = capsys.readouterr()
     assert (status, result["U_um"], result["k"]) == (1, None, None)
     assert (result["agreement"]["contradict"], result["agreement"]["explained"]) == (True, [])
-    assert told.out.splitlines()[0] == "Not known: the readings contradict each other"
-    assert "Tables: " not in told.out
+    assert "READINGS CONTRADICT" in told.out
+    assert "U = " not in told.out
     assert "Traceback" not in told.err
     assert "--anyway" in told.err
     assert result["readings"] == 40
-    assert "the tool point is <strong>not known</strong>" in (folder / "d" / "report.html").read_text()
+    assert "<strong>READINGS CONTRADICT</strong>" in (folder / "d" / "report.html").read_text()
     assert not (folder / "d" / "tables").exists()
 
 
@@ -110,13 +110,13 @@ def test_a_campaign_that_contradicts_itself_is_finished_without_u_and_with_it_wh
     assert contradicting.read_bytes() == kept
     assert json.loads((home / "e" / "result.json").read_text())["U_um"] is None
     assert app.run(["finish", str(contradicting), "--out", "f", "--anyway", "--details"]) == 0
-    first, *others = capsys.readouterr().out.splitlines()
-    assert first.startswith("U = ")
+    told = capsys.readouterr().out
+    assert "U = k u = " in told
     result = json.loads((home / "f" / "result.json").read_text())
     assert result["U_um"] > 0
     words = result["agreement"]["text"]
     assert words.startswith("The readings contradict each other (p = ")
-    assert f"{words}." in others
+    assert f"Agreement: {words}" in told
     assert words in (home / "f" / "report.html").read_text()
     for readme in (home / "f" / "tables").glob("*/README.txt"):
         assert f"{words}.\n" in readme.read_text()

@@ -13,7 +13,7 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
-from axiscal.simulation import Simulator
+from axiscal.measurement.simulation import Simulator
 
 CAMPAIGN = """machine = "one-axis"
 [target]
@@ -65,7 +65,7 @@ def test_a_source_that_slips_to_mm_is_stopped_and_its_reading_kept(
     with Campaign.open(out / "campaign.axiscal") as kept:
         assert len(kept.state.readings) == 6
         assert kept.state.finished is None
-        assert np.max(np.abs(kept.concluded().knowledge.belief.mean[:21])) < 50e-6
+        assert np.max(np.abs(kept.estimate(ended=True).knowledge.belief.mean[:21])) < 50e-6
 
 
 @pytest.mark.long
@@ -80,7 +80,7 @@ def test_one_value_typed_in_mm_is_flagged_at_once_and_stays_so(
         assert run(["record", record, value]) == 0
         assert ("mm instead of um?" in capsys.readouterr().out) == (value == "2.5 mm")
     with Campaign.open(Path(record)) as campaign:
-        estimation = campaign.concluded()
+        estimation = campaign.estimate(ended=True)
         assert [(doubt.reading, doubt.rejected) for doubt in estimation.outliers] == [(2, True)]
         assert np.max(np.abs(estimation.knowledge.belief.mean[:21])) < 50e-6
     assert run(["finish", record, "--out", str(tmp_path / "d")]) == 0

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.compensation.registry import CONTROLLERS
-from axiscal.record.durable import write_whole
+from axiscal.document.durable import write_whole
+from axiscal.tables.registry import CONTROLLERS
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
 

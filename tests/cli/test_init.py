@@ -14,12 +14,13 @@ import pytest
 
 from axiscal.cli import app
 from axiscal.description.campaign import campaign_from_texts, read_campaign
-from axiscal.description.file_schemas import campaign_schema, machine_schema
+from axiscal.description.campaign_schema import campaign_schema, machine_schema
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.first_files import Beginning, first_files, of_builtin
+from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import builtin_names, load_machine
-from axiscal.measurement.chart_places import chart_candidates
+from axiscal.measurement.candidates import chart_candidates
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 TYPES: dict[str, tuple[type, ...]] = {
@@ -85,7 +86,8 @@ def test_the_commands_it_names_can_be_given_as_they_stand(tmp_path: Path, capsys
 
 def test_every_instrument_that_is_offered_can_be_had(tmp_path: Path) -> None:
     assert written(tmp_path, "dmu60", *OFFERED) == 0
-    assert {setup.instrument for setup in read_campaign(tmp_path / "campaign.toml").setups} == set(OFFERED)
+    offered = set(OFFERED) - {"dial", "square"}  # which are read as a straightedge is
+    assert {setup.instrument for setup in read_campaign(tmp_path / "campaign.toml").setups} == offered
 
 
 def test_spheres_are_offered_where_an_axis_turns(tmp_path: Path) -> None:
@@ -133,10 +135,32 @@ EXX = { std = "10 um" }
 def test_what_is_not_given_is_asked_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("sys.stdin", io.StringIO("three-axis-mill\ninterferometer ballbar\n15 um\n"))
+    monkeypatch.setattr("sys.stdin", io.StringIO("three-axis-mill\n700, 350 300\ninterferometer, ballbar\n15 um\n"))
     assert app.run(["init", str(tmp_path / "mill")]) == 0
     assert "6 set-ups offered" in capsys.readouterr().out
-    assert read_campaign(tmp_path / "mill" / "campaign.toml").target.expanded == pytest.approx(15e-6)
+    campaign = read_campaign(tmp_path / "mill" / "campaign.toml")
+    assert campaign.target.expanded == pytest.approx(15e-6)
+    assert [axis.length for axis in campaign.machine.axes] == pytest.approx(
+        [{"X": 0.7, "Y": 0.35, "Z": 0.3}[axis.name] for axis in campaign.machine.axes]
+    )
+
+
+def test_an_empty_answer_is_the_usual_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n\n\n\n"))
+    assert app.run(["init", str(tmp_path / "mill")]) == 0
+    campaign = read_campaign(tmp_path / "mill" / "campaign.toml")
+    usual = load_machine("three-axis-mill")
+    assert [axis.travel for axis in campaign.machine.axes] == [axis.travel for axis in usual.axes]
+    assert {setup.instrument for setup in campaign.setups} == {"straightedge"}
+    assert campaign.target.expanded == pytest.approx(20e-6)
+
+
+def test_a_dial_and_a_square_see_straightness_and_squareness(tmp_path: Path) -> None:
+    assert written(tmp_path, "three-axis-mill", "dial", "square") == 0
+    campaign = read_campaign(tmp_path / "campaign.toml")
+    rows = {want.want.row.name for want in asked_rows(campaign, [])}
+    assert {"straightness X in Y", "squareness XY", "squareness XZ", "squareness YZ"} <= rows
+    assert len([setup for setup in campaign.setups if setup.name.startswith("dial on the leg")]) == 6
 
 
 @pytest.mark.parametrize(
@@ -148,6 +172,7 @@ def test_what_is_not_given_is_asked_for(
         (["--machine", "one-axis", "--instrument", "ballbar", "--target", "9 um"], "Nothing of ballbar"),
         (["--machine", "printer-gantry", "--instrument", "ballbar", "--target", "9 um"], "Align the axes first"),
         (["--machine", "one-axis"], "Nobody answered"),
+        ([], "Nobody answered"),
     ],
 )
 def test_what_cannot_be_is_refused_and_nothing_is_written(

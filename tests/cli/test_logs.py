@@ -10,9 +10,9 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
-from axiscal.gcode import write_programs
-from tests.gcode.touching_controls import TouchingMachine, run_sinumerik
+from axiscal.programs import write_programs
 from tests.generators import touched_table as table
+from tests.programs.touching_controls import TouchingMachine, run_sinumerik
 
 
 @pytest.fixture

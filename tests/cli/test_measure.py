@@ -91,7 +91,7 @@ def test_a_whole_campaign_from_the_prompt_alone(folder: Path) -> None:
     terminal.type("undo")
     assert "Took back reading 2" in terminal.until("reading [um] > ")
     terminal.type("400")
-    assert re.search(r"That is \d+\.\d standard deviations", terminal.until("Enter to read again: "))
+    assert re.search(r"It is \d+\.\d standard deviations", terminal.until("Enter to read again: "))
     terminal.type("")
     terminal.until("reading [um] > ")
     for value in ("0.4", "1.1", "0.2"):
@@ -133,13 +133,22 @@ def test_a_set_up_is_left_and_the_plan_goes_on_without_it(tmp_path: Path) -> Non
     terminal = Terminal(tmp_path)
     first = re.findall(r'Set-up "(\w+)"', terminal.until(STANDS))[0]
     terminal.type("leave the beam is lost")
+    assert "unmeasured" in terminal.until("Enter to go on: ")
+    terminal.type("yes")
     other = re.findall(r'Set-up "(\w+)"', terminal.until(STANDS))[0]
     assert {first, other} == {"laser", "bar"}
     terminal.type("undo")
     assert f'Set-up "{first}"' in terminal.until(STANDS)
     terminal.type("leave no")
+    terminal.until("Enter to go on: ")
+    terminal.type("")
     terminal.until(STANDS)
-    terminal.type("leave nor this one")
+    for reason in ("no", "nor this one"):
+        terminal.type(f"leave {reason}")
+        terminal.until("Enter to go on: ")
+        terminal.type("yes")
+        if reason == "no":
+            terminal.until(STANDS)
     assert "Done: nothing is left to measure" in terminal.until("note or pause > ")
     terminal.type("pause")
     assert terminal.ended() == 0

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from axiscal.accuracy.yardstick import Accuracy
 from axiscal.campaign.milestones import Milestone
 from axiscal.cli.progress import progress_line
 from axiscal.description.target import Target
+from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.measurement.reading import Reading
 
 KNOWN = Accuracy(2e-6, 4e-6, 2e-6, 4e-6)

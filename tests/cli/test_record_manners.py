@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.campaign import knowing
+from axiscal.campaign import campaign as running
 from axiscal.cli.app import run
 from tests.generators.begun import begun
 from tests.generators.texts import machine_text
@@ -63,7 +63,7 @@ def test_what_is_misspelt_is_said_before_anything_is_estimated(
     record: Path, words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for name in ("estimated", "concluded"):
-        monkeypatch.setattr(knowing, name, None)
+        monkeypatch.setattr(running, name, None)
     capsys.readouterr()
     assert run(["record", str(record), *words, "--setup", "along x"]) == 1
     assert "unit" in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""What a command that takes long says of itself: on a terminal one line that changes, else a line for each stage."""
+"""What a command that takes long says of itself on a terminal: one line that changes."""
 
 from __future__ import annotations
 
@@ -34,20 +34,15 @@ def test_a_stage_in_words(of: Stage, seconds: float, said: str) -> None:
     assert stage_text(of, seconds) == said
 
 
-def test_nothing_is_said_in_the_first_seconds_and_a_line_for_each_stage_later(monkeypatch: pytest.MonkeyPatch) -> None:
-    err = io.StringIO()
+def test_nothing_is_said_in_the_first_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
+    err = Terminal()
     monkeypatch.setattr("sys.stderr", err)
     shown = StageLine()
-    begin = shown._start
     with listening(shown), stage("one"):
-        shown.show(begin + 1.0)
+        shown.show(shown._start + 1.0)
         assert err.getvalue() == ""
-        shown.show(begin + 2.5)
-        shown.show(begin + 2.7)
-        with stage("two", 2, 3):
-            shown.show(begin + 3.0)
-    shown.show(begin + 9.0)
-    assert err.getvalue() == "one ...\ntwo, 2 of 3 ...\n"
+        shown.show(shown._start + 2.5)
+        assert err.getvalue() == "\rone, 2 s so far"
 
 
 def test_on_a_terminal_one_line_changes_and_goes_when_the_work_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -81,7 +76,7 @@ def test_work_in_another_thread_says_nothing() -> None:
 
 
 def test_a_command_is_watched_until_it_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    err, looked = io.StringIO(), threading.Event()
+    err, looked = Terminal(), threading.Event()
     monkeypatch.setattr("sys.stderr", err)
     monkeypatch.setattr(stages, "_QUIET", 0.0)
     monkeypatch.setattr(stages, "_LOOK", 0.001)
@@ -97,8 +92,19 @@ def test_a_command_is_watched_until_it_ends(monkeypatch: pytest.MonkeyPatch) -> 
     before = threading.active_count()
     with stages.shown_stages(), stage("long work"):
         assert looked.wait(20)
-    assert err.getvalue() == "long work ...\n"
+    assert err.getvalue().startswith("\rlong work, ")
     assert threading.active_count() == before
+
+
+def test_where_nobody_looks_nothing_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    err = io.StringIO()
+    monkeypatch.setattr("sys.stderr", err)
+    monkeypatch.setattr(stages, "_QUIET", 0.0)
+    monkeypatch.delenv("AXISCAL_PROGRESS")
+    before = threading.active_count()
+    with stages.shown_stages(), stage("long work"):
+        assert threading.active_count() == before
+    assert err.getvalue() == ""
 
 
 def test_ctrl_c_that_was_answered_ends_with_status_1_and_not_by_the_signal() -> None:

@@ -16,8 +16,8 @@ from typing import Any
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.study.results import FILE
-from tests.study.texts import STUDY, written
+from axiscal.ports.study.results import FILE
+from tests.ports.texts import STUDY, written
 
 
 def _document(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:

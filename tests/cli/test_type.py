@@ -45,7 +45,7 @@ def test_a_record_carries_what_its_sisters_taught(folder: Path, capsys: pytest.C
         record.unlink()
     with Campaign.open(folder / "new.axiscal", write=False) as campaign:
         assert is_type_text(campaign.description.prior_text)
-        assert campaign.known().membership is not None
+        assert campaign.estimate().membership is not None
     assert run(["start", str(folder / "campaign.toml"), str(folder / "other.axiscal"), "--json"]) == 1
     assert "names no record that is there" in " ".join(capsys.readouterr().err.split())
 

@@ -10,7 +10,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.exceptions import InputError
 from axiscal.measurement.reading import Reading
-from axiscal.simulation import Simulator
+from axiscal.measurement.simulation import Simulator
 from tests.generators.one_axis import MACHINE, observed
 from tests.generators.texts import machine_text
 

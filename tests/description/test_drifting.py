@@ -11,11 +11,11 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.setup import Setup
-from axiscal.record.carried import heritage_text
+from axiscal.present.statement import drift_words
+from axiscal.record.copies import heritage_text
 from axiscal.record.events import Created, Recorded
 from axiscal.record.payload import decode
 from axiscal.record.store import Record
-from axiscal.report.drift_words import drift_words
 from tests.generators.texts import machine_text
 
 HOUR = 3600.0
@@ -72,7 +72,7 @@ def test_a_record_of_before_keeps_a_zero_that_stands_still(tmp_path: Path) -> No
         record.append(reading)
     with Campaign.open(old) as campaign:
         assert campaign.description.setups[0].drift == 0.0
-        assert not campaign.known().knowledge.observation.courses
+        assert not campaign.estimate().knowledge.observation.courses
     new = tmp_path / "new.axiscal"
     description = campaign_from_texts(text, "c", MACHINE, "m", prior_text=heritage_text(old))
     Campaign.create(new, description).close()

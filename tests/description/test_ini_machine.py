@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.compensation.controllers.linuxcnc import pivots
+from axiscal.description.first_files import machine_text, unread
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import IniMachine, machine_of
-from axiscal.description.ini_text import machine_text, unread
 from axiscal.exceptions import AxiscalError
-from axiscal.lab.linuxcnc.configuration import Joint, Settings, files
 from axiscal.machine import Machine, load_machine, machine_from_text
 from axiscal.measurement.readers.text import MOST_LINES
+from axiscal.ports.linuxcnc.lab.configuration import Joint, Settings, files
+from axiscal.ports.linuxcnc.tables import pivots
 
 EXAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs")
 SMALL = """\

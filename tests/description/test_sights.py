@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import spread
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import placed
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Thoroughness, proposed
 from tests.generators.kinematics import in_travel, tip
 

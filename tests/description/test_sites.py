@@ -12,10 +12,8 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, read_campaign
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import load_machine
-from axiscal.measurement.charts.balls import Balls
-from axiscal.measurement.charts.bar import Bar
-from axiscal.measurement.charts.circle import Circle
-from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.bar import Bar, Circle
+from axiscal.measurement.charts.held import Balls, Held
 from axiscal.measurement.charts.line import Line
 
 SPHERES = """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.unused import unused_artefacts
+from axiscal.description.hardly_reached import unused_artefacts
 from axiscal.machine import load_machine
 
 BALL = '[[artefacts]]\nname = "{}"\nballs = {{ one = ["{} mm", "0 mm", "0 mm"] }}\n'

@@ -1,8 +1,9 @@
-"""docs/api.md: every public name with its docstring.  `python -m tests.docs.api` writes it."""
+"""docs/api.md: every public name with the first sentence of its docstring.  `python -m tests.docs.api` writes it."""
 
 from __future__ import annotations
 
 import inspect
+import re
 from pathlib import Path
 
 import axiscal as ac
@@ -11,9 +12,11 @@ PAGE = Path(__file__).resolve().parents[2] / "docs" / "api.md"
 _HEAD = """\
 # Public names
 
-Made from the docstrings by `make docs`. `import axiscal as ac`; a name is loaded when it is first used. Everything else
-may move between versions.
+`make docs` makes this page from the first sentences of the docstrings. `import axiscal as ac`, then `help(ac.Curve)`
+says shapes, units and failures. Everything else may move between versions.
 """
+_WHOLE = ("python", "campaign")
+"""Rooms whose classes are told member by member; of the others, the mathematics, members are named."""
 
 
 def page() -> str:
@@ -22,11 +25,17 @@ def page() -> str:
 
 
 def _section(name: str, found: object) -> str:
-    parts = [f"## {name}\n", _said(f"ac.{name}", found)]
-    if inspect.isclass(found):
-        own = [(each, member) for each, member in vars(found).items() if not each.startswith("_")]
-        parts += [_said(f"{name}.{each}", member) for each, member in own if _told(member)]
-    return "\n".join(parts)
+    lines = [f"## {name}\n", f"{_said(f'ac.{name}', found)}\n"]
+    return "\n".join([*lines, *_members(found)] if inspect.isclass(found) else lines)
+
+
+def _members(found: type) -> list[str]:
+    """Return what stands below a class: a line for each member, or their names in one line; nothing without members."""
+    own = [(f".{each}", member) for each, member in vars(found).items() if not each.startswith("_")]
+    told = [(each, member) for each, member in own if _told(member)]
+    if found.__module__.split(".")[1] in _WHOLE:
+        return [*(f"- {_said(each, member)}" for each, member in told), ""]
+    return [", ".join(f"`{each}{_arguments(_inner(member))}`" for each, member in told) + "\n"] if told else []
 
 
 def _told(member: object) -> bool:
@@ -34,9 +43,17 @@ def _told(member: object) -> bool:
 
 
 def _said(name: str, member: object) -> str:
-    inner = member.__func__ if isinstance(member, classmethod | staticmethod) else member
+    """Return the name with its arguments, and the first sentence of its docstring."""
+    inner = _inner(member)
     text = inspect.cleandoc(inspect.getdoc(inner.fget if isinstance(inner, property) else inner) or "")
-    return f"`{name}{_arguments(inner)}`\n\n```text\n{text}\n```\n"
+    plain = re.sub(r",?[ ]\(?B&H eq\.[^)]*\)?", "", " ".join(text.partition("\n\n")[0].split()))
+    first = re.split(r"\. |; raises", plain)[0]
+    first = first.removeprefix("Return ").removesuffix(".")
+    return f"`{name}{_arguments(inner)}`: {first[:1].upper()}{first[1:]}"
+
+
+def _inner(member: object) -> object:
+    return member.__func__ if isinstance(member, classmethod | staticmethod) else member
 
 
 def _arguments(member: object) -> str:

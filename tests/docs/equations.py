@@ -1,4 +1,4 @@
-"""The table of docs/equations.md: each numbered equation of the paper, what computes it, and what checks it.
+"""The table of docs/evidence/equations.md: each numbered equation of the paper, what computes it, and what checks it.
 
 `python -m tests.docs.equations` writes it. Docstrings are the source: a function that computes an equation, and a test
 that checks it, cite it as `B&H eq. 23` or `B&H eq. 21-23`.
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs" / "equations.md"
+PAGE = ROOT / "docs" / "evidence" / "equations.md"
 LAST = 37
 BEGIN, END = "<!-- table: made by python -m tests.docs.equations -->", "<!-- end of table -->"
 
@@ -111,7 +111,7 @@ def table() -> str:
 
 
 def _links(found: list[Citation]) -> str:
-    return "<br>".join(f"[`{c.name}`](../{c.path})" for c in found) or "–"
+    return "<br>".join(f"[`{c.name}`](../../{c.path})" for c in found) or "–"
 
 
 def page(text: str) -> str:

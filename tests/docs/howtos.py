@@ -5,6 +5,7 @@ python -m tests.docs.howtos         # makes the pictures anew
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
@@ -13,23 +14,25 @@ from tempfile import TemporaryDirectory
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
-from axiscal.compensation.export_options import ExportOptions
-from axiscal.compensation.registry import export
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.place import Place
-from axiscal.report.arrow_pictures import volume_panels
-from axiscal.report.drawing.paper import alone, paper_svg
-from axiscal.report.gallery import groups
-from axiscal.report.room_page import View, in_machine
-from axiscal.report.summarising import Extras, summarise
-from axiscal.report.volume_error import volume_error
+from axiscal.present.drawing.shown import paper_svg, picture_file
+from axiscal.present.found_and_left import found_and_left_drawing
+from axiscal.present.gallery import groups
+from axiscal.present.machine_drawing.setup_picture import plan_picture
+from axiscal.present.summarising import Extras, summarise
+from axiscal.present.volume_error import bent_volume
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.registry import export
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-PAGES = [*sorted((DOCS / "howto").glob("*.md")), DOCS / "tour.md"]
+PAGES = [*sorted(set((DOCS / "howto").glob("*.md")) - {DOCS / "howto" / "a-port-of-your-own.md"}), DOCS / "tour.md"]
 _BLOCK = re.compile(r'^```(\w+)(?: title="([^"]+)")?\n(.*?)^```', re.MULTILINE | re.DOTALL)
-_SHOWN = 60
+_SHOWN = 12
+_WIDTHS = (800.0, 380.0)
+"""Pixels of a picture on a page, and on a telephone."""
 
 
 def files(page: Path) -> dict[str, str]:
@@ -56,54 +59,55 @@ def follow(page: Path, folder: Path) -> list[tuple[list[str], int]]:
 
 
 def draw(page: Path, folder: Path) -> None:
-    """Draw where the set-ups of a page can be read: from above, or from the front where no Y moves."""
+    """Draw the first set-up of a page on its machine, with places where it can be read."""
     for name, text in files(page).items():
         (folder / name).write_text(text, encoding="utf-8")
     campaign = read_campaign(folder / "campaign.toml", target_needed=False, asking=False)
-    lattice = spread(campaign.machine, campaign.setups, _SHOWN)
-    rows = zip(lattice.setups.tolist(), lattice.poses.tolist(), lattice.approaches.astype(int).tolist(), strict=True)
-    places = [Place(campaign.setups[setup].name, tuple(pose), tuple(side)) for setup, pose, side in rows]
-    moved = {campaign.machine.axes[axis].letter for setup in campaign.setups for axis in setup.moves}
-    view = View(0, 2, "from the front") if moved == {"Z"} else View(0, 1, "from above")
-    figure = in_machine(campaign, places, view)
-    figure["data"] = [trace for trace in figure["data"] if trace.get("name")]
-    _keep(f"{page.stem}.svg", paper_svg(figure, 520))
+    setup = campaign.setups[0]
+    lattice = spread(campaign.machine, (setup,), _SHOWN)
+    rows = zip(lattice.poses.tolist(), lattice.approaches.astype(int).tolist(), strict=True)
+    places = [Place(setup.name, tuple(pose), tuple(side)) for pose, side in rows]
+    _keep(f"{page.stem}.svg", plan_picture(campaign.machine.name, campaign, places, _WIDTHS))
 
 
 def draw_tour(folder: Path) -> None:
     """Draw the error of the volume and a curve as the report of the tour has them.  folder : where it was followed"""
     with Campaign.open(folder / "rehearsal" / "campaign.axiscal", write=False) as campaign:
-        known = campaign.concluded()
+        known = campaign.estimate(ended=True)
         summary = summarise(campaign, known, Extras())
     _keep_volume("volume.svg", known, "linuxcnc")
     curve = next(curve for curve in summary.curves if curve.name == "EXX")
     figure = groups([curve])[0].rows[0][0].figure
-    _keep("curve.svg", paper_svg(figure, 700))
+    _keep("curve.svg", paper_svg(figure, 700).replace("<svg ", '<svg style="background:#fff" ', 1))
 
 
 def draw_demo(folder: Path) -> None:
     """Draw the error of the volume as the report of the demo has it.  folder : where its results go"""
     run(["demo", "--out", str(folder)])
     with Campaign.open(folder / "campaign.axiscal", write=False) as campaign:
-        _keep_volume("demo.svg", campaign.concluded(), "linuxcnc-volumetric")
+        _keep_volume("demo.svg", campaign.estimate(ended=True), "linuxcnc-volumetric", _of_volume(folder))
 
 
-def _keep_volume(name: str, known: Estimation, controller: str) -> None:
-    """Write the panels of the volume beside each other: as found, as left by tables, how well known."""
+def _of_volume(folder: Path) -> tuple[str, str]:
+    """Return what the result says of the volume in a few words, as found and as left, with its target."""
+    result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    row = next(each for each in result["rows"] if each["row"] == "volume")
+    left, target = row["left"]["linuxcnc-volumetric"], result["target_rms_um"]
+    reached = f", target {target:.2g} µm: reached" if result["target_reached"] else ""
+    return f"{row['found']:.2g} µm RMS", f"{left:.2g} µm RMS{reached}"
+
+
+def _keep_volume(name: str, known: Estimation, controller: str, words: tuple[str, str] = ("", "")) -> None:
+    """Write the volume as found beside what is left by tables.  words : under the title of each"""
     tables = export(known.estimate(), controller, ExportOptions())
-    panels = volume_panels(volume_error(known, controller, tables.control))
-    beside = "".join(
-        f'<g transform="translate({300 * k} 0)">{panel.svg}<text x="10" y="14" font-size="13">{panel.name}</text></g>'
-        for k, panel in enumerate(panels)
-    )
-    whole = alone(f'<svg viewBox="0 0 900 320" width="900" height="320">{beside}</svg>')
-    _keep(name, whole)
+    bent = bent_volume(known, controller, tables.control)
+    drawings = [found_and_left_drawing(bent, width, *words) for width in _WIDTHS]
+    _keep(name, picture_file(drawings, "The error of the volume, found and left"))
 
 
 def _keep(name: str, svg: str) -> None:
-    """Write a picture with a ground of its own: pages are light or dark."""
-    text = svg.replace("<svg ", '<svg style="background:#fff" ', 1)
-    (DOCS / "pictures" / name).write_text(text + "\n", encoding="utf-8")
+    """Write a picture."""
+    (DOCS / "pictures" / name).write_text(svg.rstrip() + "\n", encoding="utf-8")
 
 
 def main() -> None:

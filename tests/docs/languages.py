@@ -19,9 +19,9 @@ from babel.messages.mofile import write_mo
 from babel.messages.pofile import read_po, write_po
 
 from axiscal.campaign.ended_words import ENDINGS
-from axiscal.guide.answers import ACTIONS
 from axiscal.language.spoken import LANGUAGES
 from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.present.guide.answers import ACTIONS
 
 SOURCES = Path(__file__).resolve().parents[2] / "src" / "axiscal"
 FOLDER = SOURCES / "language" / "translations"
@@ -30,7 +30,7 @@ _SAYING = ("said", "counted", "later")
 _NEVER = datetime(2026, 1, 1, tzinfo=UTC)
 """Files that are made anew from the same messages are the same."""
 _IN_SCRIPT = re.compile(r'\b(?:said|rich)\("((?:[^"\\]|\\.)*)"')
-_TEMPLATES = [*(SOURCES / "web" / "static").glob("*.js"), *(SOURCES / "report" / "templates").iterdir()]
+_TEMPLATES = [*(SOURCES / "web" / "static").glob("*.js"), *(SOURCES / "present" / "templates").iterdir()]
 
 
 @cache

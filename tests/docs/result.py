@@ -16,10 +16,9 @@ PAGE, SCHEMA = DOCS / "result.md", DOCS / "result.schema.json"
 _HEAD = """\
 # `result.json`
 
-The document `axiscal-result/1`, which `--out DIR` receives and `--json` prints. Made by `make docs` from the models by
-which the tests read it; as a JSON schema: [result.schema.json](result.schema.json). Every `std` is one standard
-deviation.
-Fields may be added; what is here keeps its meaning.
+The document `axiscal-result/1`, which `--out DIR` receives and `--json` prints; its JSON schema is
+[result.schema.json](result.schema.json). `make docs` makes both from the models by which the tests read it. Every
+`std` is one standard deviation. Fields may be added; those here keep their meaning.
 """
 
 
@@ -176,6 +175,8 @@ class RowValue(Fields):
     """An entry of `rows`: what was found of the machine, how well it is known, and what tables leave; in `unit`."""
 
     row: str = Field(description="such as `positioning X`, `squareness XY`, `volume`")
+    kind: str = Field(description="`positioning`, `backlash`, `straightness` ... `volume`")
+    axes: list[str] = Field(description="the axes that it is about")
     unit: str = Field(description="um or urad")
     found: float = Field(description="RMS of the error over its places, √(estimate² + u²)")
     largest: float = Field(description="the same at the place where it is largest")
@@ -190,6 +191,58 @@ class RowValue(Fields):
     lines: list[RowLine] = Field(description="where it holds; empty of the volume")
 
 
+class AimValue(Fields):
+    """An entry of `aims`: what is asked for, in `unit`."""
+
+    name: str = Field(description="`rms`, `worst` or `U` of the volume, or the row")
+    now: float = Field(description="how well it is known")
+    limit: float = Field(description="what that is to be")
+    floor: float = Field(description="what endless readings would leave")
+    measured: bool = Field(description="whether readings tell it")
+    reachable: bool = Field(description="whether endless readings would reach it")
+    unread: int = Field(description="lines of it that nobody has read")
+    unit: str = Field(description="um or urad")
+
+
+class StepValue(Fields):
+    """An entry of `steps`: what to do next."""
+
+    code: str = Field(description="`load verify undo accept measure next finish`")
+    control: str = Field(description="whose tables are loaded")
+    mistake: str = Field(description="that is accepted")
+
+
+class CheckedValue(Fields):
+    """`checked`: a check of the tables on the machine."""
+
+    places: int = Field(description="how many were read, without the tables and with them")
+    found: float = Field(description="RMS of the deviation without them, um")
+    left: float = Field(description="RMS with them, um")
+    tolerance: float = Field(description="largest deviation allowed, um")
+    verdict: str = Field(description="`pass`, `fail` or `undecided`")
+
+
+class AnswerValue(Fields):
+    """`answer`: what became of what was asked for; its rows are `rows` of the document."""
+
+    verdict: str = Field(
+        description="`measured` nothing was asked for, `reached`, `more` readings would reach it, `unreachable`, "
+        "`contradict`, `nothing` was read"
+    )
+    aims: list[AimValue] = Field(description="what is asked for, the volume first")
+    more: int = Field(description="readings that would reach it")
+    more_minutes: float = Field(description="their machine time")
+    readings: int = Field(description="taken")
+    left_out: int = Field(description="of them not used")
+    compared: int = Field(description="with each other")
+    agreeing: int = Field(description="of these within three standard deviations of what the others say")
+    minutes: float = Field(description="of the clock, else of the plan")
+    clocked: bool = Field(description="whether they are of the clock")
+    withheld: bool = Field(description="readings contradict each other and no mistake explains it")
+    steps: list[StepValue] = Field(description="what to do next")
+    checked: CheckedValue | None = Field(description="null where nobody has checked the tables")
+
+
 class Result(Fields):
     """The document."""
 
@@ -200,8 +253,8 @@ class Result(Fields):
     stopped_because: str = Field(description="why the campaign ended, in words")
     agreement: AgreementValue = Field(description="whether the readings agree with each other")
     U_um: float | None = Field(
-        description="expanded uncertainty of the tool point in space over the volume: no farther off with 95 %; it and "
-        "those down to `worst_um` are null where readings contradict each other and no mistake explains it"
+        description="expanded uncertainty of the tool point in space over the volume, 95 %. Down to `worst_um` null if "
+        "readings contradict each other and no mistake explains it"
     )
     U_axis_um: dict[str, float] | None = Field(description="the same along x, y and z of the workpiece frame")
     U_worst_um: float | None = Field(description="the same in space at the worst place of the volume")
@@ -215,7 +268,7 @@ class Result(Fields):
     unseen_rms_um: float = Field(description="what no allowed reading can take away")
     budget: list[BudgetSource] = Field(description="where the uncertainty comes from")
     linear_to_um: float | None = Field(
-        description="no machine within the bands differs by more from its first order at the tool (docs/nonlinear.md)"
+        description="no machine within the bands differs by more from its first order at the tool"
     )
     nonlinearity: float | None = Field(
         description="largest index of non-linearity of a reading, or a bound on it; above 0.3 it is no Gaussian"
@@ -237,6 +290,7 @@ class Result(Fields):
     observability: list[str] = Field(description="what cannot be seen, in plain sentences")
     rejected: list[RejectedReading] = Field(description="readings not believed, and why")
     warnings: list[Warning] = Field(description="what is to be minded")
+    answer: AnswerValue = Field(description="what became of what was asked for")
     rows: list[RowValue] = Field(description="the answer, row by row; empty where no uncertainty is printed")
     tables: list[TableValue] = Field(description="files that were written for controls, and what they leave")
     versions: dict[str, str] = Field(description="of axiscal and of what it computes with")
@@ -246,22 +300,36 @@ class Result(Fields):
 
 
 def page() -> str:
-    """Return the page: a table for each kind of object."""
-    tables = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading, AgreementValue)
+    """Return the page: a list for each kind of object."""
+    models = (Result, Milestone, ErrorCurve, PlaneMap, ConstantValue, RejectedReading, AgreementValue)
     return "\n".join(
         [
             _HEAD,
             *(
-                _table(each)
-                for each in (*tables, MistakeValue, BudgetSource, VolumeValue, Warning, RowValue, RowLine, TableValue)
+                _fields(each)
+                for each in (
+                    *models,
+                    MistakeValue,
+                    BudgetSource,
+                    VolumeValue,
+                    Warning,
+                    AnswerValue,
+                    AimValue,
+                    StepValue,
+                    CheckedValue,
+                    RowValue,
+                    RowLine,
+                    TableValue,
+                )
             ),
         ]
     )
 
 
-def _table(model: type[Fields]) -> str:
-    rows = [f"| `{field.alias or name}` | {field.description} |" for name, field in model.model_fields.items()]
-    return "\n".join([f"## {model.__doc__ or ''}", "| field | is |", "|---|---|", *rows]) + "\n"
+def _fields(model: type[Fields]) -> str:
+    rows = [f"- `{field.alias or name}`: {field.description}" for name, field in model.model_fields.items()]
+    title = " ".join((model.__doc__ or "").rstrip(".").split())
+    return "\n".join([f"## {title}", *rows]) + "\n"
 
 
 def schema() -> dict[str, Any]:

@@ -13,8 +13,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "axiscal"
-PAGE = (ROOT / "docs" / "constants.md").read_text(encoding="utf-8")
-ROWS = re.findall(r"^\| `([\w.]+)` \| ([^|]+) \| ([^|]+) \| ([^|]+) \|$", PAGE, flags=re.MULTILINE)
+PAGE = (ROOT / "docs" / "evidence" / "constants.md").read_text(encoding="utf-8")
+ROWS = re.findall(r"^- `([\w.]+)` ([^:]+): ([^;]+); (.+)$", PAGE, flags=re.MULTILINE)
 NAMED = {name for name, *_ in ROWS}
 
 

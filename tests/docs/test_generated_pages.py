@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from axiscal.report.result_document import result_json
+from axiscal.present.result_document import result_json
 from tests.docs import api, result
-from tests.report.test_result import SUMMARY
+from tests.present.test_result import SUMMARY
 
 ROOT = Path(__file__).resolve().parents[2]
 

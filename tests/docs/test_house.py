@@ -7,18 +7,22 @@ import re
 import subprocess
 import tomllib
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from itertools import chain
 from pathlib import Path
 
 import pytest
 
 import axiscal
+from axiscal.document.ports import ours
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "axiscal"
 LINES = 400
 WORDS = {"README.md": 450, "CHANGELOG.md": 1500}
 """What somebody reads before deciding to stay, and before deciding to update."""
+FOR_USERS, OF_EVIDENCE = 30_000, 12_000
+"""Words of all pages in docs: those beside the evidence, and the evidence."""
 
 # Spelt in halves, so that this file does not contain what it looks for.
 REGISTRIES = [
@@ -30,24 +34,21 @@ REGISTRIES = [
 ]
 WORKPLACE = [r"(?<![\w.~-])/wo" + r"rk/", "/opt/" + "wheels", "/opt/py" + "pi", "/root" + "/", r"/home" + r"/\w+"]
 CLASSES_THAT_MAY = {
+    "Reader": "what reads the files of an instrument, and what reads a virtual machine in a study",
     "Case": "what is measured: as the stages take it, and as `ac.Case` is made in Python",
 }
 FILES_THAT_MAY = {
     "campaign.py": "a campaign as it is described, and as it runs",
     "dense.py": "the plain equations beside a fast path: of gains, and of the posterior",
-    "model.py": "the errors of a machine, and the table of what usually goes wrong",
     "exporting.py": "the files for a control, in a folder for each control",
-    "importing.py": "the tables that were active in a control, in a folder for each control",
     "heidenhain.py": "one control: its tables, and its programs",
-    "linuxcnc.py": "one control: its programs, the source of readings that it moves, and the demo with it",
-    "notes.py": "what is said to the reader of tables, in a folder for each control",
 }
 PICKLES = {"pickle", "_pickle", "cloudpickle", "dill", "joblib", "shelve", "marshal"}
 """They make objects of what a file says, so that whoever writes the file says what is made."""
 FORBIDDEN = re.compile("|".join([re.escape(name) for name in REGISTRIES] + WORKPLACE))
 
 
-def _stations() -> list[str]:
+def _rooms() -> list[str]:
     """Return the names of the modules and packages directly in the package."""
     modules = [path.stem for path in PACKAGE.glob("*.py") if path.stem not in {"__init__", "__main__"}]
     packages = [path.parent.name for path in PACKAGE.glob("*/__init__.py")]
@@ -83,9 +84,9 @@ def _text(path: Path) -> str:
         return ""
 
 
-@pytest.mark.parametrize("station", _stations())
-def test_every_station_is_drawn(station: str) -> None:
-    assert f"`{station}`" in (ROOT / "docs" / "architecture.md").read_text()
+@pytest.mark.parametrize("room", _rooms())
+def test_every_room_is_drawn(room: str) -> None:
+    assert f"`{room}`" in (ROOT / "docs" / "architecture.md").read_text()
 
 
 def test_the_drawn_order_is_the_order_that_is_held() -> None:
@@ -105,7 +106,7 @@ def test_a_class_has_a_name_of_its_own() -> None:
     assert _more_than_once(homes, set(CLASSES_THAT_MAY)) == {}
 
 
-def test_no_station_hides_a_public_name() -> None:
+def test_no_room_hides_a_public_name() -> None:
     """Once a package is imported it is an attribute of its parent, and the function of that name is gone."""
     assert {each.stem for each in PACKAGE.iterdir()} & set(axiscal.__all__) == set()
 
@@ -118,6 +119,15 @@ def test_a_file_has_a_name_of_its_own() -> None:
             homes[name].append(file)
     assert _more_than_once(homes, set(FILES_THAT_MAY)) == {}
     assert [name for name in FILES_THAT_MAY if len(homes[name]) < 2] == []
+
+
+def test_what_is_asked_for_by_its_place_is_there() -> None:
+    """No import says so: the rooms do not know the ports."""
+    texts = (path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py"))
+    places = {place for text in texts for place in re.findall(r'"(\w+(?:\.\w+)+:\w+)"', text)}
+    assert len(places) > 10
+    for place in places:
+        assert ours(place) is not None
 
 
 def test_a_cache_is_asked_with_numbers_and_texts_only() -> None:
@@ -201,16 +211,28 @@ def test_both_locks_agree() -> None:
     assert pins[0].items() <= pins[1].items()
 
 
-def test_every_dependency_has_its_reason_on_a_page() -> None:
+def test_every_dependency_has_its_reason_on_the_page_of_decisions() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    pages = " ".join(path.stem for path in (ROOT / "docs" / "decisions").glob("*.md"))
-    names = [re.split(r"[<>=]", requirement)[0] for requirement in project["dependencies"]]
-    assert [name for name in names if name not in pages] == []
+    page = (ROOT / "docs" / "decisions" / "index.md").read_text(encoding="utf-8")
+    extras = [project["optional-dependencies"][extra] for extra in ("dask", "parquet", "postgres")]
+    names = [re.split(r"[<>=]", each)[0] for each in [*project["dependencies"], *chain(*extras)]]
+    assert [name for name in names if f"**{name}**" not in page] == []
 
 
-@pytest.mark.parametrize("page", sorted(path.name for path in [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")]))
-def test_links_between_pages_lead_somewhere(page: str) -> None:
-    path = next(path for path in (ROOT / page, ROOT / "docs" / page) if path.is_file())
+def _words(pages: Iterable[Path]) -> int:
+    """Return the words of pages, as `wc -w` counts them."""
+    return sum(len(page.read_text(encoding="utf-8").split()) for page in pages)
+
+
+def test_the_documentation_stays_short() -> None:
+    """Pages for users and those of evidence have budgets: who looks something up reads what is there."""
+    docs, evidence = ROOT / "docs", ROOT / "docs" / "evidence"
+    assert _words(page for page in docs.rglob("*.md") if not page.is_relative_to(evidence)) <= FOR_USERS
+    assert _words(evidence.rglob("*.md")) <= OF_EVIDENCE
+
+
+@pytest.mark.parametrize("path", sorted(ROOT.glob("*.md")), ids=lambda path: path.name)
+def test_links_between_pages_lead_somewhere(path: Path) -> None:
     prose = "".join(path.read_text().split("```")[::2])
     targets = re.findall(r"\]\((?!https?:|#|mailto:)([^)#]+)", prose)
     assert [target for target in targets if not (path.parent / target).exists()] == []

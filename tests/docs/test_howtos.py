@@ -19,7 +19,7 @@ def test_a_how_to_can_be_followed_word_for_word(page: Path, tmp_path: Path) -> N
     done = follow(page, tmp_path)
     assert done
     assert [(words, status) for words, status in done if status != 0] == []
-    assert any((tmp_path / name).exists() for name in ("rehearsal/report.pdf", "where.html"))
+    assert any((tmp_path / name).exists() for name in ("rehearsal/report.pdf", "where.svg"))
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if page.stem != "tour"], ids=lambda page: page.stem)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.study.figures_kept import FIGURES
+from axiscal.ports.study.study_case import FIGURES
 from tests.docs.howtos import DOCS, follow
 
 PAGE = DOCS / "study.md"

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.demo.five_axis import description
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.believed import sides_told, with_sides
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
-from axiscal.simulation import Simulator
+from axiscal.measurement.simulation import Simulator
+from axiscal.present.demo.five_axis import description
 
 MILL = """
 chain = "w-b-X-Y-Z-t"

@@ -9,18 +9,17 @@ from typing import cast
 import numpy as np
 import pytest
 
-from axiscal.belief import Belief
-from axiscal.error_model.model import ErrorModel
-from axiscal.estimation.bands import banded
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Rival
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.estimation import Estimation, banded
 from axiscal.estimation.membership import Membership
 from axiscal.estimation.membership_words import farthest, membership_words
+from axiscal.estimation.promise.problem import Inherited
 from axiscal.machine import machine_from_text
 from axiscal.numerics import Array
-from axiscal.promise.problem import Inherited
 from tests.generators.laser_axis import CASE, machine, read
 
 TEXT = """

@@ -10,11 +10,11 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case, Rival
+from axiscal.estimation.promise.problem import Inherited
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.instruments.distance import SHIFTS
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.time_taken import first_seconds, reading_seconds
-from axiscal.promise.problem import Inherited
+from axiscal.measurement.travel import first_seconds, reading_seconds
 from benchmarks.nonlinear.stations import at_once, bars, tracers
 from tests.generators import laser_axis
 from tests.generators.campaigns import drawn, mixed

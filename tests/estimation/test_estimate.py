@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from axiscal.estimation.estimate import concluded, estimated
-from axiscal.promise.agreement import NOTHING_READ
+from axiscal.estimation.promise.agreement import NOTHING_READ
 from tests.generators.campaigns import drawn, mixed
 
 

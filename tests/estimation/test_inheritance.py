@@ -11,10 +11,10 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.changes import changes
+from axiscal.estimation.inference.repeats import trend
 from axiscal.exceptions import DescriptionError, RecordError
-from axiscal.inference.repeats import trend
 from axiscal.measurement.reading import Reading
-from axiscal.report.findings import findings
+from axiscal.present.findings import findings
 
 SETUP = '[[setups]]\nname = "laser"\ninstrument = "interferometer"\ndirection = "x"\n'
 POSITIONS = np.linspace(0.02, 0.98, 15)
@@ -43,11 +43,11 @@ def _curve(size: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
 def test_the_result_of_one_campaign_is_the_prior_of_the_next(tmp_path: Path) -> None:
     last = _record(tmp_path, _curve(8e-6), "", "last.axiscal")
     with Campaign.open(last) as campaign:
-        old = campaign.concluded()
+        old = campaign.estimate(ended=True)
     for kept in (1.0, 0.8):
         description = read_campaign(_campaign(tmp_path, f'prior = "last.axiscal"\nkept = {kept}'), target_needed=False)
         with Campaign.create(tmp_path / f"new{kept}.axiscal", description) as campaign:
-            new, size, before = campaign.concluded(), old.case.errors.size, old.banded.knowledge.belief
+            new, size, before = campaign.estimate(ended=True), old.case.errors.size, old.banded.knowledge.belief
             rest = old.case.errors.functions[0].rest ** 2 * np.eye(size)
             rest[old.case.errors.names["EXX_reversal"].columns] = 0.0
             expected = kept**2 * (before.covariance[:size, :size] + rest)
@@ -60,10 +60,10 @@ def test_the_record_needs_no_other_file(tmp_path: Path) -> None:
     last = _record(tmp_path, _curve(8e-6), "", "last.axiscal")
     new = _record(tmp_path, _curve(8e-6), 'prior = "last.axiscal"', "new.axiscal")
     with Campaign.open(new) as campaign:
-        before = campaign.concluded().knowledge.belief.mean
+        before = campaign.estimate(ended=True).knowledge.belief.mean
     last.unlink()
     with Campaign.open(new) as campaign:
-        assert campaign.concluded().knowledge.belief.mean == pytest.approx(before)
+        assert campaign.estimate(ended=True).knowledge.belief.mean == pytest.approx(before)
 
 
 def test_a_curve_that_has_changed_is_named_and_one_that_has_not_is_not(tmp_path: Path) -> None:
@@ -71,7 +71,7 @@ def test_a_curve_that_has_changed_is_named_and_one_that_has_not_is_not(tmp_path:
     for size, expected in ((8e-6, []), (-8e-6, ["EXX"])):
         path = _record(tmp_path, _curve(size), 'prior = "last.axiscal"', f"new{expected}.axiscal")
         with Campaign.open(path) as campaign:
-            estimation = campaign.concluded()
+            estimation = campaign.estimate(ended=True)
             assert [change.name for change in changes(estimation)] == expected
             said = [finding for finding in findings(estimation) if finding.code == "drift"]
             assert [finding.error for finding in said] == expected
@@ -98,7 +98,7 @@ def test_an_inherited_prior_stays_where_noises_and_rests_are_learnt(tmp_path: Pa
                 campaign.adopt(
                     tuple(replace(r, value=v) for r, v in zip(campaign.state.readings, values, strict=False))
                 )
-            found[name] = campaign.concluded()
+            found[name] = campaign.estimate(ended=True)
     stated, learnt = found["stated"], found["learnt"]
     size = stated.case.errors.size
     assert stated.stated.sizes.of == ()

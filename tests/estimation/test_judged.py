@@ -7,21 +7,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.belief import Belief
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.absorbed import absorbed, displayed
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case, Rival
-from axiscal.estimation.displayed import displayed
 from axiscal.estimation.estimate import estimated
+from axiscal.estimation.inference.intervals import sited
+from axiscal.estimation.inference.outliers import Doubt
 from axiscal.estimation.judged import judged
 from axiscal.estimation.machine_estimate import Estimate, rest_means
 from axiscal.estimation.membership import membership
+from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.zero_drift import paths
-from axiscal.inference.intervals import sited
-from axiscal.inference.outliers import Doubt
 from axiscal.measurement.drift import wandering
 from axiscal.measurement.reading import Reading
-from axiscal.promise.problem import Inherited
 from tests.generators.campaigns import mixed
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 
@@ -40,29 +39,28 @@ def with_slips(count: int, slips: dict[int, float]) -> list[Reading]:
 
 def test_a_reading_that_cannot_be_is_told_by_the_others() -> None:
     known = judged(CASE, with_slips(20, {0: 2e-3, 7: 1e-3, 13: -2e-3}))
-    assert list(known.implausible) == [0, 7, 13]
-    for index, doubt in known.implausible.items():
+    assert list(known) == [0, 7, 13]
+    for index, doubt in known.items():
         assert (doubt.reading, doubt.implausible, doubt.rejected) == (index, True, True)
         assert doubt.surprise > 12
-    assert len(known.plausibility.sizes) == 20
 
 
 def test_one_that_somebody_insists_on_is_believed() -> None:
     readings = with_slips(20, {7: 8e-4})
     readings[7] = replace(readings[7], accepted=True)
-    assert judged(CASE, readings).implausible == {}
+    assert judged(CASE, readings) == {}
 
 
 def test_errors_that_are_to_be_learnt_may_be_four_times_as_large() -> None:
     """A reading 40 of their stds away: no error of the stated size makes it, one that is four times as large does."""
     readings = with_slips(20, {11: 400e-6})
-    assert list(judged(case_with(head='sure = "well"'), readings).implausible) == [11]
-    assert judged(CASE, readings).implausible == {}
+    assert list(judged(case_with(head='sure = "well"'), readings)) == [11]
+    assert judged(CASE, readings) == {}
 
 
 def test_readings_of_a_fine_display_are_left_as_they_are() -> None:
     readings = read(machine(3), 12)
-    known = absorbed(Absorbed.nothing(CASE), readings, {})
+    known = absorbed(CASE, readings, {})
     assert displayed(known, readings, {}) is known
 
 
@@ -71,10 +69,10 @@ def test_readings_of_a_coarse_display_are_taken_for_what_they_say_with_the_surpr
     readings = [replace(r, value=20e-6 * round(r.value / 20e-6)) for r in read(machine(3), 12)]
     readings[5] = replace(readings[5], value=0.9)
     doubt = {5: Doubt(5, 1e4, 0.0, True)}
-    known = absorbed(Absorbed.nothing(case), readings, doubt)
+    known = absorbed(case, readings, doubt)
     found = displayed(known, readings, doubt)
     kept = [r for i, r in enumerate(readings) if i != 5]
-    expected = absorbed(Absorbed.nothing(case), sited(case.observation, kept), {})
+    expected = absorbed(case, sited(case.observation, kept), {})
     size = case.errors.size
     assert found.knowledge.belief.mean[:size] == pytest.approx(expected.knowledge.belief.mean[:size], abs=1e-10)
     one, other = (each.knowledge.belief.covariance[:size, :size] for each in (found, expected))
@@ -90,8 +88,8 @@ def test_a_mixture_has_the_moments_of_its_parts() -> None:
     rivals = tuple(Rival(str(factor), share, Inherited(np.full(size, shift), factor * stated))
                    for factor, share, shift in told)  # fmt: skip
     case = replace(CASE, rivals=rivals, inherited=rivals[0].belief)
-    parts = [absorbed(Absorbed.nothing(side), readings, {}).knowledge.belief for side in case.sides]
-    found = membership(case, absorbed(Absorbed.nothing(case.sides[0]), readings, {}), readings, {})
+    parts = [absorbed(side, readings, {}).knowledge.belief for side in case.sides]
+    found = membership(case, absorbed(case.sides[0], readings, {}), readings, {})
     mean = sum(share * part.mean for share, part in zip(found.shares, parts, strict=True))
     covariance = sum(
         share * (part.covariance + np.outer(part.mean - mean, part.mean - mean))
@@ -104,7 +102,7 @@ def test_a_mixture_has_the_moments_of_its_parts() -> None:
     assert found.count == 10
     assert found.likeliest == int(np.argmax(found.shares))
     assert found.sister == pytest.approx(found.shares[0] + found.shares[1])
-    none = membership(case, Absorbed.nothing(case.sides[0]), [], {})
+    none = membership(case, absorbed(case.sides[0], [], {}), [], {})
     assert none.shares == pytest.approx([0.4, 0.3, 0.3])
 
 

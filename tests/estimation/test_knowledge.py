@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import axiscal as ac
-from axiscal.accuracy.criterion import volume_root
-from axiscal.error_model.volume import volume_moments, whole_travel
+from axiscal.errors.volume import volume_moments, whole_travel
+from axiscal.estimation.accuracy.criterion import volume_root
 from axiscal.measurement.candidates import spread
 from tests.generators.campaigns import drawn, mixed
 

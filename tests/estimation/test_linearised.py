@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.absorbed import absorbed
 from axiscal.estimation.learnt import learnt
-from axiscal.estimation.located import located
-from axiscal.estimation.nonlinearity import SETTLED, indices, moved_by
+from axiscal.estimation.located import SETTLED, indices, located, moved_by
 from axiscal.measurement.reading_rows import seen, shown_values
 from benchmarks.nonlinear.stations import read, tracers
 
@@ -40,25 +41,26 @@ def test_what_a_better_place_moves_is_what_an_estimate_made_there_says() -> None
     case = tracers("3 mm", "1 mm")
     _, readings = read(case, 4)
     some = readings[::3]
-    before = absorbed(Absorbed.nothing(case), some, {})
+    before = absorbed(case, some, {})
     better = case.linear_about(before.knowledge.belief.mean)
-    after = absorbed(Absorbed.nothing(better), some, {})
+    after = absorbed(better, some, {})
     belief = before.knowledge.belief
     step = np.linalg.lstsq(belief.factor, after.knowledge.belief.mean - belief.mean, rcond=None)[0]
-    moved = moved_by(before, some, np.ones(len(some)), better)
+    moved = moved_by(before, some, better)
     assert moved > 1.0
     assert moved == pytest.approx(float(np.sqrt(np.mean(step**2))), rel=0.05)
-    assert moved_by(before, some, np.zeros(len(some)), better) == 0.0
+    assert moved_by(replace(before, weights=(0.0,) * len(some)), some, better) == 0.0
     settled = located(learnt(case, some, {}), some, {})
     again = settled.case.linear_about(settled.knowledge.belief.mean)
-    assert moved_by(settled, some, np.ones(len(some)), again) < SETTLED
+    assert moved_by(settled, some, again) < SETTLED
 
 
+@pytest.mark.long
 def test_a_reading_counts_as_often_as_its_weight_says() -> None:
     case = tracers("3 mm", "1 mm")
     _, readings = read(case, 4)
     some = readings[:1]
-    before = absorbed(Absorbed.nothing(case), some, {})
+    before = absorbed(case, some, {})
     far = case.linear_about(0.5 * before.knowledge.belief.mean)
-    whole, half = (moved_by(before, some, np.full(1, weight), far) for weight in (1.0, 0.5))
+    whole, half = (moved_by(replace(before, weights=(weight,)), some, far) for weight in (1.0, 0.5))
     assert half == pytest.approx(whole / 2)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.error_model.actual import deviation_of
-from axiscal.error_model.linear_bound import linear_to
-from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import whole_travel
+from axiscal.errors.actual import deviation_of
+from axiscal.errors.linear_bound import linear_to
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import whole_travel
 from axiscal.estimation import linearity
 from axiscal.machine import load_machine
 

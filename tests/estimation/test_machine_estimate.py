@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.belief import Belief
-from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import whole_travel
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import whole_travel
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine import load_machine
 

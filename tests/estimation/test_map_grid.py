@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.estimation.map_grid import map_grid
+from axiscal.estimation.machine_estimate import map_grid
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup

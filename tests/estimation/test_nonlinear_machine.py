@@ -8,16 +8,15 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.error_model.actual import MovedErrors, deviation_of
+from axiscal.errors.actual import MovedErrors, deviation_of
 from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.learnt import Learnt
-from axiscal.estimation.located import bent, located
-from axiscal.estimation.nonlinearity import GAUSSIAN, indices
+from axiscal.estimation.located import GAUSSIAN, bent, indices, located
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.simulation import Simulator, VirtualMachine
 
 _CAMPAIGN = """machine = "m"
 usual = "off"
@@ -73,7 +72,7 @@ def test_location_errors_of_a_millimetre_and_a_milliradian_keep_their_bands() ->
     for seed in range(12):
         machine, readings = _read(case, seed)
         truth = _truth(case, machine)
-        linear.append(_nees(absorbed(Absorbed.nothing(case), readings, {}), truth))
+        linear.append(_nees(absorbed(case, readings, {}), truth))
         known = located(Learnt(case), readings, {})
         exact.append(_nees(known, truth))
         assert indices(known, readings).max() < GAUSSIAN

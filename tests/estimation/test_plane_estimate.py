@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading

@@ -10,14 +10,14 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from axiscal.belief import Belief
-from axiscal.error_model.actual import deviation_of
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.actual import deviation_of
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.prediction import predict_poses, tcp_prediction
 from axiscal.exceptions import ReadingError
 from axiscal.machine import machine_from_text
-from axiscal.measurement.readers.poses import RawPose
+from axiscal.measurement.readers.axes import RawPose
 
 TEXT = """
 chain = "w-X'-b-C-t"

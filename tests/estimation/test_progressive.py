@@ -8,10 +8,9 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.progressive.bent_readings import BentReadings
-from axiscal.estimation.progressive.polish import polished
-from axiscal.estimation.progressive.shares import shares
+from axiscal.estimation.progressive.bent_readings import BentReadings, polished, shares
 from axiscal.estimation.progressive.starts import closed_form
+from axiscal.estimation.promise.posterior import posterior
 from axiscal.exceptions import AmbiguityError
 from axiscal.machine import load_machine
 from axiscal.measurement.instruments.distance import Distance
@@ -20,7 +19,6 @@ from axiscal.measurement.instruments.tracker import Tracker
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
-from axiscal.promise.posterior import posterior
 from benchmarks.nonlinear.stations import read, tracers
 from tests.generators.problems import stated
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.error_model.gauge import MANY_READINGS, unseen_factor
-from axiscal.error_model.gauge_words import Hidden
+from axiscal.errors.gauge import MANY_READINGS, unseen_factor
+from axiscal.errors.gauge_words import Hidden
 from axiscal.estimation.case import Case
 from axiscal.estimation.tool_doubt import tool_doubt
 from axiscal.measurement.observation import Observation

@@ -8,16 +8,15 @@ import numpy as np
 import pytest
 
 from axiscal.estimation import mirrors
-from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.absorbed import absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.progressed import mode
-from axiscal.estimation.progressive.bent_readings import BentReadings
-from axiscal.estimation.progressive.polish import Optimum
+from axiscal.estimation.learnt import mode
+from axiscal.estimation.progressive.bent_readings import BentReadings, Optimum
 from axiscal.estimation.progressive.starts import closed_form
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
-from axiscal.simulation import Simulator, VirtualMachine
+from axiscal.measurement.simulation import Simulator, VirtualMachine
 from benchmarks.nonlinear.stations import at_once, tracers
 
 
@@ -48,7 +47,7 @@ def test_the_estimate_is_that_of_four_set_ups_with_the_same_distances() -> None:
     np.testing.assert_allclose(optima[0].point / scale, optima[1].point / scale, atol=1e-5)
     assert optima[0].cost == pytest.approx(optima[1].cost, rel=1e-9)
     known = [
-        absorbed(Absorbed.nothing(each.linear_about(optima[0].point)), those, {}).knowledge.belief
+        absorbed(each.linear_about(optima[0].point), those, {}).knowledge.belief
         for each, those in ((case, readings), (apart, same))
     ]
     np.testing.assert_allclose(known[0].mean[: len(scale)] / scale, known[1].mean[: len(scale)] / scale, atol=1e-8)

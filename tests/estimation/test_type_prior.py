@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Rival
+from axiscal.estimation.inference.weighted_fit import Fitted
 from axiscal.estimation.membership import shares_of_rivals
+from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior, individual, is_type_text, rivals, type_prior
 from axiscal.exceptions import RecordError
-from axiscal.inference.weighted_fit import Fitted
 from axiscal.machine import machine_from_text
-from axiscal.promise.problem import Inherited
 from tests.generators.laser_axis import CASE, machine, read
 
 TEXT = """

@@ -10,16 +10,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.accuracy.yardstick import Accuracy
-from axiscal.belief import Belief, Innovations
-from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.absorbed import Absorbed, absorbed, blocks
+from axiscal.estimation.accuracy.yardstick import Accuracy
+from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.history import path
-from axiscal.estimation.updating import blocks
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.exceptions import ShapeError
-from axiscal.inference.outliers import NOTHING, Doubt, Verdict
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import seen
 from benchmarks.nonlinear.stations import read, tracers
 from tests.generators.campaigns import drawn, mixed
 
@@ -31,18 +31,30 @@ def _turning(problem: Case, count: int) -> list[Reading]:
 
 
 def _one_by_one(case: Case, readings: Sequence[Reading], weights: Sequence[float]) -> tuple[Absorbed, list[Accuracy]]:
-    known = Absorbed.nothing(case, Verdict((), tuple(weight or 1.0 for weight in weights)))
-    implausible = {i: Doubt(i, 99.0, NOTHING, True) for i, weight in enumerate(weights) if weight == 0}
-    accuracies = []
-    for count in range(1, len(readings) + 1):
-        known = absorbed(known, readings[:count], implausible)
+    known, accuracies = absorbed(case, [], {}), []
+    for reading, weight in zip(readings, weights, strict=True):
+        known = _after_one(known, reading, weight)
         accuracies.append(known.case.yardstick.measure(known.knowledge.belief))
     return known, accuracies
 
 
+def _after_one(before: Absorbed, reading: Reading, weight: float) -> Absorbed:
+    """What is known after one reading more, by one plain update."""
+    opened = before.knowledge.opened([reading])
+    numbers = seen(opened.observation, [reading])
+    expected = opened.belief.predict(numbers.rows)
+    surprise = Innovations(numbers.values - expected.mean, np.hypot(expected.std, np.sqrt(numbers.variances)))
+    belief = opened.belief.update(numbers.rows, numbers.values, numbers.variances / weight) if weight else opened.belief
+    case = before.case
+    if reading.setup not in case.both and not case.came_as_allowed(reading):
+        case = replace(case, both=case.both | {reading.setup})
+    known, innovations = Knowledge(opened.observation, belief), (*before.innovations, surprise)
+    return Absorbed(case, before.verdict, known, innovations, (*before.weights, weight))
+
+
 @pytest.mark.parametrize("together", [7, pytest.param(400, marks=pytest.mark.long)])
 def test_many_readings_at_once_are_one_after_the_other(together: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("axiscal.estimation.updating.AT_ONCE", together)
+    monkeypatch.setattr("axiscal.estimation.absorbed.AT_ONCE", together)
     problem = mixed()
     readings = _turning(problem, 60)
     readings[21] = replace(readings[21], value=3.0, others=(-2.0, 1.0))
@@ -71,13 +83,13 @@ def test_the_history_is_what_was_known_after_each_reading() -> None:
     readings = _turning(case, 24)
     readings[15] = replace(readings[15], value=2.0)
     known = concluded(case, readings)
-    moments, final, implausible = path(known), known.stages.absorbed, known.stages.judged.implausible
-    twin = Absorbed.nothing(known.stages.learnt.case, final.verdict)
+    moments, final, implausible = path(known), known.stages.absorbed, known.stages.implausible
+    twin = absorbed(known.stages.learnt.case, [], {}, final.verdict)
     assert 15 in implausible
     assert len(moments) == 25
     assert moments[0] == (twin.case.yardstick.measure(twin.knowledge.belief), None, 0.0)
     for count, moment in enumerate(moments[1:], start=1):
-        twin = absorbed(twin, readings[:count], implausible)
+        twin = _after_one(twin, readings[count - 1], final.weights[count - 1])
         assert moment.seconds == known.stages.timed.ends[count - 1]
         if count < 24:
             expected = twin.case.yardstick.measure(twin.knowledge.belief)
@@ -103,11 +115,11 @@ def test_where_stations_stand_and_what_cannot_be_is_known_from_the_first_reading
     shown = known.stages.absorbed
     assert shown.case.about is not None
     assert [each.found for each in shown.case.description.setups] != [each.found for each in case.description.setups]
-    assert 7 in known.stages.judged.implausible
+    assert 7 in known.stages.implausible
     moments = path(known)
-    twin = Absorbed.nothing(known.stages.learnt.case.linear_as(shown.case), shown.verdict)
+    twin = absorbed(known.stages.learnt.case.linear_as(shown.case), [], {}, shown.verdict)
     for count, moment in enumerate(moments[1:-1], start=1):
-        twin = absorbed(twin, readings[:count], known.stages.judged.implausible)
+        twin = _after_one(twin, readings[count - 1], shown.weights[count - 1])
         np.testing.assert_allclose(moment.accuracy, twin.case.yardstick.measure(twin.knowledge.belief), rtol=1e-7)
         assert moment.innovations is not None
         np.testing.assert_allclose(moment.innovations.std, twin.innovations[-1].std, rtol=1e-7)

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.accuracy.part import POSES
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.part import POSES
 from axiscal.estimation.budget import budget
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
@@ -76,7 +76,7 @@ def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     observation, size = known.knowledge.observation, case.errors.size
     numbers = seen(observation, known.readings)
     prior = observation.prior_covariance()
-    noise = numbers.variances / np.array(known.stages.absorbed.weights(0, 30, {}))[numbers.reading]
+    noise = numbers.variances / np.array(known.stages.absorbed.weights)[numbers.reading]
     gain = prior @ numbers.rows.T @ np.linalg.inv(numbers.rows @ prior @ numbers.rows.T + np.diag(noise))
     tool = np.zeros((len(case.yardstick.root.matrix), len(prior)))
     tool[:, :size] = case.yardstick.root.matrix

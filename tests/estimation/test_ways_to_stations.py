@@ -11,10 +11,8 @@ import pytest
 from scipy.optimize import least_squares
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.progressive import shares as shares_module
-from axiscal.estimation.progressive.bent_readings import BentReadings
-from axiscal.estimation.progressive.polish import polished
-from axiscal.estimation.progressive.shares import shares
+from axiscal.estimation.progressive import bent_readings
+from axiscal.estimation.progressive.bent_readings import BentReadings, polished, shares
 from axiscal.estimation.progressive.starts import closed_form, mirrored, tips
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -165,7 +163,7 @@ def _conditioned(problem: BentReadings, about: Array) -> Array:
 @pytest.mark.long
 def test_shares_that_come_to_no_end_are_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     _, readings = read(CASE, 0)
-    monkeypatch.setattr(shares_module, "_MOST", 4)
+    monkeypatch.setattr(bent_readings, "_MOST", 4)
     way = shares(BentReadings(CASE, readings))
     assert len(way) == 4
     assert way[-1].gamma < 1.0

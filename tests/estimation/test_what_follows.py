@@ -9,17 +9,16 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from axiscal.belief import Belief
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.bands import Banded
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.changes import _change
 from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.estimation import Banded, as_standard, expanded_uncertainty
 from axiscal.estimation.inheritance import drifted
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.located import _towards
 from axiscal.estimation.membership import Membership
-from axiscal.estimation.uncertain import as_standard, expanded_uncertainty
 from axiscal.numerics.gaussian import unique_root
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 

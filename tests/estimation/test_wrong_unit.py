@@ -14,7 +14,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.reading import Reading
-from axiscal.simulation import Simulator
+from axiscal.measurement.simulation import Simulator
 from benchmarks.nonlinear.stations import at_once, tracers
 from benchmarks.trust.virtual import described, read_evenly
 

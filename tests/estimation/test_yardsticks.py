@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
 
-from axiscal.accuracy.yardstick import Yardstick
-from axiscal.demo.five_axis import description
 from axiscal.estimation.case import Case
-from axiscal.estimation.yardsticks import Yardsticks
-from axiscal.numerics.remembered import Itself
+from axiscal.numerics.remembered import Memo
+from axiscal.present.demo.five_axis import description
 
 _STATED = Case(description())
 _POINT = 1e-6 * np.random.default_rng(3).standard_normal(_STATED.errors.size + len(_STATED.observation.unknowns))
@@ -43,7 +40,7 @@ def _from_both_sides(case: Case) -> Case:
 @pytest.mark.parametrize("made", [_elsewhere, _bent, _rougher, _from_both_sides])
 def test_it_is_what_a_case_by_itself_finds(made: Callable[[Case], Case]) -> None:
     case = made(_STATED)
-    alone = replace(case, yardsticks=Yardsticks())
+    alone = replace(case, yardsticks=Memo(), volumes=Memo())
     one, other = case.yardstick, alone.yardstick
     np.testing.assert_array_equal(one.unseen, other.unseen)
     np.testing.assert_array_equal(one.root.matrix, other.root.matrix)
@@ -59,21 +56,3 @@ def test_cases_that_differ_only_in_where_readings_are_linear_share_one() -> None
     assert _bent(mill).yardstick is not mill.yardstick
     assert _elsewhere(_STATED).yardstick.moments is _STATED.yardstick.moments
     assert _rougher(_STATED).yardstick.moments.gram is _STATED.yardstick.moments.gram
-
-
-def test_the_last_few_are_kept() -> None:
-    kept, asked = Yardsticks(), list[int]()
-
-    def found(number: int) -> Yardstick:
-        asked.append(number)
-        return _STATED.yardstick
-
-    for number in (0, 1, 2, 3, 0, 4, 0, 1):
-        kept.yardstick(number, partial(found, number))
-    assert asked == [0, 1, 2, 3, 4, 1]
-
-
-def test_what_compares_by_its_identity_is_kept_with_it() -> None:
-    one, other = np.zeros(2), np.zeros(2)
-    assert {Itself(one): 1}[Itself(one)] == 1
-    assert Itself(one) != Itself(other)

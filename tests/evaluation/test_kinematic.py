@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +12,10 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.evaluation import Kinematic, figures_of
 from axiscal.exceptions import EvaluationError, ReadingError
 from axiscal.machine import load_machine
-from axiscal.measurement.chart_places import chart_candidates
+from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.readers.truth_curves import TruthCurve
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.simulation import Simulator
 
 SETUP = """
 machine = "machine.toml"
@@ -37,8 +36,7 @@ approach = "both"
 def machine_with(axis: str) -> str:
     if axis != "A":
         return load_machine("dmu60").text
-    folder = resources.files("axiscal.demo").joinpath("linuxcnc_machines")
-    return folder.joinpath("xyzac.machine.toml").read_text(encoding="utf-8")
+    return (Path(__file__).parents[1] / "linuxcnc/machines/xyzac.machine.toml").read_text(encoding="utf-8")
 
 
 def read_held(axis: str, error: str, value: float, folder: Path) -> tuple[Kinematic, Array]:

@@ -8,7 +8,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
-from axiscal.simulation import Simulator
+from axiscal.measurement.simulation import Simulator
 
 CAMPAIGN = """machine = "three-axis-mill"
 [target]

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from axiscal.accuracy import criterion
-from axiscal.accuracy.yardstick import Yardstick
-from axiscal.belief import Belief
-from axiscal.design.plan.task import Task
-from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import volume_moments, whole_travel
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import volume_moments, whole_travel
+from axiscal.estimation.accuracy import criterion
+from axiscal.estimation.accuracy.yardstick import Yardstick
+from axiscal.estimation.belief import Belief
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
@@ -20,6 +19,7 @@ from axiscal.measurement.reading_rows import rows_at
 from axiscal.measurement.setup import Approach, Setup, Unknown
 from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
+from axiscal.planning.plan.task import Task
 
 
 def splines(axes: int, knots: int, noise: float, candidates: int = 2000) -> Task:

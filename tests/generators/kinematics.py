@@ -65,7 +65,7 @@ def tool_matrix(machine: Chain, pose: Array) -> Array:
             about = np.array(axis.origin)
             result = result @ shifted(about) @ turned(letter, at) @ shifted(-about)
         else:
-            result = result @ shifted(at * np.eye(3)["XYZ".index(letter)])
+            result = result @ shifted(at * np.eye(3)["XYZUVWPQR".index(letter) % 3])
     return result @ shifted(np.array([0.0, 0.0, -machine.tool]))
 
 

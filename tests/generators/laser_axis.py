@@ -10,8 +10,8 @@ import numpy as np
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.simulation import Simulator, VirtualMachine
 
 MACHINE = """
 chain = "w-b-X-t"

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.machine import Machine
 from axiscal.machine.axis import Axis, Counting
 from axiscal.machine.entry import ErrorEntry

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 

@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.sizes import Sizes
+from axiscal.description.usual import Learnable, sizes_of, usual_machine
 from axiscal.estimation.case import Case
+from axiscal.estimation.promise.problem import Inherited, Problem, problem
 from axiscal.machine import load_machine
 from axiscal.machine.entry import Sure
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.promise.problem import Inherited, Problem, problem
-from axiscal.promise.sizes import Sizes
-from axiscal.promise.usual import Learnable, sizes_of, usual_machine
-from axiscal.simulation import Simulator
 from tests.generators.campaigns import CAMPAIGN as TWO_SETUPS
 from tests.generators.planes import warped
 

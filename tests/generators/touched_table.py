@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.measurement.chart_places import chart_candidates
+from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.place import Place
 from axiscal.numerics import Array
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import pkgutil
+import platform
 import shutil
 import sys
 import time
@@ -35,6 +36,8 @@ _ALIKE = {
 """A process with one thread can be forked; sums in the order that every processor can do, so that none breaks a tie."""
 _LATE = ("scipy.linalg.lapack", "scipy.optimize", "scipy.sparse", "scipy.special", "typst", "sqlite3", "xmlschema")
 """What the package loads when it is used."""
+_PYTHON = "3.11.0"
+"""The version that records name: their chains hold it, and are the same with every other."""
 _BROKEN = 70
 """Exit status of a command that did not come to its end."""
 
@@ -106,6 +109,7 @@ def _become(command: Command, language: str, folder: Path, out: IO[bytes], err: 
         os.environ.update(FIXED, AXISCAL_LANGUAGE=language)
         os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])
         time.tzset()
+        platform.python_version = lambda: _PYTHON
         for module in [each for name, each in sys.modules.items() if name.startswith("axiscal.")]:
             _wind(module)
         sys.argv = ["axiscal", *command.words]

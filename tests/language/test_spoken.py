@@ -9,10 +9,11 @@ import pytest
 from babel.messages.catalog import Message
 
 from axiscal.exceptions import InputError
-from axiscal.guide.answers import Value, Word, answer
-from axiscal.language.spoken import LANGUAGES, chosen, counted, messages, said, speaking
+from axiscal.language.spoken import LANGUAGES, counted, messages, said, speaking
+from axiscal.present.guide.answers import Value, Word, answer
+from axiscal.present.whose_language import chosen
 from tests.docs import languages
-from tests.guide.test_answers import DIAL
+from tests.present.test_answers import DIAL
 
 OTHERS = [language for language in LANGUAGES if language != "en"]
 

@@ -8,9 +8,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from axiscal.campaign.sources.linuxcnc_live import connection
-from axiscal.lab.linuxcnc import Joint, Session, Settings
+from axiscal.ports.linuxcnc.lab import Joint, Settings
+from axiscal.ports.linuxcnc.live import connection
 from tests.generators import touched_table as table
+from tests.linuxcnc.watched import WatchedSession
 
 NAMES = "XYZAC"
 BALLS = Path(__file__).with_name("axiscal_balls.comp").read_text(encoding="ascii")
@@ -34,7 +35,7 @@ def joints(scale: float = 1.0) -> list[Joint]:
 class Bench:
     """The running LinuxCNC, and what is done to it from beside."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: WatchedSession) -> None:
         self.session = session
         inside = next(iter(_children(session.process_id)), session.process_id)
         self._enter = ("nsenter", "-t", str(inside), "--ipc", "--net", "--pid", "--mount", "--")
@@ -100,7 +101,7 @@ class Bench:
 def running() -> Iterator[Bench]:
     """Yield a running LinuxCNC with the spheres."""
     settings = Settings(hal(), sources={"axiscal_balls.comp": BALLS})
-    with Session(joints(), settings, timeout=240) as session:
+    with WatchedSession(joints(), settings, timeout=240) as session:
         yield Bench(session)
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from tests.figures import FILE
 
-TESTS = ("compensation/test_vcomp_core.py", "linuxcnc/test_volumetric_on_the_controller.py")
+TESTS = ("tables/test_vcomp_core.py", "linuxcnc/test_volumetric_on_the_controller.py")
 
 
 def table(notes: list[dict[str, object]]) -> str:

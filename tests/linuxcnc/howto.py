@@ -23,9 +23,9 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from axiscal.lab.linuxcnc import Joint, Settings
-from axiscal.lab.linuxcnc.components import MODULES
-from axiscal.lab.linuxcnc.configuration import files
+from axiscal.ports.linuxcnc.lab import Joint, Settings
+from axiscal.ports.linuxcnc.lab.components import MODULES
+from axiscal.ports.linuxcnc.lab.configuration import files
 from tests.docs.howtos import DOCS
 
 PAGE, ROOT = DOCS / "linuxcnc.md", DOCS.parent
@@ -57,7 +57,7 @@ _AXISCAL = """#!{python}
 import sys
 from functools import partial
 from pathlib import Path
-from axiscal.campaign.sources.linuxcnc_live import attached, connection
+from axiscal.ports.linuxcnc.live import attached, connection
 from axiscal.measurement import touched
 *parts, last = connection._PARTS
 quick = Path({work!r}) / "agent.py"
@@ -204,7 +204,7 @@ class Person:
         assert process.stdin is not None
         assert process.stdout is not None
         with suppress(BrokenPipeError):
-            process.stdin.write(_TYPED.get(shlex.split(line)[1] if len(line.split()) > 1 else "", ""))
+            process.stdin.write(next((_TYPED[word] for word in shlex.split(line) if word in _TYPED), ""))
             process.stdin.close()
         said = list[str]()
         for text in process.stdout:

@@ -4,34 +4,34 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from axiscal.belief import Belief
-from axiscal.campaign.sources.linuxcnc import Build, LinuxcncMachine, Tables
-from axiscal.compensation.controllers.linuxcnc import offer, pivots
-from axiscal.compensation.effect import left_by, table_control
-from axiscal.compensation.export_options import ExportOptions
-from axiscal.compensation.registry import export
-from axiscal.compensation.table import CompensationTable
-from axiscal.demo.linuxcnc import EXAMPLES, MACHINES, close_loop, description
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import whole_travel
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import whole_travel
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ControlError
-from axiscal.lab.linuxcnc import Joint, Session, Settings, available, can_load
-from axiscal.lab.linuxcnc.probing import Probe, Touch, ball, cycle, placed, touched
 from axiscal.machine.inverse import tip_at
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.chart_places import chart_candidates
+from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.simulation import VirtualMachine
 from axiscal.measurement.touched import centred
 from axiscal.numerics import Array
-from axiscal.simulation import VirtualMachine
+from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available, can_load
+from axiscal.ports.linuxcnc.linuxcnc_source import LinuxcncMachine
+from axiscal.ports.linuxcnc.tables import offer, pivots
+from axiscal.tables.effect import left_by, table_control
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.registry import export
+from axiscal.tables.table import CompensationTable
+from tests.linuxcnc.built import Build, BuiltMachine
+from tests.linuxcnc.demo import EXAMPLES, FOLDER, MACHINES, close_loop, description
+from tests.linuxcnc.probing import Probe, Touch, ball, cycle, placed, touched
 
 pytestmark = [
     pytest.mark.linuxcnc,
@@ -56,7 +56,7 @@ def test_the_error_is_gone_within_what_was_stated(name: str, tmp_path: Path) -> 
 
 def known(name: str) -> tuple[Estimate, VirtualMachine]:
     """A machine drawn from the prior, and the belief of somebody who knows it."""
-    model = ErrorModel(description(name).machine)
+    model = ErrorModel(replace(description(name).machine, planes=()))
     draw = np.random.default_rng(4).standard_normal(model.size)
     mean = np.linalg.cholesky(model.prior_covariance()) @ draw
     curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
@@ -81,7 +81,7 @@ def test_linuxcnc_sends_every_axis_where_we_say_it_does(name: str) -> None:
     _, build, options = EXAMPLES[name]
     tables = export(estimate, "linuxcnc", options)
     poses, approaches = spread(estimate)
-    with LinuxcncMachine(truth, Tables(tables.files), build) as machine:
+    with BuiltMachine(truth, tables.files, build) as machine:
         sent = machine.sent(poses, approaches)
         assert machine.errors == ()
     apart = np.abs(sent - poses - tables.control(poses, approaches))
@@ -96,8 +96,8 @@ def test_tables_with_the_wrong_sign_make_it_worse() -> None:
     poses, approaches = spread(estimate)
     tables = export(estimate, "linuxcnc", ExportOptions())
     wrong = [flipped(t) for t in tables.tables]
-    text = {f"{t.axis}.comp": offer(t).text for t in wrong if t.over == t.axis}
-    with LinuxcncMachine(truth, Tables(text)) as control:
+    text = {f"{t.axis}.comp": offer(t) for t in wrong if t.over == t.axis}
+    with LinuxcncMachine(truth, text) as control:
         left = control.seen.deviation(poses, approaches)
     found = truth.deviation(poses, approaches)
     right = left_by(machine, truth.deviation, table_control(machine, tables.tables), poses, approaches)
@@ -167,8 +167,7 @@ artefact = "two"
 noise = "0.001 um"
 approach = "both"
 """
-    folder = resources.files("axiscal.demo").joinpath("linuxcnc_machines")
-    text = folder.joinpath(f"{name}.machine.toml").read_text(encoding="utf-8")
+    text = (FOLDER / f"{name}.machine.toml").read_text(encoding="utf-8")
     (setup,) = campaign_from_texts(spheres, "campaign.toml", text, "machine.toml").setups
     assert setup.chart is not None
     poses, sides = chart_candidates(described.machine, setup, setup.chart, 40)
@@ -176,7 +175,7 @@ approach = "both"
     moved = {"near_x": 1.5e-3, "near_y": -2e-3, "far_z": 2.5e-3, "tool_z": 4e-5}
     truth = replace(plain, offsets={"spheres": moved})
     rng = np.random.default_rng(0)
-    with LinuxcncMachine(truth, None, Build(tcp=True, probe=Probe())) as machine:
+    with BuiltMachine(truth, None, Build(tcp=True, probe=Probe())) as machine:
         assert machine.spheres is not None
         for pose, side in zip(poses[[3, 29]], sides[[3, 29]], strict=True):
             read = machine.spheres.read(setup, tuple(pose), tuple(side), rng)

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.lab.linuxcnc import Joint, Session, Settings, available
 from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available
 from tests.linuxcnc import tilting_table
 
 pytestmark = [
@@ -58,6 +58,7 @@ noise = "0.3 um"
 approach = "both"
 unknowns = { zero_x = "100 um", zero_y = "100 um", zero_z = "100 um" }
 """
+NAMED = "correct direction of C, A in the machine's file"
 
 
 def machine(swivel: str, direction: str) -> str:
@@ -185,10 +186,15 @@ def test_tables_are_right_on_kinematics_that_count_the_other_way(swivel: str, tm
     assert after < 1.3 * expected < 0.05 * before
 
 
-def test_a_machine_told_the_wrong_way_gets_worse_tables(tmp_path: Path) -> None:
-    """What the statement is for: the same readings without it."""
+def test_a_machine_told_the_wrong_way_gets_no_tables_and_is_told_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What the statement is for: the same readings without it. Tables that are written all the same are worse."""
     record = read_everywhere("A", described("A", tmp_path, 'direction = "iso"'), tmp_path / "out", status=1)
-    files = exported(record, tmp_path / "tables")
+    assert NAMED in " ".join(capsys.readouterr().out.split())
+    assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "tables")]) == 1
+    assert not (tmp_path / "tables").exists()
+    files = exported(record, tmp_path / "tables", "--anyway")
     assert rms(off("A", files)) > 15
 
 
@@ -220,8 +226,8 @@ def _approach(names: str, side: int) -> str:
 
 def test_pivots_need_a_word_about_the_direction(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record = read_everywhere("A", described("A", tmp_path, ""), tmp_path / "out", status=1)
-    arguments = ["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "tables")]
-    capsys.readouterr()
+    arguments = ["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "tables"), "--anyway"]
+    assert NAMED in " ".join(capsys.readouterr().out.split())
     assert run([*arguments, "--pivots"]) == 1
     assert "machine.toml does not say which way" in " ".join(capsys.readouterr().err.split())
     assert not (tmp_path / "tables").exists()

@@ -9,16 +9,17 @@ import numpy as np
 import pytest
 
 from axiscal.exceptions import ControlError
-from axiscal.gcode import dialect, programs
-from axiscal.lab.linuxcnc import Joint, Session, Settings, run
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.motion import inward
 from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.lab import Joint, Session, Settings
+from axiscal.programs import dialect, programs
 from tests.certify.gcode import HOSTILE, Plan, interpreted, interpreter_verdicts, random_plan, reader_verdicts
 from tests.certify.gcode_traces import canonical_calls, interpreter, read_canonical
+from tests.linuxcnc.watched import run
 
 pytestmark = [
     pytest.mark.linuxcnc,

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.compensation.controllers.linuxcnc import cross
-from axiscal.compensation.table import CompensationTable
-from axiscal.lab.linuxcnc import Joint, Session, Settings, available
+from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available
+from axiscal.ports.linuxcnc.tables import cross
+from axiscal.tables.table import CompensationTable
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
+from tests.linuxcnc.watched import WatchedSession
 
 pytestmark = [
     pytest.mark.linuxcnc,
@@ -60,7 +61,7 @@ def test_a_correction_comes_and_goes_smoothly_with_homing() -> None:
     text = cross.write([table, bend("X", "Z", 5e-5)], wiring) + watched(["axiscal-x-correction"])
     limit = cross.fastest([table, bend("X", "Z", 5e-5)], SPEEDS) * 1e3
     joints = [Joint(axis, velocity=200.0, acceleration=2000.0) for axis in "XYZ"]
-    with Session(joints, Settings(text)) as session:
+    with WatchedSession(joints, Settings(text)) as session:
         ramped = [session.read(["axiscal-x-correction", "axiscal-gain"]) for _ in range(40)]
         assert all(abs(value) < 1e-9 for value, _ in ramped)  # X is right where Y and Z are zero
         session.move(["G4 P1.1", "G0 Y200"])

@@ -15,16 +15,16 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.linuxcnc_live import InForce, LiveSource, attached, connection
-from axiscal.campaign.sources.linuxcnc_live.connection import Connection
 from axiscal.campaign.sources.source import Answer, Request
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.exceptions import SourceError
-from axiscal.lab.linuxcnc import available, can_load
 from axiscal.machine.description import Machine
 from axiscal.measurement import touched
 from axiscal.measurement.place import Place
+from axiscal.ports.linuxcnc.lab import available, can_load
+from axiscal.ports.linuxcnc.live import InForce, LiveSource, attached, connection
+from axiscal.ports.linuxcnc.live.connection import Connection
 from tests.generators import touched_table as table
 from tests.linuxcnc.bench import Bench, running
 

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from axiscal.description.logged import logged_readings
-from axiscal.gcode import write_programs
-from axiscal.lab.linuxcnc import Session, Settings, available, can_load
+from axiscal.ports.linuxcnc.lab import Settings, available, can_load
+from axiscal.programs import write_programs
 from tests.generators import touched_table as table
 from tests.linuxcnc import bench
+from tests.linuxcnc.watched import WatchedSession
 
 pytestmark = [
     pytest.mark.linuxcnc,
@@ -34,7 +35,7 @@ def test_the_log_of_the_running_control_is_read_back_as_what_the_machine_does(
     settings = Settings(
         bench.hal(scale), unit=unit, beside={"p.ngc": text}, sources={"axiscal_balls.comp": bench.BALLS}
     )
-    with Session(bench.joints(scale), settings, timeout=240) as session:
+    with WatchedSession(bench.joints(scale), settings, timeout=240) as session:
         session.move(["run p.ngc"])
         assert session.errors == ()
         (name,) = [line.split(",")[1][:-1] for line in text.splitlines() if line.startswith("(LOGAPPEND,")]

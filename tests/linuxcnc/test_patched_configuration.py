@@ -7,13 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.campaign.configuring import export_into
-from axiscal.campaign.headless import software_only
-from axiscal.compensation.controllers.linuxcnc_volumetric.patching import Configuration
-from axiscal.compensation.export_options import ExportOptions
 from axiscal.exceptions import ControlError, InputError
-from axiscal.lab.linuxcnc import Joint, Settings, available, can_load
-from axiscal.lab.linuxcnc.configuration import files as lab_files
+from axiscal.ports.linuxcnc.configuring import export_into, software_only
+from axiscal.ports.linuxcnc.lab import Joint, Settings, available, can_load
+from axiscal.ports.linuxcnc.lab.configuration import files as lab_files
+from axiscal.ports.linuxcnc.volumetric.patching import Configuration
+from axiscal.tables.export_options import ExportOptions
 from tests.linuxcnc.test_closed_loop import known
 
 pytestmark = pytest.mark.long

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.lab.linuxcnc import available
+from axiscal.ports.linuxcnc.lab import available
 
 pytestmark = [
     pytest.mark.linuxcnc,

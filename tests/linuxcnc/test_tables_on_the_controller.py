@@ -7,11 +7,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from axiscal.compensation.controllers.linuxcnc import correction, offer, parse
-from axiscal.compensation.table import CompensationTable
 from axiscal.exceptions import ControlError
-from axiscal.lab.linuxcnc import Ending, Joint, Run, available, run
 from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.lab import Ending, Joint, available
+from axiscal.ports.linuxcnc.tables import correction, offer, parse
+from axiscal.ports.linuxcnc.tables.writer import notes
+from axiscal.tables.table import CompensationTable
+from tests.linuxcnc.watched import Run, run
 
 pytestmark = [
     pytest.mark.linuxcnc,
@@ -47,7 +49,7 @@ POINTS = np.r_[-240.0, -200.0, np.random.default_rng(7).uniform(-199, 199, 20), 
 @cache
 def visited() -> Run:
     """One start of LinuxCNC with all three tables; hardly any acceleration is left in the last cycle of a move."""
-    joints = [Joint(axis, acceleration=1e5, table=offer(deviations(axis)).text) for axis in SCALES]
+    joints = [Joint(axis, acceleration=1e5, table=offer(deviations(axis))) for axis in SCALES]
     return run(joints, visits(POINTS))
 
 
@@ -56,13 +58,14 @@ def reached(run: Run) -> list[tuple[int, Ending]]:
     return [(1 if number % 2 == 0 else -1, step) for number, step in enumerate(run.steps[1::2])]
 
 
+@pytest.mark.long
 def test_nothing_is_said_to_the_operator() -> None:
     assert visited().errors == ()
 
 
 @pytest.mark.parametrize(("joint", "axis"), list(enumerate(SCALES)))
 def test_motor_commands_are_as_predicted_in_both_directions(joint: int, axis: str) -> None:
-    parsed = parse(offer(deviations(axis)).text)
+    parsed = parse(offer(deviations(axis)))
     for direction, step in reached(visited()):
         command = step.command[joint]
         predicted = command + correction(parsed, np.array([command]), direction)[0]
@@ -87,7 +90,7 @@ def test_the_error_of_the_machine_is_gone(joint: int, axis: str) -> None:
 
 def test_before_the_first_motion_there_is_no_correction() -> None:
     assert visited().start == (0, 0, 0)
-    assert abs(correction(parse(offer(deviations("X")).text), np.array([0.0]), 1)[0]) > CLOSE
+    assert abs(correction(parse(offer(deviations("X"))), np.array([0.0]), 1)[0]) > CLOSE
 
 
 SPOILT = {
@@ -119,13 +122,14 @@ def test_the_dead_band_is_where_the_warning_says(step: float, stuck: bool) -> No
     """With 50 m/s² and 1 ms a reversal step above 12.5 um and up to 25 um is never carried out."""
     positions, level = np.array([-0.1, 0.1]), np.zeros(2)
     table = CompensationTable("X", False, positions, level, level - step * 1e-3, level)
-    file = offer(table, acceleration=50.0)
-    ended = run([Joint("X", acceleration=50000.0, table=file.text)], ["G0 X5", "G0 X2"])
-    assert any(note.startswith("WARNING") for note in file.notes) is stuck
+    said = notes(table, "mm", acceleration=50.0)
+    ended = run([Joint("X", acceleration=50000.0, table=offer(table))], ["G0 X5", "G0 X2"])
+    assert any(note.startswith("WARNING") for note in said) is stuck
     assert ended.steps[1].settled is not stuck
     assert ended.steps[1].motor[0] - 2 == pytest.approx(0 if stuck else step, abs=1e-6)
 
 
+@pytest.mark.long
 def test_a_run_that_takes_too_long_is_ended() -> None:
     with pytest.raises(ControlError, match="did not finish in 3 s"):
         run([Joint("X", velocity=1.0)], ["G1 F60 X400"], timeout=3)

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.compensation.controllers.linuxcnc import pivots
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.gcode import Program, dialect, programs
-from axiscal.lab.linuxcnc import Joint, Session, Settings, available
-from axiscal.measurement.chart_places import chart_candidates
+from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.place import Place
+from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available
+from axiscal.ports.linuxcnc.tables import pivots
+from axiscal.programs import Program, dialect, programs
 from tests.linuxcnc import tilting_table
 from tests.linuxcnc.test_direction import machine
 

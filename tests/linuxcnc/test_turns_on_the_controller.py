@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.lab.linuxcnc import Joint, available, run
-from tests.compensation.test_rotary_turns import deviation, exported, known
+from axiscal.ports.linuxcnc.lab import Joint, available
+from tests.linuxcnc.watched import run
+from tests.tables.test_rotary_turns import deviation, exported, known
 
 pytestmark = [
     pytest.mark.linuxcnc,

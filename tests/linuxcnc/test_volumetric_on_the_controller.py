@@ -8,20 +8,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.campaign.sources.linuxcnc import LinuxcncMachine, Tables
-from axiscal.compensation.controllers.linuxcnc_volumetric import applying
-from axiscal.compensation.controllers.linuxcnc_volumetric.content import fnv1a
-from axiscal.compensation.controllers.linuxcnc_volumetric.vcomp_reading import read
-from axiscal.compensation.effect import left_by
-from axiscal.compensation.export_options import ExportOptions
-from axiscal.compensation.offer import Export
-from axiscal.compensation.registry import export
-from axiscal.demo.linuxcnc import EXAMPLES
 from axiscal.exceptions import ControlError
-from axiscal.lab.linuxcnc import Joint, Session, Settings, available, can_load
 from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available, can_load
+from axiscal.ports.linuxcnc.volumetric import exporting
+from axiscal.ports.linuxcnc.volumetric.content import fnv1a
+from axiscal.ports.linuxcnc.volumetric.vcomp_reading import read
+from axiscal.tables.effect import left_by
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.offer import Export
+from axiscal.tables.registry import export
 from tests.figures import held
+from tests.linuxcnc.built import BuiltMachine
+from tests.linuxcnc.demo import EXAMPLES
 from tests.linuxcnc.test_closed_loop import known, rms, spread
+from tests.linuxcnc.watched import WatchedSession
 
 pytestmark = [
     pytest.mark.linuxcnc,
@@ -43,7 +44,7 @@ def test_motors_go_where_our_reader_says_and_the_error_is_gone(name: str) -> Non
     _, build, options = EXAMPLES[name]
     made = export(estimate, "linuxcnc-volumetric", replace(options, pivots=False))
     poses, approaches = (values[:PLACES] for values in spread(estimate))
-    with LinuxcncMachine(truth, Tables(made.files), build) as machine:
+    with BuiltMachine(truth, made.files, build) as machine:
         sent = machine.sent(poses, approaches)
         left = machine.seen.deviation(poses, approaches)
         assert machine.errors == ()
@@ -95,19 +96,19 @@ TOOL = "".join(f"net vc-tool-{d} motion.tooloffset.{d} => axiscal-vcomp.tool-{d}
 
 
 @pytest.fixture(scope="module")
-def running() -> Iterator[Session]:
+def running() -> Iterator[WatchedSession]:
     """One LinuxCNC for what follows: trivkins, and X is homed 7 mm from zero."""
     every = [replace(joint, home_offset=7.0 * (joint.axis == "X")) for joint in joints()]
-    with Session(every, settings(dict(exported().files), SAMPLER + TOOL)) as session:
+    with WatchedSession(every, settings(dict(exported().files), SAMPLER + TOOL)) as session:
         yield session
 
 
-def on(session: Session) -> None:
+def on(session: WatchedSession) -> None:
     session.move(["setp axiscal-vcomp.enable 1", "G4 P1.2"])
     assert session.read(["axiscal-vcomp.gain", "axiscal-vcomp.active", "axiscal-vcomp.fault"]) == (1, 1, 0)
 
 
-def watched(session: Session, codes: list[str]) -> tuple[Array, Array, float, float]:
+def watched(session: WatchedSession, codes: list[str]) -> tuple[Array, Array, float, float]:
     """Return commands and corrections of X (n,), and the largest speed and acceleration of the correction, mm/s."""
     taken = np.array(session.sample(codes))
     moved, correction, behind = (taken[:, i] for i in (2, 3, 4))
@@ -118,7 +119,7 @@ def watched(session: Session, codes: list[str]) -> tuple[Array, Array, float, fl
     return taken[:, 0], correction, float(np.max(np.abs(speed))), float(np.max(np.abs(acceleration)))
 
 
-def test_off_at_the_start_it_only_counts(running: Session) -> None:
+def test_off_at_the_start_it_only_counts(running: WatchedSession) -> None:
     running.move(["G53 G0 X60 Y-40 Z30 A20 C70"])
     names = [f"axiscal-vcomp.{name}" for name in ("gain", "correction-0", "correction-3", "active", "fault")]
     assert running.read(names) == (0, 0, 0, 0, 0)
@@ -128,7 +129,7 @@ def test_off_at_the_start_it_only_counts(running: Session) -> None:
     assert checksum == fnv1a(body.encode()) == int(said, 16)
 
 
-def test_it_comes_and_goes_by_the_quintic_while_the_axes_move(running: Session) -> None:
+def test_it_comes_and_goes_by_the_quintic_while_the_axes_move(running: WatchedSession) -> None:
     running.move(["G53 G0 X60 Y-40 Z30 A20 C70"])
     on(running)
     there = abs(running.read(["axiscal-vcomp.correction-0"])[0])
@@ -144,7 +145,7 @@ def test_it_comes_and_goes_by_the_quintic_while_the_axes_move(running: Session) 
     held("on at rest: acceleration", acceleration, HEAD * 5.8 * there + 1e-6, "mm/s²")
 
 
-def test_what_moves_with_the_axes_is_gentle(running: Session) -> None:
+def test_what_moves_with_the_axes_is_gentle(running: WatchedSession) -> None:
     """A fast diagonal, and turns of A and C: within the design's figures for an error three times as large."""
     on(running)
     running.move(["G53 G0 X-100 Y-90 Z10 A0 C0", "G53 G0 X-98"])  # the side of X is settled
@@ -159,7 +160,7 @@ def test_what_moves_with_the_axes_is_gentle(running: Session) -> None:
     assert running.read(["axiscal-vcomp.outside"]) == (1,)
 
 
-def test_a_reversal_is_a_parabola_each_way(running: Session) -> None:
+def test_a_reversal_is_a_parabola_each_way(running: WatchedSession) -> None:
     on(running)
     file = read(exported().files["axiscal.vcomp"])
     axis = next(axis for axis in file.axes if axis.name == "X")
@@ -174,7 +175,7 @@ def test_a_reversal_is_a_parabola_each_way(running: Session) -> None:
     assert np.ptp(correction) < 1e-6  # within the dead band no side turns
 
 
-def test_another_tool_is_followed_slowly_and_counts(running: Session) -> None:
+def test_another_tool_is_followed_slowly_and_counts(running: WatchedSession) -> None:
     """The correction at rest for 100 mm more tool is that of our reader, and came at 100 mm/s of tool."""
     on(running)
     running.move(["G53 G0 X60 Y-40 Z30 A20 C70"])
@@ -184,7 +185,7 @@ def test_another_tool_is_followed_slowly_and_counts(running: Session) -> None:
     pose = np.array([[at[axis.name] for axis in file.axes]])
     ways = np.ones_like(pose)
     motors = running.read([f"axiscal-vcomp.correction-{n}" for n in range(5)])
-    found = applying.correction(file, pose, ways, np.array([0.0, 0.0, -180.0]))[0]
+    found = exporting.correction(file, pose, ways, np.array([0.0, 0.0, -180.0]))[0]
     said = dict(zip((axis.name for axis in file.axes), found, strict=True))
     z = motors[2] - said["Z"]
     assert z == pytest.approx(0, abs=1e-6)  # Z has no reversal on this machine
@@ -199,7 +200,7 @@ def test_over_the_limit_it_fades_on_the_way_and_there_is_a_way_out() -> None:
     file = read(files["axiscal.vcomp"])
     places = np.random.default_rng(3).uniform([0, -50, -140, -140, 0], [300, 50, 140, 140, 150], (300, 5))
     linear = [k for k, axis in enumerate(file.axes) if not axis.rotary]
-    sizes = np.abs(applying.correction(file, places, np.zeros_like(places)))[:, linear].max(axis=1)
+    sizes = np.abs(exporting.correction(file, places, np.zeros_like(places)))[:, linear].max(axis=1)
     start, end = (
         " ".join(f"{axis.name}{at:.3f}" for axis, at in zip(file.axes, places[choose(sizes)], strict=True))
         for choose in (np.argmin, np.argmax)
@@ -208,7 +209,7 @@ def test_over_the_limit_it_fades_on_the_way_and_there_is_a_way_out() -> None:
     assert f"limits {file.limit:.12g} " in files["axiscal.vcomp"]
     body = files["axiscal.vcomp"].replace(f"limits {file.limit:.12g} ", f"limits {limit} ").rpartition("end ")[0]
     files["axiscal.vcomp"] = f"{body}end {fnv1a(body.encode()):08x}\n"
-    with Session(joints(), settings(files, SAMPLER)) as session:
+    with WatchedSession(joints(), settings(files, SAMPLER)) as session:
         session.move([f"G53 G0 {start}"])
         on(session)
         _, correction, speed, _ = watched(session, [f"G53 G1 F12000 {end}", "G4 P1.2"])
@@ -221,7 +222,7 @@ def test_over_the_limit_it_fades_on_the_way_and_there_is_a_way_out() -> None:
         on(session)
 
 
-def test_homing_again_changes_nothing_at_once(running: Session) -> None:
+def test_homing_again_changes_nothing_at_once(running: WatchedSession) -> None:
     """The coordinate of X jumps by 93 mm while it is homed; the drive only goes the 7 mm home, without a step."""
     on(running)
     running.move(["G53 G0 X100 Y60 Z30 A20 C70"])
@@ -235,7 +236,7 @@ def test_homing_again_changes_nothing_at_once(running: Session) -> None:
 def test_a_table_beside_it_is_a_fault() -> None:
     """COMP_FILE and the component would correct twice: fault 3 as soon as the table works, nothing is applied."""
     table = "".join(f"{at:.6f} {at + 0.01:.6f} {at - 0.01:.6f}\n" for at in (-300.0, 300.0))
-    with Session(joints(table=table), settings(dict(exported().files))) as session:
+    with WatchedSession(joints(table=table), settings(dict(exported().files))) as session:
         session.move(["setp axiscal-vcomp.enable 1", "G53 G0 X10", "G4 P1.2"])
         names = [f"axiscal-vcomp.{name}" for name in ("fault", "fault-code", "gain", "correction-0")]
         assert session.read(names) == (1, 3, 0, 0)

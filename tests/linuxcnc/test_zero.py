@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.lab.linuxcnc import Joint, Session, Settings, available
 from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.machine import builtin_names, load_machine
 from axiscal.machine.kinematics import SmallMotions, frames, tool_motion
 from axiscal.numerics import Array, rigid

@@ -12,11 +12,11 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine import load_machine
-from axiscal.measurement.charts.sight import Sight
+from axiscal.measurement.charts.box import Sight
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import columns_of

@@ -8,19 +8,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.machine import load_machine, machine_from_text
-from axiscal.measurement.charts.arrivals import arrivals, has_room
-from axiscal.measurement.charts.balls import Balls
-from axiscal.measurement.charts.bar import Bar
-from axiscal.measurement.charts.box import Box
-from axiscal.measurement.charts.chart import Chart
-from axiscal.measurement.charts.circle import Circle
+from axiscal.measurement.charts.bar import Bar, Circle
+from axiscal.measurement.charts.box import Sight
+from axiscal.measurement.charts.chart import Chart, arrivals, has_room
 from axiscal.measurement.charts.crossings import crossings
-from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.held import Balls, Held
 from axiscal.measurement.charts.line import Line
 from axiscal.measurement.charts.room import Room
-from axiscal.measurement.charts.sight import Sight
 from axiscal.numerics import Array
 from tests.generators.kinematics import in_travel, stem, tip
 
@@ -255,9 +251,9 @@ def test_what_is_to_be_kept_out_is_kept_out_with_the_width_of_the_tool() -> None
 def test_a_tracker_sees_what_is_in_range_and_in_its_reflector_s_cone() -> None:
     spans = np.array([axis.travel for axis in MILL.axes])
     park = spans.mean(axis=1)
-    box = Box(Room.empty(MILL), (0, 1, 2), spans, park, (0.0, 0.0, 0.0))
+    box = (Room.empty(MILL), (0, 1, 2), spans, park, (0.0, 0.0, 0.0))
     station = np.array([0.3, -1.0, 0.0])
-    chart = Sight(box, station[None], (0.9, 1.4), np.array([0.0, -1.0, 0.0]), math.radians(20))
+    chart = Sight(*box, station[None], (0.9, 1.4), np.array([0.0, -1.0, 0.0]), math.radians(20))
     rng = np.random.default_rng(6)
     poses = chart.poses(spans[:, 0] + np.ptp(spans, axis=1) * rng.uniform(size=(300, 3)))
     for pose, said in zip(poses, chart.feasible(poses), strict=True):

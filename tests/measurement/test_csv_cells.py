@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.measurement.csv_cells import csv_text, unshielded
 from axiscal.measurement.readers.csv_readings import read_readings
+from axiscal.measurement.readers.csv_table import csv_text, unshielded
 
 FORMULAS = [
     f"{sign}{rest}" for sign in "=+-@\t" for rest in ("X laser", "1+2", "SUM(A1:A9)", "cmd|' /C calc'!A0", "'x")

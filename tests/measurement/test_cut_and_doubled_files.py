@@ -8,10 +8,10 @@ import pytest
 
 from axiscal.evaluation import figures_of
 from axiscal.exceptions import ReadingError
+from axiscal.measurement.readers.csv_readings import read_times
 from axiscal.measurement.readers.csv_table import parse_table
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.readers.text import MOST_LINES
-from axiscal.measurement.readers.times import read_times
 from tests.measurement.test_instrument_files import MAP, MESH, OWN, RTL
 from tests.measurement.test_level_survey import SURVEY
 

@@ -21,7 +21,7 @@ from axiscal.machine import load_machine
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
-from axiscal.simulation import Simulator, VirtualMachine
+from axiscal.measurement.simulation import Simulator, VirtualMachine
 
 STATION = 'station = ["300 mm", "-800 mm", "-300 mm"]'
 
@@ -58,6 +58,7 @@ def test_the_place_of_a_station_is_found_within_its_sigma(instrument: str) -> No
     assert sum(doubt.rejected for doubt in estimation.outliers) <= 1  # of forty, at 1 % before any reading
 
 
+@pytest.mark.long
 def test_a_tracer_that_stands_millimetres_off_is_no_less_consistent() -> None:
     """Linearised once, 5 mm beside a line of 1 m is an error of 12 um; where it stands, the noise is left."""
     estimation, _ = _fed(_description(f'instrument = "tracer"\n{STATION}'), 7, 60)
@@ -152,7 +153,7 @@ def test_a_temperature_corrects_only_lengths_along_the_axis_that_moves() -> None
         _description('instrument = "level"\ndirection = "x"\ntemperature = "23 degC"\nexpansion = "11.7 um/m/K"')
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(2, 10))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 10))])
 @pytest.mark.parametrize("kind", ["tracer", "ballbar", "tracker", "rtest", "level"])
 def test_a_machine_three_times_worse_than_its_prior_gives_no_implausible_reading(kind: str, seed: int) -> None:
     extra = {"level": 'direction = "y"', "rtest": ""}.get(kind, STATION)
@@ -161,4 +162,4 @@ def test_a_machine_three_times_worse_than_its_prior_gives_no_implausible_reading
     worse = replace(stated, machine=replace(stated.machine, errors=errors))
     readings = _fed(worse, seed, 25)[0].readings
     case = Case(stated)
-    assert not judged(case, readings).implausible
+    assert not judged(case, readings)

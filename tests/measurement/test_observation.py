@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from axiscal.belief import Belief
-from axiscal.error_model.model import ErrorFunction, ErrorModel
+from axiscal.errors.model import ErrorFunction, ErrorModel
+from axiscal.estimation.belief import Belief
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
@@ -20,11 +20,11 @@ from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.setup import Setup, Unknown
+from axiscal.measurement.simulation import Curve, VirtualMachine
 from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
 from axiscal.numerics.chebyshev import coefficients, evaluate, node_count, nodes
 from axiscal.numerics.exact_step import gain_forms
-from axiscal.simulation import Curve, VirtualMachine
 from tests.generators.machines import random_machine, random_poses
 
 
@@ -120,12 +120,15 @@ def _fed(observation: Observation, poses: Array, approaches: Array, values: Arra
 
 
 def _rest_kernel(model: ErrorModel, levers: Array, poses: Array, approaches: Array) -> Array:
-    """Return the covariance of the rests of readings: each function's is one number per eighth of a knot interval."""
+    """Return the covariance of the rests of readings: one number per eighth of a knot interval, which begins
+    0.2 mm before.
+    """
     total = np.zeros((len(poses), len(poses)))
     for function, lever in zip(model.functions, levers, strict=True):
         low, high = model.machine.axes[function.axis].travel
         count = 8 * (len(function.basis.knots) - 1)
-        cell = np.minimum(((poses[:, function.axis] - low) / (high - low) * count).astype(int), count - 1)
+        share = (poses[:, function.axis] - low + 2e-4) / (high - low)
+        cell = np.minimum((share * count).astype(int), count - 1)
         felt = lever * approaches[:, function.axis] / 2 if function.name.endswith("_reversal") else lever
         total += function.rest**2 * np.outer(felt, felt) * (cell[:, None] == cell)
     return total
@@ -259,4 +262,4 @@ def test_breaks_are_knots_and_edges_of_visited_cells() -> None:
     machine = Machine("m", (axis,), 0.0, (ErrorEntry("EXX", 1e-6, knots=3, rest=1e-6),), "", "")
     observation = Observation(ErrorModel(machine), (mounted(machine, "probe", (1.0, 0.0, 0.0)),))
     assert breaks_along(observation, 0, 0) == pytest.approx([0.0, 0.2, 0.4])
-    assert breaks_along(visited(observation, at(0.06)), 0, 0) == pytest.approx([0.0, 0.05, 0.075, 0.2, 0.4])
+    assert breaks_along(visited(observation, at(0.06)), 0, 0) == pytest.approx([0.0, 0.0498, 0.0748, 0.2, 0.4])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from axiscal.measurement.place_texts import place_text, reading_text
 from axiscal.measurement.reading import Reading
-from tests.design.test_out_and_back import one_axis
+from tests.planning.test_out_and_back import one_axis
 
 
 def test_a_sentence_names_a_place_to_the_micrometre_and_an_answer_to_where_it_is_all_of_it() -> None:

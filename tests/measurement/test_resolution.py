@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from axiscal.exceptions import InputError
-from axiscal.simulation import Simulator
+from axiscal.measurement.simulation import Simulator
 from tests.generators.one_axis import observed
 
 

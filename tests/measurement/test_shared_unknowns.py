@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.error_model.model import ErrorModel
+from axiscal.description.sizes import Sizes
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
+from axiscal.estimation.promise.posterior import posterior
+from axiscal.estimation.promise.problem import problem
 from axiscal.machine import load_machine
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import TOOL, Actual, Nominal
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.promise.posterior import posterior
-from axiscal.promise.problem import problem
-from axiscal.promise.sizes import Sizes
 from tests.generators.kinematics import stem, tip
 
 DMU = load_machine("dmu60")

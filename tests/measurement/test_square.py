@@ -10,8 +10,8 @@ from axiscal.estimation.case import Case
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.simulation import Simulator
 
 SQUARE = '[[artefacts]]\nname = "square"\nturned = "1 mrad"\n'
 ALONG_X = """

@@ -21,8 +21,8 @@ from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import Actual, Nominal
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.simulation import Simulator
 from tests.generators.texts import TWO_SPHERES
 
 _STATION = 'station = ["300 mm", "-800 mm", "-300 mm"]'

@@ -7,16 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
-from axiscal.measurement.chart_places import chart_candidates
+from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.instruments.kind import Actual, Nominal
 from axiscal.measurement.instruments.nest import Nest
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.touch_sides import touch_frames
-from axiscal.measurement.touched import cycle_of
+from axiscal.measurement.touched import cycle_of, touch_frames
 from axiscal.numerics import Array
 from tests.description.test_sites import SPHERES, TOUCHED, described
 from tests.generators.kinematics import pose_with_tip, stem, tip

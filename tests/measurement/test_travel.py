@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from axiscal.machine.motion import approach_seconds, travel_seconds
-from axiscal.measurement.charts.arrivals import arrivals
+from axiscal.measurement.charts.chart import arrivals
 from axiscal.measurement.charts.held import Held
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.setup import Setup

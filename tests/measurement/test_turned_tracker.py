@@ -64,6 +64,7 @@ def readings(count: int, turn: Rotation) -> str:
 @pytest.mark.parametrize(
     "turn", [TURN, pytest.param(Rotation.identity(), marks=pytest.mark.long)], ids=["by eye", "straight"]
 )
+@pytest.mark.long
 def test_the_machine_is_found_whichever_way_the_tracker_is_turned(turn: Rotation, tmp_path: Path) -> None:
     (tmp_path / "machine.toml").write_text(MACHINE)
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from axiscal.measurement.charts.held import Held
-from axiscal.measurement.charts.roundabout import _lattice, way_round
-from axiscal.measurement.time_taken import short_way
-from axiscal.measurement.travel import held_seconds, way_seconds
+from axiscal.measurement.charts.ways import _lattice, way_round
+from axiscal.measurement.travel import held_seconds, short_way, way_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.short_way import route_seconds
 from tests.generators.kinematics import in_travel, stem, tip
@@ -48,6 +47,7 @@ def test_a_way_in_touch_can_be_gone_at_every_place(ball: str) -> None:
     assert round_about >= 1 or ball != "low"  # the others are reached in all that matters by two legs
 
 
+@pytest.mark.long
 def test_no_way_over_the_lattice_is_shorter() -> None:
     chart = held()
     lattice = _lattice(chart, chart.room)
@@ -69,6 +69,7 @@ def test_no_way_over_the_lattice_is_shorter() -> None:
         assert length <= far[start, stop] + 1e-9
 
 
+@pytest.mark.long
 def test_the_way_round_takes_the_time_of_its_legs() -> None:
     chart = held()
     places = reachable(chart, 40)

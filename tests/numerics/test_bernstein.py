@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from axiscal.numerics import Array
-from axiscal.numerics.bernstein import BezierCurve, bernstein, steepest
-from axiscal.numerics.uphill import along, uphill
+from axiscal.numerics.bernstein import BezierCurve, along, bernstein, steepest, uphill
 
 GRID = {1: 4001, 2: 241, 3: 61}
 

@@ -10,14 +10,14 @@ from tests.generators.kernels import kernels, under
 
 _DRAWS = """
 import numpy as np
-from axiscal.compensation.controllers.sinumerik.surfaces import products
-from axiscal.compensation.export_options import ExportOptions
-from axiscal.error_model.model import ErrorModel
-from axiscal.fleet.rehearsal import Imagined, VirtualType
-from axiscal.inference.sisters.prior_units import prior_units
+from axiscal.tables.controllers.sinumerik.surfaces import products
+from axiscal.tables.export_options import ExportOptions
+from axiscal.errors.model import ErrorModel
+from axiscal.ports.fleet.rehearsal import Imagined, VirtualType
+from axiscal.ports.fleet.sisters.prior_units import prior_units
 from axiscal.machine import load_machine
-from axiscal.simulation import Simulator
-from tests.compensation.test_sinumerik_surfaces import known
+from axiscal.measurement.simulation import Simulator
+from tests.tables.test_sinumerik_surfaces import known
 from tests.generators.planes import bed, poses_of, table
 from tests.generators.sisters import slide
 
@@ -35,7 +35,7 @@ for name, machine in {"dmu60": load_machine("dmu60"), "bed": bed(), "table": tab
         found[f"shapes of {plane.name} of {name}"] = scaled(plane.rows(plane.coordinates(poses)))
 found["a sister"] = scaled(VirtualType(slide(), Imagined(), 1).machine(2)[1])
 for number, product in enumerate(products(known(), ExportOptions(), 1000, 1e-6)):
-    found[f"product {number}"] = scaled(product.first.values) + scaled(product.second.values)
+    found[f"product {number}"] = scaled(product.first.added) + scaled(product.second.added)
 """
 _ROUNDING = 1e-6
 """Share of the largest value. Of a singular covariance an eigenvalue is rounding, some 1e-16 of the variance, and its

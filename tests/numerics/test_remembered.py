@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import gc
+from functools import partial
 from weakref import ref
 
-from axiscal.numerics.remembered import remembered
+import numpy as np
+
+from axiscal.numerics.remembered import Itself, Memo, remembered
 
 
 class Model:
@@ -36,3 +39,21 @@ def test_an_answer_does_not_keep_its_object_alive() -> None:
     del model
     gc.collect()
     assert left() is None
+
+
+def test_the_last_few_are_kept() -> None:
+    memo, asked = Memo(4), list[int]()
+
+    def found(number: int) -> int:
+        asked.append(number)
+        return 10 * number
+
+    numbers = (0, 1, 2, 3, 0, 4, 0, 1)
+    assert [memo.answer(number, partial(found, number)) for number in numbers] == [10 * number for number in numbers]
+    assert asked == [0, 1, 2, 3, 4, 1]
+
+
+def test_what_compares_by_its_identity_is_kept_with_it() -> None:
+    one, other = np.zeros(2), np.zeros(2)
+    assert {Itself(one): 1}[Itself(one)] == 1
+    assert Itself(one) != Itself(other)

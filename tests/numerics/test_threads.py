@@ -45,9 +45,9 @@ reach = { X = ["0 mm", "600 mm"], Y = ["0 mm", "400 mm"], Z = ["0 mm", "400 mm"]
 """
 PREPARED = """
 from axiscal.description.campaign import read_campaign
-from axiscal.design.plan.plan import make_plan
-from axiscal.design.plan.task import Limits
-from axiscal.design.step.best_step import best_step
+from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.task import Limits
+from axiscal.planning.step.best_step import best_step
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.planning.next_readings import posed
@@ -135,6 +135,7 @@ for command in (
     assert answers == ["computed outside: [] [2]"] * 4
 
 
+@pytest.mark.long
 def test_the_library_plans_with_one_thread(tmp_path: Path) -> None:
     (tmp_path / "campaign.toml").write_text(CAMPAIGN)
     script = f"""

@@ -12,17 +12,17 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError, ProgramError
-from axiscal.gcode import Program, controllers, dialect, programs
 from axiscal.machine import builtin_names, load_machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.planning.next_readings import placed
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.planner import next_places
 from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.programs import Program, controllers, dialect, programs
 from tests.generators.kinematics import in_travel, tip
 from tests.generators.printed_machine import printed_machine
 from tests.generators.said_places import Said
@@ -31,7 +31,7 @@ from tests.generators.ways_said import WaysSaid
 ROOT = Path(__file__).resolve().parents[2]
 FILES = sorted(
     path
-    for folder in ("src/axiscal/demo", "tests/golden/campaigns", "examples")
+    for folder in ("src/axiscal/present/demo", "tests/linuxcnc/machines", "tests/golden/campaigns", "examples")
     for path in (ROOT / folder).rglob("*.toml")
     if re.search(r"^\[\[setups\]\]", path.read_text(encoding="utf-8"), re.MULTILINE) and path.parent.name != "refusals"
 )
@@ -51,14 +51,10 @@ def blocks() -> list[tuple[str, str]]:
 _FEW = 4
 """Readings of a plan: every one of more would be held to the same rules."""
 CAMPAIGNS = [(str(path.relative_to(ROOT)), path.read_text(encoding="utf-8")) for path in FILES] + blocks()
-_AT_ONCE = (
-    "tests/golden/campaigns/rotary/campaign.toml",
-    "tests/golden/campaigns/printer/campaign.toml",
-    "campaign.md 0",
-)
-"""Machines of five axes, of a printer and of one axis; the others are left to `make test-long`."""
+_AT_ONCE = "tests/golden/campaigns/printer/campaign.toml"
+"""The machine whose plan takes the least time; the others are left to `make test-long`."""
 CASES = [
-    pytest.param(name, text, id=name, marks=() if name in _AT_ONCE else pytest.mark.long) for name, text in CAMPAIGNS
+    pytest.param(name, text, id=name, marks=() if name == _AT_ONCE else pytest.mark.long) for name, text in CAMPAIGNS
 ]
 
 

@@ -57,7 +57,7 @@ def test_nine_places_on_the_raster_come_first_and_then_the_plan() -> None:
     assert {round(1e3 * y) for y in poses[:, 0]} == {0, 100, 200}
     assert {round(1e3 * x) for x in poses[:, 1]} == {0, 160, 300}
     readings = [Reading(p.setup, p.pose, p.approach, 1e-5 * i) for i, p in enumerate(places)]
-    left = plane_start(_case(), readings[:4])
+    left = plane_start(_case(), readings[:4], 10)
     assert len(left) == 5
     known = estimated(_case(), readings)
     assert len(next_places(known.case, known.knowledge, known.readings, known.outliers)) == 5
@@ -83,10 +83,10 @@ def test_a_place_that_cannot_be_read_is_left_out() -> None:
     ids=["sizes as stated", "no plane", "few readings", "one axis", "not seen"],
 )
 def test_else_the_plan_comes_at_once(campaign: str, machine: str) -> None:
-    assert len(plane_start(_case(campaign, machine), ())) == 0
+    assert len(plane_start(_case(campaign, machine), (), _case(campaign, machine).description.target.readings)) == 0
 
 
 def test_of_several_set_ups_none_begins_so() -> None:
     case = _case()
     two = replace(case.description, setups=(*case.description.setups, replace(case.description.setups[0], name="more")))
-    assert len(plane_start(Case(two), ())) == 0
+    assert len(plane_start(Case(two), (), None)) == 0

@@ -8,18 +8,18 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 
-from axiscal.demo.five_axis import description
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError
 from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
-from axiscal.measurement.touch_sides import touching_sides
+from axiscal.measurement.touched import touching_sides
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import placed
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.planner import next_places
 from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.present.demo.five_axis import description
 from tests.generators.kinematics import in_travel, stem, tip
 
 CENTRE = np.array([0.0, 0.0, 0.1])
@@ -128,6 +128,7 @@ def test_a_bar_keeps_its_length_and_its_plane() -> None:
     assert ways_stay_right(campaign, places, CENTRE, 0.15) == 5
 
 
+@pytest.mark.long
 def test_a_diagonal_is_read_on_its_line() -> None:
     campaign = described(DIAGONAL)
     first, last = np.array([-0.2, -0.2, 0.0]), np.array([0.2, 0.2, 0.3])

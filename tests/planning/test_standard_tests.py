@@ -6,21 +6,21 @@ point that is held while one rotary axis turns (AK, BK, CK).
 
 from __future__ import annotations
 
-from importlib import resources
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
-from axiscal.gcode import controllers, dialect, programs
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator
 from axiscal.planning.next_readings import placed
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Thoroughness, proposed
-from axiscal.simulation import Simulator
+from axiscal.programs import controllers, dialect, programs
 from tests.generators.kinematics import tip
 from tests.generators.said_places import Said
 
@@ -43,7 +43,7 @@ TESTS = {
     "ISO 10791-6, BK": (BALL, AT_BALL.format("B", "B")),
     "ISO 10791-6, AK": (BALL.replace("150 mm", "60 mm"), AT_BALL.format("A", "A")),
 }
-SWIVEL = resources.files("axiscal.demo").joinpath("linuxcnc_machines/xyzac.machine.toml").read_text(encoding="utf-8")
+SWIVEL = (Path(__file__).parents[1] / "linuxcnc/machines/xyzac.machine.toml").read_text(encoding="utf-8")
 
 
 def described(name: str) -> tuple[CampaignDescription, Said]:

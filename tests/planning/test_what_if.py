@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from axiscal.description.campaign import read_campaign
-from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Thoroughness
 from axiscal.planning.what_if import PLANNED, TRADITIONAL, alternatives, traditional_readings
-from axiscal.report.what_if_page import render
+from axiscal.present.what_if_page import render
 
 CAMPAIGN = """
 machine = "one-axis"

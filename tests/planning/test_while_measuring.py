@@ -13,13 +13,13 @@ from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
-from axiscal.inference.outliers import NOTHING, Doubt
+from axiscal.estimation.inference.outliers import NOTHING, Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator
 from axiscal.planning.plan_basis import plan_basis, twice_rejected
 from axiscal.planning.planner import next_places
 from axiscal.record.events import Asked, Planned
-from axiscal.simulation import Simulator
 
 TEXT = """
 machine = "one-axis"
@@ -98,16 +98,17 @@ def test_readings_taken_as_planned_leave_one_plan(start: Start) -> None:
 def test_a_rejected_reading_is_not_counted_and_the_rest_is_renewed(start: Start) -> None:
     campaign, source = start()
     read(campaign, source, 9)
-    known = campaign.known().accuracy.rms
+    known = campaign.estimate().accuracy.rms
     asked = question(campaign)
     campaign.record(source.read(campaign.request(asked)).value + OFF)
-    assert campaign.known().accuracy.rms > (1 - 1e-4) * known  # it makes nothing better known
+    assert campaign.estimate().accuracy.rms > (1 - 1e-4) * known  # it makes nothing better known
     left = len(campaign.state.plan)
     question(campaign)
     assert [plan.basis for plan in plans(campaign)] == ["", "10 rejected"]
     assert len(plans(campaign)[-1].places) == left == 6
 
 
+@pytest.mark.long
 def test_the_plan_follows_from_the_record(start: Start) -> None:
     campaign, source = start()
     read(campaign, source, 9)
@@ -158,7 +159,7 @@ def test_a_place_that_is_rejected_twice_is_not_asked_for_again(start: Start) -> 
     for off in (OFF, -2 * OFF):
         question(campaign)
         campaign.record(bad.value + off, at=place)
-    assert {13, 14} <= {doubt.reading for doubt in campaign.concluded().outliers if doubt.rejected}
+    assert {13, 14} <= {doubt.reading for doubt in campaign.estimate(ended=True).outliers if doubt.rejected}
     question(campaign)
     assert campaign.state.pending is not None
     asked = [campaign.state.pending.place, *campaign.state.plan]
@@ -201,8 +202,8 @@ def test_an_accuracy_is_read_until_it_is_reached_and_no_further(tmp_path: Path) 
     with Campaign.create(tmp_path / "c.axiscal", description) as campaign:
         count = 0
         while not isinstance(campaign.next(), Ended) and count < 30:
-            assert count < 8 or campaign.concluded().accuracy.rms > 0.7e-6
+            assert count < 8 or campaign.estimate(ended=True).accuracy.rms > 0.7e-6
             read(campaign, SimulatedSource(truth, count), 1)
             count += 1
         assert count < 30
-        assert campaign.concluded().accuracy.rms <= 0.7e-6
+        assert campaign.estimate(ended=True).accuracy.rms <= 0.7e-6

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from axiscal.record.postgres.address import store_address
-from axiscal.record.postgres.database import Database
-from axiscal.record.postgres.schema import prepare
+from axiscal.ports.postgres.address import store_address
+from axiscal.ports.postgres.database import Database, prepare
 from tests.record.postgres_server import RunningServer, running_server
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.record import alone
-from axiscal.record.alone import HeldError
+from axiscal.document import durable
+from axiscal.document.durable import HeldError
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="two openings of one file by one process: POSIX only")
 
@@ -31,21 +31,21 @@ def test_who_was_left_without_a_processor_for_seconds_looks_again(
     seconds = iter(range(0, 10**9, 10))
     monkeypatch.setattr(time, "monotonic", lambda: float(next(seconds)))
     first, second = handles
-    with alone.alone(first, 4.0):
+    with durable.alone(first, 4.0):
         naps = 0
 
         def nap(_seconds: float) -> None:
             nonlocal naps
             naps += 1
             if naps == 20:
-                alone._left(first)  # the other process ends
+                durable._left(first)  # the other process ends
 
         monkeypatch.setattr(time, "sleep", nap)
-        with alone.alone(second, 4.0):
+        with durable.alone(second, 4.0):
             assert naps == 20
 
 
 def test_a_file_that_stays_held_is_said_to_be(handles: tuple[int, int]) -> None:
     first, second = handles
-    with alone.alone(first, 4.0), pytest.raises(HeldError), alone.alone(second, 0.01):
+    with durable.alone(first, 4.0), pytest.raises(HeldError), durable.alone(second, 0.01):
         pass

@@ -9,12 +9,12 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.exceptions import NewerError
+from axiscal.ports.postgres.database import Database
+from axiscal.ports.postgres.server_log import ServerLog
+from axiscal.ports.postgres.syncing import synced
 from axiscal.record.copies import write_copy
 from axiscal.record.events import Newer, Noted
 from axiscal.record.line_form import EventText
-from axiscal.record.postgres.database import Database
-from axiscal.record.postgres.server_log import ServerLog
-from axiscal.record.postgres.syncing import synced
 from axiscal.record.store import Record
 from tests.generators.begun import begun
 from tests.reliability.salvaged import CAMPAIGN, MACHINE

@@ -14,16 +14,15 @@ from threading import Event, Thread
 import pytest
 
 from axiscal.cli.app import run
+from axiscal.document.durable import is_running
 from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
 from axiscal.measurement.reading import Reading
-from axiscal.record.durable import is_running
+from axiscal.ports.postgres import database as database_module
+from axiscal.ports.postgres.address import store_address
+from axiscal.ports.postgres.database import Database, opened_database, prepare
+from axiscal.ports.postgres.server_log import Entry, ServerLog, enter, entries
 from axiscal.record.events import Created, Noted, Recorded
 from axiscal.record.opening import opened_log
-from axiscal.record.postgres import database as database_module
-from axiscal.record.postgres.address import store_address
-from axiscal.record.postgres.database import Database, opened_database
-from axiscal.record.postgres.schema import prepare
-from axiscal.record.postgres.server_log import Entry, ServerLog, enter, entries
 from axiscal.record.store import Record
 from tests.generators.sisters import CAMPAIGN, MACHINE
 from tests.record.postgres_server import RunningServer, programs, running_server
@@ -194,7 +193,7 @@ def test_what_is_wrong_with_the_store_is_a_sentence(
 def test_without_its_driver_it_is_said_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "pg8000", None)
     with pytest.raises(RecordError, match=r"pip install 'axiscal\[postgres\]'"):
-        opened_database(store_address("postgresql://host/db"))
+        opened_database("postgresql://host/db")
 
 
 def test_addresses_are_read_as_postgresqls_own_programs_read_them() -> None:

@@ -16,11 +16,11 @@ from pathlib import Path
 
 import pytest
 
+from axiscal.document.durable import written
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.record import store
 from axiscal.record.copies import write_copy
-from axiscal.record.durable import written
 from axiscal.record.events import Created, Event, Finished, Recorded, Skipped, Undone
 from axiscal.record.line_form import FORM, MARKS, EventText, Mark, mark_bytes, read_mark, transaction
 from axiscal.record.log import rows_of

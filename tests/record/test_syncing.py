@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from axiscal.cli.app import run
 from axiscal.exceptions import RecordError
+from axiscal.ports.postgres.address import store_address
+from axiscal.ports.postgres.database import Database
+from axiscal.ports.postgres.server_log import ServerLog, entries
+from axiscal.ports.postgres.syncing import Synced, synced
 from axiscal.record.copies import write_copy
 from axiscal.record.events import Created, Noted
 from axiscal.record.log import ChainedText
-from axiscal.record.postgres.address import store_address
-from axiscal.record.postgres.database import Database
-from axiscal.record.postgres.server_log import ServerLog, entries
-from axiscal.record.postgres.syncing import Synced, synced
 from axiscal.record.store import Record
 from tests.record.postgres_server import RunningServer
 

@@ -1,4 +1,4 @@
-"""`make reliability`: every trial, and one table; `--long` as often as docs/reliability.md says of the long run."""
+"""`make reliability`: every trial, and one table; `--long` as docs/evidence/reliability.md has the longer runs."""
 
 from __future__ import annotations
 

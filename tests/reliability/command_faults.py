@@ -20,15 +20,15 @@ from unittest.mock import patch
 
 from axiscal.cli.app import run
 from axiscal.exceptions import RecordError
+from axiscal.present import printed
 from axiscal.record.events import Stored
 from axiscal.record.store import Record
-from axiscal.report import printed
 from tests.cli.test_results_are_a_set import CAMPAIGN, READINGS
 from tests.generators.texts import machine_text
+from tests.ports.texts import CAMPAIGN as STUDIED
+from tests.ports.texts import STUDY
 from tests.reliability.faults import HOWS, Fault, Outcome, Say, faults
 from tests.reliability.trial import Trial, scratch
-from tests.study.texts import CAMPAIGN as STUDIED
-from tests.study.texts import STUDY
 
 MACHINE = machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"})
 WRONG = """machine = "machine.toml"

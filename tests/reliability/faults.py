@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from axiscal.document import durable
 from axiscal.exceptions import AxiscalError
-from axiscal.record import durable
-from axiscal.report import result_set
+from axiscal.present import result_set
 
 CALLS = ("write", "fsync", "fdatasync", "replace", "rename", "link", "unlink", "mkdir", "rmdir", "ftruncate")
 KILLED = 77

@@ -33,9 +33,9 @@ from tests.certify.kept import FOLDER, HOUSE, Kept, state_of_sources
 from tests.reliability import covering
 from tests.reliability.covering import Covered
 
-ROOMS = ("numerics", "estimation", "compensation")
+ROOMS = ("numerics", "estimation", "tables")
 PACKAGE = HOUSE / "src" / "axiscal"
-_APART = ("docs", "cli", "web", "scenarios", "benchmarks", "reproduction", "reliability", "certify")
+_APART = ("docs", "cli", "web", "scenarios", "benchmarks", "reliability", "certify")
 _LOADED = ("hypothesis", "mpmath", "scipy.linalg", "scipy.optimize", "threadpoolctl")
 """What tests and package need of others, loaded once for all forks; nothing of the package itself."""
 _FIRST = 8

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from axiscal.compensation.export_options import ExportOptions
-from axiscal.compensation.old_files import read_old
-from axiscal.compensation.registry import loaded
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import machine_of
 from axiscal.machine.description import machine_from_text
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.old_files import read_old
+from axiscal.tables.registry import loaded
 from tests.generators.texts import machine_text
 
 _MACHINE = machine_from_text(

@@ -16,12 +16,12 @@ from typing import NamedTuple
 
 from axiscal.campaign.possible import beginning_of
 from axiscal.campaign.salvaging import salvaged
-from axiscal.demo import five_axis
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.exceptions import RecordError
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.present.demo import five_axis
 from axiscal.record.events import Asked, Event, Finished, Noted, Planned, Recorded, Skipped, Undone
 from axiscal.record.line_form import BLOCK, MARK, MARKS, START, EventText
 from axiscal.record.store import Record

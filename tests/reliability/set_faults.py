@@ -6,8 +6,8 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from axiscal.report.result_set import MANIFEST, mend, result_set, write_manifest
-from axiscal.report.summary import RecordState
+from axiscal.present.result_set import MANIFEST, mend, result_set, write_manifest
+from axiscal.present.summary import RecordState
 from tests.reliability.faults import Say, faults
 from tests.reliability.trial import Trial, scratch
 

@@ -85,7 +85,7 @@ def test_cells_beyond_the_goal_are_named() -> None:
         " ".join(goal_lines(each, 3)) for each in (filled(3), filled(3, ratio=2.0), filled(3, ratio=2.0, withheld=3))
     )
     assert "More than that" not in few
-    assert "nothing (planned) 100%" in many
+    assert "- nothing (planned): 100%" in many
     assert "More than that" not in withheld
 
 

@@ -15,7 +15,7 @@ from tests.certify.coverage import CLAIMED, MACHINES, SLACK, Covered, Trial
 SIGMAS = 4.5
 """False alarms: one in 10⁵ for a single band; the seeds are fixed, so none comes and goes."""
 SAMPLES = {
-    "one-axis": (15, 400),
+    "one-axis": (15, 150),
     "paper-three-stacked": (15, 400),
     "printer-gantry": (12, 150),
     "three-axis-mill": (12, 150),

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from axiscal.design.plan.plan import make_plan
-from axiscal.design.plan.task import Limits
 from axiscal.estimation.estimate import concluded
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
-from axiscal.simulation import Simulator
-from tests.design.test_out_and_back import minutes, one_axis
+from axiscal.measurement.simulation import Simulator
+from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.task import Limits
+from tests.planning.test_out_and_back import minutes, one_axis
 
 
 @cache
@@ -38,9 +38,8 @@ def missed(seed: int) -> float:
     known = concluded(case, readings)
     function, at = case.errors.functions[0], np.linspace(0.0, 1.0, 401)
     mean, _ = known.estimate().curve(function.name, at)
-    left = float(np.std(truth.curves[0](at) - mean))
-    assert left < 2e-6
-    return left / known.accuracy.rms
+    assert known.accuracy.rms < 4e-6  # of a drift of ten more than half is told from the curve
+    return float(np.std(truth.curves[0](at) - mean)) / known.accuracy.rms
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 4))])

@@ -1,4 +1,4 @@
-"""A sample of `make trust`: with priors that are wrong by three, learnt scales make bands that hold."""
+"""A sample of `make trust`: with priors that are wrong by three, learnt sizes make bands that hold."""
 
 from __future__ import annotations
 
@@ -11,12 +11,17 @@ from benchmarks.trust.virtual import covered, gross, held
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("wrong", [1 / 3, 3.0])
-def test_bands_hold_when_the_prior_is_wrong_by_three_and_the_report_says_so(wrong: float) -> None:
+@pytest.mark.parametrize(("wrong", "curves"), [(1 / 3, 0.8), (3.0, 0.95)])
+def test_bands_hold_when_the_prior_is_wrong_by_three(wrong: float, curves: float) -> None:
+    """The tool point's hold; one constant, of which fifteen readings tell little, is half of the curves."""
     found = covered("one-axis", wrong, "estimate", 25)
-    assert found.curves > 0.9
-    assert found.tcp > 0.88
-    assert found.misfit > 0.7
+    assert found.tcp > 0.9
+    assert found.curves > curves
+
+
+@pytest.mark.long
+def test_the_report_says_so_where_the_prior_is_three_times_too_small() -> None:
+    assert covered("one-axis", 1 / 3, "estimate", 25).misfit > 0.7
 
 
 @pytest.mark.long
@@ -24,7 +29,8 @@ def test_one_gross_error_among_thirty_readings_is_found() -> None:
     moved = gross(50e-6, 8)
     assert moved.rejected == 1.0
     assert moved.typical < 0.25
-    assert moved.naive > 5.0
+    assert moved.worst < 0.5
+    assert moved.naive > 1.0  # believed, it would make bands so much wider, and still move curves out of them
 
 
 @pytest.mark.long

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import re
 import subprocess
 import sys
 import threading
@@ -11,11 +12,12 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from tests.generators.texts import FOUR_READINGS, TWO_SPHERES
+from tests.generators.texts import TWO_SPHERES
 from tests.web.served import PATIENCE, Served, served, started
 
 
@@ -52,7 +54,10 @@ def test_a_whole_campaign_over_the_api(page: Served) -> None:
     assert [each["values"] for each in state["readings"]] == [[1.1], [0.4], [0.5]]
     assert page.call("finish", after=state["last"]).status == 200
     assert (page.record.parent / "mill-results" / "report.html").is_file()
-    assert page.state()["verdict"][0].startswith("U = ") or "um" in page.state()["verdict"][0]
+    known = page.state()["answer"]
+    assert known["first"][0] == "MEASURED"
+    assert re.fullmatch(r"4 readings, \d+ min", known["first"][1])  # of the clock
+    assert [step["code"] for step in known["document"]["steps"]] == ["load", "verify"]
     report = page.ask("GET", "/report.html", Authorization=f"Bearer {page.token}")
     assert (report.status, b"<html" in report.body) == (200, True)
     assert page.call("undo", after=page.state()["last"]).document["sentence"].startswith("Took back the end")
@@ -160,22 +165,15 @@ def test_a_note_answers_nothing_so_who_has_seen_the_state_before_may_still_answe
     assert kept(page) == [1.5]
 
 
-def test_the_outlook_is_the_volume_the_way_and_what_the_plan_will_reach(tmp_path: Path) -> None:
-    with served(started(tmp_path, FOUR_READINGS.replace("readings = 4", "readings = 4\naligned = false"))) as page:
-        _outlook(page)
-
-
-def _outlook(page: Served) -> None:
-    page.call("readings", after=page.state()["last"], text="1.5")
-    seen, state = page.call("outlook").document, page.state()
-    assert len(seen["points"]) == len(seen["error_um"]) == len(seen["std_um"]) > 100
-    assert (len(seen["way"]), seen["taken"], len(seen["box"]), seen["edges"]) == (4, 1, 2, [[0, 1]])
-    assert seen["forecast"][-1]["rms_um"] == pytest.approx(state["progress"]["promised"]["rms_um"], rel=1e-9)
-    assert seen["forecast"][-1]["minutes"] == pytest.approx(
-        state["progress"]["minutes"] + state["progress"]["left_minutes"]
-    )
-    squares = sum(each**2 for each in seen["std_um"]) / len(seen["std_um"])
-    assert squares**0.5 == pytest.approx(state["progress"]["now"]["rms_um"], rel=0.05)  # the same volume, evenly
+def test_the_set_up_that_is_asked_for_is_drawn_as_wide_as_the_page_wants(page: Served) -> None:
+    answer = page.ask("GET", "/setup.svg?width=640&language=de", None, Authorization=f"Bearer {page.token}")
+    assert answer.status == 200
+    drawing = ElementTree.fromstring(answer.body)
+    assert drawing.get("width") == "640"
+    words = [each.text for each in drawing.iter("{http://www.w3.org/2000/svg}text")]
+    assert any("Laser" in (word or "") for word in words), words
+    refused = page.ask("GET", "/setup.svg?width=20000", None, Authorization=f"Bearer {page.token}")
+    assert (refused.status, refused.document["problem"]) == (422, "malformed")
 
 
 @pytest.mark.long
@@ -197,7 +195,18 @@ def test_the_description_names_every_document_and_every_answer(page: Served) -> 
     described = page.call("openapi.json").document
     assert set(described["paths"]) == {
         f"/api/1/{name}"
-        for name in ("state", "typed", "outlook", "table", "readings", "skips", "notes", "undo", "next", "finish")
+        for name in (
+            "state",
+            "typed",
+            "table",
+            "cost",
+            "readings",
+            "skips",
+            "notes",
+            "undo",
+            "next",
+            "finish",
+        )
     }
     schemas = described["components"]["schemas"]
     assert set(page.state()) == set(schemas["StateShape"]["required"]) | {"document"}
@@ -224,7 +233,7 @@ def test_a_record_that_went_away_is_said(page: Served) -> None:
 def test_ending_while_it_still_thinks_is_no_fault(tmp_path: Path) -> None:
     with served(started(tmp_path, TWO_SPHERES)) as running:  # looks at what it said when it has ended
         line = http.client.HTTPConnection("127.0.0.1", running.port, timeout=PATIENCE)
-        line.request("GET", "/api/1/outlook", headers={"Authorization": f"Bearer {running.token}"})
+        line.request("GET", "/api/1/table?control=linuxcnc", headers={"Authorization": f"Bearer {running.token}"})
         time.sleep(0.1)  # the request is there, its answer takes longer than the server waits
     line.close()
 

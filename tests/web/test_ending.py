@@ -66,6 +66,7 @@ def _read(page: Served, last: int) -> None:
         page.call("readings", after=last, text="0.4")
 
 
+@pytest.mark.long
 def test_what_is_computed_meanwhile_is_broken_off(tmp_path: Path) -> None:
     record = started(tmp_path)
     status, said, complaint = ended(record, LONG.format(step="think", before="pass"), asked=False)

@@ -120,6 +120,7 @@ def test_nothing_is_written_over(tmp_path: Path) -> None:
 
 
 @pytest.mark.chromium
+@pytest.mark.long
 def test_the_form_by_keyboard_at_every_size(browser: Browser, tmp_path: Path) -> None:
     page = browser.page(1400, 900)
     with form(tmp_path, told="are written") as server:

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.running_gains import Scores
-from axiscal.design.plan.plan import make_plan
-from axiscal.design.plan.task import Limits, Task
-from axiscal.design.step.best_step import best_step
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.place import Places
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.step.best_step import best_step
 from benchmarks.cases import stacked
 from benchmarks.peers.problems import CANDIDATES, Array, Posed
 

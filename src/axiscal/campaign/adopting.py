@@ -1,11 +1,11 @@
 """Readings of a branch taken over into the campaign that it left: a person says so, no machine merges.
 
-Both logs begin alike up to the event where they parted. What the branch has read since goes behind what the campaign
-has, as readings that were given; a note keeps up to which event, so that a second time takes only what is new. What
-stands here already, because it came from here or by way of another branch, is not taken again: twice it would count
-as two readings. Readings are taken over as they were recorded: mistakes that were accepted in the branch are not.
-A set-up that both have read has one zero in the model: whether it stayed mounted is for a person to say. As it was
-mounted anew for the branch it is a set-up of its own here: its unknowns are as stated, whatever is known of the other.
+Both logs begin alike up to the event where they parted. Later readings of the branch go behind those of the campaign,
+as given readings. A note keeps up to which event, so that a second time takes only new ones. Readings that are here
+already, from here or by way of another branch, are not taken again: they would count twice. Readings are taken over as
+they were recorded: mistakes that were accepted in the branch are not. A set-up that both have read has one zero in the
+model: a person must say whether it stayed mounted. If it was mounted anew for the branch, it is a new set-up here: its
+unknowns begin as stated, whatever is known of the other.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.description.mounted_anew import stands_with_others
+from axiscal.description.campaign import stands_with_others
 from axiscal.document import shown
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading

@@ -12,29 +12,42 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Self
 
 from axiscal.campaign.default_planner import plan_ahead
-from axiscal.campaign.ending import BUDGET, Ended, count_reached, out_of_reach
+from axiscal.campaign.ending import (
+    BUDGET,
+    FUTILE,
+    Ended,
+    count_reached,
+    out_of_reach,
+    refuse_endless,
+    refuse_implausible,
+    standing,
+)
 from axiscal.campaign.interrupt import noted_interrupts
-from axiscal.campaign.knowing import Knowing
 from axiscal.campaign.milestones import Milestone, Status
 from axiscal.campaign.possible import beginning_of, described, kept_text, refuse_of_branch, refuse_unreadable
-from axiscal.campaign.refusing import refuse_endless, refuse_implausible
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.description.campaign import CampaignDescription
+from axiscal.document.durable import Closing
 from axiscal.estimation.accepting import named
 from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.history import path
+from axiscal.estimation.inference.outliers import Doubt
+from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.timed import Timed, elapsed
-from axiscal.exceptions import RecordError
-from axiscal.inference.outliers import Doubt
+from axiscal.estimation.timed import Timed, elapsed, timed
+from axiscal.exceptions import AmbiguityError, RecordError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.numerics.remembered import Memo
+from axiscal.planning.plan_basis import plan_basis
 from axiscal.record.accepted import Accepted
-from axiscal.record.closing import Closing
 from axiscal.record.copies import refuse_other, write_copy
 from axiscal.record.events import (
     Asked,
@@ -57,6 +70,9 @@ Planner = Callable[
     [Case, Knowledge, Sequence[Reading], Sequence[Doubt], Sequence[Gap], Sequence[Place]], tuple[Place, ...]
 ]
 """From what is known to the readings to come, as `next_places`."""
+_ANSWERS = 6
+"""Kept of the same readings: their case, times, estimates while others follow and at the end, and whether they end it.
+"""
 
 
 class Campaign(Closing):
@@ -69,7 +85,7 @@ class Campaign(Closing):
         self._record, self.description, self._planner = record, description, planner
         self.state = record.state()
         self._first = record.events()[0]
-        self._knowing = Knowing(description)
+        self._memo = Memo(_ANSWERS)
 
     @classmethod
     def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = plan_ahead) -> Self:
@@ -98,15 +114,17 @@ class Campaign(Closing):
 
     def case(self) -> Case:
         """Return what the description makes of the mathematics."""
-        return self._knowing.case
+        return self._memo.answer("case", lambda: case_of(self.description))
 
-    def known(self) -> Estimation:
-        """Return what the readings make known while others are to follow."""
-        return self._knowing.known(self.state.readings)
+    def estimate(self, ended: bool = False) -> Estimation:
+        """Return what the readings make known, found once for the same readings.  ended : no others are to follow
 
-    def concluded(self) -> Estimation:
-        """Return what the readings make known if they are all."""
-        return self._knowing.concluded(self.state.readings)
+        Raises AmbiguityError at the end where a station may as well stand elsewhere.
+        """
+        readings = self.state.readings
+        if ended:
+            return self._memo.answer(("ended", readings), lambda: concluded(self.case(), readings, self.estimate()))
+        return self._memo.answer(readings, lambda: estimated(self.case(), readings))
 
     def next(self, *, beyond: bool = False) -> Asked | Ended:
         """Return the reading to take; the same one until it is answered.
@@ -134,7 +152,7 @@ class Campaign(Closing):
         not depend on values.
         """
         if not self._plan_stands():
-            known, left = self.known(), self.state.plan
+            known, left = self.estimate(), self.state.plan
             places = self._planner(
                 known.case, known.to_plan_by, known.readings, known.outliers, self._not_to_read(), left
             )
@@ -146,7 +164,8 @@ class Campaign(Closing):
         return bool(self.state.plan) and not self.state.renew and self._plan_basis() == self.state.plan_basis
 
     def _plan_basis(self) -> str:
-        return self._knowing.plan_basis(self.state.readings)
+        known = self.estimate()
+        return plan_basis(known.case, known.readings, known.outliers)
 
     def _not_to_read(self) -> tuple[Gap, ...]:
         """Return where nothing is to be asked for: what was skipped, and set-ups that have gone."""
@@ -217,7 +236,7 @@ class Campaign(Closing):
         Raises RecordError where they do not name it.
         """
         self._refuse_finished()
-        event = named(self.known(), cause, setup, self.path)
+        event = named(self.estimate(), cause, setup, self.path)
         self._append(event)
         return event
 
@@ -235,7 +254,8 @@ class Campaign(Closing):
         if (said := count_reached(target, len(self.state.readings))) is not None:
             return said
         if target.accurate:
-            said = self._knowing.standing(self.state.readings, ended)
+            follows_from = ("standing", ended, self.state.readings)
+            said = self._memo.answer(follows_from, lambda: standing(target, self._said(ended)))
         return said or (BUDGET if self._over_budget(self._seconds()) else None)
 
     def looked_at_again(self) -> State:
@@ -250,7 +270,14 @@ class Campaign(Closing):
 
     def so_far(self) -> Estimation:
         """Return what the readings make known; of a campaign that has ended, what its report says."""
-        return self._knowing.so_far(self.state.readings, self.state.finished is not None)
+        return self._said(self.state.finished is not None)
+
+    def _said(self, ended: bool) -> Estimation:
+        """Return what a report says, or what stood before the end where that says nothing: a station is ambiguous."""
+        try:
+            return self.estimate(ended)
+        except AmbiguityError:
+            return self.estimate()
 
     def seconds(self, places: Sequence[Place] = ()) -> float:
         """Return the machine time that the readings took, and places would take after them, s."""
@@ -258,7 +285,8 @@ class Campaign(Closing):
 
     def history(self) -> tuple[Milestone, ...]:
         """Return how well the machine was known after each reading, from the first one on."""
-        return self._knowing.history(self.state.readings)
+        pairs = zip(path(self.estimate()), (None, *self.state.readings), strict=True)
+        return tuple(Milestone(n, reading, at.accuracy, at.seconds) for n, (at, reading) in enumerate(pairs))
 
     def adopt(self, readings: tuple[Reading, ...], note: str = "", mounted: Sequence[Mounted] = ()) -> None:
         """Keep readings that were taken without being asked for, in one transaction, set-up by set-up.
@@ -296,13 +324,14 @@ class Campaign(Closing):
                     in_a_row = 0
                     path.append(self._milestone())
                     watch(path[-1])
-                    refuse_implausible(self.known())
+                    refuse_implausible(self.estimate())
                 interrupts.heed()
             return self.finish(asked.because)
 
     def _next_of_run(self, path: Sequence[Milestone]) -> Asked | Ended:
         accuracies = [milestone.accuracy for milestone in path]
-        hopeless = out_of_reach(self.description.target, accuracies)
+        before = partial(estimated, self.case(), self.state.readings[:-FUTILE])
+        hopeless = out_of_reach(self.description.target, accuracies, before, self.estimate())
         return Ended(hopeless) if hopeless and not self.reached() else self.next()
 
     def request(self, asked: Asked) -> Request:
@@ -334,7 +363,7 @@ class Campaign(Closing):
         before, self.state = self.state.mounted, state
         if state.mounted != before:
             self.description = described(self._record)
-            self._knowing = Knowing(self.description)
+            self._memo = Memo(_ANSWERS)
 
     def _clock(self) -> float:
         """Return the seconds since the record was begun; never less than at the reading before."""
@@ -342,7 +371,8 @@ class Campaign(Closing):
         return max([0.0, round(now, 3), *(r.time for r in self.state.readings[-1:] if r.time is not None)])
 
     def _times(self) -> Timed:
-        return self._knowing.timed(self.state.readings)
+        readings = self.state.readings
+        return self._memo.answer(("timed", readings), lambda: timed(self.case(), readings))
 
     def _seconds(self) -> float:
         return self._times().seconds
@@ -352,7 +382,9 @@ class Campaign(Closing):
         return budget is not None and seconds > budget
 
     def _milestone(self) -> Milestone:
-        return self._knowing.milestone(self.state.readings)
+        readings = self.state.readings
+        last = readings[-1] if readings else None
+        return Milestone(len(readings), last, self.estimate().accuracy, self._seconds())
 
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:

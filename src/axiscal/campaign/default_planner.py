@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from axiscal.estimation.case import Case
+from axiscal.estimation.inference.outliers import Doubt
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.inference.outliers import Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.stages import stage

@@ -1,17 +1,18 @@
-"""When a campaign has come to its end: a target is reached, or none will be."""
+"""When a campaign has come to its end: a target is reached, or none will be, or its source is given up."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from axiscal.accuracy.expanded import expanded
-from axiscal.accuracy.yardstick import Accuracy, attainable
-from axiscal.answer.known import known_rows
+from axiscal.campaign.sources import Skip
 from axiscal.description.target import Target
-from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.uncertain import expanded_uncertainty
+from axiscal.estimation.accuracy.expanded import expanded
+from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
+from axiscal.estimation.estimation import Estimation, expanded_uncertainty
+from axiscal.estimation.functionals.known import known_rows
+from axiscal.exceptions import SourceError
 from axiscal.planning.promise import FEW, WantedAccuracy, asked
 from axiscal.units import to_unit
 
@@ -33,7 +34,7 @@ class Ended:
 
 
 class _Standing(NamedTuple):
-    """An accuracy of the volume that is asked for, and how well it is known, m."""
+    """The wanted accuracy of the volume, and the accuracy so far, m."""
 
     wanted: WantedAccuracy
     now: float
@@ -58,14 +59,11 @@ def reaches(target: Target, known: Estimation) -> bool | None:
 
 
 def _said(target: Target, known: Estimation) -> str | None:
-    """Return that one accuracy of the volume and all other rows are reached, or that no reading can; None for neither.
-
-    The floors of the volume are those of the sizes as stated.
-    """
+    """Return that the volume and all other rows are reached, or that no reading can; None for neither."""
     volume = [_Standing(each, known_to(each.name, known)) for each in asked(target, known.case.yardstick)]
     first = next((each for each in volume if each.now <= each.wanted.limit), None)
-    spent = [each for each in volume if each.now <= attainable(each.wanted.limit, each.wanted.floor)]
-    if volume and not spent:
+    spent = [] if first is not None else _spent(target, known, volume)
+    if volume and first is None and not spent:
         return None
     if not known.readings:
         return None
@@ -82,6 +80,17 @@ def _said(target: Target, known: Estimation) -> str | None:
     floor, left = (f"{to_unit(size, 'um'):.3g} um" for size in (spent[0].wanted.floor, spent[0].now))
     name = spent[0].wanted.name
     return f"{name} target cannot be reached: endless readings would leave {floor}, these leave {left}"
+
+
+def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> list[_Standing]:
+    """Return the accuracies of which readings have taken away what they can, with their floors at sizes as learnt."""
+    largest = 1.0 if known.posterior is None else max([1.0, *known.posterior.sizes.values()])
+    # Floors grow with the sizes at the most: those as learnt take longer to find.
+    if not any(each.now <= attainable(each.wanted.limit, largest * each.wanted.floor) for each in volume):
+        return []
+    sized = asked(target, known.case.yardstick_as_sized)
+    pairs = (_Standing(wanted, each.now) for wanted, each in zip(sized, volume, strict=True))
+    return [each for each in pairs if each.now <= attainable(each.wanted.limit, each.wanted.floor)]
 
 
 def _unread(target: Target, known: Estimation) -> bool:
@@ -101,13 +110,44 @@ def known_to(name: str, known: Estimation) -> float:
     return known.accuracy.rms if name == "rms" else known.accuracy.worst
 
 
-def out_of_reach(target: Target, path: Sequence[Accuracy]) -> str | None:
+def out_of_reach(
+    target: Target, path: Sequence[Accuracy], before: Callable[[], Estimation], now: Estimation
+) -> str | None:
     """Return in words that only an accuracy could stop the campaign and many readings have hardly brought it nearer.
 
     path : how well the machine was known before the first reading and after each
+    before, now : what was known as many readings ago, and is: rows count where rows are asked for
     """
     if target.readings is not None or target.budget is not None or len(path) <= FUTILE:
         return None
-    before, now = path[-1 - FUTILE], path[-1]
-    still = now.rms > _HARDLY * before.rms and now.worst > _HARDLY * before.worst
-    return OUT_OF_REACH if still else None
+    then, last = path[-1 - FUTILE], path[-1]
+    still = last.rms > _HARDLY * then.rms and last.worst > _HARDLY * then.worst
+    return OUT_OF_REACH if still and not (target.lines and _nearer(before(), now)) else None
+
+
+def _nearer(before: Estimation, now: Estimation) -> bool:
+    """Return whether a row with a limit is known better than it was, by more than what hardly counts."""
+    old, new = (
+        {row.row: row for row in known_rows(*each.banded, ()) if row.limit is not None} for each in (before, now)
+    )
+    return any(row.known < _HARDLY * old[name].known for name, row in new.items() if not row.settled)
+
+
+PATIENCE = 25
+"""So many skipped readings in a row are taken for a source that does not work."""
+
+
+def refuse_endless(in_a_row: int, answer: Skip) -> None:
+    """Raise SourceError where a source has skipped too many readings in a row, `answer` the last one."""
+    if in_a_row >= PATIENCE:
+        what = f"the source has skipped {in_a_row} readings in a row; the last one because: {answer.reason}"
+        raise SourceError(what, "Mend it, then go on with --resume")
+
+
+def refuse_implausible(known: Estimation) -> None:
+    """Raise SourceError where the last reading is one that no error of the stated size could make."""
+    last = len(known.readings) - 1
+    doubt = next((doubt for doubt in known.outliers if doubt.implausible and doubt.reading == last), None)
+    if doubt is not None:
+        remedy = "It is kept and not relied on. Mend the source; if it is right, undo it and record it with --accept"
+        raise SourceError(known.objection_to(doubt), remedy)

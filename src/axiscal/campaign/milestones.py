@@ -1,12 +1,12 @@
-"""Where a campaign stands, and how it came there."""
+"""The status of a campaign, and the way there."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from axiscal.accuracy.yardstick import Accuracy
+from axiscal.estimation.accuracy.yardstick import Accuracy
+from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.measurement.reading import Reading
-from axiscal.promise.agreement import NOTHING_READ, Agreement
 from axiscal.record.events import State
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from axiscal.campaign.versions import versions
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.mounted_anew import with_mounted
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
 from axiscal.exceptions import ReadingError, RecordError
+from axiscal.machine import Axis
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import LARGEST, Reading
@@ -111,65 +112,72 @@ def _refuse_other_count(setup: Setup, count: int) -> None:
 
 
 def _refuse_impossible(events: Iterable[Stored], description: CampaignDescription, path: Path) -> None:
-    checked = Possible(description)
+    possible = Possible.of(description)
     for stored in events:
-        if fault := checked.fault(stored.event):
+        if fault := possible.fault(stored.event):
             what = f"The record is damaged: event {stored.number} cannot be: {fault}"
             raise RecordError(what, restoring(path), path)
+        possible = possible.after(stored.event)
 
 
+@dataclass(frozen=True, slots=True)
 class Possible:
-    """What a place must be on a machine with these set-ups."""
+    """What can happen on a machine with these set-ups.
 
-    def __init__(self, description: CampaignDescription) -> None:
-        self._axes = description.machine.axes
-        self._setups = {setup.name: setup for setup in description.setups}
-        self._before_jumps = set[str]()
-        self._bounds = [
-            (low - _SLACK * axis.length, high + _SLACK * axis.length)
-            for axis, (low, high) in ((axis, axis.travel) for axis in self._axes)
-        ]
+    bounds : of each axis, m or rad; before_jumps : names of set-ups as they stood before their zeros jumped
+    """
+
+    axes: tuple[Axis, ...]
+    bounds: tuple[tuple[float, float], ...]
+    setups: Mapping[str, Setup]
+    before_jumps: frozenset[str] = frozenset()
+
+    @classmethod
+    def of(cls, description: CampaignDescription) -> Possible:
+        """Return what can happen at the beginning of a campaign."""
+        axes = description.machine.axes
+        bounds = ((*axis.travel, _SLACK * axis.length) for axis in axes)
+        widened = tuple((low - slack, high + slack) for low, high, slack in bounds)
+        return cls(axes, widened, {setup.name: setup for setup in description.setups})
+
+    def after(self, event: Event) -> Possible:
+        """Return what can happen behind an event that can."""
+        if isinstance(event, Mounted):
+            return replace(self, setups={**self.setups, event.name: self.setups[event.setup]})
+        if isinstance(event, Accepted) and event.name:  # the same once more where that was taken back
+            named = {**self.setups, event.name: self.setups[event.setups[0]]}
+            return replace(self, setups=named, before_jumps=self.before_jumps | {event.name})
+        return self
 
     def fault(self, event: Event) -> str:
         """Return what is wrong with an event, "" if nothing is."""
         if isinstance(event, Recorded):
-            return self._of_place(event.reading) or _of_values(event.reading, self._setups[event.reading.setup])
+            return self._of_place(event.reading) or _of_values(event.reading, self.setups[event.reading.setup])
         if isinstance(event, Mounted):
-            return self._mount(event)
+            return self._of_setups([event.setup]) or self._of_new_name(event.name, "")
         if isinstance(event, Accepted):
-            return self._accept(event)
+            return self._of_setups(event.setups) or self._of_new_name(event.name, event.name)
         if isinstance(event, Asked):
             return self._of_place(event.place)
         if isinstance(event, Planned):
             return next(filter(None, map(self._of_place, event.places)), "")
         return ""
 
-    def _mount(self, event: Mounted) -> str:
-        if event.setup not in self._setups:
-            return f'there is no set-up "{event.setup[:60]}"'
-        if event.name in self._setups:
-            return f'there is a set-up "{event.name[:60]}" already'
-        self._setups[event.name] = self._setups[event.setup]
-        return ""
+    def _of_setups(self, names: Sequence[str]) -> str:
+        missing = next((name for name in names if name not in self.setups), None)
+        return "" if missing is None else f'there is no set-up "{missing[:60]}"'
 
-    def _accept(self, event: Accepted) -> str:
-        """Let readings before a jump have a set-up; the same once more where that was taken back."""
-        missing = next((name for name in event.setups if name not in self._setups), None)
-        if missing is not None:
-            return f'there is no set-up "{missing[:60]}"'
-        if event.name and event.name in self._setups and event.name not in self._before_jumps:
-            return f'there is a set-up "{event.name[:60]}" already'
-        if event.name:
-            self._before_jumps.add(event.name)
-            self._setups[event.name] = self._setups[event.setups[0]]
-        return ""
+    def _of_new_name(self, name: str, jumped: str) -> str:
+        """Return what is wrong with a name.  jumped : the same where it is that of a set-up before its zero jumped"""
+        taken = name in self.setups and jumped not in self.before_jumps
+        return f'there is a set-up "{name[:60]}" already' if taken else ""
 
     def _of_place(self, at: Place | Reading) -> str:
-        if at.setup not in self._setups:
-            return f'there is no set-up "{at.setup[:60]}"'
-        if len(at.pose) != len(self._bounds):
-            return f"the place has {len(at.pose)} coordinates, and the machine {len(self._bounds)} axes"
-        for value, (low, high), axis in zip(at.pose, self._bounds, self._axes, strict=True):
+        if missing := self._of_setups([at.setup]):
+            return missing
+        if len(at.pose) != len(self.bounds):
+            return f"the place has {len(at.pose)} coordinates, and the machine {len(self.bounds)} axes"
+        for value, (low, high), axis in zip(at.pose, self.bounds, self.axes, strict=True):
             if not low <= value <= high:
                 return f"{axis.name} = {format_quantity(value, axis.unit, 9)} is outside the travel"
         return ""

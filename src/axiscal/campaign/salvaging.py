@@ -89,7 +89,7 @@ def _fitting(
 
 def _following(entries: Mapping[int, EventText], description: CampaignDescription, path: Path) -> list[EventText]:
     """Return entries with the numbers that they have now; raises _UnfitError."""
-    folding, possible = Folding(), Possible(description)
+    folding, possible = Folding(), Possible.of(description)
     numbers, rows = dict[int, int](), list[EventText]()
     for number, row in entries.items():
         event = _event(number, row)
@@ -110,6 +110,7 @@ def _following(entries: Mapping[int, EventText], description: CampaignDescriptio
             folding.add(Stored(len(rows) + 1, row.at, event))
         except EventOrderError as fault:
             raise _taken_back(event, folding.state(), list(numbers)) or _UnfitError(number, fault) from None
+        possible = possible.after(event)
         rows.append(row)
         numbers[number] = len(rows)
     return rows

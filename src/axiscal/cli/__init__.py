@@ -37,8 +37,8 @@ def main() -> int:
 def _leave(status: int) -> None:
     """End the process here with its status.
 
-    Where Ctrl-C met code that was made while loading (`exec` of a text, as dataclasses do), Python would otherwise end
-    the process by the signal once more, although it has been answered.
+    Python would otherwise end the process by the signal once more if Ctrl-C met code made while loading. Dataclasses
+    make such code (`exec` of a text).
     """
     import os
 

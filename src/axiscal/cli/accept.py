@@ -50,7 +50,7 @@ def accept(
 
 def _named(campaign: Campaign) -> tuple[dict[str, object], list[str]]:
     """Return what the readings name, as a document and in words."""
-    known = campaign.known()
+    known = campaign.estimate()
     if not known.agreement.explained:
         return {"agreement": agreement_document(known.agreement)}, [f"{agreement_words(known, campaign.path)}."]
     lines = []
@@ -64,9 +64,9 @@ def _named(campaign: Campaign) -> tuple[dict[str, object], list[str]]:
 
 def _accepted(campaign: Campaign, cause: str, setup: str | None) -> tuple[dict[str, object], list[str]]:
     """Accept a mistake, and return how the readings agreed before and agree now, as a document and in words."""
-    before = campaign.known()
+    before = campaign.estimate()
     change = change_words(campaign.accept(cause, setup))
-    now = campaign.known()
+    now = campaign.estimate()
     lines = [
         f"Before: {agreement_words(before, campaign.path)}.",
         f"Accepted: {change}.",

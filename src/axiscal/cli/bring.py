@@ -11,7 +11,7 @@ from axiscal.cli.arguments import Json
 from axiscal.cli.printing import complain, say, say_document
 from axiscal.cli.texts import count_text
 from axiscal.exceptions import RecordError
-from axiscal.fleet.bringing import Brought, brought
+from axiscal.ports.fleet.shop_list import Brought, brought
 
 
 def bring(

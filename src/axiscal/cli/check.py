@@ -10,12 +10,12 @@ import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
-from axiscal.cli.printing import say, say_document, tell
+from axiscal.cli.printing import say, say_document, tell_progress
 from axiscal.description.placed_readings import placed_readings
-from axiscal.fleet.aging import YEAR, aging
-from axiscal.fleet.quick_check import CHANCE, READINGS, Checked, QuickCheck
+from axiscal.document.durable import write_whole
 from axiscal.measurement.readers.files import read_any
-from axiscal.record.durable import write_whole
+from axiscal.ports.fleet.quick_check import CHANCE, READINGS, Checked, QuickCheck
+from axiscal.ports.fleet.wearing import YEAR, aging
 
 
 def check(
@@ -79,7 +79,7 @@ def _usual(begun: datetime) -> float:
 
 
 def _planned(asked: QuickCheck, readings: int, plan: Path | None, as_json: bool) -> None:
-    places = asked.planned(readings, lambda said: tell(f"{said} ..."))
+    places = asked.planned(readings, lambda said: tell_progress(f"{said} ..."))
     sheet = asked.sheet(places)
     if plan is not None:
         write_whole(plan, sheet.encode())

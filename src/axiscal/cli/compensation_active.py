@@ -10,10 +10,10 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.printing import tell
-from axiscal.compensation.old_files import read_old
-from axiscal.compensation.on_top import unasked
 from axiscal.description.campaign import CampaignDescription, with_compensation
 from axiscal.exceptions import DescriptionError, InputError
+from axiscal.tables.old_files import read_old
+from axiscal.tables.on_top import unasked
 
 Active = Annotated[
     list[str] | None,
@@ -28,7 +28,7 @@ _WORDS = {"false": False, "no": False, "n": False, "true": True, "yes": True, "y
 
 
 def answered(description: CampaignDescription, said: Sequence[str] | None, *, asking: bool) -> CampaignDescription:
-    """Return the campaign with what is said of a compensation that is active; the record then carries it.
+    """Return the campaign with the statement of an active compensation; the record then carries it.
 
     asking : somebody may be asked, where a terminal is there and nothing was said
     Raises DescriptionError where it is said twice, TableError or ReadingError for files that cannot be read.

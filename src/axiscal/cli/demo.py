@@ -9,18 +9,16 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Details
 from axiscal.cli.last_screen import written_screen
+from axiscal.cli.outputs import tell_details
 from axiscal.cli.printing import say
 from axiscal.cli.progress import shown_progress
 from axiscal.cli.texts import micrometres
-from axiscal.demo.five_axis import description, run_demo
 from axiscal.estimation.case import Case
 from axiscal.measurement.place import Place
-from axiscal.report.headline import first_lines
-from axiscal.report.result_set import RECORD
-from axiscal.report.summary import Summary
+from axiscal.present.demo.five_axis import description, run_demo
+from axiscal.present.result_set import RECORD
 
 
 def demo(
@@ -43,9 +41,8 @@ def demo(
     with shown_progress(case.description.target) as watch:
         summary = run_demo(case, folder, lambda places: say(_planned(case, places)), watch)
     if details:
-        say(_end(summary, folder))
-    with Campaign.open(folder / RECORD, write=False) as campaign:
-        say(written_screen(summary, campaign, folder / RECORD, folder))
+        tell_details(summary, folder)
+    say(written_screen(summary, folder / RECORD, folder))
 
 
 def _fresh(out: Path) -> Path:
@@ -59,13 +56,12 @@ def _fresh(out: Path) -> Path:
 
 
 def _beginning(case: Case) -> str:
-
     machine = case.description.machine
     setups = "\n".join(f"  {setup.name}: {setup.instrument}" for setup in case.description.setups)
     target = case.description.target
     return (
         f"{machine.name}, {machine.chain}: {len(machine.error_names)} errors with {case.errors.size} unknowns.\n"
-        f"Its hidden truth is made of measured curves (axiscal/demo/SOURCES.md). Set-ups:\n{setups}\n"
+        f"Its hidden truth is made of measured curves (axiscal/present/demo/SOURCES.md). Set-ups:\n{setups}\n"
         f"Target: {micrometres(target.rms or 0.0)} RMS at the tool over the volume."
     )
 
@@ -76,16 +72,3 @@ def _planned(case: Case, places: Sequence[Place]) -> str:
     idle = [f'"{setup.name}"' for setup in case.description.setups if setup.name not in counts]
     left = f" Not worth their mounting: {', '.join(idle)}." if idle else ""
     return f"Planned together: {len(places)} readings, {used}.{left}"
-
-
-def _end(summary: Summary, folder: Path) -> str:
-    check = summary.truth
-    assert check is not None
-    return (
-        f"\n{first_lines(summary)}\n"
-        f"{summary.stopped_because}: {summary.readings} readings in {summary.minutes:.0f} minutes of machine time.\n"
-        f"RMS deviation of the tool as found  {check.before_rms_um or 0:6.2f} um\n"
-        f"standard uncertainty promised       {check.promised_rms_um:6.2f} um\n"
-        f"reached, since the truth is known   {check.reached_rms_um:6.2f} um\n"
-        f"Report: {folder / 'report.html'}, {folder / 'report.pdf'}\nTables: {folder / 'tables'}"
-    )

@@ -11,12 +11,11 @@ import typer
 from axiscal.cli.arguments import Json, Records, positive_length
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text, micrometres
+from axiscal.document.durable import write_whole
 from axiscal.estimation.type_prior import type_prior
-from axiscal.fleet.calendar_file import calendar
-from axiscal.fleet.due_dates import DueMachine, Shop, Wanted, due_dates, titles
-from axiscal.record.carried import carried_text
-from axiscal.record.durable import write_whole
-from axiscal.record.gathering import records_of
+from axiscal.ports.fleet.due_dates import DueMachine, Shop, Wanted, calendar, due_dates, titles
+from axiscal.record.copies import carried_text
+from axiscal.record.opening import records_of
 from axiscal.units import to_unit
 
 

@@ -21,14 +21,14 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.evaluation import evaluate, read_iso230
 from axiscal.exceptions import RecordError
-from axiscal.fleet.with_sisters import campaign_with_sisters
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
-from axiscal.report.doubled import copies
-from axiscal.report.findings import untimed
-from axiscal.report.result_set import RECORD, mend
-from axiscal.report.standard import iso230_block
-from axiscal.report.summarising import Extras
+from axiscal.ports.fleet.type_learning import campaign_with_sisters
+from axiscal.present.doubled import copies
+from axiscal.present.findings import untimed
+from axiscal.present.result_set import RECORD, mend
+from axiscal.present.standard import iso230_block
+from axiscal.present.summarising import Extras
 
 
 def estimate(

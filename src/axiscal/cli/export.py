@@ -11,25 +11,25 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Anyway, Json, RecordFile
 from axiscal.cli.printing import say, say_document
-from axiscal.compensation import registry
-from axiscal.compensation.export_options import ExportOptions
-from axiscal.compensation.offer import Export
-from axiscal.compensation.old_files import read_old
-from axiscal.compensation.on_top import informed
 from axiscal.document import shown
 from axiscal.document.bounded import bounded_content
 from axiscal.estimation.agreement_words import agreement_words
+from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.uncertain import expanded_uncertainty
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import ROTARY_LETTERS
-from axiscal.report.delivery import deliver_export, introduced
-from axiscal.report.findings import findings
-from axiscal.report.summarising import record_state
+from axiscal.present.delivery import deliver_export, introduced
+from axiscal.present.findings import findings
+from axiscal.present.summarising import record_state
+from axiscal.tables import registry
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.offer import Export
+from axiscal.tables.old_files import read_old
+from axiscal.tables.on_top import informed
 from axiscal.units import parse_quantity, to_unit
 
 if TYPE_CHECKING:
-    from axiscal.campaign.printer_loader import DuetLoader, MoonrakerLoader
+    from axiscal.ports.printers.printer_loader import DuetLoader, MoonrakerLoader
 
 MOST_BYTES = 4_000_000
 """A template has some thousand bytes; whatever is far larger is another file."""
@@ -115,7 +115,7 @@ def export(
     """
 
     if to == "list":
-        say("\n".join(registry.CONTROLLERS))
+        say("\n".join(registry.controllers()))
         return
     options = _options(
         spacing,
@@ -132,7 +132,7 @@ def export(
     loader = None if load is None else _loader(load, to)
     options = replace(options, old_files=read_old(on_top_of or ()))
     with Campaign.open(record, write=False) as campaign:
-        estimation = campaign.concluded()
+        estimation = campaign.estimate(ended=True)
         options = informed(options, estimation.case.description, to)
         options = replace(options, origin=record_state(campaign).hash)
         offered = _offered(estimation.estimate(), to, options, ini)
@@ -155,7 +155,7 @@ def export(
 
 
 def _loader(printer: str, to: str) -> MoonrakerLoader | DuetLoader:
-    from axiscal.campaign.printer_loader import loader_at
+    from axiscal.ports.printers.printer_loader import loader_at
 
     return loader_at(printer, to)
 
@@ -166,7 +166,7 @@ def _offered(estimate: Estimate, to: str, options: ExportOptions, ini: Path | No
         return registry.export(estimate, to, options)
     if to.casefold() != "linuxcnc-volumetric":
         raise TableError(f"{shown(to)} puts nothing into an INI file", "Leave --ini out, or take linuxcnc-volumetric")
-    from axiscal.campaign.configuring import export_into
+    from axiscal.ports.linuxcnc.configuring import export_into
 
     return export_into(ini, estimate, options)
 
@@ -183,7 +183,6 @@ def _options(
     points: int | None,
     encoder: int,
 ) -> ExportOptions:
-
     text = None if template is None else _text(template)
     shown = "the template" if template is None else str(template)
     return ExportOptions(
@@ -224,7 +223,6 @@ def _numbers(texts: list[str], coordinates: str | None, controller: str) -> dict
 
 
 def _numbered(text: str) -> tuple[str, int]:
-
     axis, equals, number = text.partition("=")
     if not (equals and axis.isalnum() and number.isascii() and number.isdigit() and len(number) < 4):
         raise TableError(f'"{text[:40]}" is not AXIS=N', "Write --number X=1")
@@ -232,7 +230,6 @@ def _numbered(text: str) -> tuple[str, int]:
 
 
 def _text(path: Path) -> str:
-
     try:
         data = bounded_content(path, MOST_BYTES)
     except OSError as fault:
@@ -247,7 +244,6 @@ def _text(path: Path) -> str:
 
 
 def _document(offered: Export, out: Path) -> dict[str, object]:
-
     before, after = (to_unit(value, "um") for value in offered.effect)
     return {
         "schema": "axiscal-export/1",

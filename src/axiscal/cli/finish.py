@@ -5,7 +5,7 @@ from __future__ import annotations
 from axiscal.cli.arguments import Anyway, Details, Json, Out, OwnRecord
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.outputs import write_outputs
-from axiscal.report.result_set import RECORD
+from axiscal.present.result_set import RECORD
 
 
 def finish(record: OwnRecord, out: Out, anyway: Anyway = False, details: Details = False, json: Json = False) -> None:

@@ -9,14 +9,14 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import Json, Records, positive_length
-from axiscal.cli.printing import say, say_document, tell
+from axiscal.cli.printing import say, say_document, tell, tell_progress
 from axiscal.cli.texts import count_text, micrometres
-from axiscal.fleet.due_dates import Wanted, due_dates
-from axiscal.fleet.machine_history import histories
-from axiscal.fleet.shop_list import ShopList, ShopRecord, shop_list
-from axiscal.record.durable import write_whole
-from axiscal.record.gathering import records_of
-from axiscal.report.history_page import render
+from axiscal.document.durable import write_whole
+from axiscal.ports.fleet.due_dates import Wanted, due_dates
+from axiscal.ports.fleet.history_page import render
+from axiscal.ports.fleet.machine_history import histories
+from axiscal.ports.fleet.shop_list import ShopList, ShopRecord, shop_list
+from axiscal.record.opening import records_of
 from axiscal.units import to_unit
 
 _SHOWN = 12
@@ -40,8 +40,8 @@ def fleet(
     `.fleet.sqlite`, so that each is read and estimated only once; it can be thrown away. That of a store is in the
     user's folder for caches. Records that are damaged, no records, or the same as another are named with the reason.
 
-    The page shows what is left with each machine's tables from campaign to campaign, when it is due, what the campaigns
-    found with 95 % bands, figures of ISO 230-2 where readings are such a test, and what was noted.
+    The page shows what is left with each machine's tables from campaign to campaign, and when it is due. Below stand
+    what the campaigns found with 95 % bands, figures of ISO 230-2 where readings are such a test, and the notes.
 
     \b
     Examples:
@@ -50,7 +50,7 @@ def fleet(
       axiscal fleet store:
     """
     wanted = None if target is None else positive_length(target)
-    found = shop_list(folder, lambda said: tell(f"{said} ..."))
+    found = shop_list(folder, lambda said: tell_progress(f"{said} ..."))
     if found.why_apart:
         tell(f"Nothing is kept for the next time: {found.why_apart}.")
     if page is not None:
@@ -66,7 +66,7 @@ def fleet(
 
 def _draw(folder: Path, page: Path, target: float | None) -> None:
     now = datetime.now(UTC)
-    shop = due_dates(records_of(folder), now.date(), Wanted(target), lambda said: tell(f"drawing {said}"))
+    shop = due_dates(records_of(folder), now.date(), Wanted(target), lambda said: tell_progress(f"drawing {said}"))
     write_whole(page, render(shop, histories(shop, now)).encode())
 
 

@@ -14,12 +14,23 @@ from axiscal.cli.arguments import Language
 from axiscal.cli.printing import ask, say
 from axiscal.cli.texts import count_text
 from axiscal.description.first_campaign import OFFERED
-from axiscal.description.first_files import Beginning, first_files, of_builtin, of_ini, write_files
+from axiscal.description.first_files import (
+    Beginning,
+    first_files,
+    linear_travels,
+    of_builtin,
+    of_ini,
+    with_travels,
+    write_files,
+)
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
 from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import chosen
 from axiscal.machine import builtin_names
+from axiscal.present.whose_language import chosen
+
+_MACHINE, _INSTRUMENT, _TARGET = "three-axis-mill", "dial", "20 um"
+"""What an empty answer stands for."""
 
 
 def init(
@@ -72,8 +83,9 @@ def init(
         _on_page(folder, machine, ini, chain or "", tuple(instrument or ()), target or "", port, chosen(language))
         return
     begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
-    names = instrument or _asked("Which instruments are there? Several with blanks between", OFFERED).split()
-    wanted = target or _asked('How well is the tool point to be known, 95 %, such as "20 um"?', ())
+    which = f"Which instruments are there? Several with blanks between; Enter for {_INSTRUMENT}"
+    names = instrument or _asked(which, OFFERED).replace(",", " ").split() or [_INSTRUMENT]
+    wanted = target or _asked(f"How well is the tool point to be known, 95 %? Enter for {_TARGET}", ()) or _TARGET
     files = first_files(begun, names, wanted)
     write_files(folder, files.texts)
     look = f"\nLook at, in machine.toml: {'; '.join(begun.look)}." if begun.look else ""
@@ -108,11 +120,31 @@ def _on_page(
 
 
 def _built_in(machine: str | None) -> Beginning:
-    return of_builtin(machine or _asked("Which built-in machine is most like yours?", builtin_names()))
+    """Return a built-in machine; of one that is not given its travels are asked as well."""
+    if machine is not None:
+        return of_builtin(machine)
+    question = f"Which built-in machine is most like yours? Enter for {_MACHINE}"
+    begun = of_builtin(_asked(question, builtin_names()) or _MACHINE)
+    usual = linear_travels(begun)
+    each = " ".join(f"{length:g}" for length in usual.values())
+    words = _asked(f"How far do {' '.join(usual)} travel, in mm? Enter for {each}", ()).replace(",", " ").split()
+    return with_travels(begun, _lengths(list(usual), words)) if words else begun
+
+
+def _lengths(axes: Sequence[str], words: Sequence[str]) -> dict[str, float]:
+    """Return how far each axis travels, mm; raises DescriptionError."""
+    try:
+        lengths = [float(word) for word in words]
+    except ValueError:
+        lengths = []
+    if len(lengths) != len(axes) or not all(math.isfinite(length) and length > 0 for length in lengths):
+        remedy = f"Write a number for each of {' '.join(axes)}, such as {' '.join(['400'] * len(axes))}"
+        raise DescriptionError(f"{' '.join(words)!r} are not {len(axes)} travels in mm", remedy)
+    return dict(zip(axes, lengths, strict=True))
 
 
 def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path) -> Beginning:
-    """Return the machine of an INI file; what it leaves open is asked where a terminal is there."""
+    """Return the machine of an INI file; at a terminal, ask for what it leaves open."""
     ini, given = read_ini(file), dict(map(_limits, limits))
     asking = sys.stdin.isatty()
     if asking:

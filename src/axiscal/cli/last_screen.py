@@ -1,75 +1,28 @@
-"""The last screen of a command, with what to do next as commands that can be typed as they stand."""
+"""The last screen of a command: of results that are written, and of a campaign as it stands."""
 
 from __future__ import annotations
 
-import shlex
-from collections.abc import Sequence
 from pathlib import Path
 
+from axiscal.answers.answer_of_campaign import answer_of
+from axiscal.answers.answer_words import screen
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import count_reached
+from axiscal.estimation.agreement_words import agreement_words
 from axiscal.estimation.estimation import Estimation
-from axiscal.guide.stopping import results_beside
-from axiscal.language.spoken import said
-from axiscal.report.answer import ResultAnswer
-from axiscal.report.answer_of_campaign import agreement_of, answer_of
-from axiscal.report.promises import ReadingAgreement
-from axiscal.report.screen import ScreenContext, screen
-from axiscal.report.summary import Summary
+from axiscal.language.spoken import speaking
+from axiscal.present.guide.stopping import results_beside
+from axiscal.present.summary import Summary
+from axiscal.present.whose_language import chosen
 
 
-def written_screen(summary: Summary, campaign: Campaign, record: Path, out: Path) -> str:
+def written_screen(summary: Summary, record: Path, out: Path) -> str:
     """Return the screen of a campaign whose results are written.  record : where it stays"""
-    assert summary.answer is not None
-    commands = _after_the_end(summary, campaign, record, out)
-    report = str(out / "report.pdf")
-    left_out = len(summary.rejected)
-    shown = ScreenContext(summary.readings, left_out, summary.agreement, summary.withheld, commands, report)
-    return screen(summary.answer, shown)
+    with speaking(chosen(None)):
+        return screen(summary.answer, summary.agreement.words, str(record), str(out), str(out / "report.pdf"))
 
 
 def standing_screen(campaign: Campaign, known: Estimation) -> str:
     """Return the screen of a campaign as it stands."""
-    answer, agreement = answer_of(campaign, known, {}), agreement_of(known)
-    refused = sum(doubt.rejected for doubt in known.outliers)
-    commands = _under_way(campaign, answer, agreement)
-    return screen(answer, ScreenContext(len(known.readings), refused, agreement, known.agreement.withheld, commands))
-
-
-def _after_the_end(summary: Summary, campaign: Campaign, record: Path, out: Path) -> Sequence[str]:
-    assert summary.answer is not None
-    if summary.answer.verdict in ("more", "contradict", "nothing"):
-        return [f"axiscal undo {_typed(record)}", _going_on(campaign, record, summary.agreement)]
-    offered = [offer.controller for offer in summary.tables if offer.axis]
-    wanted = [name for name in reversed(campaign.description.controls) if name in offered]
-    verify = f"axiscal verify {_typed(record)}"
-    if not wanted:
-        return [verify]
-    folder = out / "tables" / wanted[0]
-    return [said("load {folder} (README.txt there), then", folder=str(folder)), verify]
-
-
-def _under_way(campaign: Campaign, answer: ResultAnswer, agreement: ReadingAgreement) -> Sequence[str]:
-    """Return how to go on; of one that has ended, how to write its results again."""
-    going_on = answer.verdict in ("more", "contradict", "nothing") and campaign.state.finished is None
-    if going_on:
-        return [_going_on(campaign, campaign.path, agreement)]
-    return [f"axiscal finish {_typed(campaign.path)} --out {_typed(results_beside(campaign.path))}"]
-
-
-def _going_on(campaign: Campaign, record: Path, agreement: ReadingAgreement) -> str:
-    """Return how to accept the mistake that explains the readings, or how to take others."""
-    if agreement.contradict and agreement.explained:
-        return f"axiscal accept {_typed(record)} {agreement.explained[0].mistake}"
-    return _reading(campaign, record)
-
-
-def _reading(campaign: Campaign, record: Path) -> str:
-    """Return how further readings are asked for: one by one where as many were taken as the target names."""
-    full = count_reached(campaign.description.target, len(campaign.state.readings)) is not None
-    return f"axiscal next {_typed(record)} --beyond" if full else f"axiscal measure {_typed(record)}"
-
-
-def _typed(path: Path) -> str:
-    """Return a path as it is typed."""
-    return shlex.quote(str(path))
+    path, words = campaign.path, agreement_words(known) if known.readings else ""
+    with speaking(chosen(None)):
+        return screen(answer_of(campaign, known, {}), words, str(path), str(results_beside(path)))

@@ -60,5 +60,5 @@ def _in(places: Sequence[Place], setup: str) -> int:
 
 
 def _promise(campaign: Campaign, places: Sequence[Place]) -> float:
-    known = campaign.concluded()
+    known = campaign.estimate(ended=True)
     return promised(known.case, known.knowledge, places).rms

@@ -9,8 +9,8 @@ import typer
 
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_document
-from axiscal.error_model.gauge import machine_check
-from axiscal.error_model.undescribed import undescribed
+from axiscal.errors.gauge import machine_check
+from axiscal.errors.undescribed import undescribed
 from axiscal.machine import builtin_names, load_machine
 from axiscal.machine.questions import questions, which_way
 

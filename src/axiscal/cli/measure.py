@@ -12,9 +12,10 @@ from axiscal.cli.opened import opened_to_write
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say
 from axiscal.cli.prompt import Prompt
-from axiscal.guide.stopping import results_beside
-from axiscal.language.spoken import chosen, said, speaking
-from axiscal.report.result_set import RECORD
+from axiscal.language.spoken import said, speaking
+from axiscal.present.guide.stopping import results_beside
+from axiscal.present.result_set import RECORD
+from axiscal.present.whose_language import chosen
 
 
 def measure(

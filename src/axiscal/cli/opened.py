@@ -1,4 +1,4 @@
-"""A campaign opened to be changed by one command: after Ctrl-C it is said what was kept and what to call next."""
+"""A campaign opened to be changed by one command; after Ctrl-C the error says what was kept and what to call next."""
 
 from __future__ import annotations
 

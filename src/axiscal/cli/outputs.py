@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.last_screen import written_screen
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.texts import count_text
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
-from axiscal.report.delivery import deliver
-from axiscal.report.headline import NOT_KNOWN, first_lines
-from axiscal.report.result_document import result_json
-from axiscal.report.summarising import Extras
-from axiscal.report.summary import Summary
+from axiscal.language.spoken import resaid
+from axiscal.present.delivery import deliver
+from axiscal.present.result_document import result_json
+from axiscal.present.statement import NOT_KNOWN, statement
+from axiscal.present.summarising import Extras
+from axiscal.present.summary import Summary
 
 
 def write_outputs(
@@ -36,25 +37,24 @@ def write_outputs(
     readings contradict each other.
     """
 
-    summary = _delivered(campaign, out, extras or Extras(compared=True), again, anyway)
+    summary = _delivered(campaign, out, replace(extras or Extras(compared=True), anyway=anyway), again)
     if as_json:
         say_document(result_json(summary))
     else:
         if details:
-            _tell(summary, out)
-        say(written_screen(summary, campaign, record or campaign.path, out))
-    if summary.withheld:
+            tell_details(summary, out)
+        say(written_screen(summary, record or campaign.path, out))
+    if summary.answer.withheld:
         remedy = "Take the readings again that stand out, or write U and tables all the same with finish --anyway"
         raise ReadingError(NOT_KNOWN, f"{remedy}; all readings are kept and the report is written", out)
 
 
-def _tell(summary: Summary, out: Path) -> None:
-    tables = "" if summary.withheld else f"Tables: {out / 'tables'}\n"
-    say(
-        f"{first_lines(summary)}\n"
-        f"{summary.stopped_because}: {count_text(summary.readings, 'reading')}, {summary.minutes:.1f} minutes.\n"
-        f"Report: {out / 'report.html'}, {out / 'report.pdf'}\n{tables}Figures: {out / 'result.json'}"
-    )
+def tell_details(summary: Summary, out: Path) -> None:
+    """Print the statement of uncertainty, where the files are, and all warnings."""
+    tables = "" if summary.answer.withheld else f", {out / 'tables'}"
+    for line in statement(resaid(summary)).lines:
+        say(line)
+    say(f"Files: {out / 'report.html'}, {out / 'report.pdf'}, {out / 'result.json'}{tables}")
     for offer in summary.tables:
         if not offer.axis:
             say(f"No table for {offer.controller}: {offer.left_out}")
@@ -62,11 +62,11 @@ def _tell(summary: Summary, out: Path) -> None:
         say(f"Mind: {warning.text}")
 
 
-def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str, anyway: bool) -> Summary:
+def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str) -> Summary:
     whole = f"The results in {out} are whole, those of before or the new ones"
     again = again or f"write them by: axiscal finish {campaign.path} --out {out}"
     try:
-        return deliver(campaign, campaign.concluded(), out, extras, anyway)
+        return deliver(campaign, campaign.estimate(ended=True), out, extras)
     except OSError as failure:
         what = f"The results were not written: {failure.strerror or failure}"
         remedy = f"Check the permissions and the room on the disk; those of before, if any, stand whole; then {again}"

@@ -2,49 +2,43 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from axiscal.accuracy.as_one import seen_as_one
-from axiscal.accuracy.other_tool import other_tool
 from axiscal.cli.arguments import CampaignFile, Json
-from axiscal.cli.printing import say, say_document, tell
-from axiscal.cli.texts import count_text, micrometres
+from axiscal.cli.printing import say, say_document, tell, tell_progress
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.hardly_reached import hardly_reached
+from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
 from axiscal.description.programs import stated
-from axiscal.description.unused import unused_artefacts
-from axiscal.design.plan.plan import Plan
-from axiscal.design.plan.task import Limits
+from axiscal.document.durable import write_whole
+from axiscal.estimation.accuracy.as_one import seen_as_one
+from axiscal.estimation.accuracy.other_tool import other_tool
 from axiscal.estimation.case import Case
+from axiscal.estimation.estimation import as_standard
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.uncertain import as_standard
 from axiscal.exceptions import PlanError, TargetError
-from axiscal.fleet.with_sisters import campaign_with_sisters
-from axiscal.gcode import write_programs
-from axiscal.gcode.controls import dialect
+from axiscal.language.spoken import speaking
 from axiscal.machine.questions import which_way
-from axiscal.measurement.place_texts import approach_text, place_text
 from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.feasibility import (
-    fewer_than_asked,
-    not_to_the_letter,
-    out_of_reach,
-    reached_unread,
-    refuse_endless,
-    refuse_out_of_reach,
-)
-from axiscal.planning.next_readings import enough_for_rows, few_more, placed, posed
-from axiscal.planning.plan_document import bound_sentence, plan_document
+from axiscal.planning.feasibility import reached_unread, refuse_endless, refuse_out_of_reach
+from axiscal.planning.next_readings import CANDIDATES, enough_for_rows, few_more, placed, posed
+from axiscal.planning.plan.plan import Plan
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable
 from axiscal.planning.what_if import alternatives
-from axiscal.record.durable import write_whole
-from axiscal.report import room_page
-from axiscal.report.what_if_page import render, table_row
-from axiscal.units import parse_quantity, to_unit
+from axiscal.ports.fleet.type_learning import campaign_with_sisters
+from axiscal.present.machine_drawing.setup_picture import plan_picture
+from axiscal.present.plan_answer import plan_answer
+from axiscal.present.plan_words import plan_list, plan_screen
+from axiscal.present.what_if_page import render, table_row
+from axiscal.present.whose_language import chosen
+from axiscal.programs import write_programs
+from axiscal.programs.dialect import dialect
+from axiscal.units import Dimension, parse_quantity
 
 _GAP = 0.5
 """Percent; a proof that is tighter takes longer, and the bound that is printed holds at any."""
@@ -55,7 +49,7 @@ def plan(
     readings: Annotated[int | None, typer.Option(metavar="M", help="So many readings.", min=1)] = None,
     target: Annotated[str | None, typer.Option(metavar="RMS", help='An accuracy to reach, such as "2 um".')] = None,
     budget: Annotated[str | None, typer.Option(metavar="TIME", help='Machine time, such as "2 h".')] = None,
-    candidates: Annotated[int, typer.Option(metavar="N", help="Places to choose from.", min=10)] = 4000,
+    candidates: Annotated[int, typer.Option(metavar="N", help="Places to choose from.", min=10)] = CANDIDATES,
     gcode: Annotated[
         str | None, typer.Option(metavar="CONTROLLER", help="Write the plan as programs for this control, into --out.")
     ] = None,
@@ -87,7 +81,7 @@ def plan(
         Path | None, typer.Option(metavar="FILE.html", help="Compare the set-ups and the traditional way, as a page.")
     ] = None,
     picture: Annotated[
-        Path | None, typer.Option(metavar="FILE.html", help="Draw part, balls, travels and the way, as a page.")
+        Path | None, typer.Option(metavar="FILE.svg", help="Draw each set-up on the machine, and where it is read.")
     ] = None,
     prove: Annotated[
         bool,
@@ -110,11 +104,14 @@ def plan(
             metavar="MB", help="Memory for the candidates' rows; beyond it they are made anew, slower.", min=1
         ),
     ] = 1000,
+    details: Annotated[
+        bool, typer.Option("--details", help="List the readings first, and how far they are from the best plan.")
+    ] = False,
     json: Json = False,
 ) -> None:
     """Plan which readings to take, and say how good they make it.
 
-    It gives their order, the minutes, and the distance from the best possible plan. Nothing is recorded. Without
+    It says how well each row is then known, the minutes, and what to mount in turn. Nothing is recorded. Without
     options the campaign's own target counts. --readings and --budget ask for the best plan of so many readings, or of
     so much time. --target alone plans within the campaign's own readings and budget. --clearance, --order, --feed and
     --dwell replace what [programs] of the campaign says.
@@ -127,7 +124,7 @@ def plan(
       axiscal plan campaign.toml --readings 40 --gcode fanuc --clearance "Z=0 mm" --feed "500 mm/min" --dwell
       axiscal plan campaign.toml --readings 40 --gcode linuxcnc --log
       axiscal plan campaign.toml --readings 40 --compare what-if.html
-      axiscal plan campaign.toml --readings 40 --picture where.html
+      axiscal plan campaign.toml --readings 40 --picture where.svg
       axiscal plan campaign.toml --readings 12 --prove
     """
 
@@ -135,12 +132,15 @@ def plan(
         raise PlanError("--log is of programs, and none are asked for", "Add --gcode CONTROLLER, or leave --log out")
     if gap is not None and not prove:
         raise PlanError("--gap says when a proof ends, and none was asked for", "Add --prove, or leave --gap out")
+    if picture is not None and picture.suffix.lower() != ".svg":
+        raise PlanError(f"--picture draws an SVG file, and {picture.name} is none", "Give it a name that ends in .svg")
     if gcode is not None:
         dialect(gcode)
     driven = _driven(campaign_with_sisters(campaign, target_needed=False, told=tell), clearance, order, feed, dwell)
     for said in (unused_artefacts(driven), hardly_reached(driven)):
         if said is not None:
             tell(f"Mind: {said}")
+    ends, driven = not driven.target.empty, _aimed(driven, readings, target, budget)
     case = case_of(_without_tcp(driven) if no_tcp else driven)
     limits, how = _limits(case, readings, target, budget), Thoroughness(candidates, memory * 1e6)
     refuse_endless(case, limits, candidates)
@@ -148,27 +148,30 @@ def plan(
         refuse_unless_provable(case)
     if target is not None:
         refuse_out_of_reach(case, limits)
-    elif readings is None and budget is None and (said := out_of_reach(case)) is not None:
-        tell(f"Mind: {said}")
     if (unread := reached_unread(case, limits)) is not None:
         tell(f"Mind: {unread}")
         limits = few_more(limits)
     if compare is not None:
         _compared(case, limits, how, compare, json)
         return
-    proposal = proposed(case, limits, how, lambda step: tell(f"{step} ..."))
+    proposal = proposed(case, limits, how, lambda step: tell_progress(f"{step} ..."))
     if prove:
-        proposal = proven(case, proposal, how, _share(case, gap), lambda step: tell(f"{step} ..."))
+        proposal = proven(case, proposal, how, _share(case, gap), lambda step: tell_progress(f"{step} ..."))
     if picture is not None:
         title = f"Where {case.description.machine.name} is read"
-        write_whole(picture, room_page.render(title, case.description, placed(case, proposal.plan)).encode())
-    files = [] if gcode is None else _programs(case, proposal.plan, gcode, out, log)
+        write_whole(picture, plan_picture(title, case.description, placed(case, proposal.plan)).encode())
+    written = [] if picture is None else [str(picture)]
+    if gcode is not None:
+        count = len(_programs(case, proposal.plan, gcode, out, log))
+        written.append(f"{out} ({count} files, README.txt there)")
+    answer = plan_answer(case, proposal, limits, ends=ends)
     if json:
-        say_document(plan_document(case, proposal))
+        say_document(answer.model_dump(mode="json", by_alias=True))
         return
-    say(_table(case, limits, proposal))
-    for file in [*([] if picture is None else [picture]), *files]:
-        say(f"Written: {file}")
+    with speaking(chosen(None)):
+        if details:
+            say("\n".join([*plan_list(answer), *_minds(case, proposal)]))
+        say(plan_screen(answer, str(campaign), written))
 
 
 def _share(case: Case, gap: float | None) -> float:
@@ -176,29 +179,40 @@ def _share(case: Case, gap: float | None) -> float:
     return (_GAP if gap is None else gap) / 100 * (2 if case.description.target.criterion == "volume" else 1)
 
 
-def _limits(case: Case, readings: int | None, target: str | None, budget: str | None) -> Limits:
-
-    own = case.description.target
+def _aimed(
+    description: CampaignDescription, readings: int | None, target: str | None, budget: str | None
+) -> CampaignDescription:
+    """Return the campaign with the target of these options; raises TargetError, UnitError."""
+    own = description.target
     if own.empty and readings is None and target is None and budget is None:
         remedy = 'Say --readings 40, --target "2 um" or --budget "2 h", or give the campaign a target'
         raise TargetError("nothing would ever end this plan", remedy)
-    rms = None if target is None else parse_quantity(target, "length")
-    seconds = None if budget is None else parse_quantity(budget, "time")
-    for value, text in ((rms, target), (seconds, budget)):
-        if value is not None and value <= 0:
-            raise TargetError(f'"{text}" is not above zero', "Give an accuracy or a time above zero")
-    if readings is not None or seconds is not None:  # so many readings, or so much time: as good as they can be
-        return Limits(readings, rms, None, seconds)
-    if rms is not None:  # an accuracy, within what the campaign allows
-        return Limits(own.readings, rms, None, own.budget)
+    if target is None:
+        return description
+    return replace(description, target=replace(own, rms=_above_zero(target, "length"), worst=None, expanded=None))
+
+
+def _above_zero(text: str, dimension: Dimension) -> float:
+    value = parse_quantity(text, dimension)
+    if value <= 0:
+        raise TargetError(f'"{text}" is not above zero', "Give an accuracy or a time above zero")
+    return value
+
+
+def _limits(case: Case, readings: int | None, target: str | None, budget: str | None) -> Limits:
+    own = case.description.target
+    if readings is not None or budget is not None:  # so many readings, or so much time: as good as they can be
+        seconds = None if budget is None else _above_zero(budget, "time")
+        return Limits(readings, None if target is None else own.rms, None, seconds)
+    if target is not None:  # an accuracy, within what the campaign allows
+        return Limits(own.readings, own.rms, None, own.budget)
     own_rms = own.rms if own.expanded is None else max(own.rms or 0.0, as_standard(case, case.knowledge, own.expanded))
     limits = Limits(own.readings, own_rms, own.worst, own.budget)
     return enough_for_rows(case, case.knowledge, posed(case, case.knowledge), limits) if own.lines else limits
 
 
 def _compared(case: Case, limits: Limits, how: Thoroughness, page: Path, as_json: bool) -> None:
-
-    found = alternatives(case, limits, how, lambda name: tell(f"{name} ..."))
+    found = alternatives(case, limits, how, lambda name: tell_progress(f"{name} ..."))
     machine = case.description.machine
     write_whole(page, render(f"Ways to measure: {machine.name}", found, which_way(machine)).encode())
     rows = [table_row(each) for each in found]
@@ -227,43 +241,15 @@ def _without_tcp(description: CampaignDescription) -> CampaignDescription:
 
 
 def _programs(case: Case, made: Plan, controller: str, out: Path, log: bool) -> list[Path]:
-
     out.mkdir(parents=True, exist_ok=True)
     machine, setups = case.description.machine, case.description.setups
     return write_programs(machine, setups, placed(case, made), controller, out, log)
 
 
-def _table(case: Case, limits: Limits, proposal: Proposal) -> str:
-
-    made = proposal.plan
-    accuracy, minutes = made.accuracy, to_unit(made.seconds, "min")
-    said = f"{count_text(len(made.readings), 'reading')} in {minutes:.1f} min: RMS {micrometres(accuracy.rms)}, "
-    said += f"worst {micrometres(accuracy.worst)} (before: RMS {micrometres(made.before.rms)})."
-    lines = [*_lines(case, made), said, bound_sentence(case, proposal)]
-    lines += [f"Mind: {part.text}" for part in seen_as_one(case.yardstick)]
-    minded = [not_to_the_letter(limits, made), fewer_than_asked(limits, made), _other_tool(case, made)]
-    return "\n".join([*lines, *(f"Mind: {sentence}" for sentence in minded if sentence)])
-
-
-def _other_tool(case: Case, made: Plan) -> str:
-    """Return what a plan leaves with a longer tool than the one it is read with, "" where it is as good."""
-    known, yardstick = case.knowledge.read(blank_readings(case.description.setups, placed(case, made))), case.yardstick
-    return other_tool(case.errors, known.belief, yardstick.box, counted=yardstick.counted).words
-
-
-def _lines(case: Case, made: Plan) -> list[str]:
-    """Return a line for each reading, and one for each mounting, in columns."""
-
-    axes, lines, mounted = case.description.machine.axes, list[str](), ""
-    places = placed(case, made)
-    moves = {setup.name: setup.moves for setup in case.description.setups}
-    where = [place_text(axes, place.pose, moves[place.setup]) for place in places]
-    come = [approach_text(axes, place.approach) for place in places]
-    wide, side = (max((len(text) for text in texts), default=0) for texts in (where, come))
-    for number, (place, reading) in enumerate(zip(places, made.readings, strict=True)):
-        if place.setup != mounted:
-            lines.append(f'Set-up "{place.setup}"')
-            mounted = place.setup
-        after = f"RMS {micrometres(reading.accuracy.rms):>8}, {to_unit(reading.seconds, 'min'):6.1f} min"
-        lines.append(f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{side}}  {after}")
-    return lines
+def _minds(case: Case, proposal: Proposal) -> Iterator[str]:
+    """Yield what else there is to know: what acts on all as one, and what a longer tool would cost."""
+    yield from (f"Mind: {part.text}" for part in seen_as_one(case.yardstick))
+    blanks = blank_readings(case.description.setups, placed(case, proposal.plan))
+    known, yardstick = case.knowledge.read(blanks), case.yardstick
+    if words := other_tool(case.errors, known.belief, yardstick.box, counted=yardstick.counted).words:
+        yield f"Mind: {words}"

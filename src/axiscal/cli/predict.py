@@ -11,7 +11,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document
 from axiscal.estimation.prediction import PosePrediction, predict_poses
-from axiscal.measurement.readers.poses import read_poses
+from axiscal.measurement.readers.axes import read_poses
 
 
 def predict(
@@ -31,7 +31,7 @@ def predict(
 
     wanted = read_poses(poses)
     with Campaign.open(record, write=False) as campaign:
-        found = predict_poses(campaign.concluded(), wanted, poses)
+        found = predict_poses(campaign.estimate(ended=True), wanted, poses)
     if json:
         rows = [{"mean_um": each.mean_um, "std_um": each.std_um} for each in found]
         say_document({"schema": "axiscal-predict/1", "poses": rows})

@@ -25,6 +25,12 @@ def tell(text: str) -> None:
     _write(sys.stderr, text + "\n")
 
 
+def tell_progress(text: str) -> None:
+    """Write a line about the work that goes on to a terminal; where nobody looks, nothing is written."""
+    if sys.stderr.isatty():
+        tell(text)
+
+
 def complain(text: str) -> None:
     """Write one paragraph to stderr: what went wrong, where, and what to do."""
     one_line = " ".join(text.split())

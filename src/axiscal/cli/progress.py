@@ -1,4 +1,4 @@
-"""What stderr shows of a campaign: prospects, and progress as one line that changes, or one line per reading."""
+"""What stderr shows of a campaign: prospects, and progress as one line that changes, on a terminal."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.milestones import Milestone
 from axiscal.cli.printing import tell
 from axiscal.cli.texts import accuracy_text
-from axiscal.compensation.on_top import unasked
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.hardly_reached import hardly_reached
+from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
 from axiscal.description.target import Target
-from axiscal.description.unused import unused_artefacts
 from axiscal.machine.questions import questions
 from axiscal.numerics.stages import listening
-from axiscal.planning.feasibility import out_of_reach
+from axiscal.present.plan_answer import reach_answer
+from axiscal.present.plan_words import reach_text
+from axiscal.tables.on_top import unasked
 from axiscal.units import to_unit
 
 
 @contextmanager
 def shown_progress(target: Target) -> Iterator[Callable[[Milestone], None]]:
-    """Yield what is to be told of every reading."""
+    """Yield what is to be told of every reading: a line that changes on a terminal, elsewhere nothing."""
     if not sys.stderr.isatty():
         with listening(None):
-            yield lambda milestone: tell(progress_line(milestone, target))
+            yield lambda milestone: None
         return
     from rich.console import Console
     from rich.live import Live
@@ -57,8 +57,9 @@ def tell_unasked(description: CampaignDescription) -> None:
 
 
 def tell_out_of_reach(campaign: Campaign) -> None:
-    """Say if the target cannot be reached with the set-ups."""
-
-    said = out_of_reach(campaign.concluded().case)
-    if said is not None:
-        tell(f"Mind: {said}")
+    """Say before the first reading if the target cannot be reached with the set-ups."""
+    if campaign.state.readings:
+        return
+    reach = reach_answer(campaign.estimate(ended=True).case)
+    if reach is not None:
+        tell(reach_text(reach))

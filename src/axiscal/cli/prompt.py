@@ -5,21 +5,23 @@ from __future__ import annotations
 from enum import Enum, auto
 from pathlib import Path
 
+from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ended_words import because_text
 from axiscal.campaign.ending import Ended
 from axiscal.cli.printing import ask, say
+from axiscal.cli.progress import tell_out_of_reach
 from axiscal.cli.prompt_texts import expected_text, headline, help_text, mounting_text, question_lines
 from axiscal.cli.texts import micrometres
 from axiscal.exceptions import AxiscalError, OvertakenError
-from axiscal.guide.answers import Value, Word, action, answer
-from axiscal.guide.expectation import SURPRISING
-from axiscal.guide.progress import Progress
-from axiscal.guide.question import Question
-from axiscal.guide.second_thoughts import contradictions, doubted, others_doubted
-from axiscal.guide.stopping import controls_of, table_left
-from axiscal.guide.taking_back import take_back
 from axiscal.language.spoken import counted, decimals, said
+from axiscal.present.guide.answers import Value, Word, action, answer
+from axiscal.present.guide.expectation import SURPRISING
+from axiscal.present.guide.progress import Progress
+from axiscal.present.guide.question import Question
+from axiscal.present.guide.second_thoughts import contradictions, doubted, others_doubted
+from axiscal.present.guide.stopping import controls_of, table_left
+from axiscal.present.guide.taking_back import take_back
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 
@@ -47,6 +49,7 @@ class Prompt:
 
     def held(self) -> bool:
         """Hold the dialogue; return False where the person pauses, True where the campaign is to be finished."""
+        tell_out_of_reach(self.campaign)
         then = _Then.ANEW
         while then is _Then.ANEW:
             then = self._answered(self.campaign.next())
@@ -83,7 +86,7 @@ class Prompt:
 
     def _heed_mounting(self, typed: Value | Word, question: Question) -> _Then:
         if isinstance(typed, Value):
-            say("  " + said("That is a reading; press Enter when the set-up stands, then type it."))
+            say("  " + said("This is a reading: press Enter when the set-up stands, then type it."))
             return _Then.SAME
         return _Then.STANDS if typed.action == "show" else self._heed(typed, question)
 
@@ -97,6 +100,7 @@ class Prompt:
                 say(f"  {take_back(self.campaign).sentence}")
                 return _Then.ANEW
             case "skip":
+                self._costs(rest=False)
                 self.campaign.skip(typed.text or ask("  " + said("why can it not be taken?") + " "))
                 say("  " + said("skipped; the plan is made anew around it"))
                 return _Then.ANEW
@@ -116,9 +120,9 @@ class Prompt:
         vouched = False
         surprise = question.expected.surprise(typed.values)
         if surprise >= SURPRISING:
-            far = "That is {size} standard deviations from what is expected, {expected}."
+            far = "It is {size} standard deviations from what is expected, {expected}."
             say("  " + said(far, size=decimals(f"{surprise:.1f}"), expected=expected_text(question)))
-            choice = said("Type k to keep it, v to keep it and vouch for it, Enter to read again:")
+            choice = said("Type k to keep it, v to keep it as surely right, Enter to read again:")
             word = ask(f"  {choice} ").strip().lower()
             if word not in ("k", "v"):
                 return _Then.SAME
@@ -132,8 +136,18 @@ class Prompt:
             say("  " + said("Mind: {sentence}", sentence=sentence))
         return _Then.ANEW
 
+    def _costs(self, *, rest: bool) -> bool:
+        """Say what it costs to skip the reading, or to leave the set-up, and return whether that is anything."""
+        words = cost_words(self.campaign, rest=rest)
+        say(f"  {cost_sentence(words)}")
+        return bool(words)
+
     def _leave(self, reason: str, question: Question) -> _Then:
         setup = question.setup.name
+        if self._costs(rest=True):
+            choice = said("Type yes to leave it, Enter to go on:")
+            if ask(f"  {choice} ").strip().lower() not in ("yes", "y", said("yes")):
+                return _Then.SAME
         self.campaign.skip(reason or said("the set-up was left"), rest=True)
         say("  " + said('left "{setup}": the plan is made anew without it; undo goes back to it', setup=setup))
         return _Then.ANEW

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.texts import micrometres
-from axiscal.guide.answers import ACTIONS
-from axiscal.guide.expectation import BAND
-from axiscal.guide.mounting import mount_sentence, mount_steps
-from axiscal.guide.progress import Progress, goals_text
-from axiscal.guide.question import Question
 from axiscal.language.spoken import decimals, said
+from axiscal.present.guide.answers import ACTIONS
+from axiscal.present.guide.expectation import BAND
+from axiscal.present.guide.mounting import mount_sentence, mount_steps
+from axiscal.present.guide.progress import Progress, goals_text
+from axiscal.present.guide.question import Question
 from axiscal.units import to_unit
 
 
@@ -80,7 +80,7 @@ def expected_text(question: Question) -> str:
 
 
 def _plain(value: float, unit: str) -> str:
-    """Return a number in its unit with one decimal, none from a hundred on, and no minus before nought."""
+    """Return a number in its unit with one decimal, none from a hundred on, and no minus before zero."""
     shown = to_unit(float(value), unit)
     digits = 1 if abs(shown) < 100 else 0
     return decimals(f"{round(shown, digits) + 0.0:.{digits}f}")

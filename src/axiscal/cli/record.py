@@ -7,6 +7,7 @@ from typing import Annotated, NamedTuple
 
 import typer
 
+from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, Log, Programs, RecordFile
 from axiscal.cli.leaving import Stand
@@ -16,13 +17,13 @@ from axiscal.cli.places import typed_place
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text, next_text, question_document
 from axiscal.exceptions import RecordError
-from axiscal.guide.answers import value_texts
-from axiscal.guide.question import asked_text
-from axiscal.guide.second_thoughts import contradictions, doubted, others_doubted
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import place_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
+from axiscal.present.guide.answers import value_texts
+from axiscal.present.guide.question import asked_text
+from axiscal.present.guide.second_thoughts import contradictions, doubted, others_doubted
 from axiscal.units import format_quantity, parse_quantity, to_unit
 
 
@@ -82,10 +83,12 @@ def record(
     document: dict[str, object]
     with opened_to_write(record) as campaign:
         if reason is not None:
+            costs = cost_words(campaign, rest=leave is not None)
             asked = campaign.skip(reason, rest=leave is not None)
             done = "Left the set-up at" if leave is not None else "Skipped"
-            message = f"{done} {asked_text(campaign, asked)}: {reason.strip()}"
-            document = {"skipped": asked.reading, "set_up_left": leave is not None}
+            message = f"{done} {asked_text(campaign, asked)}: {reason.strip()}\n{cost_sentence(costs)}"
+            message += f" To stay: axiscal undo {record}" if costs else ""
+            document = {"skipped": asked.reading, "set_up_left": leave is not None, "costs": costs}
         else:
             typed = _understood(campaign, text, std, at, setup, approach)  # first: what is misspelt is said at once
             before = doubted(campaign)
@@ -133,7 +136,7 @@ _REMEDY = "Take it again (axiscal undo, then axiscal record), or record it with 
 def _doubt(campaign: Campaign) -> tuple[float | None, str]:
     """Return how many standard deviations away the last reading is, and that in words; None if it is believed."""
 
-    last, estimation = len(campaign.state.readings) - 1, campaign.known()
+    last, estimation = len(campaign.state.readings) - 1, campaign.estimate()
     doubt = next((doubt for doubt in estimation.outliers if doubt.reading == last), None)
     if doubt is None:
         return None, ""
@@ -169,7 +172,6 @@ class _Understood(NamedTuple):
 def _understood(
     campaign: Campaign, text: str, std: str | None, at: str | None, setup: str | None, approach: str | None
 ) -> _Understood:
-
     place = typed_place(campaign, setup, at, approach) if at is not None else campaign.open_question().place
     mounted = campaign.description.setup(place.setup)
     dimension = INSTRUMENTS[mounted.instrument].reads
@@ -178,7 +180,6 @@ def _understood(
 
 
 def _kept(campaign: Campaign, reading: Reading) -> str:
-
     setup, axes = campaign.description.setup(reading.setup), campaign.description.machine.axes
     place = place_text(axes, reading.pose, setup.moves)
     value = format_quantity(reading.value, reading_unit(setup))
@@ -186,7 +187,6 @@ def _kept(campaign: Campaign, reading: Reading) -> str:
 
 
 def _kept_document(campaign: Campaign, reading: Reading) -> dict[str, object]:
-
     unit = reading_unit(campaign.description.setup(reading.setup))
     return {
         "reading": reading.number,

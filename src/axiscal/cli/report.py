@@ -11,9 +11,9 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import OwnRecord, ReportLanguage
 from axiscal.cli.printing import say
 from axiscal.exceptions import RecordError
-from axiscal.report.calibration_certificate import check_against
-from axiscal.report.delivery import write_report
-from axiscal.report.summarising import Extras, summarise
+from axiscal.present.calibration_certificate import check_against
+from axiscal.present.delivery import write_report
+from axiscal.present.summarising import Extras, summarise
 
 
 def report(
@@ -45,7 +45,7 @@ def report(
 
     target = record.with_suffix(".html") if out is None else _page(out)
     with Campaign.open(record, write=False) as campaign:
-        summary = summarise(campaign, campaign.concluded(), Extras(files=[str(record)]))
+        summary = summarise(campaign, campaign.estimate(ended=True), Extras(files=[str(record)]))
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target, language)
     say(f"The report is in {target}.{_compared(target, schema)}")

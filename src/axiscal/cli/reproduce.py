@@ -10,11 +10,11 @@ import typer
 
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_document, tell
-from axiscal.record.durable import write_whole
-from axiscal.reproduction.beyond import beyond, lines
-from axiscal.reproduction.beyond import numbers as numbers_beyond
-from axiscal.reproduction.experiment import document, run, table
-from axiscal.reproduction.paper_page import render
+from axiscal.document.durable import write_whole
+from axiscal.ports.paper.beyond import beyond, lines
+from axiscal.ports.paper.beyond import numbers as numbers_beyond
+from axiscal.ports.paper.experiment import document, run, table
+from axiscal.ports.paper.paper_page import render
 
 Folder = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for reproduce.html and its numbers.")]
 

@@ -18,11 +18,11 @@ from axiscal.cli.progress import shown_progress, tell_out_of_reach
 from axiscal.cli.texts import count_text
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.exceptions import AxiscalError, InputError, RecordError, TargetError
-from axiscal.fleet.with_sisters import with_sisters
+from axiscal.measurement.simulation import Simulator
+from axiscal.ports.fleet.type_learning import with_sisters
+from axiscal.present.result_set import RECORD, mend
 from axiscal.record.events import Asked, Created, Planned
 from axiscal.record.store import Record
-from axiscal.report.result_set import RECORD, mend
-from axiscal.simulation import Simulator
 from axiscal.units import parse_quantity
 
 
@@ -97,13 +97,11 @@ def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -
 
 
 def _only_begun(path: Path) -> bool:
-
     with Record.open(path, write=False) as record:
         return all(isinstance(stored.event, Created | Planned | Asked) for stored in record.events())
 
 
 def _loop(campaign: Campaign, source: Source, again: str) -> None:
-
     try:
         with shown_progress(campaign.description.target) as watch:
             campaign.run(source, watch)
@@ -115,7 +113,6 @@ def _loop(campaign: Campaign, source: Source, again: str) -> None:
 
 
 def _refuse_unreached(campaign: Campaign) -> None:
-
     source, written = campaign.description.source, "the results so far are written"
     if campaign.state.finished == OUT_OF_REACH:
         what = f"The target is out of reach: {OUT_OF_REACH.partition(': ')[2]}"
@@ -128,7 +125,6 @@ def _refuse_unreached(campaign: Campaign) -> None:
 
 
 def _kept(campaign: Campaign, again: str) -> str:
-
     count = len(campaign.state.readings)
     return (
         f"{count_text(count, 'reading')} {'is' if count == 1 else 'are'} kept in {campaign.path}; go on with: {again}"

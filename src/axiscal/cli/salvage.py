@@ -12,7 +12,7 @@ from axiscal.campaign.salvaging import Salvaged, salvaged
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.texts import count_text
-from axiscal.fleet.with_sisters import campaign_with_sisters
+from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.record.line_form import EventText
 from axiscal.record.log import rows_of
 from axiscal.record.store import Record

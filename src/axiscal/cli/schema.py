@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.printing import say_document
-from axiscal.description.file_schemas import SCHEMAS
+from axiscal.description.campaign_schema import SCHEMAS
 
 
 def schema(

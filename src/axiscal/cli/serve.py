@@ -8,7 +8,7 @@ import typer
 
 from axiscal.cli.arguments import Language, OwnRecord
 from axiscal.cli.printing import say, tell
-from axiscal.language.spoken import chosen
+from axiscal.present.whose_language import chosen
 from axiscal.web.serving import serve_record
 
 

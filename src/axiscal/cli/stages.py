@@ -1,4 +1,4 @@
-"""What a command is doing, on stderr, from its second second on: one line that changes, or a line for each stage."""
+"""The stage of a running command, on stderr of a terminal, from its second second on: one line that changes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class StageLine:
     def __init__(self) -> None:
         self._lock, self._stack = threading.Lock(), list[tuple[Stage, float]]()
         self._start, self._done = time.monotonic(), threading.Event()
-        self._line, self._told = "", ""
+        self._line = ""
 
     def begun(self, stage: Stage) -> None:
         """A stage begins."""
@@ -52,15 +52,10 @@ class StageLine:
             if not self._stack or now - self._start < _QUIET:
                 return
             stage, since = self._stack[-1]
-            if sys.stderr.isatty():
-                self._rewrite(f"{stage_text(stage, now - since)}, {now - self._start:.0f} s so far")
-            elif self._told != stage.name:
-                self._told = stage.name
-                sys.stderr.write(f"{stage_text(stage, now - since)} ...\n")
-                sys.stderr.flush()
+            self._rewrite(f"{stage_text(stage, now - since)}, {now - self._start:.0f} s so far")
 
     def watch(self) -> None:
-        """Look again and again, in a thread of its own, until the end."""
+        """Look again and again, in a separate thread, until the end."""
         while not self._done.wait(_LOOK):
             self.show(time.monotonic())
 
@@ -103,8 +98,8 @@ def seconds_left(stage: Stage, seconds: float) -> float:
 
 @contextmanager
 def shown_stages() -> Iterator[None]:
-    """Show what is done in this block, unless AXISCAL_PROGRESS is "off": else what is said would hang on time."""
-    if os.environ.get("AXISCAL_PROGRESS") == "off":
+    """Show what is done in this block on a terminal, unless AXISCAL_PROGRESS is "off"."""
+    if os.environ.get("AXISCAL_PROGRESS") == "off" or not sys.stderr.isatty():
         yield
         return
     stages = StageLine()

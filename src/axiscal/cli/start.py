@@ -16,7 +16,7 @@ from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.progress import tell_out_of_reach, tell_unasked
 from axiscal.cli.texts import count_text
 from axiscal.description.campaign import CampaignDescription
-from axiscal.fleet.with_sisters import campaign_with_sisters
+from axiscal.ports.fleet.type_learning import campaign_with_sisters
 
 
 def start(

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from axiscal.answers.answer import StatusAnswer, StatusNote, StatusTarget
+from axiscal.answers.answer_of_campaign import answer_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Details, Json, OwnRecord
 from axiscal.cli.last_screen import standing_screen
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text
+from axiscal.description.target import Target
 from axiscal.estimation.accepting import change_words
 from axiscal.estimation.agreement_words import agreement_document, agreement_words
 from axiscal.estimation.membership_words import membership_words
 from axiscal.estimation.type_prior import is_type_text
-from axiscal.guide.question import asked_text
-from axiscal.guide.second_thoughts import contradictions
 from axiscal.language.spoken import said
+from axiscal.present.guide.question import asked_text
+from axiscal.present.guide.second_thoughts import contradictions
 from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit
 
@@ -30,7 +33,7 @@ def status(record: OwnRecord, details: Details = False, json: Json = False) -> N
 
     with Campaign.open(record, write=False) as campaign:
         if json:
-            say_document(_document(campaign))
+            say_document(_document(campaign).model_dump(mode="json", by_alias=True))
             return
         if details:
             say("\n".join(_lines(campaign)))
@@ -40,7 +43,6 @@ def status(record: OwnRecord, details: Details = False, json: Json = False) -> N
 
 
 def _lines(campaign: Campaign) -> list[str]:
-
     status, description = campaign.status(), campaign.description
     state, target = status.state, description.target
     lines = [
@@ -49,7 +51,7 @@ def _lines(campaign: Campaign) -> list[str]:
         accuracy_text(status.accuracy, target.rms, target.worst),
     ]
     if state.readings:
-        lines.append(agreement_words(campaign.known(), campaign.path))
+        lines.append(agreement_words(campaign.estimate(), campaign.path))
     if sisters := _sisters(campaign):
         lines.append(f"{sisters[:1].upper()}{sisters[1:]}")
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
@@ -64,45 +66,41 @@ def _lines(campaign: Campaign) -> list[str]:
 
 def _sisters(campaign: Campaign) -> str:
     """Return whether the machine is like its sisters, in words, "" for one without; only then is it estimated."""
-    return membership_words(campaign.known()) if is_type_text(campaign.description.prior_text) else ""
+    return membership_words(campaign.estimate()) if is_type_text(campaign.description.prior_text) else ""
 
 
 def _gap_words(gap: Gap) -> str:
     return "Left the set-up at" if gap.whole else "Skipped"
 
 
-def _document(campaign: Campaign) -> dict[str, object]:
-
+def _document(campaign: Campaign) -> StatusAnswer:
     status = campaign.status()
     state = status.state
-    return {
-        "schema": "axiscal-status/1",
-        "machine": campaign.description.machine.name,
-        "readings": len(state.readings),
-        "minutes": to_unit(status.seconds, "min"),
-        "rms_um": to_unit(status.accuracy.rms, "um"),
-        "worst_um": to_unit(status.accuracy.worst, "um"),
-        "target": _target(campaign),
-        "reached": status.reached,
-        "finished": state.finished,
-        "agreement": agreement_document(status.agreement),
-        "mind": contradictions(campaign),
-        "sisters": _sisters(campaign) or None,
-        "question": campaign.request(state.pending).message() if state.pending else None,
-        "accepted": [change_words(each) for each in state.accepted],
-        "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
-        "newer": [each.kind for each in state.newer],
-        "skipped": [
+    return StatusAnswer(
+        machine=campaign.description.machine.name,
+        readings=len(state.readings),
+        minutes=to_unit(status.seconds, "min"),
+        rms_um=to_unit(status.accuracy.rms, "um"),
+        worst_um=to_unit(status.accuracy.worst, "um"),
+        answer=answer_of(campaign, campaign.so_far(), {}),
+        target=_target(campaign.description.target),
+        reached=status.reached,
+        finished=state.finished,
+        agreement=agreement_document(status.agreement),
+        mind=contradictions(campaign),
+        sisters=_sisters(campaign) or None,
+        question=campaign.request(state.pending).message() if state.pending else None,
+        accepted=[change_words(each) for each in state.accepted],
+        notes=[StatusNote(text=note.text, at=note.at, after_reading=note.after) for note in state.notes],
+        newer=[each.kind for each in state.newer],
+        skipped=[
             campaign.request(gap.asked).message() | {"reason": gap.reason, "set_up_left": gap.whole}
             for gap in state.skipped
         ],
-    }
+    )
 
 
-def _target(campaign: Campaign) -> dict[str, float | None]:
-
-    target = campaign.description.target
-    lengths = {"rms_um": target.rms, "worst_um": target.worst}
-    shown = {name: None if value is None else to_unit(value, "um") for name, value in lengths.items()}
+def _target(target: Target) -> StatusTarget:
+    rms, worst = (None if value is None else to_unit(value, "um") for value in (target.rms, target.worst))
     budget = None if target.budget is None else to_unit(target.budget, "min")
-    return {**shown, "readings": target.readings, "budget_min": budget}
+    return StatusTarget(rms_um=rms, worst_um=worst, readings=target.readings, budget_min=budget)

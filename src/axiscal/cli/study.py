@@ -15,23 +15,20 @@ import typer
 
 from axiscal.campaign.versions import versions
 from axiscal.cli.arguments import Json
-from axiscal.cli.printing import say, say_document, tell
+from axiscal.cli.printing import say, say_document, tell, tell_progress
 from axiscal.cli.texts import count_text
+from axiscal.document.durable import write_whole
 from axiscal.exceptions import AxiscalError, InputError, StudyError
 from axiscal.numerics.stages import counting
-from axiscal.record.durable import write_whole
-from axiscal.study.cluster import Certificates, Cluster
-from axiscal.study.comparing import MeasuringWay, ways_of
-from axiscal.study.figures_kept import FIGURES
-from axiscal.study.outcome import outcome
-from axiscal.study.processes import Processes
-from axiscal.study.result_table import rows_of, write_table
-from axiscal.study.results import Results
-from axiscal.study.running import Ran, Watch, run_missing
-from axiscal.study.study_file import Study, read_study
-from axiscal.study.study_page import render
-from axiscal.study.verdicts import verdicts
-from axiscal.study.work import Done, Engine, WorkItem, answered, here, processors_here
+from axiscal.ports.study.cluster import Certificates, Cluster
+from axiscal.ports.study.comparing import MeasuringWay, verdicts, ways_of
+from axiscal.ports.study.outcome import outcome
+from axiscal.ports.study.processes import Processes
+from axiscal.ports.study.results import Ran, Results, Watch, rows_of, run_missing, write_table
+from axiscal.ports.study.study_case import FIGURES
+from axiscal.ports.study.study_file import Study, read_study
+from axiscal.ports.study.study_page import render
+from axiscal.ports.study.work import Done, Engine, WorkItem, answered, here, processors_here
 
 _TOLD = 20
 """Lines about the progress where nobody watches a screen; a matter of taste."""
@@ -133,7 +130,7 @@ def _write(described: Study, results: Results, folder: Path, ran: Ran, json: boo
         })  # fmt: skip
         return
     for sentence in said:
-        say(sentence)
+        say(sentence.replace("µ", "u"))  # as terminals have it; the page keeps µ
     before = f", {ran.there} were there" if ran.there else ""
     say(f"{count_text(ran.computed, 'case')} computed{before}. Written: {page}, {table}")
 
@@ -194,6 +191,6 @@ def _progress() -> Iterator[Watch]:
         if done and (done == of or done >= told[0] + max(1, of // _TOLD)):
             told[0] = done
             left = (time.monotonic() - begun) * (of - done) / done
-            tell(f"{done} of {count_text(of, 'case')}" + (f", about {left:.0f} s left" if done < of else ""))
+            tell_progress(f"{done} of {count_text(of, 'case')}" + (f", about {left:.0f} s left" if done < of else ""))
 
     yield watch_lines

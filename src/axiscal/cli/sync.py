@@ -10,10 +10,8 @@ import typer
 from axiscal.cli.arguments import Json, own_record, records_here
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text
-from axiscal.record.postgres.address import store_address
-from axiscal.record.postgres.database import opened_database
-from axiscal.record.postgres.schema import ROLES, prepare
-from axiscal.record.postgres.syncing import Synced, synced
+from axiscal.ports.postgres.database import ROLES, opened_database, prepare
+from axiscal.ports.postgres.syncing import Synced, synced
 from axiscal.record.store import Record
 
 
@@ -45,7 +43,7 @@ def sync(
       axiscal shop sync --prepare --store postgresql://keeper@server/shop
       axiscal shop sync mill.axiscal
     """
-    database = opened_database(store_address(store))
+    database = opened_database(store)
     try:
         if prepared:
             new = prepare(database)

@@ -9,20 +9,19 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import CampaignFile, Json
-from axiscal.cli.printing import say, say_document, tell
+from axiscal.cli.printing import say, say_document, tell, tell_progress
 from axiscal.cli.texts import count_text
 from axiscal.description.campaign import read_campaign
+from axiscal.document.durable import write_whole
 from axiscal.estimation.type_prior import TypePrior, type_prior
 from axiscal.exceptions import RecordError
-from axiscal.fleet.rehearsal import Imagined, rehearsed
-from axiscal.fleet.saving import Saving, saving
-from axiscal.fleet.type_learning import DIRECTIONS, DOUBT, learnt_type
-from axiscal.fleet.type_words import error_lines, summary_sentences
 from axiscal.machine import load_machine
-from axiscal.record.carried import carried_text
-from axiscal.record.durable import write_whole
-from axiscal.record.gathering import gathered
-from axiscal.report import type_page
+from axiscal.ports.fleet import type_page
+from axiscal.ports.fleet.rehearsal import Imagined, rehearsed
+from axiscal.ports.fleet.type_learning import DIRECTIONS, DOUBT, Saving, learnt_type, saving
+from axiscal.ports.fleet.type_words import error_lines, summary_sentences
+from axiscal.record.copies import carried_text
+from axiscal.record.opening import gathered
 from axiscal.units import to_unit
 
 _LARGEST = 100.0
@@ -110,7 +109,7 @@ def explain(
         prior = learnt_type(_files(source), None if described is None else described.machine, told=tell)
     saved = []
     if described is not None:
-        saved = [saving_words(saving(described, prior.text(), lambda said: tell(f"{said} ...")))]
+        saved = [saving_words(saving(described, prior.text(), lambda said: tell_progress(f"{said} ...")))]
     if page is not None:
         write_whole(page, type_page.render(prior, saved).encode())
     _show(prior, saved, [] if page is None else [page], json)
@@ -207,7 +206,7 @@ def rehearse(
     if not 0 < size <= _LARGEST:
         raise typer.BadParameter(f"a size lies above 0 and is at most {_LARGEST:g}", param_hint="--size")
     described = read_campaign(campaign)
-    files = rehearsed(described, Imagined(size, common), machines, out, seed, lambda said: tell(f"{said} ..."))
+    files = rehearsed(described, Imagined(size, common), machines, out, seed, lambda said: tell_progress(f"{said} ..."))
     if json:
         say_document({"schema": "axiscal-type-rehearsed/1", "records": [str(file) for file in files]})
     else:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say, say_document
-from axiscal.guide.taking_back import take_back
+from axiscal.present.guide.taking_back import take_back
 
 
 def undo(record: OwnRecord, json: Json = False) -> None:

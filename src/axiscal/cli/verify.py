@@ -7,13 +7,13 @@ from typing import Annotated
 
 import typer
 
-from axiscal.acceptance.check import Check
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
-from axiscal.cli.printing import say, say_document, tell
+from axiscal.cli.printing import say, say_document, tell_progress
+from axiscal.document.durable import write_whole
+from axiscal.evaluation.acceptance.check import Check
 from axiscal.measurement.place import Places
-from axiscal.record.durable import write_whole
-from axiscal.report.check_report import judgement_document, judgement_text, plan_lines, plan_rows
+from axiscal.present.check_answer import check_answer, check_text, plan_lines, plan_rows
 
 
 def verify(
@@ -95,16 +95,16 @@ def verify(
     else:
         _plan(check, check.planned(points, tolerance=check.tightest(tolerance)), plan, json)
         return
-    judgement = check.judged(readings, tolerance)
+    answer = check_answer(check.judged(readings, tolerance), len(readings[0]))
     if json:
-        say_document(judgement_document(judgement))
+        say_document(answer.model_dump(mode="json", by_alias=True))
     else:
-        say(judgement_text(judgement))
+        say(check_text(answer))
 
 
 def _read_live(check: Check, host: str, places: Places, files: tuple[Path, Path], loaded: Path | None) -> str:
     """Let LinuxCNC read what is missing, without the tables or with them; returns what is to be done next."""
-    from axiscal.campaign.sources.linuxcnc_live import InForce, attached_to
+    from axiscal.ports.linuxcnc.live import InForce, attached_to
 
     machine = check.description.machine
     with_tables = InForce(True) if loaded is None else InForce.of(loaded)
@@ -123,7 +123,7 @@ def _read_live(check: Check, host: str, places: Places, files: tuple[Path, Path]
 
 
 def _tell_read(file: Path, read: int, of: int) -> None:
-    tell(f"{file}: reading {read} of {of}")
+    tell_progress(f"{file}: reading {read} of {of}")
 
 
 def _say_next(text: str, json: bool) -> None:
@@ -134,7 +134,6 @@ def _say_next(text: str, json: bool) -> None:
 
 
 def _plan(check: Check, chosen: Places, plan: Path | None, json: bool) -> None:
-
     rows = plan_rows(check, chosen)
     sheet = check.sheet(chosen)
     if plan is not None:

@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
+from functools import partial
 from itertools import combinations
 from types import MappingProxyType
 
 import numpy as np
 
-from axiscal.description.artefact_schema import ArtefactTable, GridTable
-from axiscal.description.vectors import spot, unit_vector
+from axiscal.description.campaign_schema import ArtefactTable, GridTable
+from axiscal.description.vectors import At
 from axiscal.document import Document, shown
-from axiscal.exceptions import DescriptionError, InputError
+from axiscal.exceptions import DescriptionError
 from axiscal.measurement.artefact import Artefact, Ball
-from axiscal.measurement.setup import FINEST
-from axiscal.units import format_quantity, parse_quantity
+from axiscal.units import format_quantity
 
-PLACED = 1e-3
-TURNED = 1e-3
-SCALE = 0.5e-6
-CONE = math.radians(100.0)
 MOST_BALLS = 400
 """More balls on a plate are a slip."""
 CLOSEST = 2e-3
@@ -51,28 +46,25 @@ class _ArtefactReader:
     """Reads one table; every failure is placed at the key it is about."""
 
     def __init__(self, table: ArtefactTable, document: Document, number: int) -> None:
-        self._table, self._document, self._number = table, document, number
+        self._table = table
+        self._at: At = partial(document.placed, "artefacts", number)
 
     def artefact(self) -> Artefact:
         table = self._table
-        with self._at("name"):
-            name = artefact_name(table.name)
         balls = self._balls()
-        with self._at("free"):
-            free = unit_vector(table.free)
         with self._at("calibrated"):
             self._refuse_open_turn(balls)
         return Artefact(
-            name=name,
+            name=table.name,
             balls=balls,
-            free=free,
-            cone=self._size("cone", CONE, math.pi, "an angle above 0 and up to 180 deg"),
+            free=table.free,
+            cone=table.cone,
             keep_out=tuple(self._kept_out(at, box) for at, box in enumerate(table.keep_out)),
-            placed=self._size("placed", PLACED, 1.0, "how far it may stand from there, above zero"),
-            turned=self._size("turned", TURNED, 1.0, "a small angle above zero"),
-            calibrated=None if table.calibrated is None else self._size("calibrated", 0.0, 1.0, "a std above zero"),
-            scale=SCALE if table.scale is None else self._scale(table.scale),
-            diameter=None if table.diameter is None else self._size("diameter", 0.0, 1.0, "that of a ball"),
+            placed=table.placed,
+            turned=table.turned,
+            calibrated=table.calibrated,
+            scale=table.scale,
+            diameter=table.diameter,
         )
 
     def _balls(self) -> tuple[Ball, ...]:
@@ -85,7 +77,7 @@ class _ArtefactReader:
         balls = []
         for name, place in table.balls.items():
             with self._at("balls", name):
-                balls.append(Ball(_ball_name(name), spot(place)))
+                balls.append(Ball(_ball_name(name), place))
         with self._at("balls"):
             _refuse_close(tuple(balls))
         return tuple(balls)
@@ -98,11 +90,10 @@ class _ArtefactReader:
             if min(grid.count) < 2 or grid.count[0] * grid.count[1] > MOST_BALLS:
                 what = f"a grid of {grid.count[0]} by {grid.count[1]} balls"
                 raise DescriptionError(what, f"Give 2 to {MOST_BALLS} balls in rows of 2 and more, or a row as balls")
-            pitch = [parse_quantity(text, "length") for text in grid.pitch]
-            ways = [np.array(unit_vector(way)) for way in grid.along]
+            pitch, ways = grid.pitch, [np.array(way) for way in grid.along]
             if min(pitch) < CLOSEST or np.linalg.norm(np.cross(ways[0], ways[1])) < _OFF_LINE:
                 raise DescriptionError("the balls of this grid fall together", "Give two directions and a pitch each")
-            origin, (rows, columns) = np.array(spot(grid.origin)), grid.count
+            origin, (rows, columns) = np.array(grid.origin), grid.count
         places = {
             f"ball_{i + 1}_{j + 1}": origin + i * pitch[0] * ways[0] + j * pitch[1] * ways[1]
             for i in range(rows)
@@ -119,47 +110,12 @@ class _ArtefactReader:
             what = "balls that are calibrated together need at least three that are not in a line: their turn is open"
             raise DescriptionError(what, "Take calibrated out, and each ball stands where it stands")
 
-    def _scale(self, value: float) -> float:
-        with self._at("scale"):
-            if not 0 <= value <= 1e-2:
-                raise DescriptionError("this is no scale", 'Give its std, such as "0.5 um/m", or "0 um/m"')
-        return value
-
-    def _size(self, key: str, usual: float, most: float, meaning: str) -> float:
-        value: float | None = getattr(self._table, key)
-        with self._at(key):
-            if value is not None and not FINEST <= value <= most:
-                written = shown(self._document.data["artefacts"][self._number][key])
-                raise DescriptionError(f"{written} is not possible here", f"Give {meaning}")
-        return usual if value is None else value
-
-    def _kept_out(self, at: int, box: Mapping[str, list[str]]) -> tuple[tuple[float, float], ...]:
+    def _kept_out(self, at: int, box: Mapping[str, tuple[float, float]]) -> tuple[tuple[float, float], ...]:
         with self._at("keep_out", at):
             if not box or not set(box) <= set("xyz"):
                 remedy = 'Write { x = ["-250 mm", "250 mm"], z = ["-300 mm", "-150 mm"] }, in the workpiece frame'
                 raise DescriptionError(f"{shown(dict(box))} is no box", remedy)
-            return tuple(_ends(box[letter]) if letter in box else (-_FAR, _FAR) for letter in "xyz")
-
-    @contextmanager
-    def _at(self, *keys: str | int) -> Iterator[None]:
-        try:
-            yield
-        except InputError as failure:
-            raise self._document.fault(failure, "artefacts", self._number, *keys) from None
-
-
-def _ends(texts: list[str]) -> tuple[float, float]:
-    values = [parse_quantity(text, "length") for text in texts]
-    if len(values) != 2 or not values[0] < values[1]:
-        raise DescriptionError(f"{shown(texts)} does not increase", "Give the lower end first")
-    return values[0], values[1]
-
-
-def artefact_name(text: str) -> str:
-    """Return a name; raises DescriptionError."""
-    if not text.strip() or text != text.strip() or not text.isprintable() or len(text) > 80:
-        raise DescriptionError(f"{shown(text)} is not a name", "Give it up to 80 printable characters")
-    return text
+            return tuple(box.get(letter, (-_FAR, _FAR)) for letter in "xyz")
 
 
 def _ball_name(text: str) -> str:

@@ -2,32 +2,35 @@
 
 from __future__ import annotations
 
+import glob
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from axiscal.description.particulars import NOTHING_SAID, Particulars, read_particulars
-from axiscal.description.sisters_named import SistersNamed, sisters_named
 from axiscal.description.target import Target
+from axiscal.description.usual import usual_machine
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
 from axiscal.machine.entry import Sure
 from axiscal.measurement.instruments.kind import CARRIED
 from axiscal.measurement.setup import Setup, Vector
-from axiscal.promise.usual import usual_machine
+from axiscal.record.log import STORED
 from axiscal.units import format_quantity
 
 if TYPE_CHECKING:
     from axiscal.description.campaign_schema import CampaignTable
+if TYPE_CHECKING:
+    from axiscal.description.campaign_schema import SistersTable
+from collections.abc import Sequence
+
+from axiscal.record.events import Mounted
 
 _PRINTERS = {"klipper", "marlin", "reprapfirmware"}
-_ACTIVE = 'Write false, true, or the files that are active, such as ["X.comp", "Y.comp"]'
 _SCALES: dict[str | None, Sure] = {None: "roughly", "stated": "well", "estimate": "roughly"}
 """What campaigns said before there was `sure`."""
-_LONGEST_DOUBT = 0.1
-"""m."""
 _TRUED = 5e-6
 """m: what is set in the spindle to be read is made to run true with a dial (an assumption)."""
 _ONCE_USUAL = 5e-6
@@ -79,7 +82,7 @@ class CampaignDescription:
 
 
 def with_compensation(description: CampaignDescription, active: bool | tuple[str, ...]) -> CampaignDescription:
-    """Return the campaign with what is said of a compensation that is active, in its text too, before the machine."""
+    """Return the campaign with the statement of an active compensation, in its text too, before the machine."""
     said = json.dumps(active if isinstance(active, bool) else list(active), ensure_ascii=False)
     lines = description.text.splitlines(keepends=True)
     place = (Document.parse(description.text, description.source).line("machine") or 1) - 1
@@ -105,7 +108,7 @@ def _prior_text(document: Document) -> str:
     name = document.data.get("prior")
     if not isinstance(name, str) or not name.strip():
         return ""
-    from axiscal.record.carried import carried_text
+    from axiscal.record.copies import carried_text
 
     return carried_text(document.path.parent / name)
 
@@ -161,7 +164,7 @@ def _described(
     table = read_model(document, CampaignTable)
     target = read_target(table.target, machine, document)
     artefacts = read_artefacts(table.artefacts, document)
-    tool = _tool(table, document, usual_doubts)
+    tool = _tool(table, usual_doubts)
     printer = usual_doubts and set(table.controls) <= _PRINTERS  # records of before know no such probe
     at_20 = refers_to_20(table, artefacts, document)
     target = replace(target, refers_to="20 degC" if at_20 else "as read")
@@ -176,7 +179,6 @@ def _described(
     usual = table.usual == "on"
     machine = usual_machine(machine, setups) if usual else machine
     source = str(document.path)
-    active, said = _active(table.compensation_active, document), read_particulars(table, machine, document)
     sisters = sisters_named(table.sisters, document)
     doubt = None if table.sisters is None else table.sisters.doubt
     return CampaignDescription(
@@ -190,8 +192,8 @@ def _described(
         usual=usual,
         prior_text=prior_text,
         kept=table.kept,
-        compensation_active=active,
-        particulars=said,
+        compensation_active=table.compensation_active,
+        particulars=read_particulars(table, machine),
         usual_doubts=usual_doubts,
         sisters=sisters,
         doubt=doubt,
@@ -199,27 +201,11 @@ def _described(
     )
 
 
-def _active(given: bool | str | list[str] | None, document: Document) -> bool | tuple[str, ...] | None:
-    """Return what campaign.toml says of a compensation that is active; raises DescriptionError for an empty name."""
-    if given is None or isinstance(given, bool):
-        return given
-    names = (given,) if isinstance(given, str) else tuple(given)
-    if not names or not all(name.strip() and name.isprintable() for name in names):
-        fault = DescriptionError(f"compensation_active = {shown(given)} names no file", _ACTIVE)
-        raise document.fault(fault, "compensation_active")
-    return names
-
-
-def _tool(table: CampaignTable, document: Document, usual_doubts: bool) -> Vector:
+def _tool(table: CampaignTable, usual_doubts: bool) -> Vector:
     """Return how well it is known where the tool's point sits, std along its x, y, z, m."""
     usual, trued = (CARRIED, _TRUED) if usual_doubts else (_ONCE_USUAL, 0.0)
-    length, aside = usual if table.tool_length is None else table.tool_length, table.tool_eccentricity
-    remedy = 'Give how well it is known, such as {} = "5 um"; "0 um" where the zeros were set with it'
-    for key, value in (("tool_length", length), ("tool_eccentricity", aside or 0.0)):
-        if not 0 <= value <= _LONGEST_DOUBT:
-            what = "this is no std of where a tool's point sits"
-            raise document.fault(DescriptionError(what, remedy.format(key)), key)
-    aside = min(length, trued) if aside is None else aside
+    length = usual if table.tool_length is None else table.tool_length
+    aside = min(length, trued) if table.tool_eccentricity is None else table.tool_eccentricity
     return aside, aside, length
 
 
@@ -230,3 +216,56 @@ def _refuse_budget(target: Target, setups: tuple[Setup, ...], document: Document
         what = f"{format_quantity(target.budget, 'min', 3)} is less than the {needs} that the first reading takes"
         fault = DescriptionError(what, "Allow more time, or give a shorter setup_time")
         raise document.fault(fault, "target", "budget")
+
+
+@dataclass(frozen=True, slots=True)
+class SistersNamed:
+    """records : in the order of their names, "store:" for all of the store; type : what their machines are called, None
+    for any; directions : in which sisters may differ together
+    """
+
+    records: tuple[Path, ...]
+    directions: int
+    type: str | None = None
+
+
+def sisters_named(table: SistersTable | None, document: Document) -> SistersNamed | None:
+    """Return the records that [sisters] names beside campaign.toml; None where it names none.
+
+    A record that is opened again carries what they taught, and needs none of them. Raises DescriptionError for two
+    priors.
+    """
+    if table is None or (table.records is None and table.type is None):
+        return None
+    if document.data.get("prior"):
+        what = "[sisters] names records, and `prior` names another prior"
+        raise document.fault(DescriptionError(what, "Leave one of them out"), "sisters", "records")
+    found = set[Path]()
+    for pattern in (STORED,) if table.records is None else table.records:
+        if pattern.startswith(STORED):
+            found.add(Path(pattern))
+        else:
+            found |= {Path(name) for name in glob.glob(str(document.path.parent / pattern))}
+    return SistersNamed(tuple(sorted(found)), table.directions, table.type)
+
+
+def with_mounted(description: CampaignDescription, mounted: Sequence[Mounted]) -> CampaignDescription:
+    """Return a campaign with its set-ups as they were mounted anew behind them.
+
+    Unknowns of a set-up alone begin as stated, whatever is known of the other one: zero, slope, station, drift of the
+    zero. Quantities of an artefact, a bar or a tool stay one.
+    Raises DescriptionError where there is no such set-up.
+    """
+    for each in mounted:
+        anew = replace(description.setup(each.setup), name=each.name)
+        description = replace(description, setups=(*description.setups, anew))
+    return description
+
+
+def stands_with_others(setup: Setup) -> str:
+    """Return what else would have to be mounted anew with a set-up: what owns the place it reads at; "" for nothing."""
+    standing = "" if setup.artefact is None else setup.artefact.standing
+    for unknown in setup.unknowns:
+        if unknown.owner and (unknown.owner == standing or unknown.name.startswith("station_")):
+            return unknown.owner
+    return ""

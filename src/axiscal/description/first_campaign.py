@@ -54,11 +54,28 @@ approach = "both"                # from both sides: reversal shows with both onl
 """
 _EDGE = """
 [[setups]]
-name = "straightedge along {axis}, read in {way}"
+name = "{what} along {axis}, read in {way}"
 instrument = "straightedge"
 direction = "{way}"
 moves = ["{axis}"]
-reach = {{ {axis} = ["{low}", "{high}"] }}   # from where to where the straightedge lies: say how yours does
+reach = {{ {axis} = ["{low}", "{high}"] }}   # from where to where it touches something straight: say how yours does
+raster = {{ {axis} = "10 mm" }}
+approach = "both"
+# noise = "1 um"
+"""
+_SQUARE = """
+[[artefacts]]
+name = "square {one}{other}"
+turned = "1 mrad"                # how far it may lie turned; both legs share it
+{legs}"""
+_LEG = """
+[[setups]]
+name = "dial on the leg of square {one}{other} along {axis}"
+instrument = "straightedge"
+artefact = "square {one}{other}"
+direction = "{way}"
+moves = ["{axis}"]
+reach = {{ {axis} = ["{low}", "{high}"] }}   # from where to where the leg lies: say how yours does
 raster = {{ {axis} = "10 mm" }}
 approach = "both"
 # noise = "1 um"
@@ -144,11 +161,37 @@ def _lasers(machine: Machine) -> Iterator[str]:
 
 
 def _straightedges(machine: Machine) -> Iterator[str]:
+    return _edges(machine, "straightedge")
+
+
+def _dials(machine: Machine) -> Iterator[str]:
+    return _edges(machine, "dial")
+
+
+def _edges(machine: Machine, what: str) -> Iterator[str]:
+    """Yield set-ups that read across each linear axis along something straight.  what : its name"""
     ways = {_way(axis) for axis in _linear(machine)}
     for axis in _linear(machine):
-        low, high = (format_quantity(float(each), "mm", 4) for each in np.quantile(axis.travel, [0.25, 0.75]))
+        low, high = _within(axis)
         for way in sorted(ways - {_way(axis)}):
-            yield _EDGE.format(axis=axis.name, way=way, low=low, high=high)
+            yield _EDGE.format(what=what, axis=axis.name, way=way, low=low, high=high)
+
+
+def _squares(machine: Machine) -> Iterator[str]:
+    """Yield a square for each two linear axes, with a dial on both of its legs."""
+    for pair in combinations(_linear(machine), 2):
+        names = {"one": pair[0].name, "other": pair[1].name}
+        legs = ""
+        for axis, across in (pair, pair[::-1]):
+            low, high = _within(axis)
+            legs += _LEG.format(**names, axis=axis.name, way=_way(across), low=low, high=high)
+        yield _SQUARE.format(**names, legs=legs)
+
+
+def _within(axis: Axis) -> tuple[str, str]:
+    """Return both ends of the middle half of a travel."""
+    low, high = (format_quantity(float(each), "mm", 4) for each in np.quantile(axis.travel, [0.25, 0.75]))
+    return low, high
 
 
 def _ball_bars(machine: Machine) -> Iterator[str]:
@@ -210,6 +253,8 @@ OFFERED: dict[str, Callable[[Machine], Iterator[str]]] = {
     "interferometer": _lasers,
     "ballbar": _ball_bars,
     "straightedge": _straightedges,
+    "dial": _dials,
+    "square": _squares,
     "sphere": _spheres,
     "probe": _probes,
 }

@@ -1,4 +1,4 @@
-"""Balls that can be read in few poses only: said before anybody mounts them."""
+"""What is said before anybody mounts it: balls that can be read in few poses only, artefacts that no set-up reads."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
+from axiscal.document import Document, shown
 from axiscal.machine import Machine
-from axiscal.measurement.charts.balls import Balls
-from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.held import Balls, Held
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
@@ -50,3 +50,14 @@ def _intervals(values: Array) -> str:
     pieces = np.split(ordered, np.flatnonzero(np.diff(ordered) > _APART) + 1)
     ends = [(np.floor(piece[0] / _FINE) * _FINE, np.ceil(piece[-1] / _FINE) * _FINE) for piece in pieces]
     return " and ".join(f"{math.degrees(first):.0f} to {math.degrees(last):.0f} deg" for first, last in ends)
+
+
+def unused_artefacts(description: CampaignDescription) -> str | None:
+    """Return a sentence about artefacts that no set-up names; None where all are read."""
+    data = Document.parse(description.text, description.source).data
+    read = {table.get("artefact") for table in data.get("setups", [])}
+    left = [shown(table["name"]) for table in data.get("artefacts", []) if table["name"] not in read]
+    if not left:
+        return None
+    names = " and ".join(left)
+    return f"nothing reads {names}: write artefact = {left[0]} in a set-up, or take its table out."

@@ -23,7 +23,7 @@ _DEEPEST = 5
 
 @dataclass(frozen=True, slots=True)
 class IniValue:
-    """What stands behind a key, and where."""
+    """The value of a key, and the place where it stands."""
 
     text: str
     file: Path

@@ -12,10 +12,9 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_pose
 from axiscal.exceptions import Faults, InputError, ReadingError
-from axiscal.measurement.csv_cells import unshielded
 from axiscal.measurement.readers.axes import read_approach, read_position
 from axiscal.measurement.readers.csv_readings import RawReading
-from axiscal.measurement.readers.csv_table import parse_table
+from axiscal.measurement.readers.csv_table import parse_table, unshielded
 from axiscal.measurement.readers.text import read_text
 from axiscal.measurement.readers.touch_log import LISTS, LoggedTouch, TouchLog, plan_code, read_touch_log
 from axiscal.measurement.touched import TOUCHES, read_as
@@ -41,8 +40,8 @@ class Logged:
 def logged_readings(file: Path, folder: Path, campaign: CampaignDescription) -> Logged:
     """Return the readings of a log.  folder : where the programs were written, with their lists
 
-    Raises ReadingError for a log of another plan, for lines that are missing, doubled or out of order, and for touches
-    that are not those of the ball.
+    Raises ReadingError for a log of another plan, for lines missing, doubled or out of order, and for touches off the
+    ball.
     """
     log = read_touch_log(file)
     planned = _planned(log, file, folder)
@@ -103,7 +102,7 @@ def _refuse_doubled(runs: Sequence[tuple[int, Sequence[LoggedTouch]]], file: Pat
 
 
 def _whole(number: int, touched: Sequence[LoggedTouch], broken: bool, file: Path) -> bool:
-    """Whether all touches of a reading are there, in their order; raises ReadingError where that is not explained.
+    """Return whether all touches of a reading are there, in their order; raises ReadingError if nothing explains a gap.
 
     broken : the log says of itself that a run ended early
     """

@@ -7,22 +7,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from axiscal.document import Document, shown
-from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import LANGUAGES
 from axiscal.machine import Machine
 
 if TYPE_CHECKING:
-    from axiscal.description.artefact_schema import ArtefactTable
-    from axiscal.description.campaign_schema import CampaignTable, SetupTable
-
-_LONGEST = 500
-"""Characters: a paragraph; a matter of taste."""
+    from axiscal.description.campaign_schema import ArtefactTable, CampaignTable, SetupTable
 
 
 @dataclass(frozen=True, slots=True)
 class Equipment:
-    """What was read with, or read at: serial number and calibration certificate, "" where nobody said."""
+    """The instrument or artefact of readings: serial number and calibration certificate, "" where nobody said."""
 
     serial: str = ""
     certificate: str = ""
@@ -56,34 +49,13 @@ class Particulars:
 NOTHING_SAID = Particulars()
 
 
-def read_particulars(table: CampaignTable, machine: Machine, document: Document) -> Particulars:
-    """Return who measured with what; raises DescriptionError for a text that no report could show."""
-    said = table.report.model_dump()
-    for key, text in said.items():
-        _refuse_odd(text, document, "report", key)
-    if said["country"] and not (len(said["country"]) == 2 and said["country"].isascii() and said["country"].isalpha()):
-        fault = DescriptionError(f"{shown(said['country'])} is no country of two letters", 'Such as country = "DE"')
-        raise document.fault(fault, "report", "country")
-    if said["language"] and said["language"] not in LANGUAGES:
-        known = ", ".join(f'language = "{short}" ({long})' for short, long in LANGUAGES.items())
-        fault = DescriptionError(f"{shown(said['language'])} is no language of reports", f"There are {known}")
-        raise document.fault(fault, "report", "language")
+def read_particulars(table: CampaignTable, machine: Machine) -> Particulars:
+    """Return who measured with what."""
     built = tomllib.loads(machine.text)
-    said |= {key: str(built.get(key, "")) for key in ("maker", "serial")}
-    setups, artefacts = _equipment(table.setups, document, "setups"), _equipment(table.artefacts, document, "artefacts")
-    return Particulars(**said, setups=setups, artefacts=artefacts)
+    of_machine = {key: str(built.get(key, "")) for key in ("maker", "serial")}
+    setups, artefacts = _equipment(table.setups), _equipment(table.artefacts)
+    return Particulars(**table.report.model_dump(), **of_machine, setups=setups, artefacts=artefacts)
 
 
-def _equipment(tables: Sequence[SetupTable | ArtefactTable], document: Document, where: str) -> Mapping[str, Equipment]:
-    found = {}
-    for number, each in enumerate(tables):
-        for key in ("serial", "certificate"):
-            _refuse_odd(getattr(each, key), document, where, number, key)
-        found[each.name] = Equipment(each.serial, each.certificate)
-    return found
-
-
-def _refuse_odd(text: str, document: Document, *where: str | int) -> None:
-    if len(text) > _LONGEST or not text.replace("\n", " ").isprintable():
-        remedy = f"Write up to {_LONGEST} characters that can be printed"
-        raise document.fault(DescriptionError(f"{shown(text)} cannot stand in a report", remedy), *where)
+def _equipment(tables: Sequence[SetupTable | ArtefactTable]) -> Mapping[str, Equipment]:
+    return {each.name: Equipment(each.serial, each.certificate) for each in tables}

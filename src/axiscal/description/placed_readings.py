@@ -1,4 +1,4 @@
-"""Where a person says a reading was taken, checked against the set-up and the machine."""
+"""The place that a person states for a reading, checked against the set-up and the machine."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from axiscal.machine.kinematics import frames
 from axiscal.machine.names import parse_error_name
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.charts.held import Held
-from axiscal.measurement.charts.standing import off_chart
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.place_texts import reading_unit, value_columns
 from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
 from axiscal.units import format_quantity
 
 _ALONG = 1 - 1e-9
@@ -227,3 +227,12 @@ def _refuse_outside(setup: Setup, axis: Axis, value: float) -> NoReturn:
     raise ReadingError(
         what, f"Give where the middle of its base of {base} stood; {axis.name} goes from {axis.travel_text}"
     )
+
+
+def off_chart(machine: Machine, chart: Chart, pose: Array) -> float:
+    """Return how far the tool point of a pose (q,) is from where the chart has it with the same coordinates, m."""
+    nearest = chart.poses(chart.places(pose[None]))
+    if not np.all(np.isfinite(nearest)):
+        return float("inf")
+    here, there = frames(machine, np.concatenate([pose[None], nearest])).tcp
+    return float(np.linalg.norm(here - there))

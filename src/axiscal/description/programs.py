@@ -7,7 +7,7 @@ from dataclasses import replace
 from axiscal.description.campaign_schema import ProgramsTable
 from axiscal.description.target import coordinate
 from axiscal.document import Document, shown
-from axiscal.exceptions import DescriptionError, Faults, InputError
+from axiscal.exceptions import DescriptionError, Faults
 from axiscal.machine import Machine
 from axiscal.machine.driving import Driving, move_groups
 from axiscal.units import parse_quantity
@@ -20,11 +20,8 @@ def read_driving(table: ProgramsTable, machine: Machine, document: Document) -> 
     """Return how programs are driven; raises DescriptionError or UnitError at the line that is wrong."""
     faults, driving = Faults(), Driving(dwell=table.dwell, tcp=table.tcp)
     for key in ("clearance", "order", "feed"):
-        with faults.noted():
-            try:
-                driving = stated(driving, machine, **{key: getattr(table, key)})
-            except InputError as failure:
-                raise document.fault(failure, "programs", key) from None
+        with faults.noted(), document.placed("programs", key):
+            driving = stated(driving, machine, **{key: getattr(table, key)})
     faults.refuse()
     return driving
 

@@ -3,35 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from axiscal.description.campaign_schema import SetupTable
-from axiscal.description.densities import dense
-from axiscal.description.drifting import drift_of
-from axiscal.description.lacking import lack_of
 from axiscal.description.reachable import refuse_short_stroke, refuse_unreachable
-from axiscal.description.sights import refuse_no_sight, seen
+from axiscal.description.sights import lack_of, refuse_no_sight, seen, stations_of
 from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader
-from axiscal.description.squares import on_square
-from axiscal.description.stated_type_b import material_of, stated_of
-from axiscal.description.stations import stations_of
+from axiscal.description.stated_type_b import dense, drift_of, material_of, stated_of
 from axiscal.description.target import coordinate
-from axiscal.description.vectors import WAYS, spot, unit_vector
-from axiscal.document import Document, nearest, shown
-from axiscal.exceptions import DescriptionError, Faults, InputError
+from axiscal.description.vectors import WAYS, At, unit_vector
+from axiscal.document import Document, meant, shown
+from axiscal.exceptions import DescriptionError, Faults
 from axiscal.machine import Axis, Machine
 from axiscal.measurement.artefact import Artefact, reads_as
 from axiscal.measurement.instrument import INSTRUMENTS, PRINTER_PROBE, Instrument, model_of
+from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.instruments.distance import of_each
-from axiscal.measurement.instruments.kind import TOOL
-from axiscal.measurement.instruments.rotation import Rotation
+from axiscal.measurement.instruments.kind import TOOL, Rotation
 from axiscal.measurement.setup import FINEST, Setup, Unknown, Vector
 from axiscal.units import EXAMPLES, format_quantity, parse_quantity
 
-LONGEST_NAME = 80
-"""Characters of a name that still fits on a line of a program."""
 _SHORTEST_REACH = 4.0
 """A reach is longer than so many overruns."""
 _DIAGONAL = 1 / math.sqrt(3)
@@ -87,21 +80,18 @@ class _Reader:
     """Reads one table; every failure is placed at the key it is about."""
 
     def __init__(self, table: SetupTable, around: Surroundings, number: int) -> None:
-        self._table, self._around, self._number = table, around, number
-        self._machine, self._document = around.machine, around.document
+        self._table, self._around, self._machine = table, around, around.machine
+        self._at: At = partial(around.document.placed, "setups", number)
 
     def setup(self) -> Setup:
         table = self._table
         around = self._around
-        with self._at("name"):
-            name = _name(table.name)
         with self._at("instrument"):
             usual = PRINTER_PROBE if around.printer and table.instrument == "probe" else _instrument(table.instrument)
         site = SiteReader(table, around.machine, around.artefacts, around.tool, self._at).site()
         with self._at("direction"):
             direction = self._direction(usual, site)
-        with self._at("station"):
-            station = self._station() if site is None or site.station is None else site.station
+        station = table.station if site is None or site.station is None else site.station
         with self._at("stations"):
             stations = stations_of(table, usual)
         with self._at("moves"):
@@ -116,7 +106,7 @@ class _Reader:
         with self._at("drift"):
             rate, said = drift_of(table, usual, moves, unknowns, around.usual_doubts)
         setup = Setup(
-            name=name,
+            name=table.name,
             instrument=usual.name,
             direction=direction,
             moves=moves,
@@ -150,8 +140,7 @@ class _Reader:
         """Return a set-up that is read where its site is."""
         table = self._table
         refuse_no_sight(table, self._at)
-        with self._at("stroke"):
-            stroke = parse_quantity(table.stroke, "length") if table.stroke else STROKE
+        stroke = STROKE if table.stroke is None else table.stroke
         usual = setup.instrument == "sphere" and table.touches is None
         evened = usual if table.sides is None else table.sides == "mean"
         setup = replace(setup, chart=site.chart, artefact=site.artefact, balls=site.balls, contact=site.contact)
@@ -207,27 +196,12 @@ class _Reader:
             return 0.0 if self._table.resolution is None else _positive(self._table.resolution, usual.reads)
 
     def _base(self, usual: Instrument) -> float | None:
-        text = self._table.base
-        if text is None:
-            return None
-        with self._at("base"):
-            if not isinstance(usual.model, Rotation):
+        base = self._table.base
+        if base is not None and not isinstance(usual.model, Rotation):
+            with self._at("base"):
                 what = f"a {usual.name} has no feet that are stepped along a way"
                 raise DescriptionError(what, "Take base out; a level and the mirror of an autocollimator have one")
-            base = parse_quantity(text, "length")
-            if base < 0:
-                raise DescriptionError(f"{shown(text)} is not a length", 'Give one such as "100 mm"')
         return base
-
-    def _station(self) -> Vector | None:
-        return None if self._table.station is None else spot(self._table.station)
-
-    @contextmanager
-    def _at(self, *keys: str | int) -> Iterator[None]:
-        try:
-            yield
-        except InputError as failure:
-            raise self._document.fault(failure, "setups", self._number, *keys) from None
 
     def _moves(self) -> tuple[int, ...]:
         names = self._table.moves
@@ -235,15 +209,11 @@ class _Reader:
             return tuple(range(len(self._machine.axes)))
         indices = [self._machine.index(name) for name in names]
         if not indices:
-            raise DescriptionError(
-                "nothing moves", f"Name axes, such as moves = [{self._axis_names()}], or leave it out"
-            )
+            known = ", ".join(f'"{axis.name}"' for axis in self._machine.axes)
+            raise DescriptionError("nothing moves", f"Name axes, such as moves = [{known}], or leave it out")
         if len(set(indices)) < len(indices):
             raise DescriptionError(f"{shown(names)} names an axis twice", "Name each axis once")
         return tuple(sorted(indices))
-
-    def _axis_names(self) -> str:
-        return ", ".join(f'"{axis.name}"' for axis in self._machine.axes)
 
     def _park(self, moves: tuple[int, ...]) -> tuple[float, ...]:
         places = [sum(axis.travel) / 2 for axis in self._machine.axes]
@@ -314,8 +284,7 @@ class _Reader:
         with self._at("unknowns", name):
             kinds = usual.model.unknown_reads
             if name not in kinds and not (name == "slope" and usual.reads == "angle"):  # that one has its own reason
-                near = nearest(name, kinds)
-                known = f'Perhaps "{near}" is meant' if near else f"Known are {', '.join(kinds)}"
+                known = meant(name, kinds)
                 raise DescriptionError(f"{shown(name)} is not an unknown of a set-up with a {usual.name}", known)
             return Unknown(name, _positive(text, kinds.get(name, "angle")))
 
@@ -330,18 +299,10 @@ class _Reader:
             raise DescriptionError(what, 'Name one in moves, such as moves = ["X"], or give unknowns without slope')
 
 
-def _name(text: str) -> str:
-    if not text.strip() or text != text.strip() or not text.isprintable() or len(text) > LONGEST_NAME:
-        remedy = f"Give it up to {LONGEST_NAME} printable characters, without blanks at its ends"
-        raise DescriptionError(f"{shown(text)} is not a name", remedy)
-    return text
-
-
 def _instrument(name: str) -> Instrument:
     if name in INSTRUMENTS:
         return INSTRUMENTS[name]
-    near = nearest(name, INSTRUMENTS)
-    remedy = f'Perhaps "{near}" is meant' if near else f"Instruments are {', '.join(INSTRUMENTS)}"
+    remedy = meant(name, INSTRUMENTS, f"Instruments are {', '.join(INSTRUMENTS)}")
     raise DescriptionError(f"{shown(name)} is not an instrument", remedy)
 
 
@@ -374,3 +335,23 @@ def _step(text: str, axis: Axis, margin: float) -> float:
         what = f"no multiple of {shown(text)} lies in the travel of {axis.name}"
         raise DescriptionError(what, f"Give a smaller step; the axis goes from {axis.travel_text}")
     return value
+
+
+def on_square(table: SetupTable, artefacts: Mapping[str, Artefact], at: At, setup: Setup) -> Setup:
+    """Return a set-up whose straightedge is a leg of a square: the turn of the square replaces the slope.
+
+    Raises DescriptionError for an artefact that is not there, or has balls.
+    """
+    if table.instrument != "straightedge" or table.artefact is None:
+        return setup
+    with at("artefact"):
+        if table.artefact not in artefacts:
+            remedy = meant(table.artefact, artefacts, "Add it under [[artefacts]], with its name alone")
+            raise DescriptionError(f"there is no artefact {shown(table.artefact)}", remedy)
+        square = replace(artefacts[table.artefact], mounted=table.mounted)
+        if square.balls:
+            remedy = 'Let the square be an artefact without balls: [[artefacts]] name = "square", turned = "1 mrad"'
+            raise DescriptionError(f"{square.name} has balls: a straightedge lies at none", remedy)
+    own = tuple(unknown for unknown in setup.unknowns if unknown.name != "slope")
+    turns = tuple(Unknown(name, square.turned, square.standing) for name in SQUARE)
+    return replace(setup, unknowns=(*own, *turns))

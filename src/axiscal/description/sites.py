@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.description.arcs import reached_arc, refuse_gap
 from axiscal.description.campaign_schema import SetupTable
+from axiscal.description.reachable import reached_arc, refuse_gap
 from axiscal.description.target import coordinate
-from axiscal.description.vectors import spot, unit_vector
+from axiscal.description.vectors import At, unit_vector
 from axiscal.document import nearest, shown
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import Axis, Machine
 from axiscal.machine.inverse import linear_axes
 from axiscal.measurement.artefact import Artefact
-from axiscal.measurement.charts.balls import Balls
-from axiscal.measurement.charts.bar import Bar
+from axiscal.measurement.charts.bar import Bar, Circle
 from axiscal.measurement.charts.chart import Chart, Coordinate
-from axiscal.measurement.charts.circle import Circle
-from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.held import Balls, Held
 from axiscal.measurement.charts.line import Line
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.instruments.kind import TOOL
@@ -32,14 +29,10 @@ from axiscal.measurement.setup import Contact, Unknown, Vector
 from axiscal.numerics import Array
 from axiscal.units import format_quantity, parse_quantity
 
-At = Callable[..., AbstractContextManager[None]]
-"""Places failures at the keys of a set-up."""
-
 TOUCHING = ("rtest", "sphere", "probe")
 OPEN_LENGTH = 1e-3
 OPEN_RADIUS = 1e-4
 """m, std of the radius at which a stylus meets a sphere, where nobody measured it: that of a tool, see Setup."""
-CALIBRATED_LENGTH = 1e-6
 STROKE = 1e-3
 RETRACT = 0.05
 CUP = 1e-4
@@ -52,7 +45,7 @@ _SAME_WAY = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """Where a set-up is read, and what it does not know of that; as in `Setup`."""
+    """The place where a set-up is read, and the unknowns of that; as in `Setup`."""
 
     chart: Chart
     moves: tuple[int, ...]
@@ -112,16 +105,16 @@ class SiteReader:
             with self._at("touches"):
                 raise DescriptionError(what, "Take sides out, or touches")
         for key in ("plane", "arc", "turning", "stroke"):
-            if getattr(table, key) and table.length is None and table.instrument != "rtest":
+            if getattr(table, key) is not None and table.length is None and table.instrument != "rtest":
                 with self._at(key):
                     raise DescriptionError(f"{key} belongs to a bar, and the set-up has none", "Give its length, too")
 
-    def _line(self, ends: list[list[str]]) -> Site:
+    def _line(self, ends: list[Vector]) -> Site:
         with self._at("along"):
             if len(ends) != 2:
                 remedy = 'Give two places such as [["-300 mm", "-250 mm", "0 mm"], ["300 mm", "250 mm", "500 mm"]]'
                 raise DescriptionError(f"a line has two ends, and here are {len(ends)}", remedy)
-            points = np.array([spot(end) for end in ends])
+            points = np.array(ends)
             if np.linalg.norm(points[1] - points[0]) < 2e-3:
                 raise DescriptionError("the ends of the line are one place", "Give two places that are apart")
             park = self._park()
@@ -139,14 +132,9 @@ class SiteReader:
         pose = line.poses(np.array([[end]]))[0]
         return f"Let it end within the travels: {lacking(self._machine, pose)}"
 
-    def _bar(self, text: str) -> Site:
-        with self._at("length"):
-            length = parse_quantity(text, "length")
-            if not 5e-3 <= length <= 5.0:
-                raise DescriptionError(f"{shown(text)} is no length of a bar", 'Give one such as "150 mm"')
+    def _bar(self, length: float) -> Site:
         with self._at("stroke"):
-            stroke = parse_quantity(self._table.stroke or "1 mm", "length")
-            if not 0 < stroke < length:
+            if not 0 < (STROKE if self._table.stroke is None else self._table.stroke) < length:
                 raise DescriptionError("a stroke is above zero and below the length of the bar", 'Give "1 mm"')
         centre, owned, artefact, balls = self._centre()
         owner = f"bar of {format_quantity(length, 'mm', 6)}"
@@ -184,8 +172,7 @@ class SiteReader:
             with self._at("length"):
                 remedy = 'Write station = ["0 mm", "0 mm", "100 mm"], in the workpiece frame, or artefact = "cup"'
                 raise DescriptionError("it is not said about which place the bar turns", remedy)
-        with self._at("station"):
-            place = spot(table.station)
+        place = table.station
         owner = f"centre at {', '.join(format_quantity(value, 'mm', 6) for value in place)}"
         return place, tuple(Unknown(f"station_{axis}", CUP, owner) for axis in "xyz"), None, ()
 

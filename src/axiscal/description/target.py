@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from axiscal.accuracy.part import PartVolume
 from axiscal.description.campaign_schema import TargetTable
-from axiscal.description.parts import read_part
+from axiscal.description.part import PartVolume, Span
 from axiscal.description.wants import Want, read_wants
 from axiscal.document import Document, shown
-from axiscal.error_model.volume import EVERY_WAY, Counted
+from axiscal.errors.volume import EVERY_WAY, Counted
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import Axis, Machine
 from axiscal.units import format_quantity, parse_quantity
 
 Criterion = Literal["volume", "rows", "joint", "worst"]
 RefersTo = Literal["20 degC", "as read"]
-MOST_READINGS = 100_000
-"""Weeks of measuring; whoever says more has slipped."""
 _LOOKED_AT, _FEWEST = 1000, 20
 """Poses looked at, and how many of them have to be within the travels for a part to be in reach."""
 _MARGIN, _THIN = 0.02, 1e-6
@@ -63,7 +60,7 @@ class Target:
 
     @property
     def accurate(self) -> bool:
-        """Whether an accuracy is asked for, of the volume or of a row."""
+        """Return whether the target wants an accuracy, of the volume or of a row."""
         return bool(self.lines) or not self.rms is self.worst is self.expanded is None
 
     @property
@@ -74,14 +71,10 @@ class Target:
 
 def read_target(table: TargetTable, machine: Machine, document: Document) -> Target:
     """Return the target; raises DescriptionError or UnitError at the line that is wrong."""
-    _refuse_not_positive(table, document)
     if table.rms is not None and table.worst is not None and table.worst <= table.rms:
         rms, worst = format_quantity(table.rms, "um"), format_quantity(table.worst, "um")
         what = f"{worst} for the worst point can never be reached before {rms} RMS, and the first one reached stops"
         raise _fault(document, what, "Give a worst that is larger than rms, or only one of them", "worst")
-    if table.readings is not None and table.readings > MOST_READINGS:
-        what = f"{shown(table.readings)} readings are too many"
-        raise _fault(document, what, f"Give at most {MOST_READINGS}", "readings")
     part = None if table.part is None else read_part(table.part, machine, document)
     if part is not None and table.volume:
         raise _fault(document, "part and volume exclude one another", "Give one of them", "part")
@@ -100,7 +93,7 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
 
 
 def _expanded(stated: float | None, wants: Sequence[Want], document: Document) -> float | None:
-    """Return U that is asked for of the volume, m, by its own key or by the row "volume"."""
+    """Return the U of the volume that the target wants, m, by its own key or by the row "volume"."""
     wanted = next((want.limit for want in wants if want.row.kind == "volume"), None)
     if stated is not None and wanted is not None:
         raise _fault(document, "U and the limit of the row volume are one thing", "Give one of them", "U")
@@ -129,22 +122,11 @@ def coordinate(text: str, axis: Axis) -> float:
     return min(max(value, low), high)
 
 
-def _refuse_not_positive(table: TargetTable, document: Document) -> None:
-    lengths = ("rms", '"2 um"'), ("worst", '"4 um"'), ("U", '"12 um"')
-    for name, example in (*lengths, ("readings", "40"), ("budget", '"90 min"')):
-        value = getattr(table, name)
-        if value is not None and value <= 0:
-            written = shown(document.data["target"][name])
-            raise _fault(document, f"{written} is not above zero", f"Give something such as {name} = {example}", name)
-
-
 def _volume(table: TargetTable, machine: Machine, document: Document) -> tuple[tuple[float, float], ...]:
     bounds = {axis.name: axis.travel for axis in machine.axes}
     for name, texts in table.volume.items():
-        try:
+        with document.placed("target", "volume", name):
             bounds[name] = _bounds(texts, machine.axis(name))
-        except InputError as failure:
-            raise document.fault(failure, "target", "volume", name) from None
     return tuple(bounds[axis.name] for axis in machine.axes)
 
 
@@ -159,3 +141,50 @@ def _bounds(texts: list[str], axis: Axis) -> tuple[float, float]:
 
 def _fault(document: Document, what: str, remedy: str, key: str) -> InputError:
     return document.fault(DescriptionError(what, remedy), "target", key)
+
+
+_SHAPE = 'Write { radius = "200 mm", z = ["-100 mm", "100 mm"] } or { x = [...], y = [...], z = [...] }'
+
+
+def read_part(given: Mapping[str, str | list[str]], machine: Machine, document: Document) -> PartVolume:
+    """Return the part; raises DescriptionError or UnitError at the line that is wrong."""
+    turns = {axis.name: axis.travel for axis in machine.axes if axis.rotary}
+    spans: dict[str, Span] = {}
+    radius = None
+    for key, value in given.items():
+        with document.placed("target", "part", key):
+            if key == "radius":
+                radius = _radius(value)
+            elif key in ("x", "y", "z"):
+                spans[key] = _span(value)
+            else:
+                turns[key] = _turn(value, machine.axis(key))
+    if "z" not in spans or (radius is None) != ({"x", "y"} <= set(spans)) or (radius is not None and len(spans) > 1):
+        raise document.fault(DescriptionError("the part has no shape", _SHAPE), "target", "part")
+    width = (-(radius or 0.0), radius or 0.0)
+    return PartVolume((spans.get("x", width), spans.get("y", width), spans["z"]), radius, tuple(turns.values()))
+
+
+def _radius(value: str | list[str]) -> float:
+    radius = parse_quantity(value, "length") if isinstance(value, str) else 0.0
+    if not radius > 0:
+        raise DescriptionError(f"{shown(value)} is no radius", 'Give one such as "200 mm"')
+    return radius
+
+
+def _span(value: str | list[str]) -> Span:
+    ends = [parse_quantity(text, "length") for text in value] if isinstance(value, list) else []
+    if len(ends) != 2 or not ends[0] < ends[1]:
+        raise DescriptionError(f"{shown(value)} has not two ends that increase", 'Give ["-100 mm", "100 mm"]')
+    return ends[0], ends[1]
+
+
+def _turn(value: str | list[str], axis: Axis) -> Span:
+    if not axis.rotary:
+        raise DescriptionError(f"{axis.name} follows the part", "Name x, y, z in the workpiece frame, or a rotary axis")
+    ends = [parse_quantity(text, "angle") for text in value] if isinstance(value, list) else []
+    low, high = axis.travel
+    slack = 1e-9 * axis.length
+    if len(ends) != 2 or not low - slack <= ends[0] < ends[1] <= high + slack:
+        raise DescriptionError(f"{shown(value)} is no part of the travel of {axis.name}", f"It is {axis.travel_text}")
+    return max(ends[0], low), min(ends[1], high)

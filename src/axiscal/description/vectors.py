@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from typing import Annotated
 
 from axiscal.document import shown
+from axiscal.document.validation import QuantityText, ReadAs
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.setup import Vector
 from axiscal.units import parse_quantity
 
+At = Callable[..., AbstractContextManager[None]]
+"""Places failures at the keys of a set-up."""
 _LETTER = re.compile(r"([+-]?)([xyzXYZ])")
 WAYS = 'Write "x", "-y" or three numbers such as [1, 0, 0], in the workpiece frame'
 
@@ -38,3 +43,17 @@ def spot(given: Sequence[str]) -> Vector:
         raise DescriptionError(f"{shown(list(given))} is not a place", remedy)
     x, y, z = (parse_quantity(text, "length") for text in given)
     return x, y, z
+
+
+def span(given: Sequence[str]) -> tuple[float, float]:
+    """Return two lengths that increase, m; raises DescriptionError or UnitError."""
+    ends = [parse_quantity(text, "length") for text in given]
+    if len(ends) != 2 or not ends[0] < ends[1]:
+        raise DescriptionError(f"{shown(list(given))} does not increase", "Give the lower end first")
+    return ends[0], ends[1]
+
+
+Spot = Annotated[Vector, ReadAs(list[QuantityText], spot)]
+Span = Annotated[tuple[float, float], ReadAs(list[QuantityText], span)]
+Direction = Annotated[Vector, ReadAs(str | list[float | int], unit_vector)]
+"""Fields of a table in campaign.toml, in SI."""

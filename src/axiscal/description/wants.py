@@ -8,7 +8,7 @@ from itertools import combinations
 from typing import Literal, NamedTuple
 
 from axiscal.document import Document, nearest, shown
-from axiscal.exceptions import DescriptionError, InputError
+from axiscal.exceptions import DescriptionError
 from axiscal.machine import Axis, Machine
 from axiscal.machine.axis import letter_direction
 from axiscal.units import Dimension, parse_quantity
@@ -43,7 +43,7 @@ class RowName(NamedTuple):
 
 
 class Want(NamedTuple):
-    """A row that is asked for, and what it is to be known to, m or rad; None where no limit is given."""
+    """A wanted row and its limit, m or rad; None where no limit is given."""
 
     row: RowName
     limit: float | None = None
@@ -82,12 +82,10 @@ def read_wants(texts: Sequence[str], machine: Machine, document: Document) -> tu
     known = {row.name.casefold(): row for row in rows_of(machine)}
     found = list[Want]()
     for index, text in enumerate(texts):
-        try:
+        with document.placed("target", "wants", index):
             want = _want(text, known, machine)
             if want.row in [each.row for each in found]:
                 raise DescriptionError(f"{shown(want.row.name)} is asked for twice", "Ask for it once")
-        except InputError as failure:
-            raise document.fault(failure, "target", "wants", index) from None
         found.append(want)
     return tuple(found)
 

@@ -1,7 +1,7 @@
 """A TOML document that knows its lines, so that every fault in it can be shown where it stands."""
 
 from axiscal.document.file import Document
-from axiscal.document.quoting import dotted, nearest, quantity_text, shown
+from axiscal.document.quoting import dotted, meant, nearest, quantity_text, shown
 from axiscal.document.validation import Angle, Length, QuantityOf, QuantityText, Time, model_fault, read_model
 
 __all__ = [
@@ -12,6 +12,7 @@ __all__ = [
     "QuantityText",
     "Time",
     "dotted",
+    "meant",
     "model_fault",
     "nearest",
     "quantity_text",

@@ -5,6 +5,8 @@ from __future__ import annotations
 import errno
 import re
 import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -67,6 +69,14 @@ class Document:
         """Return a failure placed in this file at the line of a key path, its text beginning with the dotted path."""
         led = type(failure)(f"{dotted(keys)}: {failure.what}", failure.remedy) if keys else failure
         return led.at(self.path, self.line(*keys))
+
+    @contextmanager
+    def placed(self, *keys: Key) -> Iterator[None]:
+        """Place what is raised in a block at the line of a key path, as `fault` does."""
+        try:
+            yield
+        except InputError as failure:
+            raise self.fault(failure, *keys) from None
 
 
 def _check_lines(text: str, path: Path) -> None:

@@ -31,6 +31,13 @@ def nearest(word: str, known: Iterable[str]) -> str | None:
     return near[0] if near else None
 
 
+def meant(word: str, known: Iterable[str], otherwise: str = "", quoted: str = '"{}"') -> str:
+    """Return the remedy for a word that is not known: the one that is near, else `otherwise`, else all of them."""
+    words = list(known)
+    near = nearest(word, words)
+    return f"Perhaps {quoted.format(near)} is meant" if near else otherwise or f"Known are {', '.join(words)}"
+
+
 def shown(value: object) -> str:
     """Return a value of a document as its writer would recognise it, shortened to one line."""
     return _shortened(_written(value, 3), 60)

@@ -22,7 +22,7 @@ def _quoted(value: Any) -> str:
 
 
 def toml_document(data: Mapping[str, Any]) -> str:
-    """Return a document, each of its tables under a heading of its own."""
+    """Return a document with a heading for each of its tables."""
     return "".join(f"{line}\n" for line in _lines(data, ()))
 
 

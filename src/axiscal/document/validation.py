@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_origin
 
@@ -20,9 +22,17 @@ ModelT = TypeVar("ModelT", bound="BaseModel")
 
 @dataclass(frozen=True, slots=True)
 class QuantityOf:
-    """Marks a pydantic field as a quantity of one dimension, read to SI; without a dimension its text is kept."""
+    """Marks a pydantic field as a quantity of one dimension, read to SI; without a dimension its text is kept.
+
+    least, most : of its value, SI
+    wrong, remedy : what any other is, with its text as {text}, and what would be right
+    """
 
     dimension: Dimension | None
+    least: float = -math.inf
+    most: float = math.inf
+    wrong: str = ""
+    remedy: str = ""
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
         from pydantic_core import core_schema
@@ -39,8 +49,33 @@ class QuantityOf:
         """Return the value in SI units, or its text; raises what a pydantic validator may raise."""
         try:
             text = quantity_text(value, self.dimension)
-            return text if self.dimension is None else parse_quantity(text, self.dimension)
-        except UnitError as fault:
+            found = text if self.dimension is None else parse_quantity(text, self.dimension)
+            if isinstance(found, float) and not self.least <= found <= self.most:
+                raise DescriptionError(self.wrong.format(text=shown(text)), self.remedy)
+        except InputError as fault:
+            raise model_fault(fault) from None
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class ReadAs:
+    """Marks a pydantic field that is made of what a file says.
+
+    form : the type that the file has; read : makes the value of it, and may raise InputError
+    """
+
+    form: Any
+    read: Callable[[Any], object]
+
+    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
+        from pydantic_core import core_schema
+
+        return core_schema.no_info_after_validator_function(self._made, handler.generate_schema(self.form))
+
+    def _made(self, said: Any) -> object:
+        try:
+            return self.read(said)
+        except InputError as fault:
             raise model_fault(fault) from None
 
 
@@ -62,8 +97,8 @@ def model_fault(fault: InputError) -> PydanticCustomError:
 def read_model(document: Document, model: type[ModelT], error_class: type[InputError] = DescriptionError) -> ModelT:
     """Return the document as an instance of a pydantic model.
 
-    Raises UnitError for a quantity and `error_class` for everything else: the first fault in the file, with its line,
-    the offending value and what would be right (from the field's `examples`, or the nearest known key).
+    Raises UnitError for a quantity and `error_class` for everything else, at the first fault in the file. The error has
+    the line, the offending value and the remedy (from the field's `examples`, or the nearest known key).
     """
     from pydantic import ValidationError
 

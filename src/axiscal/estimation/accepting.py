@@ -1,13 +1,13 @@
-"""What a person accepts of the mistakes that readings name, and what that changes, in words."""
+"""Mistakes that the readings name: those that a person accepts, and what that changes, in words."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.promise.agreement import NAMED, Explained
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import said
-from axiscal.promise.agreement import NAMED, Explained
 from axiscal.record.accepted import Accepted
 
 

@@ -1,12 +1,12 @@
-"""Whether the readings agree with each other, in words, and which mistake explains it where they do not."""
+"""Words on the agreement of the readings with each other, and on the mistake that explains a contradiction."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.promise.agreement import Agreement, Explained
 from axiscal.language.spoken import listed, put, said
-from axiscal.promise.agreement import Agreement, Explained
 
 
 def agreement_words(known: Estimation, record: Path | None = None) -> str:
@@ -19,6 +19,9 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
     if not found.contradicts:
         return count
     chance = put("p = {p:.1g}", p=found.p)
+    if found.against:
+        what = "The readings contradict each other ({chance}): correct direction of {axes} in the machine's file"
+        return said(what, chance=chance, axes=listed(", ", [*found.against]))
     if not found.explained:
         what = "The readings contradict each other ({chance}), and no single mistake explains it: {count}"
         return said(what, chance=chance, count=count)

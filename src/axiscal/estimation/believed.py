@@ -29,8 +29,8 @@ def with_sides(estimation: Estimation) -> list[Reading]:
 def sides_told(readings: Sequence[Reading], case: Case) -> list[Reading]:
     """Return the readings which unknown sides leave as they are, but for a tenth of their noise.
 
-    An axis that stands while a bar goes round has no side, and one that turns there, or that both sides of a probe even
-    out, shows none: what counts is what a reversal would do to the reading.
+    The effect of a reversal on the reading counts. An axis that stands while a bar goes round has no side. An axis that
+    turns there, or that both sides of a probe even out, shows none.
     """
     told = np.ones(len(readings), dtype=bool)
     for index, setup in enumerate(case.description.setups):

@@ -1,12 +1,12 @@
 """Where the uncertainty of the tool point comes from: the budget of an estimate.
 
-What an estimate is wrong by is linear in what it cannot know: with C the covariance after the readings y = H x + v, P
-the prior covariance of all unknowns x and R that of v,
+The error of an estimate is linear in all unknowns x and in the noise v of y = H x + v. With C the covariance after the
+readings, P the prior covariance of x and R that of v,
 
     x − x̂ = G (x − x₀) − C Hᵀ R⁻¹ v,    G = I − C Hᵀ R⁻¹ H = C P⁻¹,    C = C P⁻¹ C + C Hᵀ R⁻¹ H C
 
-(Joseph's form; Bierman, Factorization Methods, 1977). Sources that are independent of each other add: each block of P
-and of R has a covariance of its own, and with it a mean square over the volume.
+(Joseph's form; Bierman, Factorization Methods, 1977). Independent sources add: each block of P and of R has its
+covariance, and with it a mean square over the volume.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.promise.type_b_columns import Contribution, columns_of, contributions
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading_rows import places_of, seen
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.promise.type_b_columns import Contribution, columns_of, contributions
 
 
 class BudgetShare(NamedTuple):
     """One source.
 
-    kind : as in `KINDS`; setup : whose readings they are, for "instrument"; rms : m, over the volume
+    kind : as reports name it; setup : whose readings they are, for "instrument"; rms : m, over the volume
     cause : what no reading shows, for "type B"
     """
 
@@ -36,12 +36,6 @@ class BudgetShare(NamedTuple):
     setup: str
     rms: float
     cause: Contribution | None = None
-
-
-KINDS = ("instrument", "set-up", "drift", "temperature", "artefact", "detail", "prior", "unseen", "type B", "sizes")
-"""Noise of readings; unknowns of set-ups; zeros that wander; thermal growth; where balls are; what no spline follows;
-what readings leave of the errors; what no allowed reading can see; what all readings have in common; that sizes are
-learnt and models may be wrong."""
 
 
 @one_thread()
@@ -66,16 +60,10 @@ def _weighted(known: Estimation) -> tuple[Array, Array, Array]:
     """Return the rows of all believed numbers, one over their variances, and the set-up of each."""
     observation = known.knowledge.observation
     numbers = seen(observation, known.readings)
-    weights = weights_of(known)
+    weights = np.array(known.stages.absorbed.weights)
     index = {setup.name: k for k, setup in enumerate(observation.setups)}
     owner = np.array([index[reading.setup] for reading in known.readings])
     return numbers.rows, weights[numbers.reading] / numbers.variances, owner[numbers.reading]
-
-
-def weights_of(known: Estimation) -> Array:
-    """Return how much each reading counts, (m,) from 0 to 1."""
-    stages = known.stages
-    return np.array(stages.absorbed.weights(0, len(known.readings), stages.judged.implausible))
 
 
 def _of_readings(known: Estimation) -> Iterator[BudgetShare]:
@@ -90,7 +78,7 @@ def _of_readings(known: Estimation) -> Iterator[BudgetShare]:
 
 
 def _of_type_b(known: Estimation) -> Iterator[BudgetShare]:
-    """Yield by what the estimate moves if a cause that no reading shows is one standard deviation: V C Hᵀ R⁻¹ b."""
+    """Yield the shift of the estimate by one standard deviation of each type B cause b: V C Hᵀ R⁻¹ b."""
     observation = known.knowledge.observation
     places, values = places_of(observation.setups, known.readings), [each.values for each in known.readings]
     causes = contributions(observation, places, values, known.case.description.usual)

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.plane import PlaneError
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.plane import PlaneError
+from axiscal.estimation.promise.problem import Inherited
 from axiscal.numerics import Array
-from axiscal.promise.problem import Inherited
 
 _ALIKE = 1e-9
 """Of the whole: what is less is rounding."""

@@ -9,22 +9,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.accuracy.alignment import Alignment, sampled_moments
-from axiscal.accuracy.as_one import seen_as_one
-from axiscal.accuracy.part import POSES
-from axiscal.accuracy.yardstick import Yardstick
-from axiscal.belief import Belief
 from axiscal.description.campaign import CampaignDescription
+from axiscal.description.part import POSES
+from axiscal.description.sizes import Kind, Sizes
 from axiscal.description.target import Target
-from axiscal.error_model.actual import MovedErrors
-from axiscal.error_model.gauge import Hidden, hidden, unseen_factor
-from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.volume import of_rests, volume_moments
+from axiscal.description.usual import Learnable, rescaled_machine, rescaled_setups, sizes_of
+from axiscal.errors.actual import MovedErrors
+from axiscal.errors.gauge import Hidden, hidden, unseen_factor
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import VolumeMoments, of_rests, volume_moments
+from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
+from axiscal.estimation.accuracy.as_one import seen_as_one
+from axiscal.estimation.accuracy.yardstick import Yardstick
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.promise.problem import Inherited
+from axiscal.estimation.promise.type_b_columns import contributions
 from axiscal.estimation.tool_doubt import tool_doubt
-from axiscal.estimation.yardsticks import MeasuredVolume, Yardsticks
 from axiscal.machine.description import Machine
-from axiscal.measurement.about import About
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
@@ -33,20 +35,17 @@ from axiscal.measurement.instruments.tracker import TURNS
 from axiscal.measurement.observation import Observation, Rows
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.setup import Setup, Unknown
-from axiscal.measurement.time_taken import first_seconds, reading_seconds
-from axiscal.measurement.travel import way_seconds
+from axiscal.measurement.setup import About, Setup, Unknown
+from axiscal.measurement.travel import first_seconds, reading_seconds, way_seconds
 from axiscal.numerics import Array
-from axiscal.numerics.remembered import Itself
+from axiscal.numerics.remembered import Itself, Memo
 from axiscal.numerics.spread import even_points
-from axiscal.promise.problem import Inherited
-from axiscal.promise.sizes import Kind, Sizes
-from axiscal.promise.type_b_columns import contributions
-from axiscal.promise.usual import Learnable, rescaled_machine, rescaled_setups, sizes_of
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAYS = 1e-8
 _MOSTLY = 0.5
+_YARDSTICKS = 4
+"""The case as stated, as learnt, with bands and with what explains the readings; 1,000 unknowns take 50 MB each."""
 Columns = tuple[int, int, int]
 
 
@@ -66,7 +65,7 @@ class Case:
     both : set-ups that were read from both sides, or from sides that nobody stated, whatever their description allows
     about : where readings are linearised; None for the nominal machine
     rivals : beliefs of which the readings are to say which one holds; the first of them is `inherited`
-    yardsticks : found so far, of all cases that are made from this one
+    yardsticks, volumes : found so far, of all cases that are made from this one: after every few readings there is one
     sized_from : the case before its sizes were learnt, whose yardstick it has but for the rests; None for itself
     """
 
@@ -75,7 +74,8 @@ class Case:
     both: frozenset[str] = frozenset()
     about: About | None = None
     rivals: tuple[Rival, ...] = ()
-    yardsticks: Yardsticks = field(default_factory=Yardsticks, repr=False)
+    yardsticks: Memo = field(default_factory=lambda: Memo(_YARDSTICKS), repr=False)
+    volumes: Memo = field(default_factory=lambda: Memo(_YARDSTICKS), repr=False)
     sized_from: Case | None = field(default=None, repr=False)
 
     @cached_property
@@ -123,7 +123,7 @@ class Case:
 
     @property
     def bends(self) -> bool:
-        """Whether a set-up stands, or is turned, where only its readings can tell: they are not linear in that."""
+        """Whether only readings can tell where a set-up stands or how it is turned: they are not linear in that."""
         pairs = ((setup, {unknown.name for unknown in setup.unknowns}) for setup in self.description.setups)
         return any(_located_by(setup, names) is not None for setup, names in pairs)
 
@@ -135,6 +135,12 @@ class Case:
         pairs = zip(self.description.setups, found, strict=True)
         setups = tuple(replace(setup, found=place) for setup, place in pairs)
         return self._plain(replace(self.description, setups=setups))
+
+    def turned(self, names: Sequence[str]) -> Case:
+        """Return the case of a machine of which some axes, by name, count the other way."""
+        machine = self.description.machine
+        axes = tuple(axis.turned if axis.name in names else axis for axis in machine.axes)
+        return replace(self, description=replace(self.description, machine=replace(machine, axes=axes)))
 
     def _plain(self, description: CampaignDescription) -> Case:
         """Return the case of another description, with set-ups read as it allows and no rivals."""
@@ -217,19 +223,23 @@ class Case:
             return replace(self.sized_from, both=self.both).yardstick.with_rests_of(self.errors)
         described = self.description
         grounds = *self._over_what, described.setups, described.usual, self.both, Itself(self.inherited)
-        return self.yardsticks.yardstick(grounds, self._found_yardstick)
+        return self.yardsticks.answer(grounds, self._found_yardstick)
 
     def _found_yardstick(self) -> Yardstick:
         machine, *others = self._over_what
         grounds = machine.with_rests(dict.fromkeys(machine.error_names, 0.0)), *others
-        moments, sample, alignment = self.yardsticks.volume(grounds, self._found_volume)
+        moments, sample, alignment = self.volumes.answer(grounds, self._found_volume)
         moments = of_rests(self.errors, moments)
-        factor, rows = self.prior.factor, self._allowed_rows()
-        unseen, left = unseen_factor(factor, rows)[: self.errors.size], self._left(factor, rows)
+        factor, (unseen, left) = self.prior.factor, self._endless()
         before, after = (np.sum((moments.mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
         x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
         box = self.description.target.volume
         return Yardstick(self.errors, box, moments, unseen, left, (x, y, z), sample, alignment)
+
+    @cached_property
+    def yardstick_as_sized(self) -> Yardstick:
+        """The same with what endless readings leave of errors as large as they are here, not as they were stated."""
+        return self.yardstick.with_rests_of(self.errors, self._endless()[1])
 
     @property
     def _over_what(self) -> tuple[Machine, Target, Itself[About | None]]:
@@ -237,12 +247,13 @@ class Case:
         bent = self.about if self.about is not None and self.about.bent else None
         return self.description.machine, self.description.target, Itself(bent)
 
-    def _found_volume(self) -> MeasuredVolume:
+    def _found_volume(self) -> tuple[VolumeMoments, Array | None, Alignment | None]:
+        """Return means over the target's volume, and of what poses; `sample` and `alignment` as of a yardstick."""
         target, sample = self.description.target, self._sample()
         if sample is None:
-            return MeasuredVolume(volume_moments(self.errors, target.volume, target.counted), None, None)
+            return volume_moments(self.errors, target.volume, target.counted), None, None
         alignment = Alignment(self.errors, sample, target.counted) if target.aligned else None
-        return MeasuredVolume(sampled_moments(self.errors, sample, alignment, target.counted), sample, alignment)
+        return sampled_moments(self.errors, sample, alignment, target.counted), sample, alignment
 
     def _sample(self) -> Array | None:
         """Return poses of the volume where it is a part, or where its alignment counts; None for a box of axes."""
@@ -257,7 +268,7 @@ class Case:
 
     @cached_property
     def hidden(self) -> tuple[Hidden, ...]:
-        """What no allowed reading can see, in words."""
+        """Errors that the allowed readings cannot see, in words."""
         tool = tool_doubt(self.observation, self.yardstick, self.prior.factor, self._allowed_rows())
         whole = seen_as_one(self.yardstick)
         return (*tool, *whole, *hidden(self.errors, self.yardstick.unseen, self.yardstick.moments))
@@ -272,7 +283,7 @@ class Case:
         return self.description.setups.index(self.description.setup(setup))
 
     def came_as_allowed(self, reading: Reading) -> bool:
-        """Whether the moving axes came from sides that the set-up allows, where they have a reversal to show."""
+        """Whether the moving axes with a reversal to show came from sides that the set-up allows."""
         setup = self.description.setup(reading.setup)
         sides = (1, -1) if setup.name in self.both else setup.sides
         sided, reversing = setup.sided(self.errors.machine.axes), self.errors.reversing
@@ -292,26 +303,35 @@ class Case:
 
     def _allowed_rows(self) -> Array:
         """Return readings spread over all that is allowed, each divided by its noise, (m, size)."""
-        parts = self._allowed_parts()
-        return np.concatenate([seen.rows / np.sqrt(seen.variances)[:, None] for _, _, seen in parts])
+        return _whitened(list(self._allowed_parts()))
 
-    def _left(self, factor: Array, rows: Array) -> Array:
-        """Return F (errors, r) with F Fᵀ what endless readings leave of the errors, what no reading shows with it.
+    def _endless(self) -> tuple[Array, Array]:
+        """Return F (errors, r) with F Fᵀ what endless readings leave of the errors.
 
-        factor : of the prior; rows : of all that is allowed, over their noise
+        The first is what perfect instruments leave, the second what instruments with type B errors leave.
         """
+        factor, parts = self.prior.factor, list(self._allowed_parts())
+        unseen = unseen_factor(factor, _whitened(parts))[: self.errors.size]
         causes = contributions(self.observation, self._allowed, usual=self.description.usual)
+        if not causes:
+            return unseen, unseen
+        rows = _whitened(parts)
         columns = np.zeros((len(rows), len(causes)))
         for number, cause in enumerate(causes):
             column = [
                 cause.effects[index][k] / np.sqrt(seen.variances) if index in cause.effects else 0.0 * seen.variances
-                for index, k, seen in self._allowed_parts()
+                for index, k, seen in parts
             ]
             columns[:, number] = np.concatenate(column)
         both = np.zeros((len(factor) + len(causes), factor.shape[1] + len(causes)))
         both[: len(factor), : factor.shape[1]] = factor
         both[len(factor) :, factor.shape[1] :] = np.eye(len(causes))
-        return unseen_factor(both, np.hstack([rows, columns]))[: self.errors.size]
+        return unseen, unseen_factor(both, np.hstack([rows, columns]))[: self.errors.size]
+
+
+def _whitened(parts: Sequence[tuple[int, int, Rows]]) -> Array:
+    """Return the rows of readings, each divided by its noise, (m, size)."""
+    return np.concatenate([seen.rows / np.sqrt(seen.variances)[:, None] for _, _, seen in parts])
 
 
 def _located_by(setup: Setup, unknowns: set[str]) -> tuple[str, ...] | None:

@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.error_model.model import ErrorFunction
-from axiscal.estimation.bands import Banded
+from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.estimation import Banded, Estimation
 from axiscal.estimation.inheritance import last_estimation
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.numerics import Array
@@ -59,7 +58,7 @@ def _alone(estimation: Estimation) -> Estimation:
 
 
 def _change(before: Banded, now: Banded, function: ErrorFunction) -> Change:
-    """Compare all control values together: what no reading tells, such as the constant, is wide and does not count."""
+    """Compare all control values together: an unobservable part, such as the constant, is wide and does not count."""
     axis = now.case.errors.machine.axes[function.axis]
     knots = function.basis.control_positions
     (old, old_covariance), (new, new_covariance) = (

@@ -3,31 +3,28 @@
     known = estimated(case, readings)
     known = concluded(case, readings)
 
-Both are the same for readings that are linear enough, as nearly all are. The end asks besides whether a station may as
-well stand elsewhere, and takes rows at the machine as it was found where those of the nominal one mislead.
+Both are the same for readings that are linear enough, as nearly all are. `concluded` also tests whether a station may
+as well stand elsewhere. It uses rows at the machine as found where those of the nominal one mislead.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from axiscal.estimation.absorbed import Absorbed
-from axiscal.estimation.bands import banded
+from axiscal.estimation.absorbed import displayed, taken_as_normal
 from axiscal.estimation.case import Case
-from axiscal.estimation.displayed import displayed, taken_as_normal
-from axiscal.estimation.estimation import Estimation, Stages
+from axiscal.estimation.estimation import Banded, Estimation, Stages, banded
 from axiscal.estimation.judged import judged
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.learnt import learnt, posterior_of
 from axiscal.estimation.located import bent, located
-from axiscal.estimation.membership import Membership, membership, mixed_knowledge
+from axiscal.estimation.membership import Membership, membership
 from axiscal.estimation.mirrors import refuse_mirrors
-from axiscal.estimation.timed import Timed, timed
-from axiscal.inference.outliers import Doubt
+from axiscal.estimation.timed import timed
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
-from axiscal.promise.posterior import Posterior
 
 
 @one_thread()
@@ -39,10 +36,10 @@ def estimated(stated: Case, readings: Sequence[Reading]) -> Estimation:
 
 def _staged(case: Case, readings: Sequence[Reading]) -> Stages:
     """Return the posterior of readings, linearised about the machine that they show."""
-    times = timed(case, readings, Timed())
-    plausible = judged(case, times.readings)
-    scales = learnt(case, times.readings, plausible.implausible)
-    stages = Stages(times, plausible, scales, located(scales, times.readings, plausible.implausible))
+    times = timed(case, readings)
+    implausible = judged(case, times.readings)
+    scales = learnt(case, times.readings, implausible)
+    stages = Stages(times, implausible, scales, located(scales, times.readings, implausible))
     return _posed_again(case, stages)
 
 
@@ -66,7 +63,7 @@ def concluded(stated: Case, readings: Sequence[Reading], so_far: Estimation | No
 
 def _finished(case: Case, stages: Stages) -> Stages:
     """Return the stages of readings if none is to follow; themselves where that changes nothing."""
-    readings, implausible = stages.timed.readings, stages.judged.implausible
+    readings, implausible = stages.timed.readings, stages.implausible
     known = bent(stages.absorbed, readings, implausible)
     refuse_mirrors(known, readings, [*implausible])
     return stages if known is stages.absorbed else _posed_again(case, stages._replace(absorbed=known))
@@ -74,21 +71,13 @@ def _finished(case: Case, stages: Stages) -> Stages:
 
 def _posed_again(case: Case, stages: Stages) -> Stages:
     """Return stages with the posterior of readings as they are linearised and taken as normal there."""
-    moved = _moved(case, stages.absorbed, stages.timed.readings, stages.judged.implausible)
-    return stages if moved is None else stages._replace(learnt=replace(stages.learnt, found=moved))
-
-
-def _moved(
-    case: Case, known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt]
-) -> Posterior | None:
-    """Return the posterior of readings as they are linearised and taken as normal now; None if as before."""
+    known, readings = stages.absorbed, stages.timed.readings
     if not readings:
-        return None
-    taken = taken_as_normal(known, readings, implausible)
-    at = case.linear_as(known.case)
+        return stages
+    taken, at = taken_as_normal(known, readings), case.linear_as(known.case)
     if taken is readings and at.observation.about == case.observation.about and at.description == case.description:
-        return None
-    return posterior_of(at, taken, implausible)
+        return stages
+    return stages._replace(learnt=replace(stages.learnt, found=posterior_of(at, taken, stages.implausible)))
 
 
 def _of_likeliest(stated: Case, stages: Callable[[int], Stages], first: int) -> Estimation:
@@ -101,19 +90,19 @@ def _of_likeliest(stated: Case, stages: Callable[[int], Stages], first: int) -> 
     tried, side = dict[int, Estimation](), first
     while side not in tried:
         found = stages(side)
-        member = membership(stated, found.absorbed, found.timed.readings, found.judged.implausible)
+        member = membership(stated, found.absorbed, found.timed.readings, found.implausible)
         tried[side] = _estimation(stated, found, member, side)
         side = member.likeliest
     return tried[side]
 
 
 def _estimation(stated: Case, stages: Stages, member: Membership | None = None, side: int = 0) -> Estimation:
-    times, plausible, scales, as_shown = stages
-    known = displayed(as_shown, times.readings, plausible.implausible)
+    times, implausible, scales, as_shown = stages
+    known = displayed(as_shown, times.readings, implausible)
     if member is None:
         wide = banded(known.case, known.knowledge, scales.found)
     else:
-        wide = banded(known.case, mixed_knowledge(known, member), None)
+        wide = Banded(known.case, Knowledge(known.knowledge.observation, member.belief))
     return Estimation(
         stated,
         known.case,
@@ -121,7 +110,7 @@ def _estimation(stated: Case, stages: Stages, member: Membership | None = None, 
         times.readings,
         times.seconds,
         known.innovations,
-        (*plausible.implausible.values(), *known.verdict.doubts),
+        (*implausible.values(), *known.verdict.doubts),
         wide,
         wide.case.yardstick.measure(wide.knowledge.belief),
         stages,

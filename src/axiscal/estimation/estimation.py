@@ -1,36 +1,36 @@
-"""What readings make known of a machine: the last stage, and what is asked of it."""
+"""The estimate of a machine from its readings: the last stage, and the questions that it answers."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from axiscal.accuracy.yardstick import Accuracy
-from axiscal.belief import Belief, Innovations
 from axiscal.estimation.absorbed import Absorbed
-from axiscal.estimation.bands import Banded
+from axiscal.estimation.accuracy.expanded import Expanded, expanded
+from axiscal.estimation.accuracy.yardstick import Accuracy
+from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.case import Case
-from axiscal.estimation.judged import Judged
+from axiscal.estimation.inference.implausible import objection
+from axiscal.estimation.inference.outliers import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.learnt import Learnt
-from axiscal.estimation.machine_estimate import Estimate, rest_means
-from axiscal.estimation.map_grid import map_grid
+from axiscal.estimation.machine_estimate import Estimate, map_grid, rest_means
 from axiscal.estimation.membership import Membership
+from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
+from axiscal.estimation.promise.posterior import Posterior
 from axiscal.estimation.timed import Timed
-from axiscal.inference.implausible import objection
-from axiscal.inference.outliers import Doubt
 from axiscal.measurement.place_texts import reading_text
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.remembered import remembered
-from axiscal.promise.agreement import NOTHING_READ, Agreement
-from axiscal.promise.posterior import Posterior
+from axiscal.numerics.threads import one_thread
 
 
 class Stages(NamedTuple):
     """How an estimation was found, which the next one begins with."""
 
     timed: Timed
-    judged: Judged
+    implausible: Mapping[int, Doubt]
     learnt: Learnt
     absorbed: Absorbed
 
@@ -103,3 +103,34 @@ class Estimation:
         """Return which reading it is that has this index among the readings: its number, set-up and place."""
         reading, described = self.readings[index], self.stated.description
         return reading_text(described.machine.axes, described.setup(reading.setup), reading, index)
+
+
+class Banded(NamedTuple):
+    """Case and knowledge of which the bands are printed."""
+
+    case: Case
+    knowledge: Knowledge
+
+
+def banded(case: Case, knowledge: Knowledge, found: Posterior | None) -> Banded:
+    """Return the posterior as knowledge of errors and set-ups' unknowns.
+
+    case : at the sizes as learnt; knowledge : with these; found : None before the first reading
+    """
+    if found is None:
+        return Banded(case, knowledge)
+    spread = found.agreement.inflation * (found.covariance + found.covariance.T) / 2
+    return Banded(case, Knowledge(knowledge.observation.bare, Belief(found.mean, spread)))
+
+
+@one_thread()
+def expanded_uncertainty(known: Estimation) -> Expanded:
+    """Return the expanded uncertainties of what readings made known: sizes averaged over."""
+    wide = known.banded
+    return expanded(wide.case.yardstick, wide.knowledge.belief)
+
+
+def as_standard(case: Case, knowledge: Knowledge, wanted: float) -> float:
+    """Return the RMS standard uncertainty that stands for an expanded one, m, by the factor of what is known now."""
+    rms = case.yardstick.measure(knowledge.belief).rms
+    return wanted / expanded(case.yardstick, knowledge.belief).factor(rms)

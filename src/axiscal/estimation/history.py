@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from axiscal.accuracy.yardstick import Accuracy
-from axiscal.belief import Innovations
-from axiscal.estimation.absorbed import Absorbed
+from axiscal.estimation.absorbed import blocks
+from axiscal.estimation.accuracy.yardstick import Accuracy
+from axiscal.estimation.belief import Innovations
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.updating import blocks
 from axiscal.numerics.threads import one_thread
 
 
 class Moment(NamedTuple):
-    """What is known after a reading, its innovations (None before the first), and after how many seconds."""
+    """The accuracy after a reading, its innovations (None before the first), and its time in seconds."""
 
     accuracy: Accuracy
     innovations: Innovations | None
@@ -27,10 +26,9 @@ def path(final: Estimation) -> list[Moment]:
     final : a concluded one. Its last figures are those of the posterior, with the sizes averaged over.
     """
     as_shown, readings = final.stages.absorbed, final.readings
-    known = Absorbed.nothing(as_shown.case, as_shown.verdict)
-    found: list[tuple[Accuracy, Innovations | None]] = [(known.case.yardstick.measure(known.knowledge.belief), None)]
-    weights = known.weights(0, len(readings), final.stages.judged.implausible)
-    for case, part in blocks(known.case, known.knowledge, readings, weights):
+    start = as_shown.case
+    found: list[tuple[Accuracy, Innovations | None]] = [(start.yardstick.measure(start.prior), None)]
+    for case, part in blocks(start, start.knowledge, readings, as_shown.weights):
         found += zip(part.accuracies(case.yardstick), part.innovations, strict=True)
     if readings:
         found[-1] = final.accuracy, found[-1][1]

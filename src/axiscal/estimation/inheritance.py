@@ -1,7 +1,7 @@
-"""Last time's result as this time's prior: what a finished campaign knew, and what is left of it by now.
+"""A finished campaign as the prior of the next: its result, widened by the drift since then.
 
-Between two campaigns each error keeps a share ρ of what it was and takes what is missing anew from the stated prior:
-mean ρ m, covariance ρ² C + (1 − ρ²) C₀ (a stationary first-order drift). ρ = 1 has not changed, ρ = 0 is all new.
+Between two campaigns each error keeps a share ρ of its value. The stated prior supplies the rest: mean ρ m, covariance
+ρ² C + (1 − ρ²) C₀ (a stationary first-order drift). With ρ = 1 nothing has changed, with ρ = 0 all is new.
 """
 
 from __future__ import annotations
@@ -10,18 +10,17 @@ import json
 
 import numpy as np
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.mounted_anew import with_mounted
-from axiscal.error_model.model import ErrorModel
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import is_type_text, rivals, type_prior
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.promise.problem import Inherited
 from axiscal.record.events import Created, Mounted, Recorded
 from axiscal.record.payload import PayloadError, decode
 
@@ -82,5 +81,5 @@ def inherited(text: str, errors: ErrorModel) -> Inherited:
 
 
 def drifted(found: Inherited, stated: Array, kept: float) -> Inherited:
-    """Return what is left of it when each error kept a share ρ.  stated : (size, size) C₀."""
+    """Return the result after each error kept a share ρ.  stated : (size, size) C₀."""
     return Inherited(kept * found.mean, kept**2 * found.covariance + (1 - kept**2) * stated)

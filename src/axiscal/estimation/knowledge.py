@@ -3,8 +3,8 @@
     knowledge = Knowledge.before(observation)
     knowledge = knowledge.read(readings)
 
-A reading opens the rest of each cell that it meets as an unknown of its own, so that reading there again does not
-average the rest away; map and belief grow together, and neither can be forgotten.
+A reading opens the rest of each cell that it meets as a separate unknown. So reading there again does not average the
+rest away. Map and belief grow together, and neither can be forgotten.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.accuracy.yardstick import Accuracy, Yardstick
-from axiscal.belief import Belief, Innovations
+from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
+from axiscal.estimation.belief import Belief, Innovations
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen, visited_by

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.progressed import progressed
-from axiscal.inference.outliers import NOTHING, Doubt, Verdict
-from axiscal.measurement.reading import Reading
-from axiscal.promise.posterior import Posterior, posterior
-from axiscal.promise.problem import problem
+from axiscal.estimation.inference.outliers import NOTHING, Doubt, Verdict
+from axiscal.estimation.progressive.bent_readings import BentReadings, Optimum, polished, shares
+from axiscal.estimation.progressive.starts import closed_form
+from axiscal.estimation.promise.agreement import Turned
+from axiscal.estimation.promise.posterior import Posterior, posterior
+from axiscal.estimation.promise.problem import problem
+from axiscal.measurement.reading import Reading, drawn
 
 UNDISPUTED = Verdict((), ())
 """Every reading counts."""
+_MOST = 200
+"""Readings by which stations are found: of time; all of them count once these are found."""
+_LINEAR = 0.3
+"""Index of the worst reading under the prior below which one linearisation does."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -43,7 +50,16 @@ def posterior_of(case: Case, readings: Sequence[Reading], implausible: Mapping[i
     """Return the posterior of readings where a case has them linear.  case : with the sizes as stated"""
     posed = problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
     sure = [index for index, reading in enumerate(readings) if reading.accepted]
-    return posterior(posed, implausible, sure)
+    return posterior(posed, implausible, sure, _turned(case, readings))
+
+
+def _turned(case: Case, readings: Sequence[Reading]) -> Iterator[Turned]:
+    """Yield the readings as a problem for each choice of rotary axes that count the other way than described."""
+    axes = [axis.name for axis in case.description.machine.axes if axis.rotary]
+    for count in range(1, len(axes) + 1):
+        for chosen in combinations(axes, count):
+            there = case.turned(chosen)
+            yield chosen, problem(there.observation, readings, case.sizes, case.inherited, case.description.usual)
 
 
 def verdict_of(found: Posterior, count: int) -> Verdict:
@@ -52,3 +68,27 @@ def verdict_of(found: Posterior, count: int) -> Verdict:
     weights[list(found.bad)] = NOTHING
     doubts = tuple(Doubt(index, each.z, NOTHING) for index, each in found.bad.items())
     return Verdict(doubts, tuple(weights.tolist()))
+
+
+def progressed(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Case:
+    """Return the case linearised about the mode that its plausible readings show; as it was where that is linear.
+
+    A distance or a tracker is linear only about its assumed place. If that is 100 mm or 20 mrad off, good readings look
+    bad. So the likelihood is brought in by shares before readings are doubted, and the result polished with the
+    original prior (docs/evidence/nonlinear.md).
+    """
+    kept = [reading for index, reading in enumerate(readings) if index not in implausible]
+    if not case.bends or not kept:
+        return case
+    problem = BentReadings(case, drawn(kept, _MOST))
+    prior = case.prior
+    if float(np.max(problem.second_order(prior.mean, prior.factor), initial=0.0)) <= _LINEAR**2:
+        return case
+    return case.linear_about(mode(problem).point)
+
+
+def mode(problem: BentReadings) -> Optimum:
+    """Return the best optimum: from the way through the shares, from closed form and from the prior."""
+    case, prior = problem.case, problem.case.prior.mean
+    starts = [shares(problem)[-1].point, closed_form(case, problem.readings, prior)]
+    return min((polished(problem, start) for start in starts), key=lambda found: found.cost)

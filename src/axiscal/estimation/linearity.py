@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.error_model.linear_bound import linear_to
-from axiscal.error_model.linear_ways import linear_along
-from axiscal.error_model.model import ErrorModel, Term
-from axiscal.error_model.volume import Box
+from axiscal.errors.linear_bound import linear_to
+from axiscal.errors.linear_ways import linear_along
+from axiscal.errors.model import ErrorModel, Term
+from axiscal.errors.volume import Box
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.nonlinearity import GAUSSIAN, indices
+from axiscal.estimation.located import GAUSSIAN, indices
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 
@@ -58,8 +58,9 @@ def linearity(estimation: Estimation) -> Linearity:
 def _beyond(errors: ErrorModel, mean: Array, factor: Array, box: Box) -> float:
     """Return what the exact chain does more, m, than the rows of the nominal machine say of a step off the mean.
 
-    With B the bound as a function of sizes, m of the mean and d of what is left open: B(m + d) − B(m), squares of d and
-    products of m with d; every term of B is a product of sizes, so that it grows as fast as the chain can.
+    B is the bound as a function of sizes, m those of the mean and d those of what is left open. The step makes B(m + d)
+    − B(m), squares of d and products of m with d. Every term of B is a product of sizes, so it grows as fast as the
+    chain can.
     """
     centre = _sizes(errors, mean, np.zeros_like(factor), box, rests=False)
     spread = _sizes(errors, np.zeros(errors.size), factor, box)

@@ -3,40 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
+from axiscal.estimation.inference.outliers import Doubt
 from axiscal.estimation.learnt import Learnt
-from axiscal.estimation.nonlinearity import GAUSSIAN, SETTLED, indices, moved_by
-from axiscal.inference.outliers import Doubt
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import linear_values, places_of, seen, shown_by_each
+from axiscal.measurement.setup import About
 from axiscal.numerics import Array
+from axiscal.numerics.remembered import remembered
 
 _ROUNDS = 12
 _LINEAR = 1e-2
 """RMS over all directions, in σ, of what the exact machine would change: less is not worth a second round."""
+GAUSSIAN = 0.3
+"""Below, the Gaussian is the posterior to the digits printed."""
+_DRAWS, _SEED = 64, 20260101
+"""Draws tell a root mean square within a tenth; the seed is any."""
 
 
 def located(learnt: Learnt, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Absorbed:
     """Return what readings make known, linearised about the machine and the stations that they show until these stay.
 
-    A distance is linear about the place that its station is taken to be at, so a better place makes a better estimate;
-    and where the machine's errors are large, the exact chain differs from its rows by what they are. Where a round asks
-    for more than the one before it, it and those after it go half as far: the rounds would swing.
+    A distance is linear about the assumed place of its station, so a better place makes a better estimate. Large errors
+    of the machine also separate the exact chain from its rows. A round that asks for more than the one before goes half
+    as far, and so do those after it: else the rounds would swing.
     """
-    known = absorbed(Absorbed.nothing(learnt.case, learnt.verdict), readings, implausible)
+    known = absorbed(learnt.case, readings, implausible, learnt.verdict)
     share, last = 1.0, np.inf
     for _ in range(_ROUNDS):
         mean = known.knowledge.belief.mean
-        asked = _moved(known, readings, implausible, known.case.linear_about(mean))
+        asked = moved_by(known, readings, known.case.linear_about(mean))
         share, last = (share / 2 if asked > last else share), asked
         settled = asked < (SETTLED if known.case.about is not None else _LINEAR)
         better = known.case.located(mean) if settled else known.case.linear_about(_towards(known.case, mean, share))
         if better is None:
             break
-        known = absorbed(Absorbed.nothing(better, learnt.verdict), readings, implausible)
+        known = absorbed(better, readings, implausible, learnt.verdict)
     return known
 
 
@@ -56,17 +65,64 @@ def bent(known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int,
         return known
     for _ in range(_ROUNDS):
         case = known.case.linear_about(known.knowledge.belief.mean, bent=True)
-        done = (
-            known.case.about is not None
-            and known.case.about.bent
-            and _moved(known, readings, implausible, case) < SETTLED
-        )
+        done = known.case.about is not None and known.case.about.bent and moved_by(known, readings, case) < SETTLED
         if done:
             break
-        known = absorbed(Absorbed.nothing(case, known.verdict), readings, implausible)
+        known = absorbed(case, readings, implausible, known.verdict)
     return known
 
 
-def _moved(known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt], better: Case) -> float:
-    weights = np.array(known.weights(0, len(readings), implausible))
-    return moved_by(known, readings, weights, better)
+def moved_by(known: Absorbed, readings: Sequence[Reading], better: Case) -> float:
+    """Return by how much the mean moves when readings are linearised elsewhere, in σ, RMS over all directions.
+
+    known : after readings as they are linearised now
+    With S Sᵀ the covariance it is ‖Sᵀ Hᵀ R⁻¹ Δe‖/√N, and never more than ‖Δe/σ‖/√N.
+    """
+    observation, belief = known.knowledge.observation, known.knowledge.belief
+    places = places_of(observation.setups, readings)
+    change = _values(observation, places, readings, known.case.about) - _values(
+        observation, places, readings, better.about
+    )
+    numbers = seen(observation, readings)
+    trust = np.array(known.weights)[numbers.reading] / numbers.variances
+    if float(np.sqrt(np.sum(trust * change**2) / belief.size)) < SETTLED:
+        return 0.0
+    pulled = belief.factor.T @ (numbers.rows.T @ (trust * change))
+    return float(np.sqrt(np.mean(pulled**2)))
+
+
+SETTLED = 1e-3
+"""RMS of the change over all directions, in σ, at which rounds end."""
+
+
+def _values(observation: Observation, places: Places, readings: Sequence[Reading], about: About | None) -> Array:
+    return linear_values(replace(observation, about=about), places, readings)
+
+
+def indices(known: Absorbed, readings: Sequence[Reading]) -> Array:
+    """Return the index ν of each reading, the largest of its numbers, (readings,).
+
+    With J the rows in use and z standard normal the second order of reading i is
+
+        r_i = f_i(m + F z) − f_i(m) − J_i F z,    ν_i = √(E r_i²)/σ_i
+
+    m, F Fᵀ mean and covariance of the belief. It is the posterior to the digits printed if no ν_i is above 0.3.
+    Importance sampling on seven cases shows a mean shift below 0.05 σ up to ν = 0.26.
+    """
+    return _indices(known, tuple(readings))
+
+
+@remembered
+def _indices(known: Absorbed, readings: tuple[Reading, ...]) -> Array:
+    """Return the same: where rows bend is asked while estimating, and again for the report."""
+    observation, belief = known.knowledge.observation, known.knowledge.belief
+    if not readings:
+        return np.zeros(0)
+    numbers = seen(observation, readings)
+    errors = observation.errors.size + len(observation.unknowns)
+    drawn = belief.factor[:errors] @ np.random.default_rng(_SEED).standard_normal((belief.size, _DRAWS))
+    mean = belief.mean[:errors]
+    shown = shown_by_each(observation, readings, np.vstack([mean, mean + drawn.T]))
+    beyond = shown[1:] - shown[0] - (numbers.rows[:, :errors] @ drawn).T
+    index = np.sqrt(np.sum(beyond**2, axis=0) / _DRAWS) / np.sqrt(numbers.variances)
+    return np.maximum.reduceat(index, np.searchsorted(numbers.reading, np.arange(len(readings))))

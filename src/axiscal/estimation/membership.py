@@ -1,4 +1,4 @@
-"""Whether a machine is like its sisters: the rival beliefs side by side, and their mixture, which is what is reported.
+"""Rival beliefs on whether a machine is like its sisters, and their mixture, which the result reports.
 
 Each belief is as probable as it foretells the readings. Bad readings, noise and rests are judged by the widest
 of them: to a narrow one that is wrong every reading stands off. The planner works for the likeliest.
@@ -11,16 +11,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.belief import Belief
-from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.absorbed import Absorbed, absorbed, displayed
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case, Rival
-from axiscal.estimation.displayed import displayed
-from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.inference.data_equation import Moments, data_equation, moments_of, shares_of
+from axiscal.estimation.inference.outliers import Doubt
+from axiscal.estimation.inference.reading_set import ReadingSet
 from axiscal.estimation.learnt import posterior_of
-from axiscal.inference.outliers import Doubt
-from axiscal.inference.reading_set import ReadingSet
-from axiscal.inference.sisters.belonging import Moments, moments_of, shares_of
-from axiscal.inference.sisters.data_equation import data_equation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 
@@ -89,10 +86,5 @@ def shares_of_rivals(
 
 def _belief(case: Case, known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Belief:
     """Return what readings make of one of the beliefs, each counting as in what is known."""
-    fresh = absorbed(Absorbed.nothing(case, known.verdict), readings, implausible)
+    fresh = absorbed(case, readings, implausible, known.verdict)
     return displayed(fresh, readings, implausible).knowledge.belief
-
-
-def mixed_knowledge(known: Absorbed, found: Membership) -> Knowledge:
-    """Return what is known with the mixture in the place of one belief."""
-    return Knowledge(known.knowledge.observation, found.belief)

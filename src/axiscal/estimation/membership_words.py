@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.error_model.model import Term
+from axiscal.errors.model import Term
 from axiscal.estimation.estimation import Estimation
 from axiscal.language.spoken import later, said
 from axiscal.numerics import Array

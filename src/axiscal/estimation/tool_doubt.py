@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.accuracy.yardstick import Yardstick
-from axiscal.error_model.gauge import Hidden, unseen_factor
+from axiscal.errors.gauge import Hidden, unseen_factor
+from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array

@@ -1,10 +1,11 @@
-"""What machines of one type have taught, as the text that a file and a record carry, and as the prior of one more.
+"""Knowledge from machines of one type: the text that a file and a record carry, and the prior of one more.
 
-Beliefs stand side by side from it, so that a stranger is noticed and its band still holds: the type's (1 − d), the same
-with six times its covariance (0.3 d), a sister of which one axis was hit or renewed, the errors of that axis off by
-what is stated besides (0.3 d, as much for each axis), the stated prior in the sizes that were learnt (0.2 d), and the
-stated prior twice as wide (0.2 d), with d the doubt that this machine is a sister at all. Without those of one axis a
-machine after a crash is a stranger as a whole, and as many readings as a stranger's have to say so.
+The prior is a mixture of beliefs, so that a stranger is noticed and its band still covers. Without those of one axis a
+machine after a crash is a stranger as a whole, and needs as many readings as one. With d the doubt that this machine is
+a sister at all, the weights are:
+- type: 1 − d; the same with six times its covariance: 0.3 d
+- a sister with one axis hit or renewed, its errors off by what is stated besides: 0.3 d, as much for each axis
+- stated prior in the sizes that were learnt: 0.2 d; stated prior twice as wide: 0.2 d
 """
 
 from __future__ import annotations
@@ -19,13 +20,13 @@ from typing import Any
 
 import numpy as np
 
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Rival
+from axiscal.estimation.promise.problem import Inherited
 from axiscal.exceptions import InputError, RecordError
 from axiscal.machine import Machine, machine_from_text
 from axiscal.numerics import Array
-from axiscal.promise.problem import Inherited
 
 SCHEMA = "axiscal-type/1"
 LOOSE, WIDE = 6.0, 4.0
@@ -117,7 +118,7 @@ class TypePrior:
 
 
 def is_type_text(text: str) -> bool:
-    """Whether a text that a record carries as its prior is that of a type, and not an earlier campaign."""
+    """Return whether a record's prior is the text of a type, and not an earlier campaign."""
     return f'"{SCHEMA}"' in text[:200]
 
 
@@ -235,7 +236,7 @@ def _changed(prior: Inherited, errors: ErrorModel, axis: int) -> Inherited:
 def over(found: TypePrior, errors: ErrorModel) -> Inherited:
     """Return mean and covariance over the errors of a machine.
 
-    What its knots hold and those of the type cannot is as stated, in the sizes of the type.
+    Details that its knots resolve and those of the type do not are as stated, in the sizes of the type.
     """
     return _carried(found, errors, found.covariance)
 

@@ -1,4 +1,4 @@
-"""Whether the readings of a file can be of this machine at all, and in the unit that it names."""
+"""Test whether the readings of a file can be of this machine at all, and in the unit that it names."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.case import Case
+from axiscal.estimation.inference.implausible import bent, unit_guess
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import judged
-from axiscal.estimation.timed import Timed, timed
+from axiscal.estimation.promise.other_unit import other_unit
+from axiscal.estimation.timed import timed
 from axiscal.exceptions import ReadingError
-from axiscal.inference.implausible import bent, unit_guess
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Reading
-from axiscal.promise.other_unit import other_unit
 
 _FEWEST = 3
 """One or two slips are readings to be looked at; a file in another unit has all."""
@@ -29,7 +29,7 @@ def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescriptio
     Also where all readings of a set-up fit only when multiplied, by odds of a million, even if scales are learnt.
     """
     case = case_of(campaign)
-    doubts = judged(case, timed(case, readings, Timed()).readings).implausible.values()
+    doubts = judged(case, timed(case, readings).readings).values()
     if len(doubts) < _FEWEST or 2 * len(doubts) <= len(readings):
         _refuse_other_unit(case, readings, file)
         return

@@ -7,8 +7,8 @@ From the deviations of the radius, actual minus nominal, with the centre of leas
     F     radial deviation, largest and smallest deviation of the radius from the nominal one about that centre
     D     mean bidirectional radial deviation: mean of the radii of least squares of both paths, less the nominal one
 
-The standard defines G by the two concentric circles of least separation; about the centre of least squares the width is
-never smaller than that, and larger by a few percent at most. (Formulas after ISO 230-4:2005, quoted from memory.)
+The standard defines G by the two concentric circles of least separation. The width about the centre of least squares is
+never smaller, and a few percent larger at most. (Formulas after ISO 230-4:2005, quoted from memory.)
 """
 
 from __future__ import annotations

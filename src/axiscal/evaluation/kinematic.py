@@ -1,13 +1,13 @@
 """Kinematic tests by ISO 10791-6: a point, or the length of a bar, held while axes move together.
 
-Circles with a rotary axis in step (K), and a point held while a rotary axis of head or table turns (AK, BK, CK). Of
+Circles with a rotary axis in step (K), and a point held while a rotary axis of head or table turns (AK, BK, CK). For
 each test, along each direction in which it is read, over the whole path
 
     E_plus, E_minus   max e − min e while the angle grows, while it falls
     E                 max e − min e of both ways together
 
-A constant is where the ball or the instrument stands, and is in none of them. (After ISO 10791-6:2014, quoted from
-memory; the names of the figures are ours.)
+A constant is the place of the ball or the instrument, and is in none of them. After ISO 10791-6:2014, quoted from
+memory; the names of the figures are ours.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.exceptions import EvaluationError
-from axiscal.measurement.readers.held_path import HeldPath
+from axiscal.measurement.readers.around import HeldPath
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 

@@ -209,8 +209,8 @@ def _bidirectional_repeatability(up: _Direction, down: _Direction) -> Array:
 def _uncertainty(up: _Direction | None, down: _Direction | None, noise: float) -> dict[str, float]:
     """Expanded uncertainty (k = 2) of each figure: how it scatters when the same test is repeated on this machine.
 
-    Means scatter by s/√runs, standard deviations as √(χ²/(runs − 1)) of normal readings; what all runs at a target
-    share is the instrument's (ISO/TR 230-9: device, repeatability of the set-up). Simulated, always the same draws.
+    Means scatter by s/√runs, standard deviations as √(χ²/(runs − 1)) of normal readings. The common part of all runs at
+    a target is the instrument's (ISO/TR 230-9: device, repeatability of the set-up). Simulated, always the same draws.
     """
     rng, drawn = np.random.default_rng(0), dict[str, Array]()
     count = len((up or down or _NOTHING).mean)

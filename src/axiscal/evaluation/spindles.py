@@ -1,6 +1,6 @@
 """Error motions of a spindle or rotary axis by ISO 230-7: a sensor's readings over angle and turns.
 
-About the centre of least squares, with m(θ) the mean over the turns at an angle and e what is left of the readings:
+About the centre of least squares, with m(θ) the mean over the turns at an angle and e the residual of the readings:
 
     total          max e − min e over all turns
     synchronous    max m − min m

@@ -10,9 +10,8 @@ from axiscal.evaluation.diagonals import Diagonals, diagonals
 from axiscal.evaluation.kinematic import Kinematic, kinematic
 from axiscal.evaluation.one_axis import Positioning, arranged, evaluate, read_iso230
 from axiscal.evaluation.spindles import ErrorMotion, error_motion
-from axiscal.measurement.readers.around import CIRCLE, TURNS, circle_of, turns_of
+from axiscal.measurement.readers.around import CIRCLE, HELD, TURNS, circle_of, held_paths, turns_of
 from axiscal.measurement.readers.csv_table import CsvTable, read_table
-from axiscal.measurement.readers.held_path import HELD, held_paths
 from axiscal.measurement.readers.positioning import positioning_rows
 from axiscal.measurement.readers.renishaw import is_rtl
 from axiscal.measurement.readers.text import read_text
@@ -38,7 +37,7 @@ def figures_of(path: str | Path) -> Figures:
 
 
 def _by_diagonal(table: CsvTable) -> dict[str, CsvTable]:
-    """Return the rows of each diagonal as a table of its own."""
+    """Return the rows of each diagonal as a separate table."""
     column = table.one_of("diagonal", "diagonal")
     columns = tuple(each for each in table.columns if each is not column)
     names = dict.fromkeys(row.text(column) for row in table.rows)

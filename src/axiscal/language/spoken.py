@@ -6,14 +6,13 @@
     with speaking("de"):
         again(text)                                               # the same in another one: "Messung 3 von 9"
 
-A text that was said is a `str` like any other; it also knows what it was made of, so that results keep the English of
+A text that was said is a `str` like any other. It also knows its message and values, so results keep the English of
 sentences that a report has in the reader's language.
 """
 
 from __future__ import annotations
 
 import gettext
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -23,8 +22,6 @@ from importlib import resources
 from string import Formatter
 from types import MappingProxyType
 from typing import Any, TypeVar, cast
-
-from axiscal.exceptions import InputError
 
 LANGUAGES = {"en": "English", "de": "Deutsch"}
 """Those there are, each by its own name."""
@@ -96,7 +93,7 @@ def capital(text: str) -> str:
 
 
 def later(message: str) -> str:
-    """Return a message as it is: it is said where it is used, and translators find it here."""
+    """Return a message unchanged: translators find it here, and its user says it."""
     return message
 
 
@@ -149,30 +146,6 @@ def spoken_now() -> str:
 def decimals(text: str) -> str:
     """Return a number as it is written in the language that is spoken."""
     return text.replace(".", DECIMALS[_SPOKEN.get()])
-
-
-def named_language(name: str | None) -> str | None:
-    """Return the language that somebody names, else that of AXISCAL_LANGUAGE, else None.
-
-    Raises InputError for a name that is none of LANGUAGES.
-    """
-    named = name or os.environ.get("AXISCAL_LANGUAGE")
-    if named and named not in LANGUAGES:
-        known = ", ".join(f"{short} ({long})" for short, long in LANGUAGES.items())
-        raise InputError(f'"{named}" is no language that is spoken here', f"There are {known}")
-    return named or None
-
-
-def chosen(name: str | None) -> str:
-    """Return the language of the person: the one that is named, else AXISCAL_LANGUAGE, else that of the computer.
-
-    Raises InputError for a name that is none of LANGUAGES; a computer in a language that is missing speaks English.
-    """
-    if named := named_language(name):
-        return named
-    usual = (os.environ.get(variable, "") for variable in ("LC_ALL", "LC_MESSAGES", "LANG"))
-    computers = next((value[:2] for value in usual if value), "en")
-    return computers if computers in LANGUAGES else "en"
 
 
 class _Filling(Formatter):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from axiscal.document import shown
@@ -109,6 +109,12 @@ class Axis:
         return self.counting == "reversed"
 
     @property
+    def turned(self) -> Axis:
+        """The axis if its coordinate grows the other way."""
+        x, y, z = self.direction
+        return replace(self, direction=(-x, -y, -z), counting="iso" if self.reversed else "reversed")
+
+    @property
     def positioning_error(self) -> str:
         """Name of the error along (about) the axis itself: "EXX", "EXU", "ECC"."""
         letters = "ABC" if self.rotary else "XYZ"
@@ -143,5 +149,5 @@ class Axis:
 
     @property
     def cyclic(self) -> bool:
-        """Whether the axis is rotary and its travel is one full turn, to 1e-9 rad."""
+        """True for a rotary axis whose travel is one full turn to 1e-9 rad."""
         return self.rotary and abs(self.length - math.tau) <= 1e-9

@@ -76,7 +76,7 @@ def _name(document: Document, tables: MachineFile) -> str:
 def _axes(document: Document, tables: MachineFile, faults: Faults) -> tuple[Axis, ...]:
     """Return the axes in the order of the chain; every axis has a table, every table an axis.
 
-    What is wrong within the table of an axis is noted, and the axis left out.
+    A fault in the table of an axis is noted, and the axis left out.
     """
     try:
         links = parse_chain(tables.chain)

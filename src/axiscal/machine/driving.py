@@ -18,7 +18,7 @@ _NEAR = {False: 2e-3, True: math.radians(2.0)}
 
 @dataclass(frozen=True, slots=True)
 class Driving:
-    """What `[programs]` of a campaign says; left out, everything is quick and nothing goes clear.
+    """The content of `[programs]` in a campaign; left out, everything is quick and nothing goes clear.
 
     clearance : name of the axis that goes clear before others move, with its coordinate, m or rad
     order : names of axes that move together, group after group; None: linear axes first, then rotary ones
@@ -34,7 +34,7 @@ class Driving:
     tcp: bool = True
 
     def feed_of(self, rotary: bool) -> float:
-        """Return the feed near a place, m/s or rad/s; infinite where none is asked for."""
+        """Return the feed near a place, m/s or rad/s; infinite where none is stated."""
         if self.feed is None:
             return math.inf
         return math.radians(self.feed * 1000) if rotary else self.feed

@@ -97,9 +97,9 @@ class ErrorEntry:
     def knot_count(self, axis: Axis) -> int:
         """Return the number of equidistant knots over the travel, both ends included; 1 for a constant.
 
-        `knots` as written. `spacing`: the fewest intervals not longer than it. Neither: intervals not longer than half
-        the correlation length (a quarter where `fine`, or where smoothness is 1.5), at least four; without a
-        correlation length 7 knots, as in the paper (B&H section V).
+        `knots` as written. `spacing`: the fewest intervals not longer than it. Neither: at least four intervals, not
+        longer than half the correlation length (a quarter for `fine` or smoothness 1.5). Without a correlation length:
+        7 knots, as in the paper (B&H section V).
         Raises DescriptionError when that is not between 2 and 400 (a full turn needs 4 for a periodic curve).
         """
         if self.constant:
@@ -133,7 +133,7 @@ class ErrorEntry:
 
 
 def as_fine_as_is_cheap(entries: tuple[ErrorEntry, ...], axes: Mapping[str, Axis]) -> tuple[ErrorEntry, ...]:
-    """Return the errors with fine knots where nothing is said of knots, if all control values stay few even so."""
+    """Return the errors, with fine knots where none are stated, if all control values stay few even so."""
     finer = tuple(replace(e, fine=e.length is not None and e.knots is None and e.spacing is None) for e in entries)
     counts = [entry._wanted_knots(axes[entry.axis]) for entry in finer if not entry.constant]
     return finer if sum(counts) <= CHEAP else entries

@@ -1,12 +1,12 @@
-"""Where the linear axes go so that the tool point is at a place of the workpiece, whatever the rotary axes do.
+"""The positions of the linear axes that bring the tool point to a place of the workpiece, for any rotary angles.
 
-With the rotary axes at ρ the tool point is p(q) = p₀(ρ) + J(ρ) t, affine in the linear axes t, so that
-t = J(ρ)⁻¹ (p* − p₀(ρ)): one small system per pose, exact to rounding.
+With the rotary axes at ρ the tool point is p(q) = p₀(ρ) + J(ρ) t, affine in the linear axes t.
+So t = J(ρ)⁻¹ (p* − p₀(ρ)): one small system per pose, exact to rounding.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 
@@ -24,12 +24,12 @@ _REACHED = 1e-9
 def linear_axes(machine: Machine) -> tuple[int, ...]:
     """Return the indices of the axes that carry the tool point to a place: X, Y, Z as far as they are there.
 
-    Of a second set U, V, W only the axes that are needed as well move; the others stay where they are.
+    Axes of a second set U, V, W move only if they are needed as well; the others stay where they are.
     """
     return _carrying("".join(axis.letter for axis in machine.axes))
 
 
-@lru_cache
+@cache
 def _carrying(letters: str) -> tuple[int, ...]:
     chosen: list[int] = []
     ways: set[int] = set()

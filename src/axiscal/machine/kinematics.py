@@ -1,8 +1,8 @@
 """The nominal chain and its exact deviation: where each axis frame and the TCP are in the workpiece frame.
 
-Read from the workpiece to the tool the chain is p = M_1(t_1) … M_q(t_q) p_tool, primed or not (docs/conventions.md).
-On the tool side the axis frame stands behind the travel of a carriage and before the turn of a rotor; on the
-workpiece side, read in this direction, the other way round.
+Read from the workpiece to the tool the chain is p = M_1(t_1) … M_q(t_q) p_tool, primed or not (docs/conventions.md). On
+the tool side the axis frame stands behind the travel of a carriage and before the turn of a rotor. On the workpiece
+side, read in this direction, it is the other way round.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Frames(NamedTuple):
 
 
 class SmallMotions(NamedTuple):
-    """What each axis frame does beside its nominal motion, at each pose, in the axis frame.
+    """The error motion of each axis frame at each pose, in the axis frame.
 
     displacement : (q, m, 3) m; rotation : (q, m, 3) rad
     tilt : (q, m, 3) rad, turn of the direction of travel of a linear axis
@@ -77,7 +77,7 @@ def tool_motion(machine: Machine, poses: Array, small: SmallMotions) -> rigid.Mo
 
 
 class Deviation(NamedTuple):
-    """What the tool does beside its nominal motion, in the workpiece frame.
+    """The error motion of the tool, in the workpiece frame.
 
     displacement : (m, 3) m, of the TCP; rotation : (m, 3) rad, the skew part of the turn: right to second order
     """

@@ -1,10 +1,10 @@
 """How a machine goes from place to place while measuring: what moves together, from which side, for how long.
 
-Axes of one family go together along a straight line from rest to rest, X Y Z first, then U V W, P Q R, and A B C: so
-a feed means the same on every control, and rotary axes turn while the slides stand. A long turn is made in parts,
-since a control may take the short way round where an axis has no end. An axis that would not come to its place over at
-least its overrun from the side that counts first goes past it. `Driving` says in which other order, what goes clear
-before others move, and how slow the last millimetres are. Plans, records and programs all go by these rules.
+Axes of one family go together along a straight line from rest to rest: X Y Z first, then U V W, P Q R, and A B C. So a
+feed means the same on every control, and rotary axes turn while the slides stand. A long turn is made in parts, since a
+control may take the short way round where an axis has no end. An axis that would not come to its place over at least
+its overrun from the side that counts first goes past it. `Driving` says in which other order, what goes clear before
+others move, and how slow the last millimetres are. Plans, records and programs all go by these rules.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """What a little more of each small motion does to the tool of a machine as it is: levers at the actual frames.
 
-T = … M_k E_k …  with E_k = Trans(δ) Rot(ε) on the tool side and its inverse on the workpiece side. A little more of ε
-turns by J(ε) dε before Rot(ε), J the left Jacobian of the rotation group (Barfoot 2017, eq. 7.77), about where the
-frame then is. At the nominal machine these are the levers of `frames`.
+T = … M_k E_k … with E_k = Trans(δ) Rot(ε) on the tool side and its inverse on the workpiece side. A little more of ε
+turns by J(ε) dε before Rot(ε), about where the frame then is. J is the left Jacobian of the rotation group (Barfoot
+2017, eq. 7.77). At the nominal machine these are the levers of `frames`.
 """
 
 from __future__ import annotations

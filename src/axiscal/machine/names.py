@@ -46,7 +46,7 @@ class ErrorName:
 
     @property
     def bare(self) -> str:
-        """The name without what is said of its shape or sides."""
+        """The name without the words for shape or sides."""
         return self.canonical.partition("_")[0]
 
     @property
@@ -58,7 +58,7 @@ class ErrorName:
 
 @dataclass(frozen=True, slots=True)
 class PlaneName:
-    """The parts of the name of an error of two axes, "EZXY".  component : 0…5 for x y z a b c; axes : in its order."""
+    """The parts of the name of a two-axis error, "EZXY".  component : 0…5 for x y z a b c; axes : in its order."""
 
     component: int
     axes: tuple[str, str]

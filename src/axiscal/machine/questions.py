@@ -41,9 +41,9 @@ def which_way(machine: Machine) -> tuple[str, ...]:
         return ()
     one, many = "Which way does {names} count?", "Which way do {names} count?"
     supposed = (
-        "Nothing is said, and ISO 841 is supposed: counting up, the tool turns by the right hand about the axis "
-        "relative to the workpiece, a table the other way. Where the control counts against that (as LinuxCNC's "
-        'xyzac- and xyzbc-trt-kins do), write direction = "reversed" in the table of the axis, else "iso".'
+        "Nothing is said, so ISO 841 counts: for rising numbers the tool turns by the right hand relative to the "
+        "workpiece, a table the other way. If the control counts against that (LinuxCNC's xyzac- and xyzbc-trt-kins "
+        'do), write direction = "reversed" in the table of the axis, else "iso".'
     )
     return (listed(" ", [counted(one, many, len(names), names=joined(names)), said(supposed)]),)
 

@@ -1,8 +1,8 @@
 """What stands on the table to be read: balls, and what is not known of where they are.
 
-A ball i at b_i, d_i = b_i − c from the middle c of its artefact, is off its stated place by s + ω × d_i + κ d_i + e_i:
-the place, the turn and the common scale of the whole, and the calibration of each ball. Balls that nobody calibrated
-stand alone: each is off by its own place only.
+Ball i is stated at b_i, d_i = b_i − c from the middle c of its artefact. It is off by s + ω × d_i + κ d_i + e_i. These
+are place, turn and scale of the whole, and the calibration of each ball. Balls that nobody calibrated stand alone: each
+is off by its own place only.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Artefact:
 
     @cached_property
     def points(self) -> Array:
-        """Where the balls are stated to be, (n, 3) m."""
+        """The stated places of the balls, (n, 3) m."""
         return np.array([ball.place for ball in self.balls])
 
     @cached_property

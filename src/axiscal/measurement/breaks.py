@@ -1,10 +1,10 @@
-"""Where the rows of a set-up stop being smooth along an axis, and how smooth they are in between."""
+"""The coordinates of an axis at which the rows of a set-up are not smooth, and how smooth they are in between."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from axiscal.error_model.plane import PlaneError
+from axiscal.errors.plane import PlaneError
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.way import feet
@@ -19,7 +19,7 @@ _COINCIDE = 1e-12
 def breaks_along(observation: Observation, axis: int, setup: int) -> Array:
     """Return the coordinates between which a set-up's rows are smooth along an axis: knots, edges of visited cells.
 
-    Where it has feet they stand on these, aside of its position.
+    An instrument on feet meets them at each foot, which is aside of its position.
     """
     edges = _knots(observation, axis)
     for index, cell in observation.cells:
@@ -27,7 +27,7 @@ def breaks_along(observation: Observation, axis: int, setup: int) -> Array:
         if isinstance(term, PlaneError):
             edges += term.edges(cell, axis)
         elif term.axis == axis:
-            edges.append(term.basis.knots[0] + term.cell * np.array([cell, cell + 1]))
+            edges.append(term.edges(cell))
     return _between(observation, axis, setup, edges)
 
 

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.error_model.volume import Box
+from axiscal.errors.volume import Box
 from axiscal.machine.description import Machine
+from axiscal.machine.inverse import linear_axes
 from axiscal.measurement.breaks import knots_along
-from axiscal.measurement.chart_places import chart_candidates
+from axiscal.measurement.charts.chart import Chart, Coordinate, arrivals, has_room, side_choices
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.touched import touching_sides
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
+
+MOST_TRIED = 20_000
+"""Places tried where few can be taken: of time; the places that are found are spread evenly all the same."""
+FEWEST = 20
+"""Places at least that a chart is asked for, so that the best step has where to begin."""
+_WHOLE, _MANY = 4, 200
+"""Where so many are asked for, a raster of up to so many times as many is taken whole."""
 
 
 def spread(machine: Machine, setups: tuple[Setup, ...], count: int) -> Places:
@@ -72,3 +83,111 @@ def knot_lattice(observation: Observation, setup: int, axis: int, parts: int) ->
 def corners(box: Box) -> Array:
     """Return the corners of a box of poses, (2^q, q)."""
     return np.stack([g.ravel() for g in np.meshgrid(*box, indexing="ij")], axis=1)
+
+
+class Chosen(NamedTuple):
+    """Places on a chart.  places, sides : (m, size) u and +1, −1"""
+
+    places: Array
+    sides: Array
+
+
+def chart_candidates(machine: Machine, setup: Setup, chart: Chart, count: int) -> tuple[Array, Array]:
+    """Return poses and approaches (m, q) of about so many candidates; fewer where fewer can be taken."""
+    chosen = _chosen(machine, setup, chart, count)
+    approaches = arrivals_of(machine, setup, chart, chosen.places, chosen.sides)
+    return chart.poses(chosen.places), approaches
+
+
+def arrivals_of(machine: Machine, setup: Setup, chart: Chart, places: Array, sides: Array) -> Array:
+    """Return from where each axis comes to places of a set-up.
+
+    Linear axes come from where they follow, from none where both sides are evened, or as they touch three of them.
+    """
+    overruns = np.array([axis.overrun for axis in machine.axes])
+    found = turned_to(machine, setup, arrivals(chart, overruns, places, sides))
+    if setup.three_touches:
+        linear = list(linear_axes(machine))
+        found[:, linear] = touching_sides(machine, chart.poses(places))
+    return found
+
+
+def turned_to(machine: Machine, setup: Setup, approaches: Array) -> Array:
+    """Return approaches (m, q) of what a set-up's coordinates decide: none of linear axes that do not follow them."""
+    if setup.sides_follow:
+        return approaches
+    return np.where([axis.rotary for axis in machine.axes], approaches, 0.0)
+
+
+def _chosen(machine: Machine, setup: Setup, chart: Chart, count: int) -> Chosen:
+    choices = chart_sides(machine, setup, chart)
+    ends = [chart.bounds(number) for number in range(chart.size)]
+    if all(end.step > 0 for end in ends):
+        return _thinned(_raster(chart, choices), _WHOLE * count if count >= _MANY else count, count)
+    return _even(chart, choices, count)
+
+
+def chart_sides(machine: Machine, setup: Setup, chart: Chart) -> Array:
+    """Return the sides from which places of a set-up are come to and that differ in what is seen, (choices, size)."""
+    return side_choices(setup.approach, chart.size, _sides_count(machine, setup, chart))
+
+
+def _sides_count(machine: Machine, setup: Setup, chart: Chart) -> NDArray[np.bool_]:
+    """Return of which coordinates the side shows: where an axis that they move has a reversal value."""
+    reverses = [k for k, axis in enumerate(machine.axes) if f"{axis.positioning_error}_reversal" in _reversals(machine)]
+    shown = [k for k in reverses if machine.axes[k].rotary or setup.sides_follow]
+    middle = np.array([[(chart.bounds(n).low + chart.bounds(n).high) / 2 for n in range(chart.size)]])
+    result = np.zeros(chart.size, dtype=bool)
+    for number in range(chart.size):
+        overrun = chart.bounds(number).overrun
+        aside = middle + np.eye(chart.size)[number] * (overrun or 1.0)
+        moved = np.abs(chart.poses(aside) - chart.poses(middle))[0]
+        result[number] = overrun > 0 and bool(np.any(moved[shown] > 0))
+    return result
+
+
+def _reversals(machine: Machine) -> set[str]:
+    return {entry.name for entry in machine.errors if entry.kind == "reversal"}
+
+
+def _raster(chart: Chart, choices: Array) -> Chosen:
+    values = [chart.bounds(number).values for number in range(chart.size)]
+    grid = np.stack([g.ravel() for g in np.meshgrid(*values, indexing="ij")], axis=1)
+    return _taken(chart, np.repeat(grid, len(choices), axis=0), np.tile(choices, (len(grid), 1)))
+
+
+def _even(chart: Chart, choices: Array, count: int) -> Chosen:
+    """Return so many places that can be taken, spread evenly; out of MOST_TRIED at the most."""
+    ends = [chart.bounds(number) for number in range(chart.size)]
+    tried = count
+    while True:
+        unit = even_points(tried, chart.size + 1)
+        shares = unit[:, : chart.size] if chart.size > 1 else even_points(tried, 1)
+        places = np.column_stack([_placed(end, share) for end, share in zip(ends, shares.T, strict=True)])
+        which = (unit[:, -1] * len(choices)).astype(np.intp)
+        found = _taken(chart, places, choices[which])
+        if len(found.places) >= count or tried >= MOST_TRIED:
+            return _thinned(found, count, count)
+        tried = min(2 * tried, MOST_TRIED)
+
+
+def _placed(end: Coordinate, share: Array) -> Array:
+    if end.step > 0:
+        values = end.values
+        picked: Array = values[np.minimum((share * len(values)).astype(np.intp), len(values) - 1)]
+        return picked
+    dialled: Array = np.round((end.low + (end.high - end.low) * share) / end.finest) * end.finest
+    return np.clip(dialled, end.low, end.high)
+
+
+def _taken(chart: Chart, places: Array, sides: Array) -> Chosen:
+    kept = has_room(chart, places, sides)
+    return Chosen(places[kept], sides[kept])
+
+
+def _thinned(chosen: Chosen, most: int, count: int) -> Chosen:
+    """Return all of them if they are not too many, else so many at even distances."""
+    if len(chosen.places) <= most:
+        return chosen
+    kept = np.linspace(0, len(chosen.places) - 1, count).astype(np.intp)
+    return Chosen(chosen.places[kept], chosen.sides[kept])

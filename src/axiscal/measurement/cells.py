@@ -1,4 +1,4 @@
-"""The rests of cells: what no spline follows is one number per short cell of an axis, shared by all readings in it."""
+"""The rests of cells: the part of an error that splines miss, one number per short cell, shared by its readings."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.way import feet, moved
 from axiscal.numerics import Array
@@ -18,7 +18,7 @@ Cell = tuple[int, int]
 
 
 class RestEffects(NamedTuple):
-    """What the rests of some errors do to readings, one row for each error, or for each of its feet.
+    """The effect of the rests of some errors on readings: one row for each error, or for each of its feet.
 
     functions : (e,) index of the error; reach : (e, m) what a unit of its rest adds
     cells : (e, m) the number of the cell that they are in

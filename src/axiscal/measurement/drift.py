@@ -1,8 +1,8 @@
 """How the zero of a set-up wanders while machine and instrument warm up or cool down.
 
-The zero moves at a rate that is normal with standard deviation r and forgets itself over a time T: within minutes a
-straight line of unknown slope, within hours a curve that levels off or turns, as the thermal drift of ISO 230-3 does.
-With x = Δ/T, φ = exp(−x), d the distance and v the rate (an integrated Ornstein-Uhlenbeck process),
+The zero moves at a rate that is normal with standard deviation r and forgets itself over a time T. Within minutes it is
+a straight line of unknown slope. Within hours it levels off or turns, as the thermal drift of ISO 230-3. With x = Δ/T,
+φ = exp(−x), d the distance and v the rate (an integrated Ornstein-Uhlenbeck process),
 
     d' = d + T (1 − φ) v + ε,   v' = φ v + η,
     var ε = r²T² (2x − 3 + 4φ − φ²),   cov(ε, η) = r²T (1 − φ)²,   var η = r² (1 − φ²)
@@ -44,7 +44,7 @@ class Course:
 
     @classmethod
     def over(cls, rate: float, times: Sequence[float]) -> Course:
-        """Return the course over times, in order, s, with unknowns of its own."""
+        """Return the course over times, in order, s, with its own unknowns."""
         course = cls.begun(rate, times[0], 0)
         for time in times:
             if course.needs_node(time):
@@ -63,7 +63,7 @@ class Course:
         return rows
 
     def needs_node(self, time: float) -> bool:
-        """Whether a time lies too far beyond the last node for a straight line, s."""
+        """Return whether a time, s, lies too far beyond the last node for a straight line."""
         return time > self.times[-1] + STEP
 
     def with_node(self, time: float, column: int) -> Course:

@@ -14,7 +14,7 @@ EXACT = 1e-8
 
 
 def on_free_plane(observation: Observation, setup: int) -> bool:
-    """Whether a set-up reads one number while two linear axes move, wherever they are."""
+    """Return whether a set-up reads one number while two linear axes move, wherever they are."""
     mounted = observation.setups[setup]
     axes = [observation.machine.axes[axis] for axis in mounted.moves]
     plain = mounted.chart is None and mounted.station is None and mounted.base is None

@@ -8,9 +8,8 @@ from types import MappingProxyType
 
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.distance import SHIFTS, Distance, Distances
-from axiscal.measurement.instruments.kind import CARRIED, TOOL, Model, Reads
+from axiscal.measurement.instruments.kind import CARRIED, TOOL, Model, Reads, Rotation
 from axiscal.measurement.instruments.nest import Nest
-from axiscal.measurement.instruments.rotation import Rotation
 from axiscal.measurement.instruments.stepped import Stepped
 from axiscal.measurement.instruments.tracker import Tracker
 from axiscal.measurement.setup import Setup, Unknown

@@ -1,8 +1,8 @@
 """What an instrument sees of the machine: rows over all unknowns, A of the machine and b of the set-ups.
 
-y = g(t)ᵀ A + f(t)ᵀ b + v  (B&H eq. 29-30, and b). The columns are the machine's error coefficients, then the unknowns
-of every set-up, then, as they come, the rests of the cells that have been visited and the drifts of zeros that wander:
-readings in one cell share its rest, so repeating there does not average it away.
+y = g(t)ᵀ A + f(t)ᵀ b + v (B&H eq. 29-30, and b). The columns are the machine's error coefficients, then the unknowns of
+every set-up. Then follow, as they come, the rests of visited cells and the drifts of zeros that wander. Readings in one
+cell share its rest, so repeating there does not average it away.
 """
 
 from __future__ import annotations
@@ -16,16 +16,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.error_model.actual import MovedErrors, deviations_of
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.actual import MovedErrors, deviations_of
+from axiscal.errors.model import ErrorModel
 from axiscal.machine.description import Machine
-from axiscal.measurement.about import About
 from axiscal.measurement.cells import Cell, CellColumns, RestEffects, add_rests, rest_effects
 from axiscal.measurement.drift import Course
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.kind import Actual, Nominal
 from axiscal.measurement.owners import Owned
-from axiscal.measurement.setup import Setup, Unknown
+from axiscal.measurement.setup import About, Setup, Unknown
 from axiscal.measurement.way import Way
 from axiscal.numerics import Array
 
@@ -59,8 +58,8 @@ class Observation:
     errors: ErrorModel
     setups: tuple[Setup, ...]
     about: About | None = None
-    cells: Mapping[Cell, int] = field(default_factory=lambda: MappingProxyType({}))
-    courses: Mapping[Zero, Course] = field(default_factory=lambda: MappingProxyType({}))
+    cells: Mapping[Cell, int] = field(default_factory=dict)
+    courses: Mapping[Zero, Course] = field(default_factory=dict)
 
     @property
     def machine(self) -> Machine:
@@ -130,14 +129,6 @@ class Observation:
         """
         levers = self._levers_along(self.setups[setup], poses, direction)
         return self._rows(setup, poses, approaches, direction, levers, times)
-
-    def rows_and_effects(
-        self, setup: int, poses: Array, approaches: Array, direction: Array | None
-    ) -> tuple[Rows, Array]:
-        """Return both for the same readings; arguments as for each."""
-        levers = self._levers_along(self.setups[setup], poses, direction)
-        rows = self._rows(setup, poses, approaches, direction, levers)
-        return rows, self._effects(self.setups[setup], levers, approaches)
 
     def rows_each(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> list[Rows]:
         """Return the same of every number of the readings."""
@@ -280,21 +271,6 @@ class Observation:
                 number = number + value * model.unknown_effect(mounted, name, at, nominal)
             numbers.append(number)
         return np.stack(numbers, axis=1)
-
-    def effects(self, setup: int, poses: Array, approaches: Array, direction: Array | None = None) -> Array:
-        """Return what a unit of each error adds to readings, (terms, m); arguments as for `rows`.
-
-        Where two feet stand on a way: of two units, one at each of them and independent.
-        """
-        mounted = self.setups[setup]
-        return self._effects(mounted, self._levers_along(mounted, poses, direction), approaches)
-
-    def _effects(self, mounted: Setup, levers: Array, approaches: Array) -> Array:
-        effects = self.errors.effects(levers, approaches)
-        if mounted.base:
-            straight = [f.kind == "motion" for f in self.errors.terms]
-            effects[straight] *= float(np.sqrt(2.0)) / mounted.base
-        return effects
 
     def rest_effects(self, setup: int, poses: Array, approaches: Array, everyone: bool = False) -> list[RestEffects]:
         """Return what the rests do to each number of readings, of cells that were visited or not.

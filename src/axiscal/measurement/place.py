@@ -91,7 +91,7 @@ class Places:
         return replace(self, poses=poses)
 
     def same_as(self, others: Places) -> bool:
-        """Whether they are the same places, in whatever order."""
+        """Return whether they are the same places in any order."""
         mine, theirs = (np.column_stack([each.setups, each.poses, each.approaches]) for each in (self, others))
         return mine.shape == theirs.shape and bool(np.all(mine[np.lexsort(mine.T)] == theirs[np.lexsort(theirs.T)]))
 

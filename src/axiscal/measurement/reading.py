@@ -61,7 +61,7 @@ class Reading:
 
 
 def drawn(readings: Sequence[Reading], most: int) -> list[Reading]:
-    """Return all readings, or so many of them, drawn the same way each time."""
+    """Return all readings, or `most` of them, drawn the same way each time."""
     if len(readings) <= most:
         return list(readings)
     chosen = np.sort(np.random.default_rng(0).choice(len(readings), most, replace=False))

@@ -1,4 +1,13 @@
-"""A set-up: one instrument, mounted in one way, that reads along (or about) one direction."""
+"""A set-up: one instrument, mounted in one way, that reads along (or about) one direction.
+
+Where readings are linearised: about the machine that is believed, instead of about the nominal one.
+
+    e_i(x) = f_i(x) − h_i x,    y_i ← y_i − e_i(x)                                                (chord iteration)
+
+f_i what the instrument would show by the exact chain where errors and unknowns are x, h_i the row of the reading. With
+rows at the nominal machine each round converges by the largest rotation, about 1e-3. If that is not enough, the rows
+are taken at x as well (Gauss-Newton; Bell and Cathey 1993).
+"""
 
 from __future__ import annotations
 
@@ -13,6 +22,8 @@ from axiscal.machine.driving import USUAL, Driving
 if TYPE_CHECKING:
     from axiscal.measurement.artefact import Artefact
     from axiscal.measurement.charts.chart import Chart
+
+from axiscal.numerics import Array
 
 Approach = Literal["both", "+", "-"]
 Contact = Literal["free", "held", "retracted"]
@@ -61,7 +72,7 @@ class Setup:
     warmer : by how much the measured material is warmer than 20 °C, K; None where nobody says
     expansion : coefficient of thermal expansion of the measured material, 1/K
     at_20 : what is found of the machine refers to 20 °C, not to the temperature that it was read at
-    stated : sizes of causes that no reading shows, by name, where no default holds (see `promise.type_b`)
+    stated : sizes of causes that no reading shows, by name, where no default holds (see `description.type_b`)
     found : how far from there its station has been found so far, m, or by how much a tracker is turned, rad; of several
         stations one after another; None is nowhere else
     base : how far apart the feet of a level stand that is stepped along the way of the axis that moves, m; its poses
@@ -185,3 +196,11 @@ class Setup:
         low, high = axis.travel if self.reach is None else self.reach[index]
         half = (self.base or 0.0) / 2 if index in self.moves else 0.0
         return low + half, high - half
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class About:
+    """point : (k,) errors of the machine, then unknowns of the set-ups; bent : rows are those of the machine there"""
+
+    point: Array
+    bent: bool = False

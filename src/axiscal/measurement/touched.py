@@ -1,7 +1,7 @@
 """A sphere touched from all sides, one linear way after the other, and the centre that its touches show.
 
-The cycle: the pole from above, four sides at the equator, the pole again. Rotary axes stand. What is read is where the
-sphere is stated less where it is found, y = b − p: the tip is at p + δp when the control says that it is at p.
+The cycle: the pole from above, four sides at the equator, the pole again. Rotary axes stand. The reading is the stated
+place of the sphere less the found one, y = b − p. The tip is at p + δp when the control says that it is at p.
 """
 
 from __future__ import annotations
@@ -14,12 +14,16 @@ import numpy as np
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine.description import Machine
-from axiscal.machine.inverse import tip_at
+from axiscal.machine.inverse import linear_axes, tip_at
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.touch_sides import touch_frames
 from axiscal.numerics import Array
 from axiscal.units import format_quantity, from_unit
+
+_KINDRED = 1e-6
+"""Sines nearer than this are alike: the first one is taken."""
+_RESERVE = 0.5
+"""A coordinate of the workpiece is taken for an axis only where that has a sine less by so much: it is 0.8 at least."""
 
 TOUCHES = 6
 """In a cycle."""
@@ -58,7 +62,7 @@ class SideTouch:
 
 @dataclass(frozen=True, slots=True)
 class Sphere:
-    """What touches show, in the unit of the hits.
+    """The sphere that touches show, in the unit of the hits.
 
     centre : where it is; radius : by its sides; apart : how far the pole was from itself when it was touched again
     """
@@ -171,3 +175,35 @@ def read_as(machine: Machine, setup: Setup, pose: Array, hits: Sequence[Array]) 
     """Return the three values of a reading, m, by the touches of its cycle.  Raises ReadingError as `found` does."""
     x, y, z = (stated(setup, machine, pose) - np.array(found(machine, setup, pose, hits).centre)).tolist()
     return x, y, z
+
+
+def touch_frames(machine: Machine, poses: Array) -> Array:
+    """Return where a sphere is met, (m, 3, 3): unit vectors of its first side, its second side and its pole.
+
+    poses : (m, q).  The pole is towards the spindle, the first side where the linear axis goes that is most across it;
+    where none goes across it, the coordinate of the workpiece that does.
+    """
+    at, every = frames(machine, poses), np.arange(len(poses))
+    axes = [at.rotations[k] @ np.array(machine.axes[k].direction) for k in linear_axes(machine)]
+    ways = np.stack([*axes, *np.broadcast_to(np.eye(3)[:, None], (3, len(poses), 3))], axis=1)
+    level = ways - np.sum(ways * at.stem[:, None], axis=2)[:, :, None] * at.stem[:, None]
+    across = np.linalg.norm(level, axis=2)
+    preferred = across - np.where(np.arange(ways.shape[1]) < len(axes), 0.0, _RESERVE)
+    chosen = np.argmax(preferred > preferred.max(axis=1)[:, None] - _KINDRED, axis=1)
+    first = level[every, chosen] / across[every, chosen][:, None]
+    return np.stack([first, np.cross(at.stem, first), at.stem], axis=1) + 0.0
+
+
+def touching_sides(machine: Machine, poses: Array) -> Array:
+    """Return from where the linear axes come as they touch first side, second side and pole, (m, linear) +1, -1.
+
+    An axis comes as it goes in the touch that moves it most: J t = -n, n where the sphere is met.
+    """
+    known = np.nan_to_num(poses)
+    at, axes = frames(machine, known), linear_axes(machine)
+    ways = np.stack([at.rotations[k] @ np.array(machine.axes[k].direction) for k in axes], axis=2)
+    into = -np.swapaxes(touch_frames(machine, known), 1, 2)
+    moved = np.linalg.pinv(ways) @ into
+    most = np.abs(moved).argmax(axis=2)
+    sides: Array = np.sign(np.take_along_axis(moved, most[:, :, None], axis=2)[:, :, 0])
+    return sides

@@ -1,7 +1,7 @@
 """The way that an axis runs on, as a level sees it whose feet stand on it: the slope (w(t+L/2) − w(t−L/2))/L.
 
-w is how the TCP would be displaced by the straightness and the squareness of this axis alone. What the carriage does
-beside (its rotations, its reversal), and all other axes, a level that does not ride on it cannot see.
+w is how the TCP would be displaced by the straightness and the squareness of this axis alone. A level that does not
+ride on the carriage cannot see its rotations, its reversal, or any other axis.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.error_model.model import ErrorModel, Term
-from axiscal.error_model.plane import PlaneError
+from axiscal.errors.model import ErrorModel, Term
+from axiscal.errors.plane import PlaneError
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
@@ -22,7 +22,7 @@ _HALF = 0.5
 
 
 class Foot(NamedTuple):
-    """Where a foot stands from the middle of the base, m, and how its height counts, 1/m."""
+    """The place of a foot from the middle of the base, m, and the weight of its height, 1/m."""
 
     shift: float
     weight: float

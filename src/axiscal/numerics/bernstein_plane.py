@@ -1,22 +1,21 @@
 """The largest ratio N/D over a plane, enclosed by branch and bound: N and D polynomials of both coordinates in between.
 
 On a rectangle a polynomial lies between its smallest and its largest Bernstein coefficient (Garloff 1986), and at the
-corners it is its coefficient there. With b the best ratio known, a box on which no coefficient of N − b (1 + τ) D is
-above zero holds nothing better; the others are quartered (de Casteljau) until none is left.
+corners it is its coefficient there. So N/D is at most the largest ratio of their coefficients. The search quarters
+boxes that may exceed the best known value until none is left (`largest`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import bernstein
 from axiscal.numerics.chebyshev import nodes
+from axiscal.numerics.largest import Boxes, halves, largest, some
 
 PlaneForms = Callable[[Array], tuple[Array, Array]]
 """Places (m, 2) -> N and D there, each (m,), D above zero."""
@@ -40,49 +39,38 @@ class Enclosure(NamedTuple):
     boxes: int
 
 
-class _Patches(NamedTuple):
-    """Rectangles.  low, high : (b, 2); above, below : Bernstein coefficients of N and D, (b, n, m)."""
-
-    low: Array
-    high: Array
-    above: Array
-    below: Array
-
-    def chosen(self, which: NDArray[np.intp] | NDArray[np.bool_]) -> _Patches:
-        """Return some of them."""
-        return _Patches(*(part[which] for part in self))
-
-
-@dataclass(eq=False, slots=True)
 class _PlaneSearch:
-    """best, place : the best ratio so far and where; upper : what boxes that were given up may hold."""
+    """Boxes : low, high (b, 2), Bernstein coefficients of N and D, (b, n, m) each.
 
-    best: float
-    place: Array
-    upper: float = 0.0
-    looked: int = 0
+    best, place : the best ratio so far and where
+    """
 
-    def look(self, patches: _Patches) -> _Patches:
-        """Return the quarters of those that may hold more, after a look at their corners."""
-        self.looked += len(patches.low)
-        self._corners(patches)
-        rise = patches.above - self.best * (1 + _TAU) * patches.below
-        left = patches.chosen(rise.reshape(len(rise), -1).max(axis=1) > 0)
-        return _quartered(left)
+    def __init__(self, best: float, place: Array) -> None:
+        self.best, self.place = best, place
 
-    def _corners(self, patches: _Patches) -> None:
-        ratios = patches.above[:, :: patches.above.shape[1] - 1, :: patches.above.shape[2] - 1]
-        ratios = ratios / patches.below[:, :: patches.below.shape[1] - 1, :: patches.below.shape[2] - 1]
-        box, x, y = np.unravel_index(int(ratios.argmax()), ratios.shape)
-        if ratios[box, x, y] > self.best:
-            self.best = float(ratios[box, x, y])
-            self.place = np.where([x == 1, y == 1], patches.high[box], patches.low[box])
+    @property
+    def known(self) -> float:
+        """What is not above this is not followed."""
+        return self.best * (1 + _TAU)
 
-    def give_up(self, patches: _Patches) -> None:
-        """Count what boxes may hold: their largest N over their smallest D, where that is known to be above zero."""
-        above, below = patches.above.max(axis=(1, 2)), patches.below.min(axis=(1, 2))
-        ratios = np.where(below > 0, above / np.where(below > 0, below, 1.0), np.inf)
-        self.upper = max(self.upper, float(ratios.max(initial=0.0)))
+    def look(self, boxes: Boxes) -> tuple[Boxes, Array]:
+        """Return the boxes and what each may hold, after a look at all corners.
+
+        N/D is at most the largest ratio of their coefficients, where those of D are known to be above zero.
+        """
+        low, high, above, below = boxes
+        ratios = above / np.where(below > 0, below, 1.0)
+        corners = ratios[:, :: ratios.shape[1] - 1, :: ratios.shape[2] - 1]
+        box, x, y = np.unravel_index(int(corners.argmax()), corners.shape)
+        if corners[box, x, y] > self.best:
+            self.best = float(corners[box, x, y])
+            self.place = np.where([x == 1, y == 1], high[box], low[box])
+        positive = np.all(below > 0, axis=(1, 2))
+        return boxes, np.where(positive, ratios.max(axis=(1, 2)), np.inf)
+
+    def split(self, boxes: Boxes) -> list[Boxes]:
+        """Return the four quarters of every rectangle."""
+        return [quarter for half in _split(boxes, 0) for quarter in _split(half, 1)]
 
 
 def largest_ratio(
@@ -94,35 +82,24 @@ def largest_ratio(
     known : a ratio that is reached somewhere; nothing that is no better than it, by τ, is followed
     boxes : how many to look at; what is then still open counts with a bound of its own
     """
-    patches = _patches(forms, breaks, degree)
     search = _PlaneSearch(known, np.array([breaks[0][0], breaks[1][0]]))
-    waiting = _batches(patches)
-    while waiting:
-        if search.looked > boxes:
-            for each in waiting:
-                search.give_up(each)
-            break
-        waiting += _batches(search.look(waiting.pop()))
-    return Enclosure(search.best, max(search.best * (1 + _TAU), search.upper), search.place, search.looked)
-
-
-def _batches(patches: _Patches) -> list[_Patches]:
-    """Return the rectangles a few at a time."""
-    cuts = range(0, len(patches.low), _BATCH)
-    return [_Patches(*(part[start : start + _BATCH] for part in patches)) for start in cuts]
+    patches, upper = search.look(_patches(forms, breaks, degree))
+    found = largest(search, patches, upper, boxes, _BATCH)
+    return Enclosure(search.best, max(search.known, found.upper), search.place, found.looked)
 
 
 def misfit(forms: PlaneForms, breaks: tuple[Array, Array], degree: tuple[int, int]) -> float:
     """Return by which share of the largest D and N polynomials of this degree miss them a quarter into rectangles."""
     patches = _patches(forms, breaks, degree)
-    some = patches.chosen(np.unique(np.linspace(0, len(patches.low) - 1, _LOOKS).astype(np.intp)))
-    quarter = _split(_split(_split(_split(some, 0)[0], 0)[0], 1)[0], 1)[0]
-    true = forms(quarter.high)
-    pairs = zip((quarter.above[:, -1, -1], quarter.below[:, -1, -1]), true, strict=True)
+    quarter = some(patches, np.unique(np.linspace(0, len(patches[0]) - 1, _LOOKS).astype(np.intp)))
+    for axis in (0, 0, 1, 1):
+        quarter = _split(quarter, axis)[0]
+    _, high, above, below = quarter
+    pairs = zip((above[:, -1, -1], below[:, -1, -1]), forms(high), strict=True)
     return max(float(np.max(np.abs(found - value)) / np.max(np.abs(value))) for found, value in pairs)
 
 
-def _patches(forms: PlaneForms, breaks: tuple[Array, Array], degree: tuple[int, int]) -> _Patches:
+def _patches(forms: PlaneForms, breaks: tuple[Array, Array], degree: tuple[int, int]) -> Boxes:
     """Return every rectangle between breaks with its coefficients, found from as many places as they are."""
     inner = [(1 + nodes(each + 1)) / 2 for each in degree]
     lows = np.stack([g.ravel() for g in np.meshgrid(breaks[0][:-1], breaks[1][:-1], indexing="ij")], axis=1)
@@ -134,33 +111,13 @@ def _patches(forms: PlaneForms, breaks: tuple[Array, Array], degree: tuple[int, 
     above, below = (
         np.einsum("ij,bjk,lk->bil", first, values.reshape(shape), second) for values in forms(places.reshape(-1, 2))
     )
-    return _Patches(lows, highs, above, below)
+    return lows, highs, above, below
 
 
-def _quartered(patches: _Patches) -> _Patches:
-    """Return the four quarters of every rectangle."""
-    return _joined([quarter for half in _split(patches, 0) for quarter in _split(half, 1)])
-
-
-def _joined(parts: list[_Patches]) -> _Patches:
-    return _Patches(*(np.concatenate(each) for each in zip(*parts, strict=True)))
-
-
-def _split(patches: _Patches, axis: int) -> tuple[_Patches, _Patches]:
-    """Return both halves along an axis (de Casteljau)."""
-    middle = (patches.low[:, axis] + patches.high[:, axis]) / 2
-    low, high = patches.low.copy(), patches.high.copy()
-    low[:, axis], high[:, axis] = middle, middle
-    left, right = zip(*(_casteljau(part, axis + 1) for part in (patches.above, patches.below)), strict=True)
-    return _Patches(patches.low, high, *left), _Patches(low, patches.high, *right)
-
-
-def _casteljau(coefficients: Array, axis: int) -> tuple[Array, Array]:
-    """Return the coefficients of both halves along an axis of (b, n, m)."""
-    rest = np.moveaxis(coefficients, axis, 0)
-    first, last = [rest[0]], [rest[-1]]
-    while len(rest) > 1:
-        rest = (rest[1:] + rest[:-1]) / 2
-        first.append(rest[0])
-        last.append(rest[-1])
-    return np.moveaxis(np.array(first), 0, axis), np.moveaxis(np.array(last[::-1]), 0, axis)
+def _split(boxes: Boxes, axis: int) -> tuple[Boxes, Boxes]:
+    """Return both halves of rectangles along an axis."""
+    low, high, *forms = boxes
+    upper, lower = low.copy(), high.copy()
+    upper[:, axis] = lower[:, axis] = (low[:, axis] + high[:, axis]) / 2
+    first, second = zip(*(halves(form, axis + 1) for form in forms), strict=True)
+    return (low, lower, *first), (upper, high, *second)

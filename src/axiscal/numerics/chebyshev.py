@@ -1,8 +1,8 @@
-"""Where a ratio of two polynomials is largest, by Chebyshev series and colleague matrices.
+"""The place of the largest ratio of two polynomials, by Chebyshev series and colleague matrices.
 
-B&H eq. 27 picks the next measurement among the interval ends and the real roots of a polynomial. Here the polynomial
-is never written in powers: numerator and denominator are held as Chebyshev series on every interval, the roots of
-N'D - ND' are eigenvalues of its colleague matrix, and all intervals are one batched eigenvalue problem.
+B&H eq. 27 picks the next measurement among the interval ends and the real roots of a polynomial. Here the polynomial is
+never written in powers: numerator and denominator are Chebyshev series on every interval. The roots of N'D - ND' are
+eigenvalues of its colleague matrix. All intervals are one batched eigenvalue problem.
 """
 
 from __future__ import annotations
@@ -65,9 +65,9 @@ def evaluate(coefficients: Array, x: Array) -> Array:
 def roots(coefficients: Array) -> NDArray[np.complex128]:
     """Return the roots (b, n - 1) of each series (b, n), as the eigenvalues of its colleague matrix.
 
-    A leading coefficient below rounding is lifted to rounding size instead of being cut off: the batch keeps one size,
-    the roots within reach move by rounding, and the roots that are not there appear far outside [-1, 1].
-    A series that is zero throughout has no roots to speak of: those of T_{n-1} are returned.
+    A leading coefficient below rounding is lifted to rounding size instead of being cut off, so the batch keeps one
+    size. The roots within reach move by rounding, and surplus roots appear far outside [-1, 1]. A series that is zero
+    throughout has no roots to speak of: those of T_{n-1} are returned.
     raises ShapeError : not finite
     """
     if not np.isfinite(coefficients).all():

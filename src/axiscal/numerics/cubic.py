@@ -1,8 +1,8 @@
 """Cubic splines as linear maps of their control values: natural, cyclic, and the constant (B&H eq. 2-12).
 
-Inside an interval of length h the value is held in Schoenberg's form, with A = (t_{i+1} - t)/h, B = (t - t_i)/h and
-s = S'' at the knots:  S = A a_i + B a_{i+1} - h²/6 A B ((1 + A) s_i + (1 + B) s_{i+1}).  Nothing in it cancels near a
-knot, which the power form of B&H eq. 2 does not promise near t_{i+1}; s solves a diagonally dominant system.
+Schoenberg's form gives the value inside an interval of length h. With A = (t_{i+1} - t)/h, B = (t - t_i)/h and s = S''
+at the knots:  S = A a_i + B a_{i+1} - h²/6 A B ((1 + A) s_i + (1 + B) s_{i+1}).  Nothing in it cancels near a knot,
+which the power form of B&H eq. 2 does not promise near t_{i+1}; s solves a diagonally dominant system.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Spline(Protocol):
 
     @property
     def control_positions(self) -> Array:
-        """Where the control values stand, (size,), m or rad."""
+        """Positions of the control values, (size,), m or rad."""
 
     def rows(self, t: ArrayLike, derivative: int = 0) -> Array:
         """Return m(t)ᵀ, or its derivative of order 0 to 3, for each position in `t`: (m, size)."""
@@ -87,7 +87,7 @@ class _Cubic:
 
     @property
     def control_positions(self) -> Array:
-        """Where the control values stand, (size,)."""
+        """Positions of the control values, (size,)."""
         return self.knots[: self.size]
 
     @property

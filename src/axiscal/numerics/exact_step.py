@@ -1,8 +1,8 @@
 """The exact step along lines: the largest ratio N/D over many intervals at once, whatever N and D are (B&H eq. 27).
 
-What keeps rounding errors negligible here, which the paper could not ensure: intervals over which the denominator
-spans decades, or that the series does not follow, are halved; intervals that provably hold no better value are left
-out; and every value returned has been evaluated afresh at its position.
+Three steps keep rounding errors negligible here, which the paper could not ensure. The search halves intervals over
+which the denominator spans decades, or that the series does not follow. It leaves out intervals that provably hold no
+better value. It evaluates every value returned afresh at its position.
 """
 
 from __future__ import annotations
@@ -33,7 +33,12 @@ _WITHIN = 1 - 1e-11
 
 
 def maximise_along(
-    forms: Forms, left: Array, right: Array, count: int, group: NDArray[np.intp] | None = None
+    forms: Forms,
+    left: Array,
+    right: Array,
+    count: int,
+    group: NDArray[np.intp] | None = None,
+    known: Array | None = None,
 ) -> tuple[Array, Array]:
     """Return the best position and value of N/D found in each interval: (b,), (b,) (B&H eq. 27).
 
@@ -43,10 +48,11 @@ def maximise_along(
     count : nodes per interval: degree + 1 for polynomials, `node_count` with sines
     group : (b,) which search an interval belongs to (default: all one). In each group the best interval is exact;
         in an interval that cannot hold the best of its group the best node is returned.
+    known : (groups,) what some position is known to reach in each, N/D; what is no better than that may come out low
     raises ShapeError : a value that is not finite, or a denominator that is not positive
     """
     owner = np.arange(len(left))
-    search = _Search.begin(forms, left, np.zeros_like(owner) if group is None else group)
+    search = _Search.begin(forms, left, np.zeros_like(owner) if group is None else group, known)
     for _ in range(_HALVINGS):
         work = search.sample(left, right, owner, count)
         left, right, owner = search.solve(work)
@@ -102,9 +108,9 @@ class _Search:
     best: Array
 
     @classmethod
-    def begin(cls, forms: Forms, left: Array, group: NDArray[np.intp]) -> _Search:
-        groups = int(group.max(initial=-1)) + 1
-        return cls(forms, group, left.copy(), np.full(len(left), -np.inf), np.full(groups, -np.inf))
+    def begin(cls, forms: Forms, left: Array, group: NDArray[np.intp], known: Array | None) -> _Search:
+        best = np.full(int(group.max(initial=-1)) + 1, -np.inf) if known is None else known.copy()
+        return cls(forms, group, left.copy(), np.full(len(left), -np.inf), best)
 
     def offer(self, position: Array, owner: NDArray[np.intp]) -> tuple[Array, Array]:
         """Evaluate afresh at positions (b, k) and keep what is better."""
@@ -148,8 +154,8 @@ class _Search:
     def _hopeful(self, work: _Work) -> NDArray[np.bool_]:
         """Return which intervals may hold more than the best of their group.
 
-        P = N - best·D is negative throughout the others: between 4n Chebyshev nodes a polynomial of degree below n
-        rises at most 1/cos(π/8) - 1 of its half range above its largest sample (Ehlich and Zeller 1964).
+        P = N - best·D is negative throughout the others. Between 4n Chebyshev nodes a polynomial of degree below n may
+        exceed its largest sample. The excess is at most 1/cos(π/8) - 1 of its half range (Ehlich and Zeller 1964).
         """
         best = self.best[self.group[work.owner]][:, None]
         excess = resampled(work.numerator - best * work.denominator, 4 * work.numerator.shape[1])

@@ -1,6 +1,6 @@
-"""What axiscal uses of scipy, loaded at the first call: most commands are spared the half second that this takes.
+"""Functions of scipy that axiscal uses, loaded at the first call: most commands save the half second that this takes.
 
-scipy brings a BLAS of its own, which is held to one thread like that of numpy.
+scipy brings a second BLAS, limited to one thread like that of numpy.
 """
 
 from __future__ import annotations
@@ -29,6 +29,11 @@ def chi_square_share(degrees: Array, values: Array) -> Array:
     """Return the probability that a chi-square is at most `values`, (m,).  degrees : (m,) of freedom, any above zero"""
     share: Array = _function("scipy.special", "chdtr")(degrees, values)
     return share
+
+
+def binomial_tail(least: int, count: int, share: float) -> float:
+    """Return the probability that at least `least` of `count` events happen, each with probability `share`."""
+    return float(_function("scipy.special", "bdtrc")(least - 1, count, share))
 
 
 def transposed_solution(upper: Array, right: Array) -> Array:

@@ -1,7 +1,7 @@
 """The multivariate normal in factorised form C = U D Uᵀ: unit upper triangular U, non-negative diagonal D.
 
-The covariance itself is never updated, only its factors (Bierman 1977, ch. V), so it stays symmetric and positive
-semidefinite whatever the order and number of readings, and directions that no reading sees keep their digits.
+Readings update only its factors, never the covariance itself (Bierman 1977, ch. V). So it stays symmetric and positive
+semidefinite whatever the order and number of readings, and unobserved directions keep their digits.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def _singular_root(correlation: Array) -> Array:
 def _from_root(root: Array) -> Factors:
     """Return the UD factors of F Fᵀ by modified Gram-Schmidt from the last row to the first (Thornton 1976, ch. 4).
 
-    A row that the later ones leave at rounding size has no variance of its own: its pivot is zero.
+    A row that the later ones leave at rounding size adds no variance: its pivot is zero.
     """
     rows, upper, diagonal = root.copy(), np.eye(len(root)), np.zeros(len(root))
     for j in reversed(range(len(root))):
@@ -223,7 +223,7 @@ class _Apart(NamedTuple):
 def _apart(upper: Array, rows: Array) -> Iterator[_Apart]:
     """Yield what is seen with what, in parts that have nothing in common.  upper : (n, n) of the factors; rows : (m, n)
 
-    What no row sees, and nothing that one sees depends on, is in no part.
+    An unknown is in no part if the rows do not see it and no seen unknown depends on it.
     """
     linked, seen = upper != 0, rows != 0
     left = seen.any(axis=0)
@@ -245,10 +245,9 @@ def _together(
 ) -> AtOnce:
     """Return the same of readings that have something in common; arguments as there.
 
-    With C = S Sᵀ, W = rows S and K = W Wᵀ + N = L Lᵀ over those that count, row i of X = L⁻¹ W is what reading i takes
-    away: C_k = S (1 − Σ_{i≤k} x_i x_iᵀ) Sᵀ, and X Wᵀ is Lᵀ above its diagonal. In the end S R⁻¹ stands for S,
-    RᵀR = 1 + Wᵀ N⁻¹ W: both triangles come from QR of what they are the roots of, so that wide priors keep their
-    digits (Bierman 1977, ch. IV).
+    Let C = S Sᵀ, W = rows S and K = W Wᵀ + N = L Lᵀ over those that count. Row i of X = L⁻¹ W is what reading i takes
+    away: C_k = S (1 − Σ_{i≤k} x_i x_iᵀ) Sᵀ, and X Wᵀ is Lᵀ above its diagonal. In the end S R⁻¹ replaces S, with RᵀR =
+    1 + Wᵀ N⁻¹ W. Both triangles come from QR of roots, so wide priors keep their digits (Bierman 1977, ch. IV).
     """
     counts, start = np.isfinite(noise), root(factors)
     seen = rows @ start

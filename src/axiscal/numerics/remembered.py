@@ -1,10 +1,10 @@
-"""Answers about an object that are remembered as long as the object lives; none is kept alive by its answers."""
+"""Results kept by the content that they follow from; or by an object, for as long as that lives."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from functools import wraps
-from typing import Concatenate, Generic, ParamSpec, TypeVar
+from typing import Concatenate, Generic, ParamSpec, TypeVar, cast
 from weakref import WeakKeyDictionary
 
 Of = TypeVar("Of")
@@ -26,18 +26,37 @@ class Itself(Generic[Part]):
         return id(self.part)
 
 
+class Memo:
+    """Answers by all that each follows from.  most : so many are kept, those asked for last; None for all"""
+
+    def __init__(self, most: int | None = None) -> None:
+        self._most, self._answers = most, dict[Hashable, object]()
+
+    def answer(self, content: Hashable, find: Callable[[], Answer]) -> Answer:
+        """Return what follows from a content.  find : it, where it is not kept"""
+        answers = self._answers
+        if content not in answers:
+            answers[content] = find()
+        elif self._most is not None:
+            answers[content] = answers.pop(content)  # asked for last
+        found = answers[content]
+        while self._most is not None and len(answers) > self._most:
+            del answers[next(iter(answers))]
+        return cast(Answer, found)
+
+
 def remembered(question: Callable[Concatenate[Of, About], Answer]) -> Callable[Concatenate[Of, About], Answer]:
     """Decorate a function of an object that does not change and of numbers, such as that of a set-up.
 
     The object compares by its identity. An answer must not refer to it, or it would live for ever.
     """
-    answers: WeakKeyDictionary[Of, dict[object, Answer]] = WeakKeyDictionary()
+    memos: WeakKeyDictionary[Of, Memo] = WeakKeyDictionary()
 
     @wraps(question)
     def answered(of: Of, /, *about: About.args, **named: About.kwargs) -> Answer:
-        known, key = answers.setdefault(of, {}), (about, tuple(named.items()))
-        if key not in known:
-            known[key] = question(of, *about, **named)
-        return known[key]
+        memo = memos.get(of)
+        if memo is None:
+            memo = memos[of] = Memo()
+        return memo.answer((about, tuple(named.items())), lambda: question(of, *about, **named))
 
     return answered

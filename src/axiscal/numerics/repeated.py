@@ -1,6 +1,6 @@
 """Functions of an axis that repeat with a period, and functions that step at joints, as splines with breaks.
 
-Between breaks both are cubic (or straight), and their rows sum to one, so that all that is exact for a spline holds for
+Between breaks both are cubic (or straight), and their rows sum to one. So all that is exact for a spline is exact for
 them: integrals over quadrature of the breaks, lines of a gain, certified steps.
 """
 
@@ -43,7 +43,7 @@ class Repeated:
 
     @property
     def control_positions(self) -> Array:
-        """Where the control values stand in the first period, (size,)."""
+        """Positions of the control values in the first period, (size,)."""
         return self._one.control_positions
 
     def rows(self, t: ArrayLike, derivative: int = 0) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -59,7 +59,16 @@ def turned_about(direction: Array, angles: Array) -> Array:
     return result
 
 
-@lru_cache(maxsize=64)
+def about(along: int, vectors: Array, angles: Array) -> Array:
+    """Return vectors (m, 3) turned about x, y or z by angles (m,).  along : 0, 1 or 2"""
+    first, second = (along + 1) % 3, (along + 2) % 3
+    turned = vectors.copy()
+    turned[:, first] = np.cos(angles) * vectors[:, first] - np.sin(angles) * vectors[:, second]
+    turned[:, second] = np.sin(angles) * vectors[:, first] + np.cos(angles) * vectors[:, second]
+    return turned
+
+
+@cache
 def _turning(x: float, y: float, z: float) -> tuple[Array, Array]:
     """Return [d]× and its square of a direction, each (3, 3)."""
     about = skew(np.array([[x, y, z]]))[0]

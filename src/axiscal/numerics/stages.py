@@ -1,4 +1,4 @@
-"""What is being done at the moment, for whoever wants to show it: long work says its stages, and nothing depends on it.
+"""The current stage of long work, for whoever wants to show it; nothing depends on it.
 
 with stage("scales of the errors", 2, 4):
     ...

@@ -1,6 +1,6 @@
 """How many threads the linear algebra may use: one, while axiscal plans or estimates.
 
-Its matrices have some hundreds of rows, for which threads only wait for each other, and a sum that is cut into as many
+Its matrices have some hundreds of rows, for which threads only wait for each other. A sum that is cut into as many
 parts as a computer has cores has other last digits on another computer. The doors of planning and estimating are
 decorated with `one_thread`; what the caller allows elsewhere stays as it is.
 """
@@ -69,5 +69,5 @@ def one_thread() -> Iterator[None]:
 
 
 def hold_loaded_libraries() -> None:
-    """Let the limit hold for a library with a BLAS of its own that has been loaded just now."""
+    """Apply the limit to a library with a separate BLAS that has been loaded just now."""
     _LIMIT.look_again()

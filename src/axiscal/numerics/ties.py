@@ -1,8 +1,8 @@
 """Ties: values that differ by rounding alone count as equal, and of equal ones the first is taken.
 
-Mirror images gain the same, and the last bit of a sum would choose between them: another thread, another library or
-another order of the unknowns would make another plan. The shares here are coarser than rounding and finer than what
-matters.
+Mirror images gain the same, and the last bit of a sum would choose between them. Another thread, another library or
+another order of the unknowns would then make another plan. The shares here are coarser than rounding and finer than
+what matters.
 """
 
 from __future__ import annotations

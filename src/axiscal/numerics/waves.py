@@ -1,8 +1,8 @@
 """Functions of one or two coordinates that are sums of waves, or polynomials, known exactly from a few samples.
 
-On a full turn with harmonics up to K, 2 K + 1 even samples give every coefficient; on a stretch K + 1 Chebyshev nodes
-give a polynomial of degree K. Derivatives then follow term by term, and none is larger than the sum of the terms' own:
-those of cos kx and sin kx are up to k, k², k³, those of T_k up to k², k² (k² − 1)/3, k² (k² − 1)(k² − 4)/15 (V. A.
+On a full turn with harmonics up to K, 2 K + 1 even samples give every coefficient. On a stretch K + 1 Chebyshev nodes
+give a polynomial of degree K. Derivatives then follow term by term, and none is larger than the sum of the terms' own.
+Those of cos kx and sin kx are up to k, k², k³. Those of T_k are up to k², k² (k² − 1)/3, k² (k² − 1)(k² − 4)/15 (V. A.
 Markov 1892).
 """
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from axiscal.answer.asked import asked_rows
 from axiscal.estimation.case import Case
+from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from axiscal.accuracy.criterion import Gram, Root
-from axiscal.accuracy.expanded import BAND
-from axiscal.answer.asked import AskedRow, asked_rows
-from axiscal.answer.known import known_row, known_rows
+from axiscal.estimation.accuracy.criterion import Gram, Root
+from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
+from axiscal.estimation.functionals.asked import AskedRow, asked_rows
+from axiscal.estimation.functionals.known import known_row, known_rows
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading

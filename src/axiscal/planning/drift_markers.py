@@ -8,6 +8,7 @@ from dataclasses import replace
 from axiscal.estimation.case import Case
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
+from axiscal.planning.plan.task import Limits
 from axiscal.record.events import Gap
 
 EVERY = 1200.0
@@ -15,18 +16,22 @@ EVERY = 1200.0
 
 
 def planned_with_markers(
-    case: Case, readings: Sequence[Reading], gaps: Sequence[Gap], plan: Callable[[Case], tuple[Place, ...]]
+    case: Case,
+    readings: Sequence[Reading],
+    gaps: Sequence[Gap],
+    limits: Limits,
+    plan: Callable[[Limits], tuple[Place, ...]],
 ) -> tuple[Place, ...]:
-    """Return the readings to come with the markers among them, within the limits of the target.
+    """Return the readings to come with the markers among them, within the limits.
 
-    readings : so far; plan : the readings to come of a case, in their order
+    readings : so far; plan : the readings to come within limits, in their order
     """
-    places = plan(case)
+    places = plan(limits)
     if all(setup.drift == 0 for setup in case.description.setups):
         return places
     marked = with_markers(case, readings, gaps, places)
     added = len(marked) - len(places)
-    return with_markers(case, readings, gaps, plan(_smaller(case, added))) if added else marked
+    return with_markers(case, readings, gaps, plan(_smaller(case, limits, added))) if added else marked
 
 
 def without_markers(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> tuple[Place, ...]:
@@ -66,12 +71,10 @@ def _markers(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -
     return found
 
 
-def _smaller(case: Case, markers: int) -> Case:
-    """Return the case with room for so many markers in its limits."""
-    target = case.description.target
-    readings = None if target.readings is None else max(target.readings - markers, 1)
+def _smaller(case: Case, limits: Limits, markers: int) -> Limits:
+    """Return limits with room for so many markers in them."""
+    readings = None if limits.readings is None else max(limits.readings - markers, 1)
     setups = [setup for setup in case.description.setups if setup.drift > 0]
     each = max(setup.settle + setup.reading_time for setup in setups)
-    budget = None if target.budget is None else max(target.budget - markers * each, 0.0)
-    smaller = replace(target, readings=readings, budget=budget)
-    return replace(case, description=replace(case.description, target=smaller))
+    budget = None if limits.budget is None else max(limits.budget - markers * each, 0.0)
+    return replace(limits, readings=readings, budget=budget)

@@ -1,4 +1,4 @@
-"""Whether the target can be reached with the set-ups at all, said before the first reading."""
+"""Test before the first reading whether the set-ups can reach the target at all."""
 
 from __future__ import annotations
 
@@ -7,21 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.accuracy.yardstick import Yardstick
-from axiscal.answer.known import known_rows
 from axiscal.description.target import Target
-from axiscal.design.bound.relaxation import Relaxation
-from axiscal.design.gains.candidate_rows import Pool
-from axiscal.design.gains.covariance import Covariance
-from axiscal.design.plan.plan import Plan
-from axiscal.design.plan.task import Limits
+from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.measurement.place_texts import reading_unit
-from axiscal.measurement.time_taken import reading_seconds
+from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.helping import helping_words
+from axiscal.planning.bound.relaxation import Relaxation
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import posed, promised_already
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked, reachable_rms
 from axiscal.units import format_quantity, to_unit
 
@@ -38,30 +36,6 @@ _ABSURD = 100
 """So many times more time than a plan can fill is a slip; any factor between that of a long day and a year would do."""
 _INSTANT = 1e-3
 """Seconds of a reading that is said to take no time."""
-
-
-@one_thread()
-def out_of_reach(case: Case) -> str | None:
-    """Return why no reading of these set-ups can reach a target, and what would help; None where one can."""
-    target = case.description.target
-    if target.lines and (said := _rows_out_of_reach(case)):
-        return said
-    wanted = asked(target, case.yardstick)
-    if not wanted or any(each.floor <= each.limit for each in wanted):
-        return None
-    name, limit, floor = wanted[0]
-    said = f"the {name} target cannot be reached with these set-ups: {_leaves(limit, floor)}"
-    return f"{said}. {_what_helps(case, target)}. The campaign ends where readings have taken away what they can"
-
-
-def _rows_out_of_reach(case: Case) -> str:
-    """Return which rows endless readings would not make known to their limits, "" for none."""
-    rows = [row for row in known_rows(case, case.knowledge, ()) if row.limit is not None and not row.reachable]
-    parts = list[str]()
-    for row in rows[:_NAMED]:
-        floor, limit = (format_quantity(size, "urad" if row.angular else "um", 3) for size in (row.floor, row.goal))
-        parts.append(f"{row.row.name} cannot be known to {limit} with these set-ups: endless readings leave {floor}")
-    return "; ".join(parts)
 
 
 @one_thread()
@@ -108,21 +82,6 @@ def reached_unread(case: Case, limits: Limits) -> str | None:
     return "errors of the sizes that are stated or usual meet the target unread: a few readings check their sizes"
 
 
-def fewer_than_asked(limits: Limits, plan: Plan) -> str | None:
-    """Say that a plan has fewer readings than were asked for, and why; None where it has not."""
-    planned = len(plan.readings)
-    if limits.readings is None or planned >= limits.readings:
-        return None
-    why = "no other reading is worth its time"
-    if plan.met:
-        short = not_to_the_letter(limits, plan) is not None
-        why = "more would take away hardly anything" if short else "they reach the accuracy that is asked for"
-    if limits.budget is not None and not plan.met:
-        why = f"more do not fit into {format_quantity(limits.budget, 'min', 4)}"
-    verb = "are allowed" if limits.accurate else "were asked for"
-    return f"{limits.readings:,} readings {verb} and {planned:,} are planned: {why}"
-
-
 def _what_helps(case: Case, target: Target) -> str:
     """Say which set-ups would help and how long they take, or what cannot be seen, or what the rests leave."""
     rest = math.sqrt(case.yardstick.moments.rest)
@@ -130,16 +89,9 @@ def _what_helps(case: Case, target: Target) -> str:
         finer = "a smaller std" if case.description.usual else "finer knots"
         return f"The rests of the errors alone make {to_unit(rest, 'um'):.3g} um: with {finer} they could be smaller"
     hidden = " ".join(part.text for part in case.hidden[:_NAMED])
-    helps = helping_words(case, target) or "Another set-up would help"
-    return f"{helps}. What cannot be seen: {hidden}".rstrip(".")
-
-
-def not_to_the_letter(limits: Limits, plan: Plan) -> str | None:
-    """Say that a plan leaves a larger RMS than was asked for; None where it does not."""
-    if limits.rms is None or plan.accuracy.rms <= limits.rms:
-        return None
-    left, target = (f"{to_unit(each, 'um'):.3g} um" for each in (plan.accuracy.rms, limits.rms))
-    return f"the plan leaves an RMS of {left}, and does not reach the {target} asked for"
+    found = helping_setups(case, target)
+    helps = "Another set-up would help." if found is None else helping_words(found)
+    return f"{helps} What cannot be seen: {hidden}".rstrip(".")
 
 
 def _refuse_too_noisy(case: Case, target: float) -> None:

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.target import Target
-from axiscal.design.plan.plan import make_plan
-from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
+from axiscal.estimation.estimation import as_standard
+from axiscal.estimation.functionals.known import known_rows
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.uncertain import as_standard
 from axiscal.exceptions import InputError, PlanError
+from axiscal.language.spoken import joined, put, said
 from axiscal.measurement.setup import Setup
-from axiscal.planning.next_readings import posed
+from axiscal.planning.next_readings import enough_for_rows, posed
+from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked
-from axiscal.units import format_quantity
+from axiscal.units import to_unit
 
 _KINDS = ("interferometer", "ballbar", "straightedge", "sphere")
 """Those whose set-ups follow from the machine alone, and of which nothing has to be looked up first."""
@@ -27,23 +29,51 @@ _CANDIDATES = 400
 """Enough for the readings and minutes of a plan that is only told."""
 
 
-def helping_words(case: Case, target: Target) -> str:
-    """Return which further set-ups would let a target be reached, with readings and minutes; "" where none would."""
+@dataclass(frozen=True, slots=True)
+class Helping:
+    """Set-ups that bring a target, by name, with the readings and minutes of a plan for all; 0 where none was made.
+
+    reached : whether that plan reaches it; else it comes nearer within the readings and the time that are allowed
+    """
+
+    setups: tuple[str, ...]
+    readings: int
+    minutes: float
+    reached: bool
+
+
+def helping_setups(case: Case, target: Target) -> Helping | None:
+    """Return further set-ups that would let a target be reached; None where none would."""
     described, added = replace(case.description, target=target), list[Setup]()
     for _ in range(_TOGETHER):
         tried = [(_missed(each), each, setup) for each, setup in _with_one_more(described)]
         if not tried:
-            return ""
+            return None
         missed, described, setup = min(tried, key=lambda each: each[0])
         added.append(setup)
         if missed < 1.0:
-            return _words(described, target, added)
-    return ""
+            return _planned(described, target, tuple(each.name for each in added))
+    return None
+
+
+def helping_words(found: Helping) -> str:
+    """Return in words what would help."""
+    names = joined([f'"{name}"' for name in found.setups])
+    text = "With {names} as well it is reached: {readings} readings in {minutes} min."
+    if not found.readings:
+        text = "With {names} as well it can be reached."
+    elif not found.reached:
+        text = "With {names} as well it comes nearer: {readings} readings in {minutes} min."
+    return said(text, names=names, readings=found.readings, minutes=put("{time:.3g}", time=found.minutes))
 
 
 def _missed(described: CampaignDescription) -> float:
-    """Return how many times its limit the accuracy is left at that comes nearest to its own."""
-    return min(each.floor / each.limit for each in asked(described.target, case_of(described).yardstick))
+    """Return how many times its limit is left: by the accuracy that comes nearest to its own, and the farthest row."""
+    case = case_of(described)
+    volume = [each.floor / each.limit for each in asked(described.target, case.yardstick)]
+    rows = known_rows(case, case.knowledge, ()) if described.target.lines else ()
+    lines = [row.floor / row.goal for row in rows if row.limit is not None and row.row.kind != "volume"]
+    return max([*([min(volume)] if volume else []), *lines])
 
 
 def _with_one_more(described: CampaignDescription) -> Iterator[tuple[CampaignDescription, Setup]]:
@@ -59,16 +89,17 @@ def _with_one_more(described: CampaignDescription) -> Iterator[tuple[CampaignDes
             yield replace(described, setups=(*described.setups, found)), found
 
 
-def _words(described: CampaignDescription, target: Target, added: list[Setup]) -> str:
-    """Return what would help, with the readings and minutes of a plan for it."""
-    case, names = case_of(described), " and ".join(f'"{setup.name}"' for setup in added)
+def _planned(described: CampaignDescription, target: Target, added: tuple[str, ...]) -> Helping:
+    """Return set-ups that help with the readings and seconds of a plan."""
+    case = case_of(described)
     wanted = None if target.expanded is None else as_standard(case, case.knowledge, target.expanded)
     rms = max([each for each in (target.rms, wanted) if each is not None], default=None)
     limits = Limits(target.readings, rms, target.worst, target.budget)
     try:
-        made = make_plan(posed(case, case.knowledge, candidates=_CANDIDATES), limits, patience=0.0, bounded=False)
+        task = posed(case, case.knowledge, candidates=_CANDIDATES)
+        if target.lines:
+            limits = enough_for_rows(case, case.knowledge, task, limits)
+        made = make_plan(task, limits, patience=0.0, bounded=False)
     except PlanError:
-        return f"With {names} as well it can be reached"
-    count, minutes = len(made.readings), format_quantity(made.seconds, "min", 3)
-    met = "it can be reached" if made.met else "it comes nearer"
-    return f"With {names} as well {met}: {count} readings in {minutes} for all set-ups"
+        return Helping(added, 0, 0.0, reached=True)
+    return Helping(added, len(made.readings), to_unit(made.seconds, "min"), made.met or bool(target.lines))

@@ -1,4 +1,4 @@
-"""The readings to come: what the planner is asked for while a campaign is under way."""
+"""The readings to come: answers of the planner while a campaign is under way."""
 
 from __future__ import annotations
 
@@ -8,88 +8,88 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.accuracy.criterion import Root, joint_root
-from axiscal.belief import Belief
 from axiscal.description.target import Target
-from axiscal.design.plan.order import in_order
-from axiscal.design.plan.plan import Plan, make_plan
-from axiscal.design.plan.renewal import renewed
-from axiscal.design.plan.task import Limits, Task
+from axiscal.estimation.accuracy.criterion import Root, joint_root
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
+from axiscal.estimation.estimation import as_standard
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.timed import Timed, timed
-from axiscal.estimation.uncertain import as_standard
+from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
 from axiscal.measurement.candidates import spread
-from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
 from axiscal.planning.both_sides import with_both_sides
 from axiscal.planning.by_rows import rows_root, settled
+from axiscal.planning.drift_markers import planned_with_markers
 from axiscal.planning.overrun import with_room
+from axiscal.planning.plan.order import in_order, seconds_along
+from axiscal.planning.plan.patience import PATIENCE
+from axiscal.planning.plan.plan import Plan, Progress, make_plan
+from axiscal.planning.plan.renewal import renewed
+from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.plan_basis import at_gap, in_gap
 from axiscal.planning.plane_start import plane_start
 from axiscal.planning.promise import FEW
 from axiscal.record.events import Gap
 
-_CANDIDATES = 2000
+CANDIDATES = 2000
+"""Places that a plan chooses from; beyond, readings are brought to the best places between them anyway."""
 _AT_ONCE = 150
 _GROWTH = 1.5
 """From one number of readings that is tried to the next: at most a third of them is too many."""
 _SMALL = 120
-"""Unknowns up to which readings are climbed off the lattice: beyond, a person at the machine would wait too long."""
+"""Unknowns up to which what is left of a plan is climbed off the lattice: beyond, a person at the machine would wait
+too long."""
 
 
 def planned_places(
-    case: Case, knowledge: Knowledge, readings: Sequence[Reading], gaps: Sequence[Gap], left: Sequence[Place] = ()
+    case: Case,
+    task: Task,
+    limits: Limits,
+    readings: Sequence[Reading] = (),
+    gaps: Sequence[Gap] = (),
+    left: Sequence[Place] = (),
+    progress: Progress = lambda _: None,
 ) -> tuple[Place, ...]:
-    """Return the readings to come, chosen together, in the order of a short way; none where nothing is allowed.
+    """Return the readings to come, chosen together, in the order of a short way.  Raises PlanError.
 
-    readings : so far; gaps : places that could not be read, which are planned around
-    left : of an earlier plan, to begin with
+    task, limits : what is to be planned after the readings so far, and when it ends; gaps : places that could not be
+    read, which are planned around; left : of an earlier plan, to begin with
     """
-    task = posed(case, knowledge, gaps, readings)
-    limits = limits_left(_standard(case, knowledge), len(readings), timed(case, readings, Timed()).seconds)
-    if not len(task.lattice):
-        return ()
-    if case.description.target.lines:
-        limits = enough_for_rows(case, knowledge, task, limits, readings, left)
-    elif promised_already(limits, case, knowledge):
-        limits = few_more(limits, len(left))
-    if begin := _first(case, task, readings, gaps):
+    if begin := first_places(case, task, limits, readings, gaps):
         return begin
-    patience = 0.0 if gaps else _patience(task.observation)  # off the lattice a way might lead into a gap
-    coming = _columns(case, [place for place in left if not in_gap(case, place, gaps)])
-    if len(coming):
-        coming = renewed(task, limits, coming, patience)
-    if not len(coming):
-        coming = _begun(task, limits, patience, case.description.usual)
-    places = with_both_sides(case, readings, with_rooms(case, coming))
-    return tuple(place for place in places if not in_gap(case, place, gaps))
+
+    def planned(within: Limits) -> tuple[Place, ...]:
+        coming = _chosen(case, task, within, [place for place in left if not in_gap(case, place, gaps)], gaps, progress)
+        places = with_both_sides(case, readings, with_rooms(case, coming))
+        return tuple(place for place in places if not in_gap(case, place, gaps))
+
+    return planned_with_markers(case, readings, gaps, limits, planned)
 
 
-def _first(case: Case, task: Task, readings: Sequence[Reading], gaps: Sequence[Gap]) -> tuple[Place, ...]:
-    """Return the readings with which a plane begins whose scales are to be learnt, where they can be read."""
-    start = plane_start(case, readings)
-    if not len(start):
+def first_places(
+    case: Case, task: Task, limits: Limits, readings: Sequence[Reading] = (), gaps: Sequence[Gap] = ()
+) -> tuple[Place, ...]:
+    """Return the readings with which a plane begins whose scales are to be learnt, where there is time for them."""
+    start = in_order(task, plane_start(case, readings, limits.readings))
+    if limits.budget is not None and seconds_along(task, start) > limits.budget:
         return ()
-    places = with_rooms(case, in_order(task, start))
-    return tuple(place for place in places if not in_gap(case, place, gaps))
+    return tuple(place for place in with_rooms(case, start) if not in_gap(case, place, gaps))
 
 
-def _begun(task: Task, limits: Limits, patience: float, shake: bool) -> Places:
-    """Return the readings of a new plan."""
-    try:
-        return make_plan(task, limits, patience=patience, bounded=False, shake=shake).places
-    except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
-        return make_plan(task, Limits(1), patience=patience, bounded=False).places
-
-
-def _patience(observation: Observation) -> float:
-    """Return how long readings may be climbed off the lattice: without end, or not at all. Never by the clock, so that
-    the same campaign asks for the same readings on any machine.
-    """
-    return math.inf if observation.size <= _SMALL else 0.0
+def _chosen(
+    case: Case, task: Task, limits: Limits, left: Sequence[Place], gaps: Sequence[Gap], progress: Progress
+) -> Places:
+    """Return the readings of a plan that goes on with those that are left, or of a new one."""
+    shake, coming = case.description.usual, columns_of(case, left)
+    if len(coming):  # climbing would bring places that were shaken back to their regular distances
+        on = 0.0 if gaps or shake or task.observation.size > _SMALL else math.inf
+        coming = renewed(task, limits, coming, on)
+    if len(coming):
+        return coming
+    patience = 0.0 if gaps else PATIENCE  # off the lattice a way might lead into a gap
+    return make_plan(task, limits, patience=patience, bounded=False, shake=shake, progress=progress).places
 
 
 def placed(case: Case, plan: Plan) -> tuple[Place, ...]:
@@ -106,7 +106,8 @@ def with_rooms(case: Case, places: Places) -> tuple[Place, ...]:
     return tuple(found)
 
 
-def _columns(case: Case, places: Sequence[Place]) -> Places:
+def columns_of(case: Case, places: Sequence[Place]) -> Places:
+    """Return places as the search holds them."""
     none = Places.none(len(case.description.machine.axes))
     rows = [(case.index(p.setup), np.array(p.pose), np.array(p.approach, dtype=float)) for p in places]
     return Places.joined([none, *(Places.one(*row) for row in rows)])
@@ -117,7 +118,7 @@ def posed(
     knowledge: Knowledge,
     gaps: Sequence[Gap] = (),
     readings: Sequence[Reading] = (),
-    candidates: int = _CANDIDATES,
+    candidates: int = CANDIDATES,
 ) -> Task:
     """Return what is to be planned: the belief so far, and candidates outside the gaps."""
     refuse_lacking(case)
@@ -137,7 +138,7 @@ def posed(
         case.yardstick,
         lattice.within(keep),
         here,
-        read=_columns(case, [reading.place for reading in readings]),
+        read=columns_of(case, [reading.place for reading in readings]),
     )
 
 
@@ -185,7 +186,7 @@ def enough_for_rows(
 
 
 def promised_already(limits: Limits, case: Case, knowledge: Knowledge) -> bool:
-    """Return whether the likely sizes reach an accuracy that is asked for: where it is planned on, all do not."""
+    """Return whether the likely sizes reach the target accuracy: if the plan goes on, not all sizes do."""
     return limits.accurate and limits.met(case.yardstick.measure(knowledge.belief))
 
 
@@ -195,15 +196,20 @@ def few_more(limits: Limits, least: int = 0) -> Limits:
     return replace(limits, readings=max(few, least), rms=None, worst=None)
 
 
-def limits_left(target: Target, taken: int, seconds: float) -> Limits:
-    """Return what is left of a target's limits: a plan of so many readings at once at the most.
+def limits_left(
+    case: Case, knowledge: Knowledge, task: Task, readings: Sequence[Reading], left: Sequence[Place]
+) -> Limits:
+    """Return the rest of a campaign's limits, for a plan of at most `_AT_ONCE` readings.
 
-    Under `worst` the pose that counts moves with every reading, so one is planned at a time.
+    readings : so far, which are known; left : of an earlier plan
     """
-    at_once = 1 if target.criterion == "worst" else _AT_ONCE
-    left = at_once if target.readings is None else min(at_once, max(target.readings - taken, 1))
-    budget = None if target.budget is None else max(target.budget - seconds, 0.0)
-    return Limits(left, target.rms, target.worst, budget)
+    target, taken = _standard(case, knowledge), len(readings)
+    most = _AT_ONCE if target.readings is None else min(_AT_ONCE, max(target.readings - taken, 1))
+    budget = None if target.budget is None else max(target.budget - timed(case, readings).seconds, 0.0)
+    limits = Limits(most, target.rms, target.worst, budget)
+    if target.lines:
+        return enough_for_rows(case, knowledge, task, limits, readings, left)
+    return few_more(limits, len(left)) if promised_already(limits, case, knowledge) else limits
 
 
 def root_of(case: Case, belief: Belief) -> Root:

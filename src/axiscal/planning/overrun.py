@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from axiscal.error_model.model import ErrorModel
+from axiscal.errors.model import ErrorModel
 from axiscal.machine.axis import Axis
 from axiscal.machine.motion import inward
 from axiscal.measurement.setup import Setup
@@ -22,8 +22,8 @@ _DIGITS = {False: ("mm", 3), True: ("deg", 4)}
 def with_room(errors: ErrorModel, setup: Setup, pose: Pose, approach: Approach) -> tuple[Pose, Approach]:
     """Return a place near the planned one that can be approached from the planned side.
 
-    Where the side matters, because the axis has a reversal value, the place moves inward by as much as the overrun
-    lacks; where it does not, the place stays and the side is left open.
+    The place moves inward by the lack of overrun if the side matters, because the axis has a reversal value. Otherwise
+    the place stays and the side is left open.
     """
     if setup.chart is not None:  # its places leave room for the approach, and lie where the chart has them
         return pose, approach

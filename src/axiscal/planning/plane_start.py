@@ -1,7 +1,7 @@
 """The first readings where two axes act together and nobody knows how much: nine over the plane, whatever is stated.
 
-Readings chosen by scales that are not learnt yet stand where these scales want them, and learn them badly: on measured
-maps bands hold less often (docs/planes.md). Corners, edges and middle are the even design too.
+Scales that are not learnt yet choose places that learn the scales badly. On measured maps the bands then cover less
+often (docs/evidence/planes.md). Corners, edges and middle are the even design too.
 """
 
 from __future__ import annotations
@@ -27,14 +27,15 @@ _FELT = 1e-12
 """m/rad, 1, or rad/rad: rounding of a lever."""
 
 
-def plane_start(case: Case, readings: Sequence[Reading]) -> Places:
+def plane_start(case: Case, readings: Sequence[Reading], left: int | None) -> Places:
     """Return those of the nine that are not read yet; none where scales of a plane are not learnt, or few are to come.
 
     They are asked for where one set-up alone is there and moves just two axes that act together.
+    left : how many readings may still come; None for any number
     """
-    setups, target = case.description.setups, case.description.target
+    setups = case.description.setups
     none = Places.none(len(case.description.machine.axes))
-    enough = target.readings is None or target.readings >= _FEWEST
+    enough = left is None or left + len(readings) >= _FEWEST
     if len(setups) != 1 or len(readings) >= _SIDE**2 or not enough or not _learns_a_plane(case, setups[0]):
         return none
     poses = _nine(case, setups[0])

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from axiscal.estimation.case import Case
+from axiscal.estimation.inference.outliers import Doubt
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.inference.outliers import Doubt
+from axiscal.exceptions import PlanError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.drift_markers import planned_with_markers, without_markers
-from axiscal.planning.next_readings import planned_places
+from axiscal.planning.drift_markers import without_markers
+from axiscal.planning.next_readings import limits_left, planned_places, posed
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.plan_basis import twice_rejected
 from axiscal.record.events import Gap
 
@@ -31,9 +33,11 @@ def next_places(
     gaps : where a reading could not be taken; left : of an earlier plan, to begin with
     """
     closed = *gaps, *twice_rejected(case, readings, outliers)
-    begin = without_markers(case, readings, left)
-
-    def planned(smaller: Case) -> tuple[Place, ...]:
-        return planned_places(smaller, knowledge, readings, closed, begin)
-
-    return planned_with_markers(case, readings, closed, planned)
+    begin, task = without_markers(case, readings, left), posed(case, knowledge, closed, readings)
+    if not len(task.lattice):
+        return ()
+    limits = limits_left(case, knowledge, task, readings, begin)
+    try:
+        return planned_places(case, task, limits, readings, closed, begin)
+    except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
+        return planned_places(case, task, Limits(1), readings, closed)

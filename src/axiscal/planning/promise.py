@@ -5,12 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from axiscal.accuracy.expanded import expanded_floor
-from axiscal.accuracy.yardstick import Accuracy, Yardstick
+import numpy as np
+
 from axiscal.description.target import Target
+from axiscal.estimation.accuracy.expanded import expanded_floor
+from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.promise.problem import problem
+from axiscal.estimation.promise.unknowns import space_of
+from axiscal.exceptions import PlanError
 from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import blank_readings
 
 FEW = 6
@@ -18,7 +25,7 @@ FEW = 6
 
 
 class WantedAccuracy(NamedTuple):
-    """An accuracy that is asked for, and what endless readings would leave of it, m."""
+    """A target accuracy, and its floor after endless readings, m."""
 
     name: str
     limit: float
@@ -37,6 +44,19 @@ def asked(target: Target, yardstick: Yardstick) -> tuple[WantedAccuracy, ...]:
 def promised(case: Case, knowledge: Knowledge, places: Sequence[Place]) -> Accuracy:
     """Return how well the machine would be known after readings at these places, whatever they showed."""
     return case.yardstick.measure(knowledge.read(blank_readings(case.description.setups, places)).belief)
+
+
+def expected(case: Case, readings: Sequence[Reading]) -> Knowledge:
+    """Return what readings would make known whatever they showed, with all that a result counts, at sizes as stated.
+
+    It includes type B errors, such as that of a laser's wavelength; a plan's own figures leave them out.
+    """
+    posed = problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
+    found = space_of(posed).given(np.zeros(len(posed.sizes)))
+    if found is None:
+        raise PlanError("the stated sizes differ by more than 15 digits", "Look at the std of errors and unknowns")
+    answer = found.answer()
+    return Knowledge(case.observation, Belief(answer.mean, (answer.covariance + answer.covariance.T) / 2))
 
 
 def reachable_rms(case: Case) -> float:

@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.design.bound.prove import prove, refuse_setup
-from axiscal.design.gains.candidate_rows import MEMORY
-from axiscal.design.plan.plan import Plan, make_plan
-from axiscal.design.plan.task import Limits
 from axiscal.estimation.case import Case
+from axiscal.estimation.timed import timed
+from axiscal.exceptions import PlanError
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.next_readings import posed
-
-Progress = Callable[[str], None]
+from axiscal.planning.bound.prove import prove, refuse_setup
+from axiscal.planning.gains.candidate_rows import MEMORY
+from axiscal.planning.next_readings import CANDIDATES, columns_of, first_places, planned_places, posed
+from axiscal.planning.plan.plan import Plan, Progress, judged
+from axiscal.planning.plan.task import Limits, Task
 
 
 @dataclass(frozen=True, slots=True)
 class Thoroughness:
     """candidates : places to choose from; memory : bytes that their rows may take"""
 
-    candidates: int = 4000
+    candidates: int = CANDIDATES
     memory: float = MEMORY
 
 
@@ -45,13 +47,29 @@ def proposed(
 ) -> Proposal:
     """Return a plan from the beginning, with its bound; of some set-ups, if `only` names them.  Raises PlanError.
 
+    Places and order are those that a campaign asks for that begins with these limits.
     bounded : whether the bound is wanted
     """
-    task = posed(case, case.knowledge, candidates=how.candidates)
-    task = replace(task, memory=how.memory)
+    task = replace(posed(case, case.knowledge, candidates=how.candidates), memory=how.memory)
     if only is not None:
         task = replace(task, lattice=task.lattice.within(np.isin(task.lattice.setups, only)))
-    return Proposal(make_plan(task, limits, bounded=bounded, shake=case.description.usual, progress=progress))
+    places = planned_places(case, task, limits, progress=progress)
+    if first_places(case, task, limits):
+        places += _after(case, task, limits, places, progress)
+    return Proposal(judged(task, limits, columns_of(case, places), bounded, progress))
+
+
+def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...], progress: Progress) -> tuple[Place, ...]:
+    """Return the readings that follow on the first ones, whatever these show."""
+    readings = blank_readings(case.description.setups, first)
+    count = None if limits.readings is None else limits.readings - len(first)
+    spent = timed(case, readings).seconds
+    left = replace(limits, readings=count, budget=None if limits.budget is None else max(limits.budget - spent, 0.0))
+    then = posed(case, case.knowledge.read(readings), readings=readings, candidates=len(task.lattice))
+    try:
+        return planned_places(case, replace(then, memory=task.memory), left, readings, progress=progress)
+    except PlanError:  # there is no time for another
+        return ()
 
 
 def refuse_unless_provable(case: Case) -> None:

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from axiscal.design.plan.plan import Plan
-from axiscal.design.plan.task import Limits
+from axiscal.estimation.absorbed import blocks
 from axiscal.estimation.case import Case
-from axiscal.estimation.updating import blocks
 from axiscal.exceptions import PlanError
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics.threads import one_thread
+from axiscal.planning.plan.plan import Plan
+from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Thoroughness, proposed
 
 PLANNED = "planned, all set-ups"

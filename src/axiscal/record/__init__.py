@@ -1,1 +1,1 @@
-"""What happened, event by event, and the file that never loses one."""
+"""The events of a campaign, one by one, and the file that never loses one."""

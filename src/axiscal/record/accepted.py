@@ -10,7 +10,7 @@ from axiscal.measurement.reading import Reading
 
 @dataclass(frozen=True, slots=True)
 class Accepted:
-    """A mistake of `promise.agreement` that the readings named, and a person accepted.
+    """A mistake of `estimation.promise.agreement` that the readings named, and a person accepted.
 
     mistake : jump, sign, unit, swapped or shifted; setups : whose readings
     reading : number of the first one behind a jump; name : of the set-up that those before it then belong to

@@ -1,4 +1,4 @@
-"""What can happen in a campaign, and the state that follows from all that has happened.
+"""The events that a campaign can have, and the state that follows from all of them.
 
 Events are facts and never change; the state is always folded from them anew. Units are metres, radians and seconds.
 """
@@ -149,7 +149,7 @@ class Gap:
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """What was noted, when (UTC, ISO 8601), and after which reading: its number, 0 before the first."""
+    """A note, its time (UTC, ISO 8601), and the number of the reading before it, 0 before the first."""
 
     text: str
     at: str
@@ -326,7 +326,8 @@ class Folding:
         if isinstance(event, Recorded):
             self._written.append(event.reading.under(self._counted(self._number(event))))
             self._readings.append(self._written[-1])
-            self._renew = self._renew or not self._asked_for(event)
+            planned = self._pending is not None and event.reading.place == self._pending.place
+            self._renew = self._renew or not planned
         elif isinstance(event, Finished):
             self._finished = event.because
         elif self._pending is None:
@@ -358,10 +359,6 @@ class Folding:
         """Remember the highest number so far, for the next free one, and return the number."""
         self._highest.append(max(number, self._highest[-1] if self._highest else 0))
         return number
-
-    def _asked_for(self, event: Recorded) -> bool:
-        """Whether a reading was taken where one was wanted, and from there."""
-        return self._pending is not None and event.reading.place == self._pending.place
 
     def _take_back(self, event: Undone) -> None:
         if not self._undo or self._undo[-1].number != event.event:

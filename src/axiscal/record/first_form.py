@@ -12,8 +12,8 @@ from pathlib import Path
 from urllib.parse import quote
 
 from axiscal.record.events import Stored
-from axiscal.record.line_form import SQLITE, DamageError
-from axiscal.record.payload import PayloadError, decode
+from axiscal.record.line_form import SQLITE, DamageError, EventText
+from axiscal.record.payload import PayloadError, decode, encode
 
 _LOGS = ("-wal", "-shm", "-journal")
 
@@ -23,7 +23,7 @@ def logs_beside(path: Path) -> tuple[Path, ...]:
     return tuple(path.with_name(path.name + suffix) for suffix in _LOGS)
 
 
-def first_events(path: Path) -> tuple[Stored, ...]:
+def first_rows(path: Path) -> list[EventText]:
     """Return all events of a record of the first form, those of a log beside it included; nothing there is touched.
 
     Raises DamageError, also where the log is of another state of the record: one only adds to what was there. OSError.
@@ -36,7 +36,7 @@ def first_events(path: Path) -> tuple[Stored, ...]:
     for log in logs_beside(path):
         if log.exists() and events[: len(alone := _events_alone(path))] != alone:
             raise DamageError(f"{log.name} beside it is of another state of it and takes entries back; move it away")
-    return events
+    return [EventText(each.at, *encode(each.event), n == len(events)) for n, each in enumerate(events, 1)]
 
 
 def _events_alone(path: Path) -> tuple[Stored, ...]:

@@ -1,6 +1,6 @@
 """An index of many records: all their events in one database, so that each is read only once.
 
-Of a folder it is kept beside the records, of a store in the folder where this computer's user keeps such things.
+The index of a folder stands beside the records, that of a store in the user's folder for such files.
 
 It can be thrown away at any time: the records are what counts, and it is made anew from them.
 """
@@ -16,8 +16,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
+from axiscal.document.durable import Closing
 from axiscal.exceptions import RecordError, UnreachableError
-from axiscal.record.closing import Closing
 from axiscal.record.line_form import EventText
 from axiscal.record.log import ChainedText, campaign_of
 from axiscal.record.opening import opened_log
@@ -129,7 +129,7 @@ class FolderIndex(Closing):
             self._enter(_name(file), *stamp, "", campaign_of(texts[0]), texts[-1].chain, len(texts))
 
     def _enter(self, name: bytes, *row: object) -> None:
-        """Write what is said of a record, after its events."""
+        """Write the row of a record, after its events."""
         self._database.execute("INSERT OR REPLACE INTO records VALUES (?, ?, ?, ?, ?, ?, ?, '')", (name, *row))
         digest = _digest(self._database, name)
         self._database.execute("UPDATE records SET digest = ? WHERE file = ?", (digest, name))
@@ -270,14 +270,14 @@ def _existing(path: Path) -> sqlite3.Connection:
 
 
 def _as_written(database: sqlite3.Connection) -> bool:
-    """Whether each record and its events are what was written, and there are no events without a record."""
+    """Return whether each record and its events are as written, and no event lacks its record."""
     kept = dict(database.execute("SELECT file, digest FROM records"))
     named = {file for (file,) in database.execute("SELECT DISTINCT file FROM events")}
     return named <= kept.keys() and all(digest == _digest(database, file) for file, digest in kept.items())
 
 
 def _digest(database: sqlite3.Connection, name: bytes) -> str:
-    """Return the SHA-256 of what is said of a record and of all its events."""
+    """Return the SHA-256 of the row of a record and of all its events."""
     row = database.execute(
         "SELECT size, changed, fault, campaign, chain, last FROM records WHERE file = ?", (name,)
     ).fetchone()

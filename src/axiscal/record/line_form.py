@@ -3,10 +3,10 @@
     line = chain at kind payload end crc      chain_n = SHA-256(chain_{n-1} kind payload); end "." closes a transaction
     mark = turn last end chain crc            of the transaction `turn`: its last event, where it ends, its chain
 
-A transaction is written in two steps, each on the disk before the next: its lines behind the end, then the older of
-the two marks anew. So what stands before the newest mark was acknowledged and must be whole; what stands behind it was
-not. Where one mark cannot be read, lines that follow whole are taken: a mark is only written behind whole lines.
-The chain is of contents only, not of times of writing: the same events have the same name. The sum `crc` guards all.
+A transaction is written in two steps, each on the disk before the next. Its lines come behind the end; then the older
+of the two marks is written anew. So lines before the newest mark were acknowledged and must be whole; lines behind it
+were not. If one mark cannot be read, whole lines that follow count: a mark is only written behind whole lines. The
+chain is of contents only, not of times of writing: the same events have the same name. The sum `crc` guards all.
 """
 
 from __future__ import annotations

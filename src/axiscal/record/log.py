@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+from abc import abstractmethod
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from types import TracebackType
-from typing import NamedTuple, Protocol, Self
+from typing import NamedTuple
 from uuid import UUID, uuid5
 
+from axiscal.document.durable import Closing
 from axiscal.document.quoting import shown
 from axiscal.exceptions import NewerError, OvertakenError, RecordError
 from axiscal.record.events import Event, EventOrderError, Folding, Newer, State, Stored
@@ -31,49 +33,50 @@ class ChainedText(NamedTuple):
     chain: str
 
 
-class EventLog(Protocol):
-    """What happened in one campaign, oldest first; events are only ever added. Every failure is a RecordError.
+class EventLog(Closing):
+    """The events of one campaign, oldest first; events are only ever added. Every failure is a RecordError.
 
     path : as people name it
     """
 
-    @property
-    def path(self) -> Path:
-        """What people call it by."""
+    def __init__(self, path: Path) -> None:
+        self.path, self._story = path, Story()
 
     @property
+    @abstractmethod
     def name(self) -> str:
         """The name of what it holds: a hash chained over the contents of its events, 64 hex digits."""
+
+    @abstractmethod
+    def extend(self, rows: Sequence[EventText], after: int | None = None) -> int:
+        """Keep events as they were written elsewhere, all or none; else as `append`."""
+
+    @abstractmethod
+    def last(self) -> int:
+        """Take in what others have written since, and return the number of the last event, 0 if there is none."""
+
+    @abstractmethod
+    def texts(self) -> tuple[ChainedText, ...]:
+        """Return all events as they were written."""
 
     def append(self, *events: Event, after: int | None = None) -> int:
         """Keep `events`, all or none, and return the number of the last one.
 
         after : number of the last event the caller knows of; OvertakenError if another one has written since
-        Raises ValueError for an event that cannot be kept.
+        Raises ValueError for an event that cannot be kept, NewerError where a newer version has written.
         """
-
-    def extend(self, rows: Sequence[EventText], after: int | None = None) -> int:
-        """Keep events as they were written elsewhere, all or none; else as `append`."""
-
-    def last(self) -> int:
-        """Return the number of the last event, 0 if there is none."""
+        self._story.refuse_to_add(self.path)
+        return self.extend(rows_of(events), after)
 
     def events(self) -> tuple[Stored, ...]:
         """Return all events, oldest first."""
-
-    def texts(self) -> tuple[ChainedText, ...]:
-        """Return all events as they were written."""
+        self.last()
+        return tuple(self._story.events)
 
     def state(self) -> State:
         """Return the state folded from all events."""
-
-    def close(self) -> None:
-        """Let go of what it is kept in."""
-
-    def __enter__(self) -> Self: ...
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
-        """Close it."""
+        self.last()
+        return replace(self._story.state(self.path), name=self.name)
 
 
 class Story:
@@ -93,17 +96,12 @@ class Story:
             stored = Stored(number, row.at, decode(row.kind, row.payload))
         except PayloadError as error:
             raise DamageError(f"event {number}: {error}") from error
-        self.take([stored])
-
-    def take(self, events: Iterable[Stored]) -> None:
-        """Take over events that were read; raises DamageError."""
-        for stored in events:
-            _refuse_timeless(stored)
-            try:
-                self._fold(stored)
-            except EventOrderError as error:
-                raise DamageError(f"event {stored.number}: {error}") from error
-            self.events.append(stored)
+        _refuse_timeless(stored)
+        try:
+            self._fold(stored)
+        except EventOrderError as error:
+            raise DamageError(f"event {number}: {error}") from error
+        self.events.append(stored)
 
     def _fold(self, stored: Stored) -> None:
         event = stored.event

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from axiscal.document.ports import ours
 from axiscal.exceptions import RecordError
 from axiscal.record.events import Created
 from axiscal.record.log import STORED, EventLog
 from axiscal.record.store import Record
 
-if TYPE_CHECKING:
-    from axiscal.record.postgres.database import Database
+_DATABASE, _SERVER_LOG = "ports.postgres.database:opened_database", "ports.postgres.server_log:ServerLog"
 
 
 def is_stored(path: str | Path) -> bool:
@@ -28,28 +28,18 @@ def created_log(path: str | Path, created: Created) -> EventLog:
     """Return a new log that holds the event `created`; raises RecordError where there is one of this name."""
     if not is_stored(path):
         return Record.create(path, created)
-    from axiscal.record.postgres.server_log import ServerLog
-
     name = _name(path)
-    return ServerLog.create(store_database(), name, created)
+    log: EventLog = ours(_SERVER_LOG).create(ours(_DATABASE)(), name, created)
+    return log
 
 
 def opened_log(path: str | Path, *, write: bool = True) -> EventLog:
     """Return the log of an existing record, checked; raises RecordError."""
     if not is_stored(path):
         return Record.open(path, write=write)
-    from axiscal.record.postgres.server_log import ServerLog
-
     name = _name(path)
-    return ServerLog.open(store_database(), name, write=write)
-
-
-def store_database() -> Database:
-    """Return the server that AXISCAL_STORE names, open; raises RecordError."""
-    from axiscal.record.postgres.address import store_address
-    from axiscal.record.postgres.database import opened_database
-
-    return opened_database(store_address(None))
+    log: EventLog = ours(_SERVER_LOG).open(ours(_DATABASE)(), name, write=write)
+    return log
 
 
 def _name(path: str | Path) -> str:
@@ -57,3 +47,29 @@ def _name(path: str | Path) -> str:
     if not name.strip():
         raise RecordError("No campaign of the store is named", "Name one: store:NAME", path)
     return name
+
+
+def is_store(named: Path) -> bool:
+    """Return whether the name is that of the whole store, not of a campaign in it."""
+    return str(named) == STORED
+
+
+def gathered(named: Iterable[Path]) -> list[Path]:
+    """Return the names of single records, by which each is opened; raises RecordError where the store cannot tell."""
+    found = list[Path]()
+    for each in named:
+        if is_store(each):
+            found += (one.path for one in ours("ports.postgres.server_log:all_there")())
+        elif not is_stored(each) and each.is_dir():
+            found += sorted(each.glob("*.axiscal"))
+        else:
+            found.append(each)
+    return found
+
+
+def records_of(shop: Path) -> list[Path]:
+    """Return the records of a folder, or of the store; raises RecordError for anything else."""
+    if not is_store(shop) and not shop.is_dir():
+        remedy = f"Name the folder that holds the records, or {STORED} for the campaigns on the server"
+        raise RecordError("This is no folder", remedy, shop)
+    return gathered([shop])

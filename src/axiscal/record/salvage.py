@@ -1,6 +1,6 @@
-"""What stands whole in a damaged record, and what is missing.
+"""The whole entries of a damaged record, and the missing ones.
 
-An entry stands whole where its own sum is right and its place is certain: a chain of SHA-256 leads to it from the
+An entry is whole if its own sum is right and its place is certain. A chain of SHA-256 must lead to it from the
 beginning of the record, or from it to a mark of the end. Its number follows. Whole lines between two damages whose
 place no chain shows may be those of another file, so they are named and left out.
 """

@@ -1,6 +1,6 @@
 """The campaign record: one file to which events are only ever appended.
 
-A reading is acknowledged when `Record.append` returns: by then it is on the disk, in this file and in no other, and
+A reading is acknowledged when `Record.append` returns. By then it is on the disk, in this file and in no other, and
 outlives the process and the power. How the file is made: `line_form`.
 """
 
@@ -11,15 +11,24 @@ import errno
 import gc
 import os
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Self
 
+from axiscal.document.durable import (
+    HeldError,
+    alone,
+    clear_drafts,
+    draft_of,
+    read_aside,
+    read_at,
+    sync,
+    sync_folder,
+    write_at,
+    write_whole,
+    written,
+)
 from axiscal.exceptions import NewerError, RecordError
-from axiscal.record.alone import HeldError, alone
-from axiscal.record.closing import Closing
-from axiscal.record.durable import clear_drafts, draft_of, read_at, sync, sync_folder, write_at, write_whole, written
-from axiscal.record.events import Created, Event, State, Stored
+from axiscal.record.events import Created
 from axiscal.record.line_form import (
     BLOCK,
     FORM,
@@ -39,23 +48,24 @@ from axiscal.record.line_form import (
     transaction,
     whole_after,
 )
-from axiscal.record.log import ChainedText, Story, chained_texts, in_one, refuse_overtaken, rows_of
-from axiscal.record.payload import encode
+from axiscal.record.log import ChainedText, EventLog, in_one, refuse_overtaken, rows_of
 
 PATIENCE = 4.0
 """Seconds to wait for another process that is writing."""
+_CLOSED = -1
+"""No handle of any file."""
 
 
-class Record(Closing):
+class Record(EventLog):
     """An open campaign record; a context manager. Every failure is a RecordError that names the file.
 
-    handle : of the file, None for a record of the first form that is only read
+    handle : of the file, or of what one of the first form would be in this one
     """
 
-    def __init__(self, path: Path, handle: int | None, *, write: bool = True) -> None:
-        self.path, self._handle, self._write = path, handle, write
+    def __init__(self, path: Path, handle: int, *, write: bool = True) -> None:
+        super().__init__(path)
+        self._handle, self._write = handle, write
         self._mark, self._older = Mark(), MARKS[0]
-        self._story = Story()
 
     @classmethod
     def create(cls, path: str | Path, created: Created) -> Self:
@@ -86,11 +96,7 @@ class Record(Closing):
         with record_errors(path):
             if write:
                 clear_drafts(path.parent, path.name)
-            if _form(path) == SQLITE:
-                if not write:
-                    return cls._of_first_form(path)
-                _convert(path)
-            record = cls(path, os.open(path, _mode(write)), write=write)
+            record = cls(path, _opened(path, write), write=write)
             try:
                 with _uncollected():
                     record._catch_up()
@@ -99,34 +105,15 @@ class Record(Closing):
                 raise
             return record
 
-    @classmethod
-    def _of_first_form(cls, path: Path) -> Self:
-        from axiscal.record.first_form import first_events
-
-        record = cls(path, None, write=False)
-        events = first_events(path)
-        record._mark = content_of(_rows(events))[1]
-        record._story.take(events)
-        return record
-
     @property
     def name(self) -> str:
         """The name of what the record holds: a hash chained over the contents of its events, 64 hex digits."""
         return self._mark.chain
 
-    def append(self, *events: Event, after: int | None = None) -> int:
-        """Write `events` in one transaction and return the number of the last one.
-
-        after : number of the last event the caller knows of; RecordError if another process has written since
-        Raises ValueError for an event that cannot be kept, NewerError where a newer version has written.
-        """
-        self._story.refuse_to_add(self.path)
-        return self.extend(rows_of(events), after)
-
     def extend(self, rows: Sequence[EventText], after: int | None = None) -> int:
         """Write events as they were written elsewhere, in one transaction; else as `append`."""
         handle = self._handle
-        if handle is None or not self._write:
+        if handle == _CLOSED or not self._write:
             raise RecordError("The record was opened to be read", "Open it to write", self.path)
         with record_errors(self.path), _held(handle, self.path):
             self._refuse_moved(handle)
@@ -153,35 +140,21 @@ class Record(Closing):
             self._catch_up()
         return self._mark.last
 
-    def events(self) -> tuple[Stored, ...]:
-        """Return all events, oldest first."""
-        self.last()
-        return tuple(self._story.events)
-
-    def state(self) -> State:
-        """Return the state folded from all events."""
-        self.last()
-        return replace(self._story.state(self.path), name=self._mark.chain)
-
     def texts(self) -> tuple[ChainedText, ...]:
         """Return all events as they were written."""
         self.last()
-        if self._handle is None:
-            return tuple(chained_texts(_rows(self._story.events)))
         with record_errors(self.path):
             content = read_at(self._handle, START, self._mark.end - START)
             return tuple(ChainedText(row, mark.chain) for row, mark in rows_after(Mark(), content))
 
     def close(self) -> None:
         """Close the file; what was appended is safe without it."""
-        if self._handle is not None:
+        if self._handle != _CLOSED:
             os.close(self._handle)
-            self._handle = None
+            self._handle = _CLOSED
 
     def _catch_up(self) -> None:
         """Take over what has been written since the last look."""
-        if self._handle is None:
-            return
         marks = {at: read_mark(read_at(self._handle, at, MARK)) for at in MARKS}
         whole = {at: mark for at, mark in marks.items() if isinstance(mark, Mark)}
         if not whole:
@@ -240,12 +213,18 @@ def content_of(rows: Sequence[EventText]) -> tuple[bytes, Mark]:
     return head() + blocks + lines, mark
 
 
-def _rows(events: Sequence[Stored]) -> list[EventText]:
-    return [EventText(each.at, *encode(each.event), n == len(events)) for n, each in enumerate(events, 1)]
+def _opened(path: Path, write: bool) -> int:
+    """Return the handle of a record; one of the first form is put into this one, in its place or aside to be read."""
+    if _form(path) == SQLITE:
+        from axiscal.record.first_form import first_rows, logs_beside
 
-
-def _mode(write: bool) -> int:
-    return (os.O_RDWR if write else os.O_RDONLY) | getattr(os, "O_BINARY", 0)
+        content = content_of(first_rows(path))[0]
+        if not write:
+            return read_aside(content)
+        write_whole(path, content)  # the earlier one stands until this one is whole
+        for log in logs_beside(path):
+            log.unlink(missing_ok=True)
+    return os.open(path, (os.O_RDWR if write else os.O_RDONLY) | getattr(os, "O_BINARY", 0))
 
 
 def _publish(draft: Path, path: Path) -> None:
@@ -257,16 +236,6 @@ def _publish(draft: Path, path: Path) -> None:
         refuse_existing(path)
         draft.rename(path)
     sync_folder(path.parent)
-
-
-def _convert(path: Path) -> None:
-    """Put a record of today's form in the place of one of the first, which stands until the other is whole."""
-    from axiscal.record.first_form import first_events, logs_beside
-
-    events = first_events(path)
-    write_whole(path, content_of(_rows(events))[0])
-    for log in logs_beside(path):
-        log.unlink(missing_ok=True)
 
 
 def _form(path: Path) -> int:

@@ -14,6 +14,7 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
+from axiscal.language.spoken import LANGUAGES
 from axiscal.web.answering import answered, defect, language_of, not_here, static_routes, words
 from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
@@ -21,10 +22,11 @@ from axiscal.web.guard import Admission, Guard
 from axiscal.web.openapi import ROOT, description
 from axiscal.web.problems import document, problem
 from axiscal.web.shapes import (
+    CostQuery,
     DoneShape,
     KeepRequest,
-    NoQuery,
     NoteRequest,
+    PictureQuery,
     Shape,
     SkipRequest,
     StepRequest,
@@ -33,7 +35,7 @@ from axiscal.web.shapes import (
     WaitQuery,
 )
 
-_FILES = ("page.css", "elements.js", "page.js", "pictures.js", "setups.js", "volume.js", "words.js", "icon.svg")
+_FILES = ("page.css", "elements.js", "page.js", "pictures.js", "words.js", "icon.svg")
 _Answer = Callable[[Request], Awaitable[Response]]
 _Body = TypeVar("_Body", bound=Shape)
 
@@ -47,11 +49,12 @@ def application(counter: Counter, admitted: Admission) -> Guard:
         *static_routes("page.html", _FILES),
         Route("/words.json", api.words, methods=["GET"]),
         Route("/report.html", api.report, methods=["GET"]),
+        Route("/setup.svg", api.setup_picture, methods=["GET"]),
         Route(f"{ROOT}/openapi.json", _described, methods=["GET"]),
         Route(f"{ROOT}/state", api.state, methods=["GET"]),
         Route(f"{ROOT}/typed", api.typed, methods=["GET"]),
-        Route(f"{ROOT}/outlook", api.outlook, methods=["GET"]),
         Route(f"{ROOT}/table", api.table, methods=["GET"]),
+        Route(f"{ROOT}/cost", api.cost, methods=["GET"]),
         *(Route(f"{ROOT}/{name}", answer, methods=["POST"]) for name, answer in steps.items()),
     ]
     app = Starlette(
@@ -82,14 +85,29 @@ class _Api:
     async def words(self, request: Request) -> Response:
         return words(self._counter.language)
 
-    async def outlook(self, request: Request) -> Response:
-        return await answered(NoQuery, dict(request.query_params), lambda _: self._looked(Desk.outlook))
-
     async def table(self, request: Request) -> Response:
         return await answered(TableQuery, dict(request.query_params), self._table)
 
     async def _table(self, query: TableQuery) -> Response:
         return await self._looked(lambda desk: desk.table(query.control))
+
+    async def cost(self, request: Request) -> Response:
+        async def found(query: CostQuery) -> Response:
+            language = language_of(request)
+            return await self._looked(lambda desk: desk.cost(rest=query.rest, language=language))
+
+        return await answered(CostQuery, dict(request.query_params), found)
+
+    async def setup_picture(self, request: Request) -> Response:
+        """The machine with the instrument on it and the places that are read, as wide as the page has room."""
+        return await answered(PictureQuery, dict(request.query_params), self._pictured)
+
+    async def _pictured(self, query: PictureQuery) -> Response:
+        language = query.language if query.language in LANGUAGES else "en"
+        drawn = await self._counter.ask(lambda desk: desk.setup_picture(query.width), language)
+        if not drawn:
+            return Response(status_code=204)  # what was asked has been answered in the meantime
+        return Response(drawn, media_type="image/svg+xml")
 
     async def _looked(self, look: Callable[[Desk], Shape]) -> Response:
         return document(await self._counter.ask(look))

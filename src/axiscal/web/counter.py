@@ -23,7 +23,7 @@ _Result = TypeVar("_Result")
 
 
 class Counter:
-    """One record, open on a thread of its own; made by `open`.
+    """One record, open on its own thread; made by `open`.
 
     states : the newest document by language, that a page is shown at once; language : that of the page
     """
@@ -63,9 +63,9 @@ class Counter:
         self._later(Desk.think)
         return said
 
-    async def ask(self, look: Callable[[Desk], _Result]) -> _Result:
+    async def ask(self, look: Callable[[Desk], _Result], language: str = "en") -> _Result:
         """Return what the desk says to a question that changes nothing, after the steps that are under way."""
-        return await self._run(look)
+        return await self._run(look, language)
 
     def read(self, text: str, language: str) -> TypedShape:
         """Return what a typed text would mean; needs no thread, because nothing changes."""

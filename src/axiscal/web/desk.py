@@ -1,7 +1,7 @@
 """The desk: one open campaign, the steps that a page may ask of it, and the state that all pages are shown.
 
-Everything here runs on one thread. A step says which state it answers; where the record has moved on since, it is
-refused, so that no reading is taken for the answer to another question.
+Everything here runs on one thread. A step says which state it answers. The desk refuses a step if the record has moved
+on since, so that no reading answers another question.
 """
 
 from __future__ import annotations
@@ -9,23 +9,24 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from axiscal.answers.answer import ResultAnswer
+from axiscal.answers.answer_of_campaign import answer_of, cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ended_words import because_text
 from axiscal.campaign.ending import Ended
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
-from axiscal.guide.answers import Value, answer
-from axiscal.guide.expectation import SURPRISING
-from axiscal.guide.question import Question, asked_text
-from axiscal.guide.second_thoughts import contradictions, doubted, others_doubted
-from axiscal.guide.stopping import results_beside, table_left
-from axiscal.guide.taking_back import take_back
 from axiscal.language.spoken import decimals, said, speaking
+from axiscal.present.guide.answers import Value, answer
+from axiscal.present.guide.expectation import SURPRISING
+from axiscal.present.guide.question import Question, asked_text
+from axiscal.present.guide.second_thoughts import contradictions, doubted, others_doubted
+from axiscal.present.guide.stopping import results_beside, table_left
+from axiscal.present.guide.taking_back import take_back
+from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
-from axiscal.web.documents import Shown, state_shape
-from axiscal.web.known_so_far import KnownSoFar
-from axiscal.web.outlook import outlook_shape, table_shape
-from axiscal.web.shapes import OutlookShape, StateShape, TableShape, TypedShape
+from axiscal.web.documents import Shown, picture_of_setup, state_shape, table_shape
+from axiscal.web.shapes import CostShape, StateShape, TableShape, TypedShape
 
 Publisher = Callable[[dict[str, StateShape]], None]
 """Takes the state by language."""
@@ -40,7 +41,7 @@ class SurprisingError(ReadingError):
     def __init__(self, surprise: float) -> None:
         self.surprise = surprise
         super().__init__(
-            said("That is {size} standard deviations from what is expected", size=decimals(f"{surprise:.1f}")),
+            said("It is {size} standard deviations from what is expected", size=decimals(f"{surprise:.1f}")),
             said("Read again, or say that it is to be kept"),
         )
 
@@ -57,9 +58,9 @@ class Desk:
         self._ended: str | None = None
         self._trouble = ""
         self._minds: dict[str, list[str]] = {}
-        self._verdict: list[str] = []
+        self._answer: ResultAnswer | None = None
+        self._answers: object = None  # the readings and the end that it is about
         self._before: frozenset[int] | None = None
-        self._course = KnownSoFar(campaign)
         self._version = 0
         self._alike: set[int] = set()
         self._languages = ["en"]
@@ -95,12 +96,25 @@ class Desk:
             self._show(self._minds, noted=True)
 
     def think(self) -> None:
-        """Do what the next question need not wait for: second thoughts on the last reading, and how it all went."""
+        """Do what the next question need not wait for: second thoughts on the last reading, and the answer."""
         minds = self._second_thoughts()
         self._before = None
-        self.campaign.known()  # the next reading is compared with it
-        if self._course.completed() or any(minds.values()):
+        self.campaign.estimate()  # the next reading is compared with it
+        if self._answered() or any(minds.values()):
             self._show(minds, noted=True)
+
+    def _answered(self) -> bool:
+        """Take in what is known now, and return whether that is anything new; what a report says stands."""
+        if self._answers == self._stands:
+            return False
+        self._answer, self._answers = answer_of(self.campaign, self.campaign.so_far(), {}), self._stands
+        return True
+
+    @property
+    def _stands(self) -> object:
+        """What an answer is about."""
+        state = self.campaign.state
+        return state.readings, state.plan, state.finished
 
     def _second_thoughts(self) -> dict[str, list[str]]:
         """Return what there is to mind about the last reading, by language."""
@@ -162,19 +176,23 @@ class Desk:
         self._show(self._minds, noted=True)
         return said("Noted; it is on the disk.")
 
-    def outlook(self) -> OutlookShape:
-        """Return the volume in space and the forecast."""
-        return outlook_shape(self.campaign, self._version)
+    def setup_picture(self, width: float) -> str:
+        """Return the set-up of the next reading, on the machine, as SVG; "" if there is none.  width : pixels"""
+        return picture_of_setup(self.campaign, width)
 
     def table(self, control: str) -> TableShape:
         """Return what the table of a control would do if the campaign ended now; raises TableError for no control."""
         return table_shape(table_left(self.campaign, control))
 
+    def cost(self, *, rest: bool, language: str) -> CostShape:
+        """Return what skipping the reading costs, or leaving its set-up."""
+        with speaking(language):
+            return CostShape(sentence=spelt(cost_sentence(cost_words(self.campaign, rest=rest))))
+
     def undo(self, after: int) -> str:
         """Take back the last reading, skip or end."""
         self._refuse_overtaken(after)
         taken = take_back(self.campaign)
-        self._verdict = []
         self._show({})
         return taken.sentence
 
@@ -192,18 +210,17 @@ class Desk:
 
     def finish(self, after: int) -> str:
         """End the campaign and write its results into the folder beside the record."""
-        from axiscal.report.delivery import deliver  # pictures and tables, which no question waits for
-        from axiscal.report.headline import first_lines
-        from axiscal.report.result_set import RECORD
-        from axiscal.report.summarising import Extras
+        from axiscal.present.delivery import deliver  # pictures and tables, which no question waits for
+        from axiscal.present.result_set import RECORD
+        from axiscal.present.summarising import Extras
 
         self._refuse_overtaken(after)
         self.campaign.refuse_other(self.results / RECORD)
-        known = self.campaign.concluded()
+        known = self.campaign.estimate(ended=True)
         self.campaign.finish()
         try:
             summary = deliver(self.campaign, known, self.results, Extras(compared=True))
-            self._verdict = first_lines(summary).splitlines()
+            self._answer, self._answers = summary.answer, self._stands
         finally:
             self._show({})
         return said("Ended. Report, figures and tables are in {folder}.", folder=self.results.name)
@@ -230,13 +247,13 @@ class Desk:
 
     def _renewed(self) -> dict[str, StateShape]:
         """Return the state in every language that somebody has asked for."""
-        course, version = self._course.moments(), self._next_version()
+        version = self._next_version()
         states: dict[str, StateShape] = {}
         for language in reversed(self._languages):  # English last: its question is the one that answers belong to
             with speaking(language):
                 self._question, self._ended, self._trouble = self._asked()
                 minds = [*self._minds.get(language, []), *contradictions(self.campaign)]
-                shown = Shown(self._question, self._ended, self._trouble, minds, self._verdict, course, version)
+                shown = Shown(self._question, self._ended, self._trouble, minds, self._answer, version)
                 states[language] = state_shape(self.campaign, shown, self.results)
         return states
 

@@ -8,38 +8,43 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.accuracy.yardstick import Accuracy
+from axiscal.answers.answer import ResultAnswer
+from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ended_words import because_text
-from axiscal.guide.axis_places import axis_places
-from axiscal.guide.due import Due, due
-from axiscal.guide.expectation import BAND, Expectation
-from axiscal.guide.mounting import mount_sentence, mount_steps
-from axiscal.guide.picture import Dot, Picture, picture
-from axiscal.guide.progress import Progress, goals_text
-from axiscal.guide.question import Question
-from axiscal.guide.sign import ways
-from axiscal.guide.taking_back import last_step
+from axiscal.estimation.accuracy.yardstick import Accuracy
+from axiscal.estimation.agreement_words import agreement_words
 from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import reading_unit, shown_coordinate, value_names
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
+from axiscal.present.guide.axis_places import axis_places
+from axiscal.present.guide.due import Due, due
+from axiscal.present.guide.expectation import BAND, Expectation
+from axiscal.present.guide.mounting import mount_sentence, mount_steps
+from axiscal.present.guide.progress import Progress, coming, goals_text
+from axiscal.present.guide.question import Question
+from axiscal.present.guide.sign import ways
+from axiscal.present.guide.stopping import TableLeft, controls_of
+from axiscal.present.guide.taking_back import last_step
+from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
+from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 from axiscal.web.shapes import (
     AccuracyShape,
+    AnswerShape,
     CoordinateShape,
-    DotShape,
     DueShape,
     ExpectedShape,
-    MomentShape,
     NoteShape,
-    PictureShape,
     ProgressShape,
     QuestionShape,
     ReadingShape,
     StateShape,
     StepShape,
+    TableShape,
 )
 
 _LATEST = 3
@@ -47,14 +52,13 @@ _LATEST = 3
 
 
 class Shown(NamedTuple):
-    """What the desk knows beside the campaign: question, end, trouble, sentences to mind, verdict, course, version."""
+    """What the desk knows beside the campaign: question, end, trouble, sentences to mind, answer, version."""
 
     question: Question | None
     ended: str | None
     trouble: str
     minds: list[str]
-    verdict: list[str]
-    course: list[MomentShape]
+    answer: ResultAnswer | None
     version: int
 
 
@@ -69,18 +73,30 @@ def state_shape(campaign: Campaign, shown: Shown, results: Path) -> StateShape:
         record=campaign.path.name,
         progress=_progress(campaign),
         question=None if asked is None or shown.question is None else _question(campaign, asked, shown.question),
-        ended=None if shown.ended is None else because_text(shown.ended),
-        finished=None if state.finished is None else because_text(state.finished),
+        ended=None if shown.ended is None else spelt(because_text(shown.ended)),
+        finished=None if state.finished is None else spelt(because_text(state.finished)),
         trouble=shown.trouble,
         readings=_latest(campaign),
         notes=[NoteShape(text=note.text, at=note.at, after=note.after) for note in state.notes],
         due=_due(due(campaign)),
         undo=last_step(campaign)[0],
-        minds=shown.minds,
-        picture=None if asked is None else _picture(picture(campaign, asked)),
-        history=shown.course,
-        verdict=shown.verdict,
+        minds=[spelt(each) for each in shown.minds],
+        answer=None if shown.answer is None else _answer(campaign, shown.answer, results),
         results=results.name if state.finished is not None and (results / "report.html").is_file() else "",
+        controls=list(controls_of(campaign)),
+    )
+
+
+def _answer(campaign: Campaign, answer: ResultAnswer, results: Path) -> AnswerShape:
+    """Return what is known, in the words of every report."""
+    contradict = agreement_words(campaign.so_far()) if answer.verdict == "contradict" else ""
+    text = answer_text(answer, contradict, campaign.path.name, results.name)
+    return AnswerShape(
+        first=[spelt(part) for part in text.first.parts],
+        rows=[[spelt(cell) for cell in row] for row in text.rows],
+        sentences=[spelt(sentence) for sentence in text.sentences],
+        commands=text.commands,
+        document=answer,
     )
 
 
@@ -114,7 +130,7 @@ def _expected(expected: Expectation, unit: str) -> list[ExpectedShape]:
 
 
 def _progress(campaign: Campaign) -> ProgressShape:
-    now, target = Progress.of(campaign), campaign.description.target
+    now = Progress.of(campaign)
     return ProgressShape(
         taken=now.taken,
         coming=now.coming,
@@ -124,8 +140,7 @@ def _progress(campaign: Campaign) -> ProgressShape:
         now=_accuracy(now.now),
         promised=_accuracy(now.promised),
         floor_um=to_unit(now.floor, "um"),
-        goals=goals_text(target),
-        target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
+        goals=goals_text(campaign.description.target),
     )
 
 
@@ -140,7 +155,7 @@ def _due(now: Due) -> DueShape:
 
 def _latest(campaign: Campaign) -> list[ReadingShape]:
     """Return the last readings, the latest first."""
-    doubted = {doubt.reading for doubt in campaign.known().outliers}
+    doubted = {doubt.reading for doubt in campaign.estimate().outliers}
     readings = campaign.state.readings
     indices = range(len(readings) - 1, max(-1, len(readings) - 1 - _LATEST), -1)
     return [_reading(campaign, readings[n], n, n in doubted) for n in indices]
@@ -173,38 +188,18 @@ def _moment_of(campaign: Campaign, reading: Reading) -> str:
     return (datetime.fromisoformat(campaign.begun) + timedelta(seconds=reading.time)).isoformat(timespec="milliseconds")
 
 
-def _picture(drawn: Picture) -> PictureShape:
-    unit, axis = reading_unit(drawn.setup), drawn.axis
-    position_unit = "" if axis is None else axis.unit
-    band = [_expected(each, unit)[0] for each in drawn.band]
-    numbers = len(drawn.dots[0].values) if drawn.dots else 1
-    return PictureShape(
-        kind="order" if axis is None else "along",
-        setup=drawn.setup.name,
-        axis="" if axis is None else axis.name,
-        axis_unit=position_unit,
-        unit=unit,
-        at=[_shown_at(each, position_unit) for each in drawn.at],
-        mean=[each.mean for each in band],
-        half=[each.half for each in band],
-        dots=[[_dot(dot, number, unit, position_unit) for dot in drawn.dots] for number in range(numbers)],
-        next=_shown_at(drawn.next, position_unit),
-        names=list(value_names(drawn.setup)),
-    )
+def table_shape(left: TableLeft) -> TableShape:
+    """Return what the table of a control would do."""
+    before, expected = to_unit(left.before, "um"), to_unit(left.expected, "um")
+    return TableShape(control=left.controller, before_um=before, expected_um=expected, refusal=left.refusal)
 
 
-def _shown_at(at: float, unit: str) -> float:
-    return float(to_unit(float(at), unit)) if unit else float(at)
-
-
-def _dot(dot: Dot, number: int, unit: str, position_unit: str) -> DotShape:
-    expected = _expected(dot.expected, unit)[number]
-    return DotShape(
-        at=_shown_at(dot.at, position_unit),
-        number=dot.number,
-        value=float(to_unit(float(dot.values[number]), unit)),
-        mean=expected.mean,
-        half=expected.half,
-        doubted=dot.doubted,
-        same_side=dot.same_side,
-    )
+def picture_of_setup(campaign: Campaign, width: float) -> str:
+    """Return the set-up of the next reading, on the machine as it then stands, as SVG; "" for none."""
+    asked = campaign.state.pending
+    if asked is None:
+        return ""
+    description = campaign.description
+    taken = [Place(each.setup, each.pose, each.approach) for each in campaign.state.readings]
+    scene = setup_scene(description, description.setup(asked.place.setup), taken, asked.place, coming(campaign))
+    return setup_picture(scene, width)

@@ -130,6 +130,8 @@ def _shown_by() -> Iterator[tuple[str, str]]:
         "interferometer": said("positions along an axis"),
         "ballbar": said("squareness, straightness and reversal of two axes together"),
         "straightedge": said("straightness of an axis"),
+        "dial": said("straightness of an axis, along something straight that it touches"),
+        "square": said("straightness and squareness of two axes, with a dial on both legs"),
         "sphere": said("where rotary axes lie and lean, by spheres that the machine touches"),
         "probe": said("the height of a printer's bed"),
     }

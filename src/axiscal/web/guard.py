@@ -1,7 +1,7 @@
 """The guard before the page: only this computer, only who knows the token, only our own page, nothing large.
 
-A page from elsewhere that is open in the same browser can reach the port. It is stopped by its Host where it has
-renamed itself (rebinding), by its Origin where it posts, and by the cookie, which browsers keep from other sites.
+A page from elsewhere that is open in the same browser can reach the port. Three things stop it: its Host if it has
+renamed itself (rebinding), its Origin if it posts, and the cookie, which browsers keep from other sites.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Admission:
         return f"axiscal-{self.port}"
 
     def holds(self, token: str) -> bool:
-        """Whether a token is ours, found in a time that tells nothing of it."""
+        """Return whether a token is ours, in a time that does not depend on the token."""
         return hmac.compare_digest(token.encode("utf-8", "replace"), self.token.encode())
 
 

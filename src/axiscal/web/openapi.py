@@ -9,11 +9,11 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from axiscal.web.shapes import (
+    CostQuery,
+    CostShape,
     DoneShape,
     KeepRequest,
-    NoQuery,
     NoteRequest,
-    OutlookShape,
     ProblemShape,
     Shape,
     SkipRequest,
@@ -38,8 +38,8 @@ _STEPS: Mapping[str, tuple[str, type[Shape]]] = {
 }
 _QUESTIONS: Mapping[str, tuple[str, type[Shape], type[Shape]]] = {
     "state": ("All that the page shows, at once or when it is newer than what was seen", WaitQuery, StateShape),
-    "outlook": ("The volume in space and the forecast, as the readings so far show them", NoQuery, OutlookShape),
     "table": ("What the table of a control would reach if the campaign ended now", TableQuery, TableShape),
+    "cost": ("What skipping the reading costs, or leaving its set-up", CostQuery, CostShape),
     "typed": ("What a typed text would mean for the question that is open", TypedQuery, TypedShape),
 }
 
@@ -47,10 +47,10 @@ _QUESTIONS: Mapping[str, tuple[str, type[Shape], type[Shape]]] = {
 def description() -> dict[str, Any]:
     """Return the description of the API."""
     shapes: list[type[BaseModel]] = [
+        CostShape,
         DoneShape,
         KeepRequest,
         NoteRequest,
-        OutlookShape,
         ProblemShape,
         SkipRequest,
         StateShape,

@@ -1,4 +1,4 @@
-"""What could not be done, as a document: a code for programs and a sentence for people."""
+"""A failed request as a document: a code for programs and a sentence for people."""
 
 from __future__ import annotations
 

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from axiscal.answers.answer import ResultAnswer
 from axiscal.campaign.possible import LONGEST_TEXT
 
 LONGEST = 25.0
@@ -20,7 +21,7 @@ class Shape(BaseModel):
 
 
 class CoordinateShape(Shape):
-    """Where one axis stands; side "+" is from below, "-" from above."""
+    """The position of one axis; side "+" is from below, "-" from above."""
 
     axis: str
     value: float
@@ -100,11 +101,10 @@ class ProgressShape(Shape):
     promised: AccuracyShape
     floor_um: float
     goals: str
-    target_rms_um: float | None
 
 
 class NoteShape(Shape):
-    """What was noted, when (ISO 8601, UTC), and after which reading, 0 before the first."""
+    """A note, its time (ISO 8601, UTC), and the number of the reading before it, 0 before the first."""
 
     text: str
     at: str
@@ -123,49 +123,24 @@ class DueShape(Shape):
     marker_minutes: float | None
 
 
-class MomentShape(Shape):
-    """How well the machine was known after so many minutes."""
+class AnswerShape(Shape):
+    """The result in words as every report has it, and as the document behind these words.
 
-    minutes: float
-    rms_um: float
-
-
-class DotShape(Shape):
-    """A reading in the picture of its set-up: at a coordinate, or in the order of taking; what was expected then."""
-
-    at: float
-    number: int
-    value: float
-    mean: float
-    half: float
-    doubted: bool
-    same_side: bool
-
-
-class PictureShape(Shape):
-    """What is being measured: readings along the axis that moves with the band expected there, or in their order.
-
-    at, mean, half : the band; dots : one list for each number of a reading, names : of these
-    next : where the next one is taken
+    first : the first line in parts; rows : heading and cells; commands : what to do next
     """
 
-    kind: Literal["along", "order"]
-    setup: str
-    axis: str
-    axis_unit: str
-    unit: str
-    at: list[float]
-    mean: list[float]
-    half: list[float]
-    dots: list[list[DotShape]]
-    next: float
-    names: list[str]
+    first: list[str]
+    rows: list[list[str]]
+    sentences: list[str]
+    commands: list[str]
+    document: ResultAnswer
 
 
 class StateShape(Shape):
     """All that the page shows. `last` names the state of the record, `version` this document.
 
-    minds : what to mind about the last reading; verdict : what the results say, once they are written
+    minds : what to mind about the last reading; answer : null until it is known for the first time
+    controls : those whose tables can be asked for
     """
 
     document: Literal["axiscal-page/1"] = "axiscal-page/1"
@@ -183,40 +158,8 @@ class StateShape(Shape):
     due: DueShape
     undo: str
     minds: list[str]
-    picture: PictureShape | None
-    history: list[MomentShape]
-    verdict: list[str]
+    answer: AnswerShape | None
     results: str
-
-
-Point = tuple[float, float, float]
-
-
-class BallShape(Shape):
-    """Something that readings are taken at, mm in the workpiece frame."""
-
-    name: str
-    at: Point
-
-
-class OutlookShape(Shape):
-    """The volume in space, mm in the workpiece frame, and how the campaign will go on by its plan.
-
-    points, error_um, std_um : over the volume, RMS of the TCP deviation over both ways of coming, and its uncertainty
-    box, edges : the linear travels; way : where readings are taken, the first `taken` of them already
-    forecast : what the plan will reach; controls : those whose tables can be asked for
-    """
-
-    version: int
-    points: list[Point]
-    error_um: list[float]
-    std_um: list[float]
-    box: list[Point]
-    edges: list[tuple[int, int]]
-    way: list[Point]
-    taken: int
-    balls: list[BallShape]
-    forecast: list[MomentShape]
     controls: list[str]
 
 
@@ -238,8 +181,24 @@ class TableQuery(Shape):
     control: Annotated[str, Field(max_length=40)]
 
 
-class NoQuery(Shape):
-    """Nothing is asked beside the question."""
+class CostQuery(Shape):
+    """A skip of the next reading.  rest : also of all others of its set-up"""
+
+    rest: bool = False
+
+
+class CostShape(Shape):
+    """The cost of skipping, in words."""
+
+    sentence: str
+
+
+class PictureQuery(Shape):
+    """How wide the picture is, pixels, of which version, in which language."""
+
+    width: Annotated[float, Field(ge=200, le=2000, allow_inf_nan=False)]
+    version: Annotated[int, Field(ge=0)] = 0
+    language: Annotated[str, Field(max_length=20)] = "en"
 
 
 class WaitQuery(Shape):

@@ -10,13 +10,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from axiscal.campaign.sources.source import Answer, Request, Skip, Source
+from axiscal.document.ports import one_of, ours
 from axiscal.exceptions import SourceError
 
 if TYPE_CHECKING:
-    from axiscal.simulation import Simulator
+    from axiscal.measurement.simulation import Simulator
 
 __all__ = ["Answer", "Request", "Skip", "Source", "open_source"]
 
+STARTED = "ports.linuxcnc.linuxcnc_source:LinuxcncSource"
+"""What moves a virtual machine by a LinuxCNC that is started for it."""
 TRUTH_SEED = 0
 """Seed of the noise and of the set-ups' unknowns on a machine whose errors are given."""
 
@@ -36,9 +39,9 @@ def open_source(
     if kind == "sim":
         return _simulated(simulator, rest, bool(colon))
     if kind == "linuxcnc-live":
-        from axiscal.campaign.sources.linuxcnc_live import InForce, attached_to
-
-        return attached_to(rest, simulator.machine, InForce(active))
+        in_force = ours("ports.linuxcnc.live:InForce")(active)
+        live: Source = ours("ports.linuxcnc.live:attached_to")(rest, simulator.machine, in_force)
+        return live
     if kind == "linuxcnc":
         return _linuxcnc(simulator, rest, bool(colon))
     if kind in ("truth", "csv", "exec", "moonraker", "duet") and not rest.strip():
@@ -53,14 +56,16 @@ def open_source(
         source = CsvSource(Path(rest))
         source.pass_over(taken)
         return source
-    if kind in ("moonraker", "duet"):
-        from axiscal.campaign.sources.printer import Duet, Moonraker, PrinterSource
-
-        return PrinterSource({"moonraker": Moonraker, "duet": Duet}[kind](rest.strip()))
     if kind == "exec":
         from axiscal.campaign.sources.exec import TIMEOUT, ExecSource
 
         return ExecSource(rest, TIMEOUT if timeout is None else timeout)
+    if kind in ("moonraker", "duet"):
+        printer: Source = ours("ports.printers.printer:reached")(kind, rest.strip())
+        return printer
+    if (brought := one_of("axiscal.sources", kind)) is not None:
+        made: Source = brought(rest)
+        return made
     raise SourceError(f"'{text}' is not a source", _KINDS)
 
 
@@ -78,13 +83,13 @@ def _simulated(simulator: Simulator, seed: str, named: bool) -> Source:
 
 
 def _linuxcnc(simulator: Simulator, rest: str, named: bool) -> Source:
-    from axiscal.campaign.sources.linuxcnc import LinuxcncSource
     from axiscal.campaign.sources.simulated import SimulatedSource
 
     from_file = rest.endswith(".csv")
     number = TRUTH_SEED if from_file else _seed(rest, "linuxcnc") if named else 0
     truth = simulator.from_curves(Path(rest), number) if from_file else simulator.drawn(number)
-    return LinuxcncSource(truth, lambda machine: SimulatedSource(machine, number))
+    source: Source = ours(STARTED)(truth, lambda machine: SimulatedSource(machine, number))
+    return source
 
 
 def _seed(text: str, kind: str) -> int:

@@ -21,8 +21,8 @@ _SAME = {False: 1e-6, True: math.radians(1e-5)}
 class CsvSource:
     """A table with a column `value_um` or `value_urad`, one row per reading.
 
-    Further columns of READINGS.csv (setup, X_mm, approach) may be there; a row that does not agree with what is asked
-    for is refused, not answered. Raises ReadingError for a file that is no such table.
+    Further columns of READINGS.csv (setup, X_mm, approach) may be there; a row that contradicts the question is
+    refused. Raises ReadingError for a file that is no such table.
     """
 
     def __init__(self, path: Path) -> None:

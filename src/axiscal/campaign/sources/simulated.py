@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from axiscal.campaign.sources.source import Answer, Request
 
 if TYPE_CHECKING:
-    from axiscal.simulation import VirtualMachine
+    from axiscal.measurement.simulation import VirtualMachine
 
 
 class SimulatedSource:

@@ -1,4 +1,4 @@
-"""What a source of readings is: it is asked for one reading at a time, and answers it or says why it cannot."""
+"""The protocol of a source: it answers questions for one reading at a time, or says why it cannot."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
-"""Where a station may stand, in closed form, and where its mirror image does.
+"""Possible places of a station, in closed form, and of its mirror image.
 
-n = |p − s| + z squared is linear in s, z and |s|² − z²:  −2 pᵀs + 2 n z + (|s|² − z²) = n² − |p|². Five points that
-are not in a plane settle it. Seen from points in one plane, a station and its mirror image in that plane are alike.
+The square of n = |p − s| + z is linear in s, z and |s|² − z². It reads −2 pᵀs + 2 n z + (|s|² − z²) = n² − |p|². Five
+points that are not in a plane settle it. Seen from points in one plane, a station and its mirror image in that plane
+are alike.
 """
 
 from __future__ import annotations

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.chart import Coordinate
 from axiscal.measurement.charts.crossings import crossings
-from axiscal.measurement.charts.room import Room
+from axiscal.measurement.charts.room import Room, within_cone
 from axiscal.numerics import Array
 
 _SLACK = 1e-10
@@ -75,3 +76,35 @@ class Box:
         """Return the coordinates of the axes that move."""
         moved: Array = poses[:, list(self.moves)]
         return moved
+
+
+@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
+class Sight(Box):
+    """A box without what cannot be seen; on a way where a beam is lost it is found again.
+
+    stations : (k, 3) m, workpiece frame: all of them see the tool
+    range : from how near to how far, m
+    faces : (3,) where the reflector looks, in the frame of the workpiece; None looks to the station
+    cone : rad, half the angle in which it is seen
+    """
+
+    stations: Array
+    range: tuple[float, float]
+    faces: Array | None
+    cone: float
+
+    def feasible(self, poses: Array) -> NDArray[np.bool_]:
+        """Return which poses are seen."""
+        found = Box.feasible(self, poses)
+        if found.any():
+            tcp = frames(self.room.machine, poses[found]).tcp
+            found[found] = np.all([self._seen(station - tcp) for station in self.stations], axis=0)
+        return found
+
+    def _seen(self, towards: Array) -> NDArray[np.bool_]:
+        """Return which poses one station sees.  towards : (m, 3) from the tool to it, m"""
+        far = np.linalg.norm(towards, axis=1)
+        seen: NDArray[np.bool_] = (far >= self.range[0]) & (far <= self.range[1])
+        if self.faces is not None:
+            seen &= within_cone(towards / np.maximum(far, 1e-12)[:, None], self.faces, self.cone)
+        return seen

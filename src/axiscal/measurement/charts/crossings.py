@@ -1,8 +1,8 @@
 """Where along one coordinate of a chart an axis crosses a level: in closed form where it can be had.
 
-Along one coordinate an axis goes as a + b u, or as a + c cos u + s sin u, with a second harmonic where a rotary axis
-turns in step: then u = φ ± arccos((level − a)/R), or the roots of a polynomial of degree four in exp(iu) on the unit
-circle. What follows neither is sampled and bisected.
+Along one coordinate an axis goes as a + b u, or as a + c cos u + s sin u: then u = φ ± arccos((level − a)/R). A rotary
+axis in step adds a second harmonic: then exp(iu) are roots of a quartic on the unit circle. What follows neither is
+sampled and bisected.
 """
 
 from __future__ import annotations

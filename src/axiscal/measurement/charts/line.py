@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from axiscal.machine.inverse import tip_at
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.chart import Coordinate
-from axiscal.measurement.charts.crossings import crossings
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.charts.swing import Swing
-from axiscal.measurement.charts.ways import way
+from axiscal.measurement.charts.ways import SmoothChart
 from axiscal.numerics import Array
 
 _FINEST = 1e-6
@@ -21,7 +20,7 @@ _FINEST = 1e-6
 
 
 @dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
-class Line:
+class Line(SmoothChart):
     """u : how far along, m from the first end.
 
     ends : (2, 3) m, workpiece frame; park : (q,) of the rotary axes; step : m, 0 continuous
@@ -55,18 +54,9 @@ class Line:
         points = self.ends[0] + places * self.direction
         return tip_at(self.room.machine, np.tile(self.park, (len(places), 1)), points)
 
-    def breaks(self, number: int, place: Array, levels: tuple[Array, ...]) -> Array:
-        """Return where an axis is at one of its levels."""
-        low, high, *_ = self.bounds(0)
-        return crossings(lambda values: self.poses(values[:, None]), low, high, levels)
-
     def feasible(self, poses: Array) -> NDArray[np.bool_]:
         """Return which poses are in travel, with nothing in the way."""
         return self.room.holds(poses)
-
-    def between(self, start: Array, stop: Array) -> Array | None:
-        """Return the straight way."""
-        return way(self, self.room, start, stop)
 
     def swing(self, start: Array, stop: Array) -> Swing:
         """Return what bounds a straight way: the linear axes go straight."""

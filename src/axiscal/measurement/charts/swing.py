@@ -1,8 +1,8 @@
 """How fast a straight way through a chart turns, moves and bends at the most: what bounds it between two places on it.
 
 With s from 0 to 1 the rotary axes turn evenly and the tool point goes along p*(s). The linear axes t solve J(ρ) t = r
-with r = p* − p₀(ρ), so that |t'| ≤ N (|r'| + |J'| |t|) and |t''| ≤ N (|r''| + 2 |J'| |t'| + |J''| |t|), N = ‖J⁻¹‖. A
-point x that is turned at a rate w about a place d away has |x'| + w d and |x''| + 2 w |x'| + w² d at the most.
+with r = p* − p₀(ρ). So |t'| ≤ N (|r'| + |J'| |t|) and |t''| ≤ N (|r''| + 2 |J'| |t'| + |J''| |t|), N = ‖J⁻¹‖. Turned at
+a rate w about a place d away, a point x has |x'| + w d and |x''| + 2 w |x'| + w² d at the most.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class Slides:
 
 
 class _Spin(NamedTuple):
-    """What bounds p₀(ρ), the tool point with all linear axes at zero.
+    """Bounds of p₀(ρ), the tool point with all linear axes at zero.
 
     middle : (3,) m, of what it turns about last; lever : m, how far from there at most; speed, bend : m
     """

@@ -1,19 +1,65 @@
-"""Ways through a chart: straight in u, or one coordinate after the other, or round, where all of it can be taken."""
+"""Ways through a chart: straight in u, or one coordinate after the other, or round, where all of it can be taken.
+
+Whether every place on a way through a chart can be taken: proven, not looked at.
+
+A function with |f''| ≤ M is, between two places h apart, nowhere below min(f₀, f₁) − M h²/8. There the tool is at most
+half of its fastest way from one of the two. Pieces that these bounds do not prove are halved; a piece that stays
+unproven is not gone.
+"""
 
 from __future__ import annotations
 
-from itertools import permutations
+from heapq import heappop, heappush
+from itertools import pairwise, permutations, product
+from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-from axiscal.measurement.charts.clear import clear
+from axiscal.machine.inverse import linear_axes
+from axiscal.machine.kinematics import Frames, frames
+from axiscal.measurement.charts.crossings import along_one
 from axiscal.measurement.charts.room import Room
-from axiscal.measurement.charts.roundabout import way_round
-from axiscal.measurement.charts.swing import Swinging
+from axiscal.measurement.charts.swing import Slides, Swing, Swinging, stem_rate
 from axiscal.numerics import Array
+from axiscal.numerics.remembered import remembered
+
+_LIMIT = 1e-9
+"""m or rad: a nanometre, by which a way may leave a travel or enter a box."""
+_FIRST = np.radians(20.0)
+"""Turn of the first pieces; any size does, for pieces that are too long are halved."""
+_MOST_TRIED = 20_000
+"""Pieces of one way: of time. Only a way that grazes a limit for a long time needs more, and it is not gone."""
 
 _MOST_LEGS = 3
 """Coordinates up to which all orders of going one after the other are tried."""
+_PITCH = np.radians(15.0)
+"""As coarse as operators type; what a finer lattice would find besides are ways through narrow passes."""
+_MOST = 3000
+"""Places of a lattice: of memory and time. Three free coordinates have more, and no way round is looked for there."""
+_DOORS = 6
+"""Places of the lattice, nearest first, that a way tries to enter and leave it by."""
+
+
+class _InRoom(Swinging, Protocol):
+    @property
+    def room(self) -> Room:
+        """What may not be."""
+
+
+class SmoothChart:
+    """The common part of charts whose tool point follows their coordinates smoothly, with a room about it."""
+
+    __slots__ = ()
+
+    def breaks(self: _InRoom, number: int, place: Array, levels: tuple[Array, ...]) -> Array:
+        """Return where an axis is at one of its levels along one coordinate."""
+        low, high, *_ = self.bounds(number)
+        return along_one(self.poses, number, place, (low, high), levels)
+
+    def between(self: _InRoom, start: Array, stop: Array) -> Array | None:
+        """Return a way that holds the tool point on the chart."""
+        return way(self, self.room, start, stop)
 
 
 def way(chart: Swinging, room: Room, start: Array, stop: Array) -> Array | None:
@@ -31,3 +77,140 @@ def way(chart: Swinging, room: Room, start: Array, stop: Array) -> Array | None:
         if clear(chart, room, np.array(legs)):
             return np.array(legs)
     return way_round(chart, room, start, stop) if chart.feasible(chart.poses(straight)).all() else None
+
+
+class _Lattice(NamedTuple):
+    """places : (n, size) that can be taken; near : of each, the places next to it that a straight way leads to."""
+
+    places: Array
+    near: tuple[tuple[int, ...], ...]
+
+
+def way_round(chart: Swinging, room: Room, start: Array, stop: Array) -> Array | None:
+    """Return the shortest way over the lattice, (k, size), its ends included; None where there is none."""
+    found = _lattice(chart, room)
+    into, out = _doors(found, chart, room, start), _doors(found, chart, room, stop)
+    path = _shortest(found, dict(_lengths(found, into, start)), dict(_lengths(found, out, stop)))
+    return None if path is None else np.concatenate([start[None], found.places[path], stop[None]])
+
+
+@remembered
+def _lattice(chart: Swinging, room: Room) -> _Lattice:
+    values = []
+    for number in range(chart.size):
+        end = chart.bounds(number)
+        count = max(2, round((end.high - end.low) / _PITCH) + 1)
+        values.append(np.linspace(end.low, end.high, count))
+    shape = tuple(len(each) for each in values)
+    if np.prod(shape) > _MOST:
+        return _Lattice(np.zeros((0, chart.size)), ())
+    grid = np.stack([g.ravel() for g in np.meshgrid(*values, indexing="ij")], axis=1)
+    index = np.full(shape, -1)
+    taken = np.flatnonzero(chart.feasible(chart.poses(grid)))
+    index.ravel()[taken] = np.arange(len(taken))
+    near: list[list[int]] = [[] for _ in taken]
+    for here, there in _pairs(index):
+        if clear(chart, room, grid[taken[[here, there]]]):
+            near[here].append(there)
+            near[there].append(here)
+    return _Lattice(grid[taken], tuple(tuple(each) for each in near))
+
+
+def _pairs(index: NDArray[np.intp]) -> list[tuple[int, int]]:
+    """Return neighbours in a grid of numbers, −1 where there is no place, each pair once."""
+    found = []
+    for step in product((-1, 0, 1), repeat=index.ndim):
+        if step <= (0,) * index.ndim:
+            continue
+        here = index[tuple(slice(max(0, -s), n - max(0, s)) for s, n in zip(step, index.shape, strict=True))]
+        there = index[tuple(slice(max(0, s), n + min(0, s)) for s, n in zip(step, index.shape, strict=True))]
+        both = (here >= 0) & (there >= 0)
+        found += list(zip(here[both].tolist(), there[both].tolist(), strict=True))
+    return found
+
+
+def _doors(lattice: _Lattice, chart: Swinging, room: Room, place: Array) -> list[int]:
+    order = np.argsort(np.linalg.norm(lattice.places - place, axis=1), kind="stable")[:_DOORS]
+    return [int(k) for k in order if clear(chart, room, np.stack([place, lattice.places[k]]))]
+
+
+def _lengths(lattice: _Lattice, doors: list[int], place: Array) -> list[tuple[int, float]]:
+    return [(k, float(np.linalg.norm(lattice.places[k] - place))) for k in doors]
+
+
+def _shortest(lattice: _Lattice, into: dict[int, float], out: dict[int, float]) -> list[int] | None:
+    """Return the places of the shortest way from one of the first to one of the last, with what these cost."""
+    far, before = dict(into), dict.fromkeys(into, -1)
+    queue = [(length, k) for k, length in into.items()]
+    queue.sort()
+    best, last = np.inf, -1
+    while queue and queue[0][0] < best:
+        length, here = heappop(queue)
+        if length > far[here]:
+            continue
+        if here in out and length + out[here] < best:
+            best, last = length + out[here], here
+        for there in lattice.near[here]:
+            further = length + float(np.linalg.norm(lattice.places[there] - lattice.places[here]))
+            if further < far.get(there, np.inf):
+                far[there], before[there] = further, here
+                heappush(queue, (further, there))
+    if last < 0:
+        return None
+    path = [last]
+    while before[path[-1]] >= 0:
+        path.append(before[path[-1]])
+    return path[::-1]
+
+
+def clear(chart: Swinging, room: Room, legs: Array) -> bool:
+    """Return whether every place on a way can be taken, to a nanometre.  legs : (k, size)"""
+    return all(_clear(chart, room, start, stop) for start, stop in pairwise(legs))
+
+
+def _clear(chart: Swinging, room: Room, start: Array, stop: Array) -> bool:
+    proof = _Proof(room, chart.swing(start, stop))
+    edges = np.linspace(0.0, 1.0, 2 + int(proof.swing.turns.sum() / _FIRST))
+    left, right, tried = edges[:-1], edges[1:], 0
+    while len(left):
+        tried += len(left)
+        ends = np.concatenate([left, right])
+        poses = chart.poses(start + ends[:, None] * (stop - start))
+        if tried > _MOST_TRIED or not np.all(chart.feasible(poses)):
+            return False
+        open_ = ~proof.of(poses, right - left)
+        middle = (left[open_] + right[open_]) / 2
+        left, right = np.concatenate([left[open_], middle]), np.concatenate([middle, right[open_]])
+    return True
+
+
+class _Proof:
+    """Says of which pieces of a way everything is proven."""
+
+    def __init__(self, room: Room, swing: Swing) -> None:
+        self.swing, self._room, machine = swing, room, room.machine
+        self._slides, self._follow = Slides(machine, swing), list(linear_axes(machine))
+        self._low, self._high = np.array([axis.travel for axis in machine.axes]).T
+        self._fastest = swing.speed + machine.tool * stem_rate(machine, swing.turns)
+
+    def of(self, poses: Array, widths: Array) -> NDArray[np.bool_]:
+        """Return it of pieces, (m,).  poses : (2 m, q) of their beginnings, then of their ends; widths : (m,) of s"""
+        at, count = frames(self._room.machine, poses), len(widths)
+        begin = Frames(at.rotations[:, :count], at.origins[:, :count], at.tcp[:count], at.tool[:count])
+        sunk = self._slides.bends(begin, widths) * widths**2 / 8
+        room = np.minimum(poses - self._low, self._high - poses)[:, self._follow].min(axis=1)
+        found = _lesser(room) - sunk >= -_LIMIT
+        for angle in self.swing.angles:
+            least = np.cos(min(angle.cone + _LIMIT, np.pi))
+            found &= _lesser(angle.cosines(at.stem, at.tcp)) - angle.bend * widths**2 / 8 >= least
+        if len(self._room.keep_out) and found.any():
+            nearer = np.tile(self._fastest * widths / 2 - _LIMIT, 2)
+            hit = self._room.hit(at.tcp, at.stem, nearer)
+            found &= ~(hit[:count] | hit[count:])
+        return np.asarray(found, dtype=np.bool_)
+
+
+def _lesser(values: Array) -> Array:
+    """Return the lesser one of both ends of each piece.  values : (2 m,)"""
+    lesser: Array = values.reshape(2, -1).min(axis=0)
+    return lesser

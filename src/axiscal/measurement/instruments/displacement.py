@@ -1,10 +1,10 @@
-"""Instruments that read the displacement of the TCP along a direction: interferometer, indicator, probe, straightedge.
+"""Instruments that read the displacement of the TCP along a direction: interferometer, indicator, probeedge.
 
-y = dᵀδp + zero + slope · s + growth · dᵀe s + lag · a sign(dᵀe), s the travel of the moving axis from its middle, e the
-way it goes in the workpiece frame, a = ±1 the side from which it came. A leg of a square that is turned by ω has the
-slope ω · (e × d): the two legs have it with opposite signs. The growth is what the material is longer by than at 20 °C;
-what is known of it is taken off, what is not is an unknown. The lag is what a stylus or spindle with play shows of the
-way it was moved last.
+y = dᵀδp + zero + slope · s + growth · dᵀe s + lag · a sign(dᵀe).
+Here s is the travel of the moving axis from its middle, e its way in the workpiece frame, a = ±1 the side it came from.
+A leg of a square that is turned by ω has the slope ω · (e × d): the two legs have it with opposite signs. The
+growth is by how much the material is longer than at 20 °C. Its known part is taken off; the rest is an unknown. The lag
+is what a stylus or spindle with play shows of the way it was moved last.
 """
 
 from __future__ import annotations
@@ -14,9 +14,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instruments.kind import Actual, Nominal, Reads, along, straight
+from axiscal.measurement.instruments.kind import Actual, LinearModel, Nominal, Reads
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 
@@ -33,17 +32,13 @@ _READS: dict[str, Reads] = {
 }
 
 
-class Displacement:
+class Displacement(LinearModel):
     """One length along the set-up's direction."""
 
     reads: Reads = "length"
     values = 1
     directed = True
     unknown_reads: Mapping[str, Reads] = MappingProxyType(_READS)
-
-    def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return d for every reading, (m, 3)."""
-        return along(direction, nominal.count)
 
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return 1 for the zero, the travel for the slope, the travel along the direction for the growth, (m,)."""
@@ -69,13 +64,6 @@ class Displacement:
     def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return the growth that is known, (m,)."""
         return _grown(setup.growth, direction, nominal)
-
-    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return nothing: it is linear in its unknowns, (m, k, k)."""
-        return straight(setup, nominal)
-
-    def check(self, setup: Setup, machine: Machine) -> None:
-        """Everything makes sense."""
 
 
 def _grown(strain: float, direction: Array, nominal: Nominal) -> Array:

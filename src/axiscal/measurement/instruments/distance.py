@@ -1,12 +1,13 @@
 """Instruments that read a distance to the TCP from a point that is known roughly only: ball bar and length-only tracer.
 
-y = |p + δp + R_t tool − station − shift| − |p − station| + zero, the centre of a bar shifting with its artefact:
-linearised about the best known place of the station, so that a station that is millimetres away from where it was said
-to be does no harm once its place has been found.
+y = |p + δp + R_t tool − station − shift| − |p − station| + zero
 
-Tracers may read at once: one reading is the distance of the same tool point from each of their stations. What is one
-tracer's is told by its number, from 1: zero_2, station_x_2; the tool is the same for all. Which number is meant comes
-as a direction (k,), 1 for it and 0 for the others.
+The centre of a bar shifts with its artefact. Rows are linearised about the best known place of the station. So a
+station may be millimetres from its stated place, once readings have located it.
+
+Tracers may read at once: one reading is the distance of the same tool point from each of their stations. The number of
+a tracer, from 1, marks its unknowns: zero_2, station_x_2; the tool is the same for all. Which number is meant comes as
+a direction (k,), 1 for it and 0 for the others.
 """
 
 from __future__ import annotations
@@ -183,7 +184,7 @@ def _found(setup: Setup) -> Array:
 
 
 def _alone(setup: Setup, which: int) -> Setup:
-    """Return one of the tracers as a set-up of its own."""
+    """Return one of the tracers as a separate set-up."""
     found = None if setup.found is None else setup.found[3 * which : 3 * which + 3]
     named = ((_own_name(unknown.name, which), unknown) for unknown in setup.unknowns)
     own = tuple(replace(unknown, name=name) for name, unknown in named if name is not None)

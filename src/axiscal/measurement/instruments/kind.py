@@ -1,4 +1,9 @@
-"""What every kind of instrument answers: which way it looks, what its own unknowns add, what it would show exactly."""
+"""What every kind of instrument answers: which way it looks, what its own unknowns add, what it would show exactly.
+
+Instruments that read the rotation of the tool about one direction: electronic level, autocollimator.
+
+y = dᵀε + zero.
+"""
 
 from __future__ import annotations
 
@@ -110,34 +115,36 @@ class Model(Protocol):
         """Raise DescriptionError for a set-up that makes no sense on a machine."""
 
 
-class Angle:
-    """What all instruments share that read one angle about the set-up's direction, linear but for their zero."""
-
-    reads: Reads = "angle"
-    values = 1
-    directed = True
-    unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "angle"})
+class LinearModel:
+    """The common part of instruments that look along or about a direction and are linear in their unknowns."""
 
     def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return d for every reading, (m, 3)."""
         return along(direction, nominal.count)
-
-    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
-        """Return 1 for the zero, (m,)."""
-        return np.ones(nominal.count)
 
     def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return nothing: it is linear, (m,)."""
         return np.zeros(nominal.count)
 
     def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return nothing: it is linear, (m, k, k)."""
-        return straight(setup, nominal)
+        """Return nothing: it is linear in its unknowns, (m, k, k)."""
+        return np.zeros((nominal.count, len(setup.unknowns), len(setup.unknowns)))
+
+    def check(self, setup: Setup, machine: Machine) -> None:
+        """Everything makes sense."""
 
 
-def straight(setup: Setup, nominal: Nominal) -> Array:
-    """Return the second derivatives of what is linear in the set-up's unknowns, (m, k, k): nothing."""
-    return np.zeros((nominal.count, len(setup.unknowns), len(setup.unknowns)))
+class Angle(LinearModel):
+    """What all instruments share that read one angle about the set-up's direction."""
+
+    reads: Reads = "angle"
+    values = 1
+    directed = True
+    unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "angle"})
+
+    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
+        """Return 1 for the zero, (m,)."""
+        return np.ones(nominal.count)
 
 
 def along(direction: Array, count: int) -> Array:
@@ -178,3 +185,14 @@ def need_station(setup: Setup, what: str) -> None:
     if setup.station is None:
         remedy = 'Write station = ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
         raise DescriptionError(f"it is not said where {what} is", remedy)
+
+
+class Rotation(Angle):
+    """One angle about the set-up's direction."""
+
+    def shown(
+        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
+    ) -> Array:
+        """Return dᵀε + zero, (m,)."""
+        shown: Array = actual.rotation @ direction + unknowns.get("zero", 0.0)
+        return shown

@@ -1,9 +1,9 @@
 """The tool point against a ball, in three directions: the nest of an R-test, or a sphere that is touched.
 
-y = δp + R_t tool − (s + ω × d + κ d + e) in the workpiece frame: tool by how much what touches sits elsewhere in the
-spindle than stated, which turns with the tool; less where the ball is against its stated place (see `artefact`). Of an
-R-test without an artefact zero is the place of the nest. A sphere that is touched at its pole and two sides, n_i, and
-not opposite them, shows by how much sphere and stylus are larger than stated, too: − r Σ n_i.
+y = δp + R_t tool − (s + ω × d + κ d + e) in the workpiece frame. `tool` is the offset in the spindle from the stated
+place, and turns with the tool. The bracket is the ball against its stated place (see `artefact`). An R-test without an
+artefact has the place of the nest as zero. A sphere touched at its pole and two sides n_i, not opposite ones, adds
+− r Σ n_i. There r is by how much sphere and stylus are larger than stated.
 """
 
 from __future__ import annotations
@@ -13,39 +13,34 @@ from types import MappingProxyType
 
 import numpy as np
 
-from axiscal.machine.description import Machine
 from axiscal.measurement.instruments.kind import (
     TOOL,
     TOOL_READS,
     Actual,
+    LinearModel,
     Nominal,
     Reads,
     along,
     ball_effect,
     ball_moved,
     displaced,
-    straight,
     tool_part,
 )
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.touch_sides import touch_frames
+from axiscal.measurement.touched import touch_frames
 from axiscal.numerics import Array
 
 RADIUS = "radius"
 _ZEROS = ("zero_x", "zero_y", "zero_z")
 
 
-class Nest:
+class Nest(LinearModel):
     """Three lengths along x, y, z of the workpiece frame."""
 
     reads: Reads = "length"
     values = 3
     directed = False
     unknown_reads: Mapping[str, Reads] = MappingProxyType({**dict.fromkeys((*_ZEROS, RADIUS), "length"), **TOOL_READS})
-
-    def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return d for every reading, (m, 3)."""
-        return along(direction, nominal.count)
 
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return the part of an unknown along d, (m,)."""
@@ -68,14 +63,3 @@ class Nest:
         if unknowns.get(RADIUS):
             shown = shown + unknowns[RADIUS] * self.unknown_effect(setup, RADIUS, direction, nominal)
         return shown
-
-    def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return nothing: it is linear, (m,)."""
-        return np.zeros(nominal.count)
-
-    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return nothing: it is linear in its unknowns, (m, k, k)."""
-        return straight(setup, nominal)
-
-    def check(self, setup: Setup, machine: Machine) -> None:
-        """Everything makes sense: it reads all directions."""

@@ -1,7 +1,7 @@
 """A level, or the mirror of an autocollimator, that is stepped along a way on feet a base apart.
 
-y = atan( (d × a)ᵀ (w(t + L/2) − w(t − L/2)) / L ) + zero, w the shape of the way and a its direction: to first order
-the slope of a chord, the derivative of the straightness where L goes to nothing.
+y = atan( (d × a)ᵀ (w(t + L/2) − w(t − L/2)) / L ) + zero. Here w is the shape of the way and a its direction.
+To first order y is the slope of a chord; as L goes to zero, the derivative of the straightness.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from axiscal.error_model.model import ErrorModel
-from axiscal.error_model.plane import PlaneError
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.plane import PlaneError
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import Machine
 from axiscal.measurement.instruments.kind import Actual, Angle, Nominal

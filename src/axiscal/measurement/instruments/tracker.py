@@ -1,8 +1,8 @@
 """The laser tracker: it reads where the TCP is, in all directions, from a station of unknown place and orientation.
 
-What it shows in its own frame, less the nominal place: y = R(turn)(p + δp + R_t tool − station) + station + zero − p.
-One that was set down by eye is turned by milliradians, so it is linear only about the turn θ₀ that is found (`found`):
-y = R(θ₀)(δp + R_t tool) + zero + J turn + what is there without any of these, J the derivative of R(θ)(p − station).
+Its place of the TCP, less the nominal one: y = R(turn)(p + δp + R_t tool − station) + station + zero − p.
+A tracker set down by eye is turned by milliradians, so it is linear only about the turn θ₀ that is found (`found`).
+There y = R(θ₀)(δp + R_t tool) + zero + J turn + c, J the derivative of R(θ)(p − station), c the reading without these.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from axiscal.measurement.instruments.kind import (
     along,
     displaced,
     need_station,
-    straight,
     tool_part,
 )
 from axiscal.measurement.setup import Setup
@@ -76,7 +75,8 @@ class Tracker:
 
     def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return dᵀ ½([j]×[k]× + [k]×[j]×) R(θ₀)(p − station) of its turns, to first order in these, (m, k, k)."""
-        names, curved = [unknown.name for unknown in setup.unknowns], straight(setup, nominal)
+        names = [unknown.name for unknown in setup.unknowns]
+        curved = np.zeros((nominal.count, len(names), len(names)))
         line = (nominal.tcp - _station(setup)) @ _rotation(_found(setup)).T
         crosses = rigid.skew(np.eye(3))
         at = [(names.index(name), TURNS.index(name)) for name in TURNS if name in names]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,9 +36,8 @@ CIRCLE, TURNS = frozenset({"angle", "direction", "deviation"}), frozenset({"angl
 
 def circle_of(table: CsvTable) -> CircularTest:
     """Interpret a table as a circular test; raises ReadingError."""
-    table.allow({"angle": ANGLES, "direction": TEXT, "deviation": LENGTHS})
-    angle, direction = table.one_of("angle", "angle_deg"), table.one_of("direction", "direction")
-    deviation = table.one_of("deviation", "deviation_um")
+    layout = {"angle": ANGLES, "direction": TEXT, "deviation": LENGTHS}
+    angle, direction, deviation = table.needed(layout, "angle_deg", "direction", "deviation_um")
     rows = [(row.quantity(angle), row.quantity(deviation), read_direction(row, direction)) for row in table.rows]
     angles, deviations, directions = np.array(rows, dtype=float).reshape(-1, 3).T
     return CircularTest(angles, deviations, directions, table.file)
@@ -45,9 +45,8 @@ def circle_of(table: CsvTable) -> CircularTest:
 
 def turns_of(table: CsvTable) -> Turns:
     """Interpret a table as turns of a spindle, each read at the same angles; raises ReadingError."""
-    table.allow({"angle": ANGLES, "turn": TEXT, "deviation": LENGTHS})
-    angle, turn = table.one_of("angle", "angle_deg"), table.one_of("turn", "turn")
-    deviation = table.one_of("deviation", "deviation_um")
+    layout = {"angle": ANGLES, "turn": TEXT, "deviation": LENGTHS}
+    angle, turn, deviation = table.needed(layout, "angle_deg", "turn", "deviation_um")
     read: dict[tuple[float, int], float] = {}
     for row in table.rows:
         key = row.quantity(angle), read_run(row, turn)
@@ -61,3 +60,39 @@ def turns_of(table: CsvTable) -> Turns:
                 what = f"turn {number} has no reading at {np.degrees(at):.6g} deg"
                 raise table.fail(what, "every turn is read at every angle: add the reading or take out the turn")
     return Turns(np.array(angles), np.array([[read[at, n] for n in turns] for at in angles]), table.file)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HeldPath:
+    """A kinematic test.
+
+    angles : (m,) rad; directions : (m,) +1 where the angle grows, −1 where it falls
+    deviations : m, by what is read: "x", "y", "z", or "" for the length of a bar
+    """
+
+    angles: Array
+    directions: Array
+    deviations: Mapping[str, Array]
+    file: str | None = None
+
+
+HELD, THREE, ONE = frozenset({"test", "angle", "direction"}), frozenset("xyz"), frozenset({"deviation"})
+
+
+def held_paths(table: CsvTable) -> dict[str, HeldPath]:
+    """Interpret a table as kinematic tests by name; raises ReadingError."""
+    stems = {column.stem for column in table.columns}
+    names = sorted(THREE) if stems >= THREE else sorted(ONE)
+    layout = {"test": TEXT, "angle": ANGLES, "direction": TEXT, **dict.fromkeys(names, LENGTHS)}
+    examples = [f"{name}_um" for name in names]
+    test, angle, direction, *values = table.needed(layout, "test", "angle_deg", "direction", *examples)
+    read: dict[str, list[list[float]]] = {}
+    for row in table.rows:
+        place = [row.quantity(angle), float(read_direction(row, direction))]
+        read.setdefault(row.text(test), []).append([*place, *(row.quantity(value) for value in values)])
+    found = {}
+    for name, rows in read.items():
+        angles, directions, *columns = np.array(rows).T
+        shown = dict(zip(("" if len(names) == 1 else each for each in names), columns, strict=True))
+        found[name] = HeldPath(angles, directions, shown, table.file)
+    return found

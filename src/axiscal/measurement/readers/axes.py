@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 
 from axiscal.machine.names import AXIS_NAME
-from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, CsvTable, Row
+from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, CsvTable, Row, read_table
 
 _APPROACH = re.compile(f"({AXIS_NAME})([+-])")
 
@@ -42,3 +45,29 @@ def read_approach(table: CsvTable, row: Row) -> dict[str, int]:
         if found:
             approach[found[1]] = 1 if found[2] == "+" else -1
     return approach
+
+
+@dataclass(frozen=True, slots=True)
+class RawPose:
+    """One pose as written: coordinate (m or rad) by axis, direction of approach (+1, -1) by axis, line of the file."""
+
+    position: Mapping[str, float]
+    approach: Mapping[str, int]
+    line: int
+
+
+def read_poses(path: str | Path) -> tuple[RawPose, ...]:
+    """Read poses in the order of the file, each with a coordinate in every axis column; raises ReadingError."""
+    table = read_table(path)
+    axes = axis_names(table)
+    table.allow({"approach": TEXT} | axis_layout(table))
+    if not axes:
+        raise table.fail("no column names an axis", "name the axes as in 'X_mm' or 'C_deg'")
+    return tuple(_pose(table, row, len(axes)) for row in table.rows)
+
+
+def _pose(table: CsvTable, row: Row, axes: int) -> RawPose:
+    position = read_position(table, row)
+    if len(position) < axes:
+        raise row.fail("the pose has an empty coordinate", "write a coordinate for every axis of the header")
+    return RawPose(position, read_approach(table, row), row.line)

@@ -8,20 +8,39 @@ does know it checks the names of set-ups and axes, and whether a position lies w
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal
 
 from axiscal.document import shown
-from axiscal.exceptions import Faults
-from axiscal.measurement.csv_cells import unshielded
+from axiscal.exceptions import Faults, UnitError
+from axiscal.machine.axis import Axis
 from axiscal.measurement.instruments.distance import MOST
+from axiscal.measurement.place import Places
+from axiscal.measurement.place_texts import approach_text
 from axiscal.measurement.readers.axes import axis_layout, read_approach, read_position
-from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, Column, CsvTable, Row, read_table
+from axiscal.measurement.readers.csv_table import (
+    ANGLES,
+    LENGTHS,
+    TEXT,
+    Column,
+    CsvTable,
+    Row,
+    csv_text,
+    read_table,
+    unshielded,
+)
 from axiscal.measurement.readers.positioning import STEMS, PositioningRows, positioning_rows
-from axiscal.measurement.readers.times import read_times
-from axiscal.measurement.setup import FINEST
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import FINEST, Setup
+from axiscal.units import parse_quantity, to_unit
+
+_CLOCK = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d(?:\.\d+)?))?", re.ASCII)
+_DAY = re.compile(r"\d{4}-?(\d{2}-?\d{2}|W\d{2}(-?\d)?)", re.ASCII)
+_REMEDY = "write it as 2026-11-20T14:05:30, 14:05:30 or 95 min, and the lines in the order of time"
 
 _THREE = ("value_x", "value_y", "value_z")
 _STATIONS = tuple(f"value_{number}" for number in range(1, MOST + 1))
@@ -128,27 +147,25 @@ def _reading(table: CsvTable, row: Row, setup: Column) -> RawReading:
         raise row.fail("the line has no set-up", "write the name of the set-up as the campaign has it")
     value, std = row.quantity(column), _std(table, row, column)
     position, approach = read_position(table, row), read_approach(table, row)
-    others, by_station = _others(row, column, three[1:]) if column is three[0] else (), column is stations[0]
-    others = _of_stations(row, column, stations[1:]) if by_station else others
+    others, by_station = tuple[float, ...](), column is stations[0]
+    if column is three[0]:
+        what = "the line has a value along x, but not along y and z too"
+        others = _beside(row, three, len(three), what, "fill value_x, value_y and value_z")
+    elif by_station:
+        what = "a station between others has no value"
+        others = _beside(row, stations, 1, what, "fill value_1, value_2 and so on, one for each station")
     name = unshielded(row.text(setup))
     raw = RawReading(name, position, approach, value, std, column.dimension, row.line, others)
     return replace(raw, by_station=by_station)
 
 
-def _of_stations(row: Row, first: Column, columns: Sequence[Column | None]) -> tuple[float, ...]:
-    """Return the values of the second station and on, as many as are filled without a gap."""
+def _beside(row: Row, columns: Sequence[Column | None], least: int, what: str, remedy: str) -> tuple[float, ...]:
+    """Return the values after the first, filled without a gap and of one kind; raises ReadingError for fewer."""
     filled = [column for column in columns if column is not None]
-    if columns[: len(filled)] != filled or any(column.dimension != first.dimension for column in filled):
-        raise row.fail("a station between others has no value", "fill value_1, value_2 and so on, one for each station")
-    return tuple(row.quantity(column) for column in filled)
-
-
-def _others(row: Row, first: Column, columns: Sequence[Column | None]) -> tuple[float, ...]:
-    """Return the values along y and z beside the one along x."""
-    filled = [column for column in columns if column is not None]
-    if len(filled) < len(columns) or any(column.dimension != first.dimension for column in filled):
-        raise row.fail("the line has a value along x, but not along y and z too", "fill value_x, value_y and value_z")
-    return tuple(row.quantity(column) for column in filled)
+    kinds = {column.dimension for column in filled}
+    if len(filled) < least or columns[: len(filled)] != filled or len(kinds) > 1:
+        raise row.fail(what, remedy)
+    return tuple(row.quantity(column) for column in filled[1:])
 
 
 def _std(table: CsvTable, row: Row, value: Column) -> float | None:
@@ -162,3 +179,78 @@ def _std(table: CsvTable, row: Row, value: Column) -> float | None:
         remedy = "a standard deviation is at least 0.1 nm or 0.1 nrad; leave it empty to take the set-up's noise"
         raise row.fail(f"{column.name} is {row.text(column)}", remedy)
     return std
+
+
+def read_times(rows: Sequence[Row], column: Column | None) -> list[float | None]:
+    """Return the seconds of each row after the first; None where there is no such column.
+
+    Raises ReadingError for a cell that is empty or no time, and for a time before that of the line above.
+    """
+    if column is None:
+        return [None] * len(rows)
+    found: list[float | None] = []
+    kinds = set[str]()
+    first = last = None
+    for row in rows:
+        kind, seconds = _time(row, column)
+        first, kinds = seconds if first is None else first, kinds | {kind}
+        if len(kinds) > 1:
+            raise row.fail(f"time {row.text(column)!r} is written unlike those above", _REMEDY)
+        if last is not None and seconds < last:
+            raise row.fail(f"time {row.text(column)!r} is before that of the line above", _REMEDY)
+        last = seconds
+        found.append(seconds - first)
+    return found
+
+
+def _time(row: Row, column: Column) -> tuple[str, float]:
+    """Return how a time is written, and its seconds from wherever such times begin."""
+    text = row.text(column)
+    clock = _CLOCK.fullmatch(text)
+    if clock is not None:
+        return "clock", 3600.0 * int(clock[1]) + 60.0 * int(clock[2]) + float(clock[3] or 0.0)
+    try:
+        return "since", parse_quantity(text, "time")
+    except UnitError:
+        pass
+    try:
+        moment = datetime.fromisoformat(text)
+    except ValueError:
+        raise row.fail(f"time {text[:40]!r} is no time", _REMEDY) from None
+    if _DAY.fullmatch(text):  # all readings of a day at once, and no drift between them
+        raise row.fail(f"time {text!r} is a day without a time of day", _REMEDY)
+    if moment.tzinfo is None:
+        return "date", moment.replace(tzinfo=UTC).timestamp()
+    return "date with zone", moment.timestamp()
+
+
+def blank_sheet(setups: Sequence[Setup], axes: Sequence[Axis], places: Places, values: Sequence[str]) -> str:
+    """Return the text of the file.  values : names of the columns to fill in, such as value_um"""
+    rows = [[*_head(axes), *values]]
+    columns = (places.setups.tolist(), places.poses.tolist(), places.approaches.tolist())
+    for setup, pose, approach in zip(*columns, strict=True):
+        rows.append([*_at(axes, setups[setup].name, pose, approach), *([""] * len(values))])
+    return csv_text(rows)
+
+
+def filled_sheet(axes: Sequence[Axis], readings: Sequence[Reading]) -> str:
+    """Return the text of the file of readings that have three values each, to a picometre.
+
+    The file has a column for standard deviations if a reading states one; it is empty for the others.
+    """
+    own = any(reading.std is not None for reading in readings)
+    rows = [[*_head(axes), *(f"value_{c}_um" for c in "xyz"), *(["std_um"] if own else [])]]
+    for reading in readings:
+        numbers = [*reading.values, *([reading.std] if own else [])]
+        texts = ("" if each is None else f"{to_unit(each, 'um'):.6f}" for each in numbers)
+        rows.append([*_at(axes, reading.setup, reading.pose, reading.approach), *texts])
+    return csv_text(rows)
+
+
+def _head(axes: Sequence[Axis]) -> list[str]:
+    return ["setup", *(f"{axis.name}_{axis.unit}" for axis in axes), "approach"]
+
+
+def _at(axes: Sequence[Axis], setup: str, pose: Sequence[float], approach: Sequence[float]) -> list[str]:
+    at = (f"{to_unit(value, axis.unit):.6f}" for value, axis in zip(pose, axes, strict=True))
+    return [setup, *at, approach_text(axes, approach)]

@@ -3,24 +3,31 @@
 UTF-8, one header line, commas between cells, a decimal point in numbers, `#` before a comment line.  A column is
 `stem` (text) or `stem_unit` (a number).  Nothing is guessed: every fault is a `ReadingError` with file, line, value
 and remedy.
+
+Cells of CSV files that people open in spreadsheets: text that would be a formula there is shielded, and read back.
+
+A text whose first character, quotes left aside, is one of `= + - @`, tab or return gets an apostrophe in front. A
+spreadsheet takes that for "this is text"; reading takes one away. Numbers stay. So every text comes back.
 """
 
 from __future__ import annotations
 
 import csv
 import difflib
+import io
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from axiscal.document.bounded import bounded_content
 from axiscal.exceptions import ReadingError
-from axiscal.measurement.readers.text import MOST, refuse_many
+from axiscal.measurement.readers.text import content, refuse_many
 from axiscal.measurement.reading import LARGEST
 from axiscal.units import from_unit
+
+_FORMULA = re.compile(r"'*[=+\-@\t\r]")
 
 LENGTHS = ("mm", "um", "nm", "m")
 ANGLES = ("deg", "arcsec", "urad", "mrad", "rad")
@@ -106,6 +113,14 @@ class CsvTable:
             raise self.fail(f"columns '{found[0].name}' and '{found[1].name}' say the same", "keep one of them")
         raise self.fail(f"there is no column '{example}'", f"name it in the header; found: {self.header}")
 
+    def needed(self, layout: Mapping[str, tuple[str, ...]], *names: str) -> tuple[Column, ...]:
+        """Return the columns that names such as `target_mm` are examples of, in whatever units.
+
+        layout : stems that may be there, with their units.  Raises ReadingError for another, or where one is missing.
+        """
+        self.allow(layout)
+        return tuple(self.one_of(_column(name).stem, name) for name in names)
+
     def fail(self, what: str, remedy: str) -> ReadingError:
         """Return the error that places a fault in the header."""
         return ReadingError(what, remedy, self.file, self.line)
@@ -141,14 +156,7 @@ class CsvTable:
 
 def read_table(path: str | Path) -> CsvTable:
     """Read a table from a file; raises ReadingError when it cannot be opened or is not such a table."""
-    try:
-        data = bounded_content(path, MOST)
-    except OSError as error:
-        reason = (error.strerror or "cannot be read").lower()
-        raise ReadingError(f"the file cannot be read: {reason}", "check the name and the permissions", path) from None
-    except ValueError:
-        raise ReadingError(f"{str(path)!r} is not a file name", "give the name of a CSV file") from None
-    return parse_table(_decode(data, str(path)), str(path))
+    return parse_table(_decode(content(path), str(path)), str(path))
 
 
 def parse_table(text: str, file: str) -> CsvTable:
@@ -233,3 +241,19 @@ def _why_not(text: str) -> tuple[str, str]:
     if _NUMBER.fullmatch(text.replace(",", ".")):
         return f"{_quote(text)} has a decimal comma", f"write a decimal point: {text.replace(',', '.')}"
     return f"{_quote(text)} is not a number", "write digits with a decimal point; the unit stands in the header"
+
+
+def csv_text(rows: Iterable[Sequence[str]]) -> str:
+    """Return a CSV file of text and of numbers as they are written."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([_shielded(cell) for cell in row] for row in rows)
+    return text.getvalue()
+
+
+def unshielded(cell: str) -> str:
+    """Return the text that a cell stands for."""
+    return cell[1:] if cell[:1] == "'" and _FORMULA.match(cell) else cell
+
+
+def _shielded(cell: str) -> str:
+    return f"'{cell}" if _FORMULA.match(cell) and not _NUMBER.fullmatch(cell) else cell

@@ -1,15 +1,73 @@
 """Any file of readings, recognised by its first lines: READINGS.csv, ISO 230-2 tests, `.rtl`, exchange files, bed maps,
-level surveys.
+level surveys, and what installed packages read.
+
+Our own exchange file, first line `# axiscal-csv 1`:
+
+    run_id,axis,error,direction,target,value,unit,u_std,t_c,time
+
+UTF-8, decimal point. `direction` is + or − or empty; targets are in mm, on rotary axes in deg; `unit` is that of value
+and u_std. `t_c` (material temperature) and `time` are kept for people.
+
+A level survey as it is written down at the machine: stations, and what the level showed there and back.
+
+    # level survey
+    # base = 100 mm
+    # division = 0.02 mm/m
+    X_mm,forward_div,back_div
+    50,12.0,12.5
+    150,11.0,11.0
+    50,12.5,
+
+The first column names the axis along which the level is stepped; a station is where the middle of its base stands.
+Readings are slopes (`um/m`, `mm/m`), angles (`arcsec`, `urad`, …) or divisions (`div`), whose value is then stated. A
+station that comes again, as the first one does at the end, is one more reading. Without base the level rides on what
+moves. `# setup = name` says which set-up it was where several could have been.
 """
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal, NamedTuple, Protocol
 
-from axiscal.measurement.readers import bed_map, level_survey, own_csv, renishaw
-from axiscal.measurement.readers.csv_readings import RawReading, of_positioning, read_readings
+from axiscal.document.ports import all_of
+from axiscal.exceptions import DescriptionError, UnitError
+from axiscal.machine.names import AXIS_NAME, parse_error_name
+from axiscal.measurement.readers import bed_map, renishaw
+from axiscal.measurement.readers.csv_readings import RawReading, of_positioning, read_readings, read_times
+from axiscal.measurement.readers.csv_table import TEXT, Column, CsvTable, Row, parse_table
 from axiscal.measurement.readers.positioning import PositioningRows, read_positioning
 from axiscal.measurement.readers.text import TextFile, read_text
+from axiscal.measurement.setup import FINEST
+from axiscal.units import dimension_of, from_unit, parse_quantity
+
+SURVEY_MARK = "# level survey"
+_KEYS = ("setup", "base", "division")
+_KEY = re.compile(r"#\s*([A-Za-z]+)\s*=\s*(.*?)\s*")
+_PASSES = ("forward", "back")
+_UNITS = ("um/m", "mm/m", "arcsec", "arcmin", "urad", "mrad", "deg", "div")
+_STATION = re.compile(f"({AXIS_NAME})_(mm|um|m)")
+
+MARK = "# axiscal-csv 1"
+_COLUMNS = ("run_id", "axis", "error", "direction", "target", "value", "unit", "u_std", "t_c", "time")
+_NEEDED = ("axis", "error", "target", "value", "unit")
+_SIGNS = {"+": 1, "-": -1, "−": -1, "": 0}
+"""What the format writes for the two directions, and for none."""
+
+PORTS = "axiscal.readers"
+"""Group of the entry points by which packages bring readers."""
+
+
+class FileReader(Protocol):
+    """What reads the files of an instrument."""
+
+    def knows(self, file: TextFile) -> bool:
+        """Return whether it is the reader of a file."""
+
+    def read(self, file: TextFile) -> Sequence[RawReading]:
+        """Return the readings of such a file, in its order; raises ReadingError."""
 
 
 def read_any(path: str | Path) -> tuple[RawReading, ...]:
@@ -17,15 +75,16 @@ def read_any(path: str | Path) -> tuple[RawReading, ...]:
     file = read_text(path)
     if renishaw.is_rtl(file):
         return of_positioning(renishaw.rtl_positioning(file))
-    if own_csv.is_own(file):
-        return tuple(_own(reading) for reading in own_csv.own_readings(file))
-    if level_survey.is_survey(file):
-        return tuple(_levelled(reading) for reading in level_survey.survey_readings(file))
-    if bed_map.is_height_map(file):
-        return tuple(_node(node) for node in bed_map.height_map(file))
-    if bed_map.is_mesh(file):
-        return tuple(_node(node) for node in bed_map.mesh(file))
-    return read_readings(path)
+    if is_own(file):
+        return own_readings(file)
+    if is_survey(file):
+        return survey_readings(file)
+    if bed_map.is_height_map(file) or bed_map.is_mesh(file):
+        nodes = bed_map.height_map(file) if bed_map.is_height_map(file) else bed_map.mesh(file)
+        return tuple(_node(node) for node in nodes)
+    brought: list[FileReader] = all_of(PORTS)
+    reader = next((each for each in brought if each.knows(file)), None)
+    return read_readings(path) if reader is None else tuple(reader.read(file))
 
 
 def read_any_positioning(path: str | Path) -> PositioningRows:
@@ -34,31 +93,160 @@ def read_any_positioning(path: str | Path) -> PositioningRows:
     return renishaw.rtl_positioning(file) if renishaw.is_rtl(file) else read_positioning(path)
 
 
-def _levelled(reading: level_survey.LevelReading) -> RawReading:
-    at, towards = {reading.axis: reading.station}, {reading.axis: reading.direction}
-    error = "" if reading.setup else "slope"
-    return RawReading(
-        reading.setup,
-        at,
-        towards,
-        reading.value,
-        None,
-        "angle",
-        reading.line,
-        error=error,
-        time=reading.time,
-        base=reading.base,
-    )
-
-
-def _own(reading: own_csv.OwnReading) -> RawReading:
-    approach = {reading.axis: reading.direction} if reading.direction else {}
-    place, value = {reading.axis: reading.target}, (reading.value, reading.std)
-    if reading.angular:
-        return RawReading("", place, approach, *value, "angle", reading.line, error=reading.error)
-    return RawReading("", place, approach, *value, "length", reading.line, error=reading.error)
-
-
 def _node(node: bed_map.Node) -> RawReading:
     """Return the reading of a node: where the bed is high the tool is too low over it, by as much."""
     return RawReading("", {"X": node.x, "Y": node.y}, {}, -node.height, None, "length", node.line, error="z")
+
+
+def is_own(file: TextFile) -> bool:
+    """Return whether the file says that it is one of ours."""
+    return file.lines[0].strip().lower() == MARK
+
+
+def own_readings(file: TextFile) -> tuple[RawReading, ...]:
+    """Return the readings; raises ReadingError."""
+    table = parse_table("\n".join(file.lines), file.name)
+    table.needed(dict.fromkeys(_COLUMNS, TEXT), *_NEEDED)
+    return tuple(_reading(file, table, row) for row in table.rows)
+
+
+def _reading(file: TextFile, table: CsvTable, row: Row) -> RawReading:
+    cells = {column.name: row.text(column) for column in table.columns}
+    try:
+        error = parse_error_name(cells["error"])
+        unit = cells["unit"].replace("µ", "u").replace("μ", "u")
+        dimension = dimension_of(unit)
+    except (DescriptionError, UnitError) as fault:
+        raise row.fail(fault.what, fault.remedy) from None
+    read: Literal["angle", "length"] = "angle" if error.angular else "length"
+    if dimension != read:
+        raise row.fail(f"{error.canonical} is not given in {unit}", "give lengths in um, angles in urad or arcsec")
+    if error.axis != cells["axis"]:
+        raise row.fail(f"{error.canonical} is not an error of axis {cells['axis']!r}", "name the axis that moved")
+    side = cells.get("direction", "")
+    if side not in _SIGNS:
+        raise row.fail(f"direction {side!r} is not known", "write +, - or nothing")
+    target = from_unit(file.number(cells["target"], "target", row.line), "deg" if error.axis[0] in "ABC" else "mm")
+    std = cells.get("u_std", "")
+    spread = from_unit(file.number(std, "u_std", row.line), unit) if std else None
+    if spread is not None and spread < FINEST:
+        remedy = "a standard deviation is at least 0.1 nm or 0.1 nrad; leave it empty otherwise"
+        raise row.fail(f"u_std is {std}", remedy)
+    value = from_unit(file.number(cells["value"], "value", row.line), unit)
+    approach = {error.axis: _SIGNS[side]} if _SIGNS[side] else {}
+    return RawReading("", {error.axis: target}, approach, value, spread, read, row.line, error=error.canonical)
+
+
+class _Way(NamedTuple):
+    """A column of readings.  onward : on the way there, not back"""
+
+    column: Column
+    unit: str
+    onward: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Head:
+    """What the lines before the table say.  base : m; division : rad"""
+
+    setup: str = ""
+    base: float | None = None
+    division: float | None = None
+
+
+def is_survey(file: TextFile) -> bool:
+    """Return whether the file says that it is a level survey."""
+    return file.lines[0].strip().lower() == SURVEY_MARK
+
+
+def survey_readings(file: TextFile) -> tuple[RawReading, ...]:
+    """Return the readings, first those of the way there, then those of the way back; raises ReadingError."""
+    head, table = _head(file), parse_table("\n".join(file.lines), file.name)
+    station, ways, clock = _columns(table, head)
+    _refuse_unread(table, ways, clock)
+    places = [row.quantity(station) for row in table.rows]
+    upward = places[-1 if len(places) < 3 else len(places) // 2] >= places[0]  # the last may close the circle
+    lines = list(zip(table.rows, places, read_times(table.rows, clock), strict=True))
+    found, error = list[RawReading](), "" if head.setup else "slope"
+    for way in ways:
+        for row, place, time in lines if way.onward else reversed(lines):
+            if row.text(way.column):
+                at, towards = {station.stem: place}, {station.stem: 1 if upward == way.onward else -1}
+                value = _angle(file, row, way, head)
+                read = RawReading(head.setup, at, towards, value, None, "angle", row.line, error=error)
+                found.append(replace(read, time=time, base=head.base))
+    return tuple(found)
+
+
+def _head(file: TextFile) -> _Head:
+    said: dict[str, str] = {}
+    lines: dict[str, int] = {}
+    for number, text in _remarks(file):
+        found = _KEY.fullmatch(text)
+        if found is None:
+            continue
+        key = found[1].lower()
+        if key not in _KEYS or key in said:
+            what = f"{key!r} is said twice" if key in said else f"{key!r} is not known"
+            raise file.fail(what, f"known are {', '.join(_KEYS)}; a remark goes without =", number)
+        said[key], lines[key] = found[2], number
+    try:
+        key = "base"
+        base = parse_quantity(said[key], "length") if key in said else None
+        key = "division"
+        division = parse_quantity(said[key], "angle") if key in said else None
+    except UnitError as fault:
+        raise file.fail(fault.what, fault.remedy, lines[key]) from None
+    for key, value, example in (("base", base, "100 mm"), ("division", division, "0.02 mm/m")):
+        if value is not None and value <= 0:
+            raise file.fail(f"{key} = {said[key]} is not above zero", f"write it as # {key} = {example}", lines[key])
+    return _Head(said.get("setup", ""), base, division)
+
+
+def _remarks(file: TextFile) -> Iterator[tuple[int, str]]:
+    """Yield the lines before the table that begin with #, after the first."""
+    for number, line in enumerate(file.lines[1:], 2):
+        text = line.strip()
+        if text and not text.startswith("#"):
+            return
+        if text:
+            yield number, text
+
+
+def _columns(table: CsvTable, head: _Head) -> tuple[Column, list[_Way], Column | None]:
+    """Return the column of stations, those of readings, the way there first, and that of times."""
+    station, clock, ways = None, None, list[_Way]()
+    for column in table.columns:
+        stem, _, unit = column.name.replace("µ", "u").replace("μ", "u").rpartition("_")
+        if _STATION.fullmatch(column.name) and station is None:  # a second one is not known
+            station = column
+        elif column.name == "time":
+            clock = column
+        elif stem in _PASSES and unit in _UNITS:
+            ways.append(_Way(column, unit, stem == "forward"))
+        else:
+            remedy = f"columns are X_mm, forward_um/m, back_um/m and time; units of readings {', '.join(_UNITS)}"
+            raise table.fail(f"column {column.name!r} is not known", remedy)
+    if station is None or not ways:
+        missing = "stations, such as X_mm" if station is None else "readings, such as forward_um/m"
+        raise table.fail(f"there is no column of {missing}", f"name it in the header; found: {table.header}")
+    if len({way.onward for way in ways}) < len(ways):
+        raise table.fail("a way is named twice", "give one column forward, and one back")
+    if head.division is None and any(way.unit == "div" for way in ways):
+        raise table.fail("readings are in divisions, and the value of one is not said", "write # division = 0.02 mm/m")
+    return station, sorted(ways, key=lambda way: not way.onward), clock
+
+
+def _angle(file: TextFile, row: Row, way: _Way, head: _Head) -> float:
+    shown = file.number(row.text(way.column), way.column.name, row.line)
+    return shown * (head.division or 0.0) if way.unit == "div" else from_unit(shown, way.unit)
+
+
+def _refuse_unread(table: CsvTable, ways: list[_Way], clock: Column | None) -> None:
+    for row in table.rows:
+        filled = sum(bool(row.text(way.column)) for way in ways)
+        if not filled:
+            raise row.fail("the station has no reading", "write what the level showed, or take out the line")
+        if filled > 1 and clock is not None:
+            what = "the line has two readings, and one time"
+            raise row.fail(what, "write the way back in lines of its own where times are given")

@@ -39,9 +39,7 @@ def read_positioning(path: str | Path) -> PositioningRows:
 
 def positioning_rows(table: CsvTable) -> PositioningRows:
     """Interpret a table as readings of one axis; raises ReadingError, also for a reading given twice."""
-    table.allow(_LAYOUT)
-    target, direction = table.one_of("target", "target_mm"), table.one_of("direction", "direction")
-    run, deviation = table.one_of("run", "run"), table.one_of("deviation", "deviation_um")
+    target, direction, run, deviation = table.needed(_LAYOUT, "target_mm", "direction", "run", "deviation_um")
     rotary = _is_rotary(table, target, deviation)
     seen: dict[tuple[float, int, int], int] = {}
     rows = []

@@ -1,8 +1,8 @@
 """Renishaw `.rtl`: a positioning test as laser software exports it, in sections `NAME::`.
 
 Targets wrap over lines, indices count from 1, odd runs go up and even runs down unless the flags say that all go up.
-Deviations are read as micrometres and targets as millimetres: the file does not say, and angles differ from program
-to program, so a rotary axis is refused where the axis is known.
+Deviations are read as micrometres and targets as millimetres, for the file does not say. Angles differ from program to
+program, so a rotary axis is refused where the axis is known.
 """
 
 from __future__ import annotations

@@ -48,17 +48,21 @@ class TextFile:
         return [self.number(text.strip(), what, line) for text in texts]
 
 
-def read_text(path: str | Path) -> TextFile:
-    """Read a file in UTF-8, UTF-16 with its mark, or else Latin-1; raises ReadingError."""
+def content(path: str | Path) -> bytes:
+    """Return what stands in a file of readings; raises ReadingError."""
     try:
-        data = bounded_content(path, MOST)
+        return bounded_content(path, MOST)
     except OSError as error:
         reason = (error.strerror or "cannot be read").lower()
         remedy = "check the name and the permissions"
         raise ReadingError(f"the file cannot be read: {reason}", remedy, str(path)) from None
     except ValueError:
         raise ReadingError(f"{str(path)!r} is not a file name", "give the name of a file") from None
-    lines = _decoded(data).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def read_text(path: str | Path) -> TextFile:
+    """Read a file in UTF-8, UTF-16 with its mark, or else Latin-1; raises ReadingError."""
+    lines = _decoded(content(path)).replace("\r\n", "\n").replace("\r", "\n").split("\n")
     refuse_many(len(lines), path)
     return TextFile(str(path), tuple(lines))
 

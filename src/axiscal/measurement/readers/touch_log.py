@@ -4,8 +4,8 @@
     R12 T1 X101.234567 Y-3.2 Z40.
     END 24
 
-Each run of a program begins with the first line and ends with the last. Controls pad numbers with blanks, write 12.
-for 12 and 12.000000, leave out a zero before the point, or send control characters; nothing else is let through.
+Each run of a program begins with the first line and ends with the last. Controls may pad numbers with blanks, write 12.
+for 12 and 12.000000, leave out a zero before the point, or send control characters. Nothing else is let through.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class LoggedTouch:
 
 @dataclass(frozen=True, slots=True)
 class TouchLog:
-    """All touches of a log in their order, the code of their plan, and what the log says of its own gaps."""
+    """All touches of a log in their order, the code of their plan, and the gaps that the log states."""
 
     code: str
     touches: tuple[LoggedTouch, ...]
@@ -57,7 +57,7 @@ def plan_code(listings: Sequence[str]) -> str:
 
 
 def read_touch_log(path: str | Path) -> TouchLog:
-    """Read a log; raises ReadingError for a line that is none of its own, or for several plans."""
+    """Read a log; raises ReadingError for a line of another kind, or for several plans."""
     return _LogReader(str(path)).log(read_text(path).lines)
 
 

@@ -1,18 +1,14 @@
 // The dialogue: shows the newest state, sends what is typed, and says which state that answers.
 import { element, find, hear } from "/elements.js";
-import { drawCourse, drawDirection, drawPicture, shown, strip, unitText } from "/pictures.js";
-import { drawSetup } from "/setups.js";
-import { drawVolume } from "/volume.js";
+import { drawDirection, shown, strip, unitText } from "/pictures.js";
 import { LANGUAGE, said, translate } from "/words.js";
 
 const ROOT = "/api/1";
 let state = null;
 let mounted = sessionStorage.getItem("mounted") ?? "";
 let asked = "";
-let landed; // the last reading that was drawn
 let sending = null; // the reading that is on its way, and the state that it answers
 let turn = Promise.resolve();
-let outlook = null; // the volume and the forecast, as of some state
 let giving = "skip"; // what the reason is asked for: to skip a reading, or to leave the set-up
 
 translate(document.body);
@@ -65,8 +61,6 @@ function renderLine() {
   text("count", state.question ? said("{number} of {last}", { number: p.taken + 1, last: end }) : said("{count} taken", { count: p.taken }));
   const left = p.left_minutes < 1 ? said("less than 1 left") : said("about {minutes} left", { minutes: shown(p.left_minutes, 0) });
   text("minutes", said("{minutes} done", { minutes: shown(p.minutes, 0) }) + (going ? `, ${left}` : ""));
-  text("accuracy", `${shown(p.before.rms_um)} → ${shown(p.now.rms_um)} µm` + (going ? `, ${said("{value} expected", { value: shown(p.promised.rms_um) })}` : ""));
-  text("target", [p.goals.replaceAll(" um", " µm"), said("at best {value}", { value: `${shown(p.floor_um)} µm` })].filter((part) => part).join(", "));
 }
 
 function renderPlaces(question) {
@@ -109,8 +103,6 @@ function renderQuestion() {
   text("setup", question.setup);
   text("instrument", said(question.instrument));
   text("mount-sign", question.sign);
-  drawSetup(find("mount-drawing"), question.instrument, said("How the instrument stands: {instrument}", { instrument: said(question.instrument) }));
-  drawSetup(find("standing"), question.instrument, said(question.instrument));
   renderPlaces(question);
   text("sign", question.sign);
   text("again", question.again);
@@ -161,6 +153,20 @@ function clock(at) {
   return at ? new Date(at).toLocaleTimeString("en-GB") : "";
 }
 
+// What is known, as every report has it: the first line, the rows, what is to be done next.
+function renderAnswer() {
+  show("answer", state.answer !== null);
+  if (state.answer === null) return;
+  const { first, rows: [heading = [], ...rows], sentences, commands, document: found } = state.answer;
+  find("first").className = `box ${found.verdict}`;
+  find("first").replaceChildren(element("strong", first[0]), ...first.slice(1).map((part) => element("span", part)));
+  const line = (kind, cells) => { const row = document.createElement("tr"); row.append(...cells.map((cell) => element(kind, cell))); return row; };
+  find("rows").tHead.replaceChildren(...(rows.length ? [line("th", heading)] : []));
+  find("rows").tBodies[0].replaceChildren(...rows.map((cells) => line("td", cells)));
+  const next = state.finished === null ? [] : commands.map((command) => element("code", command));
+  find("known").replaceChildren(...sentences.map((words) => element("p", words)), ...next);
+}
+
 function renderEnd() {
   const over = state.question === null;
   show("end", over);
@@ -168,7 +174,6 @@ function renderEnd() {
   const done = state.finished !== null;
   text("end-title", done ? said("The campaign has ended") : state.ended ? said("Nothing more to measure") : said("There is no next reading"));
   text("end-words", done ? `${state.finished}.` : state.ended ? `${state.ended}.` : "");
-  find("verdict").replaceChildren(...state.verdict.map((line) => element("p", line)));
   show("report", done && state.results !== "");
   text("finish", done ? said("Write the results") : said("End the campaign and write its results"));
   show("finish", !done || state.results === "");
@@ -183,60 +188,34 @@ function render(newer) {
   renderLine();
   renderQuestion();
   renderKept();
+  renderAnswer();
   renderEnd();
   find("undo").disabled = state.undo === "";
   find("undo").title = state.undo;
   find("skip").disabled = find("leave").disabled = find("stop").disabled = state.question === null;
-  drawAll();
+  drawMachine();
   if (document.activeElement === document.body || document.activeElement.offsetParent === null) home();
   document.body.dataset.version = state.version;
 }
 
-function drawAll() {
-  const latest = state.readings[0]?.number;
-  find("pictures").className = latest === landed ? "" : "landing";
-  landed = latest;
-  show("pictured", state.picture !== null);
-  drawPicture(find("picture"), find("picture-words"), state.picture, latest, state.question?.expected);
-  const end = { minutes: state.progress.minutes + state.progress.left_minutes, rms_um: state.progress.promised.rms_um };
-  const fresh = outlook?.taken === state.progress.taken ? outlook.forecast : [end];
-  drawCourse(find("course"), find("course-words"), state.history, state.progress, state.question === null ? [] : fresh);
-  drawSpace();
-}
-
-function drawSpace() {
-  show("spaced", outlook !== null && outlook.points.length > 0);
-  if (outlook === null) return;
-  const silent = outlook.error_um.every((error) => error < 1e-3); // nothing is known of the error before the first readings
-  const shade = silent ? "std_um" : document.querySelector("input[name=shade]:checked").value;
-  show("shades", !silent);
-  const words = shade === "error_um"
-    ? said("The volume in space: the error of the tool point, as far as it is known")
-    : said("The volume in space: what is still unknown of the tool point (standard deviation)");
-  text("volume-words", `${words}; ${said("frame: travels, line: way, rings: what is read at. Drag, or arrow keys, turn it")}`);
-  drawVolume(find("volume"), outlook, shade, words);
-}
-
-// The volume costs the program a moment, so it is asked for after the question stands, and one at a time.
-let looking = false;
-async function look() {
-  if (looking || state === null || outlook?.version === state.version) return;
-  looking = true;
-  try {
-    const { ok, document: seen } = await call("/outlook");
-    if (ok) { outlook = seen; drawAll(); }
-  } catch {
-    // it is drawn with the next state
-  } finally {
-    looking = false;
-  }
+// The machine as it stands at the reading asked for: in the words on mounting, and beside the readings after that.
+function drawMachine() {
+  const mounting = !find("mount").hidden, question = state.question;
+  show("stood", question !== null && !mounting);
+  if (question === null) return;
+  const place = find(mounting ? "mount-drawing" : "machine-drawing"), width = Math.round(Math.min(place.clientWidth, 900));
+  if (width < 200) return;
+  const picture = place.querySelector("img") ?? place.appendChild(document.createElement("img"));
+  const asked = new URLSearchParams({ width, version: state.version, language: LANGUAGE });
+  picture.alt = said("How the instrument stands: {instrument}", { instrument: said(question.instrument) });
+  if (picture.getAttribute("src") !== `/setup.svg?${asked}`) picture.src = `/setup.svg?${asked}`;
 }
 
 async function follow() {
   for (;;) {
     try {
       const newest = await call(`/state?seen=${state?.version ?? 0}&wait=20`);
-      if (newest.ok) { render(newest.document); look(); }
+      if (newest.ok) { render(newest.document); }
       else throw new Error(newest.document.sentence);
     } catch (failure) {
       show("trouble", true);
@@ -269,7 +248,9 @@ async function recorded({ last, typed }, how) {
   else refuse({ ...done.document, sentence: lost + done.document.sentence });
 }
 
+let refused = null; // the text that was refused: a look at it that comes later says nothing more
 function refuse(problem) {
+  refused = find("field").value;
   hear(problem.sentence, true);
   show("doubt", problem.problem === "surprising");
   if (problem.problem === "surprising") find("reread").focus();
@@ -308,6 +289,7 @@ async function preview() {
   const meant = await understood(typed);
   if (meant === null || typed !== find("field").value || state.question === null) return;
   drawStrips(meant.values, meant.surprising);
+  if (typed === refused) return;
   hear(meant.surprising ? meant.sentence : "", meant.surprising);
 }
 
@@ -319,6 +301,14 @@ function asksForReason(visible, why = "skip") {
   show("skip-form", visible);
   if (visible) find("reason").focus();
   else home();
+  if (visible) askCost(why === "leave");
+}
+
+// What is lost is said before it is done.
+async function askCost(rest) {
+  text("costs", said("one moment"));
+  const { ok, document: cost } = await call(`/cost?rest=${rest}`);
+  if (rest === (giving === "leave")) text("costs", ok ? cost.sentence : "");
 }
 
 function asksForNote(visible) {
@@ -343,10 +333,10 @@ function asksToStop(visible) {
   const p = state.progress, figures = { now: shown(p.now.rms_um), count: p.coming, minutes: shown(p.left_minutes, 0), promised: shown(p.promised.rms_um) };
   text("stop-words", said("Now {now} µm RMS; with the readings to come ({count}), in about {minutes} minutes, {promised} µm.", figures));
   show("stopping", visible);
-  if (visible && outlook !== null) {
+  if (visible) {
     const control = find("control"), last = localStorage.getItem("control");
-    control.replaceChildren(...outlook.controls.map((name) => element("option", name)));
-    control.value = outlook.controls.includes(last) ? last : "linuxcnc";
+    control.replaceChildren(...state.controls.map((name) => element("option", name)));
+    control.value = state.controls.includes(last) ? last : "linuxcnc";
     askTable();
   }
   if (visible) find("not-stop").focus();
@@ -373,7 +363,6 @@ on("note-form", "submit", async () => {
   asksForNote(false);
 });
 on("control", "change", askTable);
-for (const choice of document.querySelectorAll("input[name=shade]")) choice.addEventListener("change", drawSpace);
 on("not-skip", "click", () => asksForReason(false));
 on("skip-form", "submit", async () => {
   const done = await plain("/skips", { reason: find("reason").value, rest: giving === "leave" });
@@ -390,13 +379,14 @@ on("stands", "click", () => {
   mounted = state.question.setup;
   sessionStorage.setItem("mounted", mounted);
   renderQuestion();
+  drawMachine();
   drawStrips();
   find("field").focus();
 });
 find("field").addEventListener("input", () => { show("doubt", false); preview(); });
 addEventListener("resize", () => {
   if (state === null) return;
-  drawAll();
+  drawMachine();
   if (state.question) preview();
 });
 

@@ -1,0 +1,218 @@
+"""The answer that a campaign gives, as a document of codes and numbers: um, urad, mm, deg, minutes; no sentence.
+
+Terminal, page, HTML, PDF, JSON and certificate show this document, and look their words up by its codes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from axiscal.description.wants import Kind
+
+Verdict = Literal["measured", "reached", "more", "unreachable", "contradict", "nothing"]
+"""Nothing was asked for; it is reached; more readings would; none would; readings contradict; none was taken."""
+StepCode = Literal["load", "verify", "undo", "accept", "measure", "next", "finish", "start", "target"]
+"""Load the tables of a control; check them; take the end back; accept a mistake; go on; end it; begin; give an end."""
+
+
+class AnswerDocument(BaseModel):
+    """A document: complete, with no other keys."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class AnswerLine(AnswerDocument):
+    """Where a row holds: the axis that moves, between which ends, and the pose in which the others stand.
+
+    places : number of places read from "+", from "-", and from "both"; setup : by which, "" for none
+    """
+
+    setup: str
+    axis: str
+    ends: tuple[float, float]
+    at: Mapping[str, float]
+    places: Mapping[Literal["+", "-", "both"], int]
+
+    @property
+    def read(self) -> int:
+        """float of places read."""
+        return self.places["+"] + self.places["-"] - self.places["both"]
+
+
+class PlannedRow(AnswerDocument):
+    """How well a row is known, in `unit`: fields as of `estimation.functionals.known.KnownRow`.
+
+    known_to, known_before : U now, or after a plan, and before the first reading
+    """
+
+    row: str
+    kind: Kind
+    axes: Sequence[str]
+    unit: str
+    known_to: float
+    known_before: float
+    floor: float
+    limit: float | None
+    reached: bool | None
+    measured: bool
+
+
+class AnswerRow(PlannedRow):
+    """A row, in `unit`: fields as of `answers.rows.AnsweredRow`.  one_more : U after one reading from the other side"""
+
+    found: float
+    largest: float
+    left: Mapping[str, float]
+    one_more: float | None = None
+    lines: Sequence[AnswerLine]
+
+
+class Aim(AnswerDocument):
+    """An accuracy that a person wants, in `unit`: name is "rms", "worst" or "U" of the volume, or that of a row.
+
+    now : how well it is known; reachable : whether endless readings would reach it
+    unread : lines that nobody has read, without which it is not measured
+    """
+
+    name: str
+    now: float
+    limit: float
+    floor: float
+    measured: bool = True
+    reachable: bool = True
+    unread: int = 0
+    unit: str = "um"
+
+    @property
+    def reached(self) -> bool:
+        """Whether it is known as well as asked for."""
+        return self.measured and self.now <= self.limit
+
+
+class NextStep(AnswerDocument):
+    """What to do next.  control : whose tables are loaded; mistake : that is accepted"""
+
+    code: StepCode
+    control: str = ""
+    mistake: str = ""
+
+
+class TablesChecked(AnswerDocument):
+    """A check of the tables on the machine: so many places, RMS as found and as left there, and what they decide."""
+
+    places: int
+    found: float
+    left: float
+    tolerance: float
+    verdict: Literal["pass", "fail", "undecided"]
+
+
+class ResultAnswer(AnswerDocument):
+    """aims : what is asked for, the accuracies of the volume first
+
+    more : readings that would reach it, and more_minutes their machine time; 0 where none are missing
+    readings : taken; left_out : of them not used; compared : of the others with each other; agreeing : of these
+    minutes : of the clock where clocked, else of the plan
+    withheld : readings contradict each other, and no mistake explains it: there are no rows
+    checked : None where nobody has checked the tables
+    """
+
+    verdict: Verdict
+    rows: Sequence[AnswerRow]
+    aims: Sequence[Aim]
+    more: int
+    more_minutes: float
+    readings: int
+    left_out: int
+    compared: int
+    agreeing: int
+    minutes: float
+    clocked: bool
+    withheld: bool
+    steps: Sequence[NextStep]
+    checked: TablesChecked | None = None
+
+
+class StatusTarget(AnswerDocument):
+    """Limits that end the campaign; None for one that does not count."""
+
+    rms_um: float | None
+    worst_um: float | None
+    readings: int | None
+    budget_min: float | None
+
+
+class StatusNote(AnswerDocument):
+    """A person's note, its time, and the reading before it."""
+
+    text: str
+    at: str
+    after_reading: int
+
+
+class StatusAnswer(AnswerDocument):
+    """Where a campaign stands.
+
+    answer : the same as of the last screen; question : the open one, as a source is asked
+    reached, finished : why it may end, and has, as the record keeps it; mind : what readings contradict
+    newer : kinds of entries that a newer version has written; skipped : readings that could not be taken
+    """
+
+    kind: Literal["axiscal-status/1"] = Field("axiscal-status/1", alias="schema")
+    machine: str
+    readings: int
+    minutes: float
+    rms_um: float
+    worst_um: float
+    answer: ResultAnswer
+    target: StatusTarget
+    reached: str | None
+    finished: str | None
+    agreement: Mapping[str, Any]
+    mind: Sequence[str]
+    sisters: str | None
+    question: Mapping[str, Any] | None
+    accepted: Sequence[str]
+    notes: Sequence[StatusNote]
+    newer: Sequence[str]
+    skipped: Sequence[Mapping[str, Any]]
+
+
+@dataclass(frozen=True, slots=True)
+class NamedMistake:
+    """A mistake that explains readings that contradict: its kind, its odds, the set-ups it is about, and in words."""
+
+    mistake: str
+    odds: float
+    setups: Sequence[str]
+    words: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReadingAgreement:
+    """Whether the readings agree with each other.
+
+    count : readings that were compared; agreeing : those that agree with the others; c2 : mean square of what they are
+    off, in standard deviations; p : probability of readings that agree no better; contradict : p is too small
+    explained : mistakes that are named, the likeliest first; words : all that in a sentence, "" before the first
+    """
+
+    count: int = 0
+    agreeing: int = 0
+    c2: float = 1.0
+    p: float = 1.0
+    contradict: bool = False
+    explained: Sequence[NamedMistake] = ()
+    words: str = ""
+
+    @property
+    def mark(self) -> str:
+        """What stands on each page of a report whose readings contradict; else ""."""
+        return self.words if self.contradict else ""
+
+
+NOTHING_READ = ReadingAgreement()

@@ -1,0 +1,283 @@
+"""From what is known to the answer: rows, what was asked for, and what is missing.
+
+Let an accuracy be U after n readings, L as wanted, and F after endless readings. U² − F² falls with n, so about
+n (U² − F²)/(L² − F²) readings reach L.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from axiscal.answers.answer import (
+    Aim,
+    AnswerLine,
+    AnswerRow,
+    NamedMistake,
+    NextStep,
+    ReadingAgreement,
+    ResultAnswer,
+    StepCode,
+    Verdict,
+)
+from axiscal.answers.answer_words import digits, row_name
+from axiscal.answers.digits import coordinate, number
+from axiscal.answers.rows import AnsweredRow, answered
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ending import count_reached, known_to
+from axiscal.estimation.agreement_words import agreement_words, mistake_words
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.functionals.axis_line import AxisLine
+from axiscal.estimation.functionals.known import KnownRow, known_rows
+from axiscal.language.spoken import listed, put, said
+from axiscal.machine.axis import Axis
+from axiscal.measurement.place import Place
+from axiscal.measurement.place_texts import shown_pose
+from axiscal.measurement.reading_rows import blank_readings
+from axiscal.planning.promise import WantedAccuracy, asked
+from axiscal.tables.effect import Control
+from axiscal.units import to_unit
+
+_COSTS = 1.01
+"""By less than a percent more of the volume's U nothing is lost that is worth a sentence."""
+
+_TARGETS = 5
+"""Readings that a line asks for of which there are none: ISO 230-2 wants five targets at least."""
+
+
+def answer_of(
+    campaign: Campaign,
+    known: Estimation,
+    controls: Mapping[str, Control],
+    *,
+    written: bool = False,
+    anyway: bool = False,
+) -> ResultAnswer:
+    """Return the answer.
+
+    controls : what the tables of each control that is offered do; written : whether the results are, with these tables
+    anyway : rows are there although readings contradict each other
+    """
+    rows = answered(known, controls)
+    wanted = asked(known.stated.description.target, known.case.yardstick)
+    volume = [aim_of_volume(each, known_to(each.name, known)) for each in wanted]
+    lines = [aim_of(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
+    coming = campaign.state.plan if campaign.state.finished is None else ()
+    verdict = _verdict(known, volume, lines)
+    if verdict == "measured" and coming:
+        verdict = "more"
+    more, minutes = (0, 0.0) if verdict != "more" else _planned(campaign) if coming else _more(known, volume, lines)
+    times = [reading.time for reading in campaign.state.readings if reading.time is not None]
+    seconds = max(times) if times else known.seconds
+    axes, withheld = known.stated.description.machine.axes, known.agreement.withheld and not anyway
+    return ResultAnswer(
+        verdict=verdict,
+        rows=[] if withheld else [_row(row, axes) for row in rows],
+        aims=[*volume, *lines],
+        more=more,
+        more_minutes=_digits(minutes),
+        readings=len(known.readings),
+        left_out=sum(doubt.rejected for doubt in known.outliers),
+        compared=known.agreement.count,
+        agreeing=known.agreement.agreeing,
+        minutes=_digits(to_unit(seconds, "min")),
+        clocked=bool(times),
+        withheld=withheld,
+        steps=list(_steps(campaign, known, verdict, list(controls), written)),
+    )
+
+
+def agreement_of(estimation: Estimation) -> ReadingAgreement:
+    """Return whether the readings agree with each other."""
+    found, setups = estimation.agreement, estimation.stated.description.setups
+    named = [
+        NamedMistake(
+            each.mistake, each.odds, [setups[index].name for index in each.setups], mistake_words(each, estimation)
+        )
+        for each in found.explained
+    ]
+    words = agreement_words(estimation) if found.count else ""
+    return ReadingAgreement(found.count, found.agreeing, found.c2, found.p, found.contradicts, named, words)
+
+
+def _steps(
+    campaign: Campaign, known: Estimation, verdict: Verdict, offered: Sequence[str], written: bool
+) -> Iterator[NextStep]:
+    """Yield what to do next: read on or accept a mistake where that helps, else load tables and check, or end."""
+    ended = campaign.state.finished is not None
+    if verdict in ("more", "contradict", "nothing"):
+        if ended:
+            yield NextStep(code="undo")
+        explained = known.agreement.explained if verdict == "contradict" else ()
+        full = count_reached(campaign.description.target, len(campaign.state.readings)) is not None
+        reading: StepCode = "next" if full else "measure"
+        yield NextStep(code="accept", mistake=explained[0].mistake) if explained else NextStep(code=reading)
+    elif written:
+        wanted = [name for name in reversed(campaign.description.controls) if name in offered]
+        if wanted:
+            yield NextStep(code="load", control=wanted[0])
+        yield NextStep(code="verify", control=next(iter(wanted), ""))
+    else:
+        yield NextStep(code="finish")
+
+
+def _verdict(known: Estimation, volume: Sequence[Aim], lines: Sequence[Aim]) -> Verdict:
+    """Return how it stands: of several accuracies of the volume one is enough, of rows all are wanted."""
+    if not known.readings:
+        return "nothing"
+    if known.agreement.contradicts:
+        return "contradict"
+    if not (volume or lines):
+        return "measured"
+    if all_reached(volume, lines):
+        return "reached"
+    return "unreachable" if unreachable(volume, lines) else "more"
+
+
+def all_reached(volume: Sequence[Aim], lines: Sequence[Aim]) -> bool:
+    """Return whether all rows are reached, and one of the accuracies of the volume if there are any."""
+    return (not volume or any(aim.reached for aim in volume)) and all(aim.reached for aim in lines)
+
+
+def unreachable(volume: Sequence[Aim], lines: Sequence[Aim]) -> list[Aim]:
+    """Return what endless readings would not reach: of the volume the first, where none can be, and each such row."""
+    hopeless = not any(aim.reached or aim.reachable for aim in volume)
+    return [*(volume[:1] if hopeless else ()), *(aim for aim in lines if not aim.reachable)]
+
+
+def _planned(campaign: Campaign) -> tuple[int, float]:
+    """Return how many readings are planned yet, and their minutes."""
+    coming = campaign.state.plan
+    return len(coming), to_unit(campaign.seconds(coming) - campaign.seconds(), "min")
+
+
+def _more(known: Estimation, volume: Sequence[Aim], lines: Sequence[Aim]) -> tuple[int, float]:
+    """Return about how many readings are missing, and their minutes."""
+    count = len(known.readings)
+    left = [_share(aim) for aim in volume if aim.floor < aim.limit]
+    shares = [min(left, default=0.0), *(_share(aim) for aim in lines if not aim.unread)]
+    new = [aim.unread for aim in lines if aim.unread]
+    readings = math.ceil(count * max(shares)) + _TARGETS * sum(new)
+    each = float(np.median(np.diff([0.0, *known.stages.timed.ends])))
+    mounting = np.mean([setup.setup_time for setup in known.stated.description.setups])
+    return readings, to_unit(readings * each + float(mounting) * sum(new), "min")
+
+
+def _share(aim: Aim) -> float:
+    """Return by which share of the readings taken there have to be more."""
+    if aim.reached:
+        return 0.0
+    return max((aim.now**2 - aim.floor**2) / (aim.limit**2 - aim.floor**2) - 1, 0.0)
+
+
+def aim_of_volume(wanted: WantedAccuracy, now: float) -> Aim:
+    """Return an accuracy of the volume.  now : how well it is known, m"""
+    now, limit, floor = (to_unit(size, "um") for size in (now, wanted.limit, wanted.floor))
+    return Aim(name=wanted.name, now=now, limit=limit, floor=floor, reachable=floor <= limit)
+
+
+def aim_of(row: KnownRow) -> Aim:
+    """Return a row with a limit."""
+    now, limit, floor = (to_unit(size, _unit(row)) for size in (row.known, row.limit or 0.0, row.floor))
+    return Aim(
+        name=row.row.name,
+        now=now,
+        limit=limit,
+        floor=floor,
+        measured=row.measured,
+        reachable=row.reachable,
+        unread=sum(not line.read for line in row.lines),
+        unit=_unit(row),
+    )
+
+
+def _unit(row: KnownRow) -> str:
+    return "urad" if row.angular else "um"
+
+
+def _digits(value: float) -> float:
+    return number(value, "a figure of the answer")
+
+
+def known_figures(row: KnownRow) -> dict[str, Any]:
+    """Return the figures of `PlannedRow`."""
+    sizes = {"known_to": row.known, "known_before": row.before, "floor": row.floor, "limit": row.limit}
+    return {
+        "row": row.row.name,
+        "kind": row.row.kind,
+        "axes": row.row.axes,
+        "unit": _unit(row),
+        **{name: None if size is None else _shown(row, size) for name, size in sizes.items()},
+        "reached": row.reached,
+        "measured": row.measured,
+    }
+
+
+def _shown(row: KnownRow, size: float) -> float:
+    return _digits(to_unit(size, _unit(row)))
+
+
+def _row(row: AnsweredRow, axes: Sequence[Axis]) -> AnswerRow:
+    return AnswerRow(
+        **known_figures(row),
+        found=_shown(row, row.found),
+        largest=_shown(row, row.largest),
+        left={name: _shown(row, size) for name, size in row.left.items()},
+        one_more=None if row.then is None else _shown(row, row.then),
+        lines=list(_lines(row.lines, axes)),
+    )
+
+
+def _lines(lines: Sequence[AxisLine], axes: Sequence[Axis]) -> Iterator[AnswerLine]:
+    for line in lines:
+        first, last = (shown_pose(axes, tuple(pose)) for pose in line.poses[[0, -1]].tolist())
+        name = axes[line.axis].name
+        yield AnswerLine(
+            setup=line.setup,
+            axis=name,
+            ends=(_place(first[name]), _place(last[name])),
+            at={other: _place(value) for other, value in first.items() if other != name},
+            places={"+": len(line.plus), "-": len(line.minus), "both": len(line.both)},
+        )
+
+
+def _place(value: float) -> float:
+    return coordinate(value, "an end of a row")
+
+
+def cost_words(campaign: Campaign, *, rest: bool) -> str:
+    """Return what is lost, "" where nothing is: rows that stay unmeasured, and U of the volume with and without.
+
+    rest : nothing more is read in the set-up that is asked for; else the one reading is left out
+    """
+    pending = campaign.state.pending
+    if pending is None:
+        return ""
+    planned = (pending.place, *campaign.state.plan)
+    kept = tuple(place for place in planned[1:] if not (rest and place.setup == pending.place.setup))
+    with_it, without = (_rows(campaign, places) for places in (planned, kept))
+    lost = [row for row, after in zip(with_it, without, strict=True) if row.measured and not after.measured]
+    names = [row_name(row.row.kind, [row.row.axes]) for row in lost]
+    parts = [said("leaves {rows} unmeasured", rows=listed(", ", names))] if names else []
+    volume = next((n for n, row in enumerate(with_it) if row.row.kind == "volume"), None)
+    if volume is not None and without[volume].known > _COSTS * with_it[volume].known:
+        sizes = (to_unit(rows[volume].known, "um") for rows in (with_it, without))
+        before, after = (digits(size) for size in sizes)
+        parts.append(said("volume {before} -> {after} um", before=before, after=after))
+    return listed("; ", parts) if parts else ""
+
+
+def cost_sentence(words: str) -> str:
+    """Return what is said before it is done.  words : of `cost_words`"""
+    return put("{words}.", words=words) if words else said("By the plan as it stands this costs nothing.")
+
+
+def _rows(campaign: Campaign, places: Sequence[Place]) -> tuple[KnownRow, ...]:
+    """Return how well rows will be known after these places."""
+    known = campaign.estimate()
+    case, knowledge = known.banded
+    coming = blank_readings(case.description.setups, places)
+    return known_rows(case, knowledge.read(coming), [*known.readings, *coming])

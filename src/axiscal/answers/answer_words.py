@@ -1,0 +1,351 @@
+"""An answer in words, in the language that is spoken: the first line, the rows as cells, sentences, commands.
+
+Terminal, page, HTML and PDF lay out these words and say no others, so that all of them show the same figures.
+"""
+
+from __future__ import annotations
+
+import math
+import shlex
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple, TypeVar
+
+from axiscal.answers.answer import Aim, AnswerRow, NextStep, PlannedRow, ResultAnswer, TablesChecked, Verdict
+from axiscal.description.wants import Kind
+from axiscal.language.spoken import counted, later, listed, put, said
+
+_Row = TypeVar("_Row", bound=PlannedRow)
+LINES, WIDTH = 14, 80
+"""Of a terminal that nobody scrolls."""
+_LEFT = 2
+"""Controls whose tables are shown beside each other."""
+_NEAR = 0.1
+"""Share of a limit within which a number has three digits."""
+_ROOM = 12
+"""Rows beside each other; where there are more, those of one kind stand together."""
+_KINDS: dict[Kind, str] = {
+    "positioning": later("positioning {axes}"),
+    "backlash": later("backlash {axes}"),
+    "straightness": later("straightness {axes}"),
+    "pitch": later("pitch {axes}"),
+    "yaw": later("yaw {axes}"),
+    "roll": later("roll {axes}"),
+    "squareness": later("squareness {axes}"),
+    "centre": later("centre of {axes}"),
+    "tilt": later("tilt of {axes}"),
+    "volume": later("volume"),
+}
+_VERDICTS: dict[Verdict, str] = {
+    "measured": later("MEASURED"),
+    "reached": later("TARGET REACHED"),
+    "unreachable": later("CANNOT BE REACHED WITH THESE SET-UPS"),
+    "contradict": later("READINGS CONTRADICT"),
+    "nothing": later("NO READINGS YET"),
+}
+_CHECKED = {"pass": later("PASS"), "fail": later("FAIL"), "undecided": later("UNDECIDED")}
+_AIMS = {
+    "rms": later("volume {now} of {limit} {unit} RMS"),
+    "worst": later("worst place {now} of {limit} {unit}"),
+    "U": later("volume {now} of {limit} {unit}"),
+}
+
+
+class FirstLine(NamedTuple):
+    """The verdict on the wanted accuracies, the figure that decides ("" for none), and the readings and time spent."""
+
+    verdict: str
+    aims: str
+    spent: str
+
+    @property
+    def parts(self) -> list[str]:
+        """The parts that are not empty."""
+        return [part for part in self if part]
+
+
+class AnswerText(NamedTuple):
+    """An answer as it is laid out.
+
+    first : the first line; rows : heading and cells; sentences : below them; commands : what to do next
+    """
+
+    first: FirstLine
+    rows: list[list[str]]
+    sentences: list[str]
+    commands: list[str]
+
+
+def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str = "") -> AnswerText:
+    """Return an answer in words.
+
+    agreement : what is said of readings that contradict; record, results : their paths, "" where results stand
+    """
+    groups = measured_rows(answer, _ROOM)
+    found = [_agreement(answer, agreement), _unmeasured(answer), _checked(answer.checked)]
+    return AnswerText(
+        _first_line(answer),
+        cells(groups, controls_of(groups)) if groups else [],
+        [sentence for sentence in found if sentence],
+        list(_commands(answer.steps, shlex.quote(record), results)),
+    )
+
+
+def _first_line(answer: ResultAnswer) -> FirstLine:
+    """Return what became of what was asked for, with the readings and minutes it took."""
+    if answer.verdict == "more":
+        coming = math.ceil(answer.more_minutes)
+        verdict = counted(
+            "{count} MORE READING, {coming} MIN", "{count} MORE READINGS, {coming} MIN", answer.more, coming=coming
+        )
+    else:
+        verdict = said(_VERDICTS[answer.verdict])
+    taken = counted("{count} reading", "{count} readings", answer.readings)
+    minutes = put("{minutes:.0f}", minutes=max(answer.minutes, 1.0) if answer.minutes else 0.0)
+    time = said("{minutes} min", minutes=minutes) if answer.clocked else said("{minutes} min planned", minutes=minutes)
+    aims = "" if answer.verdict == "contradict" else aims_text(answer.aims)
+    return FirstLine(verdict, aims, put("{taken}, {time}", taken=taken, time=time))
+
+
+def aims_text(aims: Sequence[Aim]) -> str:
+    """Return the figure that decides: of what is missing the farthest, else of what is reached the nearest."""
+    volume = [aim for aim in aims if aim.name in _AIMS]
+    best = [min(volume, key=lambda aim: aim.now / aim.limit)] if volume else []
+    each = [*best, *(aim for aim in aims if aim.name not in _AIMS)]
+    if not each:
+        return ""
+    missing = [aim for aim in each if not aim.reached]
+    farthest = max(missing or each, key=lambda aim: aim.now / aim.limit)
+    text = aim_text(farthest)
+    if len(each) == 1:
+        return text
+    met = said("{met} of {count} limits", met=len(each) - len(missing), count=len(each))
+    return put("{met}: {text}", met=met, text=text) if missing else met
+
+
+def aim_text(aim: Aim) -> str:
+    """Return how well a wanted accuracy is known, with its limit."""
+    sizes = {"now": digits(aim.now, aim.limit), "limit": limit_text(aim.limit), "unit": aim.unit}
+    if aim.name in _AIMS:
+        return said(_AIMS[aim.name], **sizes)
+    kind, _, axes = aim.name.partition(" ")
+    words = next(words for each, words in _KINDS.items() if each == kind)
+    return put("{name} {now} / {limit} {unit}", name=said(words, axes=axes.removeprefix("of ")), **sizes)
+
+
+def measured_rows(answer: ResultAnswer, room: int) -> list[list[AnswerRow]]:
+    """Return the rows that are measured, each by itself; those of one kind together where there are more than room."""
+    rows = [row for row in answer.rows if row.measured]
+    return [[row] for row in rows] if len(rows) <= room else by_kind(rows)
+
+
+def controls_of(groups: Sequence[Sequence[AnswerRow]]) -> list[str]:
+    """Return the controls whose tables the rows have, in their order."""
+    return list(dict.fromkeys(name for group in groups for row in group for name in row.left))
+
+
+def cells(groups: Sequence[Sequence[AnswerRow]], controls: Sequence[str]) -> list[list[str]]:
+    """Return the heading and a line for each group of rows: its name, found, known to, what each control leaves."""
+    lefts = [said("left: {control}", control=name) if number == 0 else name for number, name in enumerate(controls)]
+    lines = [["", said("found"), said("known to"), *lefts]]
+    return [
+        *lines,
+        *([row_names(group), _found(group), known_text(group), *_left(group, controls)] for group in groups),
+    ]
+
+
+def row_name(kind: Kind, axes: Sequence[Sequence[str]]) -> str:
+    """Return a kind with the axes of all rows; of several straightnesses the axes that move."""
+    if kind == "straightness" and len(axes) == 1:
+        text = said("{axis} in {other}", axis=axes[0][0], other=axes[0][1])
+    elif kind == "straightness":
+        text = listed(" ", list(dict.fromkeys(each[0] for each in axes)))
+    else:
+        text = listed(" ", ["".join(each) for each in axes])
+    return said(_KINDS[kind], axes=text)
+
+
+def row_names(rows: Sequence[PlannedRow]) -> str:
+    """Return the name of rows of one kind."""
+    return row_name(rows[0].kind, [row.axes for row in rows])
+
+
+def _found(rows: Sequence[AnswerRow]) -> str:
+    low, high = (pick(row.found for row in rows) for pick in (min, max))
+    if digits(low) == digits(high):
+        return put("{high} {unit}", high=digits(high), unit=rows[0].unit)
+    return put("{low}-{high} {unit}", low=digits(low), high=digits(high), unit=rows[0].unit)
+
+
+def known_text(rows: Sequence[PlannedRow]) -> str:
+    """Return U of the row that is known least, beside its limit where it is alone."""
+    worst = max(rows, key=lambda row: row.known_to)
+    if worst.limit is None or len(rows) > 1:
+        return put("± {known} {unit}", known=digits(worst.known_to), unit=worst.unit)
+    known, limit = digits(worst.known_to, worst.limit), limit_text(worst.limit)
+    return said("± {known} of {limit} {unit}", known=known, limit=limit, unit=worst.unit)
+
+
+def _left(rows: Sequence[AnswerRow], controls: Sequence[str]) -> list[str]:
+    sizes = [max((row.left[name] for row in rows if name in row.left), default=None) for name in controls]
+    return ["-" if size is None else put("{size} {unit}", size=digits(size), unit=rows[0].unit) for size in sizes]
+
+
+def by_kind(rows: Sequence[_Row]) -> list[list[_Row]]:
+    """Return rows of one kind and unit together, in the order of the first of each."""
+    groups = dict[tuple[str, str], list[_Row]]()
+    for row in rows:
+        groups.setdefault((row.kind, row.unit), []).append(row)
+    return list(groups.values())
+
+
+def _agreement(answer: ResultAnswer, words: str) -> str:
+    """Return how many readings agree, "" before the first.  words : sentence for readings that contradict"""
+    if not answer.compared:
+        return ""
+    if answer.verdict == "contradict":
+        return put("{words}.", words=words)
+    text = said("Readings agree: {agreeing} of {count}.", agreeing=answer.agreeing, count=answer.compared)
+    refused = counted("{count} left out.", "{count} left out.", answer.left_out) if answer.left_out else ""
+    return f"{text} {refused}".rstrip()
+
+
+def _unmeasured(answer: ResultAnswer) -> str:
+    """Return what is not measured, why, and what one reading would bring; "" for nothing.
+
+    Sizes hold spaces that do not break.
+    """
+    rows = [] if answer.verdict == "contradict" else [row for row in answer.rows if not row.measured]
+    if not rows:
+        return ""
+    parts = [put("{names} ({why})", names=row_names(group), why=_why(group)) for group in by_kind(rows)]
+    return said("Not measured: {rows}.", rows=listed(", ", parts))
+
+
+def _why(rows: Sequence[AnswerRow]) -> str:
+    then = [row.one_more for row in rows if row.one_more is not None]
+    if then:
+        return said("one reading from the other side: {size}", size=_within(max(then), rows[0].unit))
+    places = min((line.read for row in rows for line in row.lines), default=0)
+    if not places:
+        return said("not read")
+    size = _within(max(row.known_to for row in rows), rows[0].unit)
+    return counted("{count} place read: {size}", "{count} places read: {size}", places, size=size)
+
+
+def _within(size: float, unit: str) -> str:
+    """Return a size that no line is broken in."""
+    return put("±\xa0{size}\xa0{unit}", size=digits(size), unit=unit)
+
+
+def _checked(checked: TablesChecked | None) -> str:
+    """Return what a check of the tables found; "" where there was none."""
+    if checked is None:
+        return ""
+    return said(
+        "Checked at {places} new places: found {found} -> left {left} um, {verdict}.",
+        places=checked.places,
+        found=digits(checked.found),
+        left=digits(checked.left, checked.tolerance),
+        verdict=said(_CHECKED[checked.verdict]),
+    )
+
+
+def _commands(steps: Sequence[NextStep], record: str, results: str) -> Iterator[str]:
+    """Yield what to do next, as it is typed."""
+    beside = f"{results}/" if results else ""
+    for step in steps:
+        if step.code == "load":
+            yield said("load {folder} (README.txt there), then", folder=f"{beside}tables/{step.control}")
+        elif step.code == "next":
+            yield f"axiscal next {record} --beyond"
+        elif step.code == "accept":
+            yield f"axiscal accept {record} {step.mistake}"
+        elif step.code == "finish":
+            yield f"axiscal finish {record} --out {shlex.quote(results or 'results')}"
+        elif step.control:
+            yield f"axiscal {step.code} {record} --to {step.control}"
+        else:
+            yield f"axiscal {step.code} {record}"
+
+
+def limit_text(value: float) -> str:
+    """Return a limit as a person wrote it."""
+    return put("{value:.3g}", value=value)
+
+
+def digits(value: float, limit: float = math.inf) -> str:
+    """Return a number with two digits, three where a limit is near, without an exponent."""
+    count = 3 if abs(value - limit) < _NEAR * limit < math.inf else 2
+    if value == 0:
+        return "0"
+    places = count - 1 - math.floor(math.log10(abs(float(f"{value:.{count - 1}e}"))))
+    return put(f"{{value:.{max(places, 0)}f}}", value=round(value, places))
+
+
+def screen(answer: ResultAnswer, agreement: str, record: str, results: str, report: str = "") -> str:
+    """Return the screen in the language that is spoken.
+
+    agreement : what is said of readings that contradict; record, results : their paths
+    report : path of the report, "" for none
+    """
+    text = answer_text(answer, agreement, record, results)
+    first, below = first_lines(text.first), [line for sentence in text.sentences for line in wrapped(sentence)]
+    last = [*below, *ending({said("Next"): text.commands, said("Report"): [report] if report else []})]
+    room = LINES - len(first) - len(last) - 1
+    return "\n".join([*first, *_table(measured_rows(answer, room), room), *last])
+
+
+def first_lines(line: FirstLine) -> list[str]:
+    """Return the first line, in two where one is too narrow."""
+    whole = "   ".join(line.parts)
+    return [whole] if len(whole) <= WIDTH else [line.verdict, f"  {'   '.join(line.parts[1:])}"]
+
+
+def _table(groups: Sequence[Sequence[AnswerRow]], room: int) -> Iterator[str]:
+    """Yield a header and a line for each group of rows, with as many controls as there is width for.
+
+    room : lines below the header; the last group, the volume, stays where some have to go
+    """
+    if not groups:
+        return
+    hidden = 0
+    if len(groups) > room:
+        hidden = sum(map(len, groups[room - 2 : -1]))
+        groups = [*groups[: room - 2], groups[-1]]
+    controls = controls_of(groups)[:_LEFT]
+    lines = _lines(groups, controls)
+    while controls and max(map(len, lines)) > WIDTH:
+        controls = controls[1:]
+        lines = _lines(groups, controls)
+    yield from lines
+    if hidden:
+        yield counted("  … and {count} row in result.json", "  … and {count} rows in result.json", hidden)
+
+
+def _lines(groups: Sequence[Sequence[AnswerRow]], controls: Sequence[str]) -> list[str]:
+    return columns(cells(groups, controls))
+
+
+def columns(shown: Sequence[Sequence[str]]) -> list[str]:
+    """Return cells in columns, names to the left and figures to the right."""
+    widths = [max(len(line[column]) for line in shown) for column in range(len(shown[0]))]
+    lines = list[str]()
+    for name, *others in shown:
+        padded = [cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True)]
+        lines.append("   ".join([f"  {name.ljust(widths[0])}", *padded]).rstrip())
+    return lines
+
+
+def wrapped(sentence: str, most: int = 2) -> list[str]:
+    """Return a sentence in so many lines at most."""
+    lines = textwrap.wrap(sentence, WIDTH, max_lines=most, placeholder=" …", break_on_hyphens=False)
+    return [line.replace("\xa0", " ") for line in lines]
+
+
+def ending(lines_of: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Yield commands and files below each other, behind what they are."""
+    width = max(len(word) for word in lines_of)
+    for word, lines in lines_of.items():
+        for number, line in enumerate(lines):
+            yield f"{'' if number else word:{width}}  {line}"

@@ -1,0 +1,197 @@
+"""A machine with what usually goes wrong, the sizes that readings may teach, and a machine with the sizes as learnt."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.description.causes import (
+    CYCLE,
+    DRIFT,
+    GROWTH,
+    LENGTH,
+    NOISE,
+    PITCH,
+    REST,
+    REVERSAL,
+    ROUGH,
+    SURE,
+    TOGETHER,
+)
+from axiscal.description.sizes import Kind, Size, Sizes
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.machine.entry import ErrorEntry, Sure
+from axiscal.machine.plane_entry import PlaneEntry, side_name
+from axiscal.measurement.setup import Setup
+
+_LENGTH = 0.25
+"""Of the travel: the length of an error of which none is stated."""
+_TOGETHER_KNOTS, _TOGETHER_LENGTH = 5, 0.5
+"""Knots, and length as a share of the travel, along each side of what two axes do together."""
+
+
+def usual_machine(machine: Machine, setups: Sequence[Setup]) -> Machine:
+    """Return the machine with what usually goes wrong in it.
+
+    Each curve has its usual length and its rough part; each stated period has a wave. Two linear axes that move in one
+    set-up have an error of both together.
+    """
+    errors = [_as_usual(entry, machine.axis(entry.axis)) for entry in machine.errors]
+    stated = {entry.name for entry in errors}
+    waves = [wave for entry in errors for wave in _wave(entry) if wave.name not in stated]
+    planes = [_rough_plane(entry) for entry in machine.planes]
+    known = {frozenset((entry.component, *entry.axes)) for entry in planes}
+    together = [plane for plane in _together(machine, setups) if frozenset((plane.component, *plane.axes)) not in known]
+    return replace(machine, errors=(*errors, *waves), planes=(*planes, *together))
+
+
+def _wave(entry: ErrorEntry) -> Iterator[ErrorEntry]:
+    """Yield the wave of a screw, scale or rack whose period is stated with the curve."""
+    if entry.period is not None and entry.kind == "motion" and not entry.harmonics:
+        yield ErrorEntry(f"{entry.name}_pitch", PITCH.size * entry.std, period=entry.period, harmonics=1)
+
+
+def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[PlaneEntry]:
+    """Yield what pairs of linear axes do together that move in one set-up.
+
+    Machines with rotary axes yield none: it would add half as many unknowns again.
+    """
+    if any(axis.rotary for axis in machine.axes):
+        return
+    pairs = dict.fromkeys(pair for setup in setups for pair in combinations(setup.moves, 2))
+    stds = {entry.name: entry.std for entry in machine.errors if entry.kind == "motion"}
+    for pair in pairs:
+        axes = [machine.axes[k] for k in pair]
+        for component in range(3):
+            names = [side_name(component, axis.name) for axis in axes]
+            std = max((stds[name] for name in names if name in stds), default=0.0)
+            if std:
+                sides = [
+                    ErrorEntry(name, 1.0, knots=_TOGETHER_KNOTS, length=_TOGETHER_LENGTH * axis.length)
+                    for name, axis in zip(names, axes, strict=True)
+                ]
+                name = f"{side_name(component, axes[0].name)}{axes[1].name}"
+                yield PlaneEntry(name, component, TOGETHER.size * std, (sides[0], sides[1]), usual=True)
+
+
+def _as_usual(entry: ErrorEntry, axis: Axis) -> ErrorEntry:
+    if entry.constant or entry.harmonics or entry.joints:
+        return entry
+    white = REST.size * entry.std if entry.rest is None else entry.rest
+    rest = float(np.hypot(white, ROUGH.size * entry.std))
+    if entry.length is None:
+        knots = entry.knot_count(axis)  # as they are: a length alone would ask for others
+        entry = replace(entry, length=_LENGTH * axis.length, knots=knots, spacing=None)
+    return replace(entry, rest=rest, rest_estimated=False)
+
+
+def _rough_plane(entry: PlaneEntry) -> PlaneEntry:
+    white = REST.size * entry.std if entry.rest is None else entry.rest
+    return replace(entry, rest=float(np.hypot(white, ROUGH.size * entry.std)), rest_estimated=False)
+
+
+class Learnable(NamedTuple):
+    """Which sizes may be learnt.
+
+    sure : how well stated sizes are known where an error does not say; usual : with what usually goes wrong
+    inherited : the errors' prior is an earlier campaign's, whose sizes stay
+    """
+
+    sure: Sure
+    usual: bool
+    inherited: bool
+
+
+def sizes_of(machine: Machine, setups: Sequence[Setup], may: Learnable) -> Sizes:
+    """Return the sizes that vary: one factor for errors that are alike."""
+    found = [] if may.inherited else [*_of_errors(machine, may)]
+    found += [Size("rest", owners, ROUGH.spread) for owners in _rests(machine, may.usual)]
+    names = tuple(setup.name for setup in setups)
+    if may.usual:
+        passing: tuple[tuple[Kind, float], ...] = (
+            ("drift", DRIFT.spread), ("cycle", CYCLE.spread), ("growth", GROWTH.spread)
+        )  # fmt: skip
+        found += [Size(kind, names, spread) for kind, spread in passing]
+    if may.usual or may.sure != "exactly":
+        found += [Size("noise", (name,), NOISE.spread) for name in names]
+    return Sizes(tuple(found))
+
+
+def _of_errors(machine: Machine, may: Learnable) -> Iterator[Size]:
+    """Yield the factors on sizes and lengths of errors."""
+    kinds: tuple[tuple[Kind, float], ...] = (
+        ("std", SURE["roughly"]), ("length", LENGTH.factor), ("reversal", REVERSAL.factor)
+    )  # fmt: skip
+    for kind, most in kinds:
+        groups = dict[tuple[float, tuple[bool, ...]], list[str]]()
+        for entry in machine.errors:
+            key, factor = _alike(entry, kind, machine), min(SURE[entry.sure or may.sure], most)
+            if key is not None and factor > 1:
+                groups.setdefault((factor, key), []).append(entry.name)
+        for (factor, _), names in groups.items():
+            yield Size(kind, tuple(names), float(np.log(factor)))
+    if machine.planes and may.sure != "exactly":
+        yield Size("together", tuple(entry.name for entry in machine.planes), TOGETHER.spread)
+        if stated := tuple(entry.name for entry in machine.planes if not entry.usual and entry.std):
+            yield Size("length", stated, LENGTH.spread)
+
+
+def _alike(entry: ErrorEntry, kind: Kind, machine: Machine) -> tuple[bool, ...] | None:
+    """Return what errors have in common that share a size of a kind; None where an error has no such size."""
+    rotary = machine.axis(entry.axis).rotary
+    if entry.kind != ("reversal" if kind == "reversal" else "motion"):
+        return None
+    if kind == "length":
+        return (rotary,) if entry.length is not None else None
+    return (rotary, entry.parts.angular, entry.harmonics > 0)
+
+
+def _rests(machine: Machine, usual: bool) -> list[tuple[str, ...]]:
+    """Return the names of errors that share the size of their rough part: all with usual causes, else some."""
+    groups = dict[bool, list[str]]()
+    for entry in machine.errors:
+        if entry.first_rest > 0 and (usual or entry.rest_estimated):
+            groups.setdefault(machine.axis(entry.axis).rotary, []).append(entry.name)
+    planes = [entry.name for entry in machine.planes if entry.first_rest > 0 and (usual or entry.rest_estimated)]
+    return [tuple(names) for names in (*groups.values(), planes) if names]
+
+
+def rescaled_machine(machine: Machine, sizes: Mapping[tuple[Kind, str], float]) -> Machine:
+    """Return the machine with its priors at other sizes.  sizes : factors by kind and owner"""
+    errors = tuple(_rescaled(entry, machine.axis(entry.axis), sizes) for entry in machine.errors)
+    lengths = [sizes.get(("length", entry.name), 1.0) for entry in machine.planes]
+    planes = tuple(
+        replace(
+            entry,
+            std=entry.std * sizes.get(("together", entry.name), 1.0),
+            rest=entry.first_rest * sizes.get(("rest", entry.name), 1.0),
+            stretch=(entry.stretch[0] * length, entry.stretch[1] * length),
+        )
+        for entry, length in zip(machine.planes, lengths, strict=True)
+    )
+    return replace(machine, errors=errors, planes=planes)
+
+
+def _rescaled(entry: ErrorEntry, axis: Axis, sizes: Mapping[tuple[Kind, str], float]) -> ErrorEntry:
+    kind: Kind = "reversal" if entry.kind == "reversal" else "std"
+    length = None if entry.length is None else entry.length * sizes.get(("length", entry.name), 1.0)
+    # The knots stay where they were: a spline does not move because its prior was learnt.
+    knots = None if entry.constant else entry.knot_count(axis)
+    return replace(
+        entry,
+        std=entry.std * sizes.get((kind, entry.name), 1.0),
+        length=length,
+        rest=entry.first_rest * sizes.get(("rest", entry.name), 1.0),
+        knots=knots,
+        spacing=None,
+    )
+
+
+def rescaled_setups(setups: Sequence[Setup], sizes: Mapping[tuple[Kind, str], float]) -> tuple[Setup, ...]:
+    """Return the set-ups with their noise at other sizes."""
+    return tuple(replace(setup, noise=setup.noise * sizes.get(("noise", setup.name), 1.0)) for setup in setups)

@@ -1,1 +1,0 @@
-"""Where to measure next: candidates, criteria, the exact step, plans chosen together and their bounds."""

@@ -1,0 +1,218 @@
+"""Writing that lasts: what these functions have written is on the disk when they return, and outlives the power."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import math
+import os
+import random
+import re
+import sys
+import tempfile
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+_NAP = 0.002
+"""Seconds between two looks, at most; by chance, so that nobody is always too late."""
+_AGAIN = 0.05
+"""Seconds within which whoever has held a file does not come first again; any longer than a nap would do."""
+_LOOKS = 500
+"""Looks before anybody gives up: a process that the system left without a processor for seconds has waited for that,
+not for the file. An idle machine makes thousands of them in the usual patience; a tenth or ten times as many would do.
+"""
+
+_HERE, _EXCHANGE = -100, 2
+"""AT_FDCWD and RENAME_EXCHANGE of Linux."""
+_PIECE = 1 << 24
+"""Bytes read at once, so that no more are asked for than there are; any would do."""
+_DRAFT = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.new")
+
+
+def draft_of(path: Path) -> Path:
+    """Return the name under which this process writes `path` before it is published."""
+    return path.with_name(f".{path.name}.{os.getpid()}.new")
+
+
+def written(path: Path, content: bytes) -> None:
+    """Write a new file to the disk; raises OSError, FileExistsError where there is something already."""
+    handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
+    try:
+        write_at(handle, 0, content)
+        sync(handle)
+    finally:
+        os.close(handle)
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file, in the place of an earlier one, so that it is there whole or not at all; raises OSError."""
+    draft = draft_of(path)
+    clear_drafts(path.parent, path.name)
+    try:
+        written(draft, content)
+        os.replace(draft, path)
+        sync_folder(path.parent)
+    except OSError as failure:
+        with contextlib.suppress(OSError):
+            draft.unlink(missing_ok=True)
+        raise OSError(failure.errno, failure.strerror, str(path)) from None
+
+
+def write_at(handle: int, offset: int, content: bytes) -> None:
+    """Write all of `content` from an offset on; raises OSError."""
+    os.lseek(handle, offset, os.SEEK_SET)
+    left = memoryview(content)
+    while left:
+        left = left[os.write(handle, left) :]
+
+
+def read_at(handle: int, offset: int, size: int) -> bytes:
+    """Return as many bytes from an offset on as there are, at most `size`; raises OSError."""
+    os.lseek(handle, offset, os.SEEK_SET)
+    parts, left = list[bytes](), size
+    while left and (part := os.read(handle, min(left, _PIECE))):
+        parts.append(part)
+        left -= len(part)
+    return b"".join(parts)
+
+
+def read_aside(content: bytes) -> int:
+    """Return the handle of a file without a name that holds `content`; it is gone when it is closed.  Raises OSError"""
+    with tempfile.TemporaryFile() as file:
+        file.write(content)
+        file.flush()
+        return os.dup(file.fileno())
+
+
+def sync(handle: int) -> None:
+    """Wait until the content of an open file is on the disk; raises OSError."""
+    getattr(os, "fdatasync", os.fsync)(handle)
+
+
+def sync_folder(folder: Path) -> None:
+    """Wait until the names in a folder are on the disk; raises OSError."""
+    if os.name != "posix":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    except OSError as failure:
+        if failure.errno not in (errno.EINVAL, errno.ENOTSUP):  # a file system that knows no such wish
+            raise
+    finally:
+        os.close(handle)
+
+
+def exchanged(one: Path, other: Path) -> bool:
+    """Let two names change places in one step; False where the system or the disk cannot.  Raises OSError."""
+    import ctypes
+
+    change = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None) if os.name == "posix" else None
+    if change is None:
+        return False
+    if change(_HERE, os.fsencode(one), _HERE, os.fsencode(other), _EXCHANGE) == 0:
+        return True
+    if (code := ctypes.get_errno()) in (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP):
+        return False
+    raise OSError(code, os.strerror(code), str(other))
+
+
+def clear_drafts(folder: Path, name: str) -> None:
+    """Remove what writers that are gone have left of a file."""
+    with contextlib.suppress(OSError):
+        for path in folder.iterdir():
+            found = _DRAFT.fullmatch(path.name)
+            if found and found["name"] == name and path.is_file() and not is_running(int(found["process"])):
+                path.unlink(missing_ok=True)
+
+
+def is_running(process: int) -> bool:
+    """Whether there is such a process besides this one."""
+    if process == os.getpid():
+        return False
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except OSError:
+        return True
+    return True
+
+
+class Closing(ABC):
+    """A context manager that is closed after its block."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Let go of what it holds."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        self.close()
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    _FAR = 2**30
+
+    def _taken(handle: int) -> bool:
+        os.lseek(handle, _FAR, os.SEEK_SET)
+        try:
+            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        return True
+
+    def _left(handle: int) -> None:
+        os.lseek(handle, _FAR, os.SEEK_SET)
+        msvcrt.locking(handle, msvcrt.LK_UNLCK, 1)
+
+else:
+    import fcntl
+
+    def _taken(handle: int) -> bool:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True
+
+    def _left(handle: int) -> None:
+        fcntl.flock(handle, fcntl.LOCK_UN)
+
+
+_last_left: dict[int, float] = {}
+
+
+class HeldError(Exception):
+    """Another process holds the file."""
+
+
+@contextmanager
+def alone(handle: int, patience: float) -> Iterator[None]:
+    """Hold an open file, so that no other process is in such a block of the same file; the system lets go at a kill.
+
+    Raises HeldError if another one holds it for longer than `patience` seconds and at each of many looks, OSError where
+    files cannot be held.
+    """
+    until, looks = time.monotonic() + patience, 0
+    if time.monotonic() - _last_left.get(handle, -math.inf) < _AGAIN:  # others may be waiting: they get their turn
+        time.sleep(_NAP * random.random())
+    while not _taken(handle):
+        looks += 1
+        if looks > _LOOKS and time.monotonic() > until:
+            raise HeldError
+        time.sleep(_NAP * random.random())
+    try:
+        yield
+    finally:
+        _left(handle)
+        _last_left[handle] = time.monotonic()

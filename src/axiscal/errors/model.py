@@ -1,0 +1,337 @@
+"""How the machine may deviate: every error function, and the linear map H(t) from all their control values to the TCP.
+
+    δp(t) = Σ_k s_k R_k(t) [ δ_k(t_k) + ε_k(t_k) × r_k(t) ] = H(t) A        (method of B&H eq. 1 and B&H eq. 28, with
+    lever arms)
+
+Each function acts on the TCP through a lever: a vector field over poses times the function's own value. With
+displacements only and no rotary axis the levers are constant and this is the paper's sum of stacked splines. What two
+axes do together acts like a motion of the later one: δ_k(t_k) becomes δ_k(t_k) + I(t_j, t_k).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.errors import prior
+from axiscal.errors.plane import PlaneError, plane_error
+from axiscal.machine.description import Machine
+from axiscal.machine.entry import ErrorEntry
+from axiscal.machine.kinematics import Frames, SmallMotions, frames
+from axiscal.machine.names import Kind
+from axiscal.numerics import Array
+from axiscal.numerics.cubic import Spline
+from axiscal.numerics.gaussian import unique_root
+from axiscal.numerics.repeated import Repeated, Segments
+from axiscal.numerics.rigid import cross
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ErrorFunction:
+    """One error as a function of one axis.
+
+    component : 0-2 displacement along x y z, 3-5 rotation about x y z
+    covariance : (size, size) prior of the control values; columns : where they stand in A
+    rest : standard deviation of what the spline cannot follow (m or rad)
+    """
+
+    name: str
+    axis: int
+    kind: Kind
+    component: int
+    basis: Spline
+    covariance: Array
+    rest: float
+    columns: slice
+
+    @property
+    def axes(self) -> tuple[int]:
+        """The axes whose positions it is a function of."""
+        return (self.axis,)
+
+    @property
+    def stated_shape(self) -> bool:
+        """Whether it repeats with a period or steps at joints: no curve that may be anything."""
+        return isinstance(self.basis, Repeated | Segments)
+
+    @property
+    def angular(self) -> bool:
+        """Whether the error is a rotation."""
+        return self.component >= 3
+
+    @property
+    def cell(self) -> float:
+        """Length over which the rest is shared: an eighth of a knot interval."""
+        knots = self.basis.knots
+        return float(knots[-1] - knots[0]) / self.cell_count
+
+    @property
+    def cell_count(self) -> int:
+        """Number of such lengths along the axis."""
+        return prior.CELLS_PER_INTERVAL * (len(self.basis.knots) - 1)
+
+    def coordinates(self, poses: Array) -> Array:
+        """Return the positions of its axis at poses (m, q): (m,)."""
+        result: Array = poses[:, self.axis]
+        return result
+
+    def rows(self, positions: Array) -> Array:
+        """Return m(t)ᵀ at positions of its axis (m,): (m, size)."""
+        return self.basis.rows(positions)
+
+    def cells(self, positions: Array) -> NDArray[np.int64]:
+        """Return the number of the cell at each position (m,)."""
+        along = np.floor((positions - self.basis.knots[0] + prior.ASIDE) / self.cell)
+        cells: NDArray[np.int64] = np.clip(along, 0, self.cell_count - 1).astype(np.int64)
+        return cells
+
+    def edges(self, cell: int) -> Array:
+        """Return the ends of a cell, (2,)."""
+        ends: Array = self.basis.knots[0] + self.cell * np.array([cell, cell + 1]) - prior.ASIDE
+        return ends
+
+
+class _Alike(NamedTuple):
+    """Functions of one axis with the same knots.  functions : (g,) indices; columns : (g n,) in A, one by one"""
+
+    axis: int
+    basis: Spline
+    functions: NDArray[np.intp]
+    columns: NDArray[np.intp] | slice
+
+
+class _Moving(NamedTuple):
+    """How every term moves the tool point.
+
+    axis, along : (terms,) whose frame, and which direction of it; tilted, turning : indices of those that tilt the
+    direction of travel, and that turn the frame; sign : (terms,)
+    """
+
+    axis: NDArray[np.intp]
+    along: NDArray[np.intp]
+    tilted: NDArray[np.intp]
+    turning: NDArray[np.intp]
+    sign: Array
+
+    def only(self, terms: Sequence[int]) -> _Moving:
+        """Return how these terms move it."""
+        tilted, turning = (np.flatnonzero(np.isin(terms, some)) for some in (self.tilted, self.turning))
+        of = np.array(terms, dtype=np.intp)
+        return _Moving(self.axis[of], self.along[of], tilted, turning, self.sign[of])
+
+
+Term = ErrorFunction | PlaneError
+"""What adds to the deviation of the tool point with a lever of its own."""
+
+
+class ErrorModel:
+    """The errors of one machine and their joint linear map.
+
+    machine : with the errors it states; functions : of one axis each; planes : of two axes together
+    terms : all of them, functions first, so that what is counted by terms is counted by functions as well
+    """
+
+    def __init__(self, machine: Machine) -> None:
+        self.machine = machine
+        self.functions = tuple(_functions(machine))
+        self.planes = tuple(_planes(machine, self.functions[-1].columns.stop if self.functions else 0))
+        self.terms: tuple[Term, ...] = (*self.functions, *self.planes)
+        self.size = self.terms[-1].columns.stop if self.terms else 0
+
+    def prior_covariance(self) -> Array:
+        """Return the prior covariance of A, block diagonal over terms, (size, size)."""
+        result = np.zeros((self.size, self.size))
+        for function in self.terms:
+            result[function.columns, function.columns] = function.covariance
+        return result
+
+    def prior_root(self) -> Array:
+        """Return F with the prior covariance of A = F Fᵀ, term by term, (size, size)."""
+        result = np.zeros((self.size, self.size))
+        for function in self.terms:
+            result[function.columns, function.columns] = unique_root(function.covariance)
+        return result
+
+    @cached_property
+    def names(self) -> dict[str, ErrorFunction]:
+        """The functions by name."""
+        return {function.name: function for function in self.functions}
+
+    @cached_property
+    def planes_by_name(self) -> dict[str, PlaneError]:
+        """The errors of two axes by name."""
+        return {plane.name: plane for plane in self.planes}
+
+    @cached_property
+    def rests(self) -> Array:
+        """Standard deviation of the rest of each term, (terms,) m or rad; a reversal adds half of itself to a side."""
+        return np.array([term.rest / (2 if term.kind == "reversal" else 1) for term in self.terms])
+
+    @cached_property
+    def reversing(self) -> frozenset[int]:
+        """The axes that have a reversal: what is seen there depends on the side from which they come."""
+        return frozenset(function.axis for function in self.functions if function.kind == "reversal")
+
+    def levers(self, poses: Array) -> Array:
+        """Return the TCP deviation per unit of each term, (terms, m, 3), m or m/rad.  poses : (m, q)."""
+        shape = (len(self.terms), len(poses), 3)
+        if self._unmoved is not None:
+            return np.broadcast_to(self._unmoved, shape).copy()
+        return self._levers(self._moving, poses, frames(self.machine, poses))
+
+    def levers_of(self, terms: Sequence[int], poses: Array) -> Array:
+        """Return those of some terms alone, (those, m, 3)."""
+        return self._levers(self._moving.only(terms), poses, frames(self.machine, poses))
+
+    @cached_property
+    def _unmoved(self) -> Array | None:
+        """The levers (terms, 1, 3) where they are the same at every pose: displacements without rotary axes, the
+        paper's case.
+        """
+        if any(f.angular for f in self.terms) or any(axis.rotary for axis in self.machine.axes):
+            return None
+        pose = np.zeros((1, len(self.machine.axes)))
+        return self._levers(self._moving, pose, frames(self.machine, pose))
+
+    def _levers(self, how: _Moving, poses: Array, nominal: Frames) -> Array:
+        """Return the levers of terms at frames, (those, m, 3).
+
+        Along a direction of its axis frame, about it with the arm from there, or by the direction of travel tilted.
+        """
+        of = how.axis
+        levers: Array = nominal.rotations[of, :, :, how.along]
+        levers[how.tilted] = self._tilted(levers[how.tilted], of[how.tilted], poses, nominal)
+        levers[how.turning] = cross(levers[how.turning], (nominal.tcp - nominal.origins)[of[how.turning]])
+        levers *= how.sign[:, None, None]
+        return levers
+
+    def _tilted(self, about: Array, of: NDArray[np.intp], poses: Array, nominal: Frames) -> Array:
+        """Return what tilts of directions of travel do, (t, m, 3).  about : (t, m, 3); of : (t,) whose travel"""
+        travels = [nominal.rotations[axis] @ np.array(self.machine.axes[axis].direction) for axis in of]
+        return cross(about, np.array(travels).reshape(about.shape)) * poses.T[of][:, :, None]
+
+    @cached_property
+    def _moving(self) -> _Moving:
+        axes = [self.machine.axes[term.axis] for term in self.terms]
+        tilted = [t.kind == "location" and not axis.rotary for t, axis in zip(self.terms, axes, strict=True)]
+        pairs = zip(self.terms, tilted, strict=True)
+        return _Moving(
+            np.array([term.axis for term in self.terms], dtype=np.intp),
+            np.array([term.component % 3 for term in self.terms], dtype=np.intp),
+            np.flatnonzero(tilted),
+            np.flatnonzero([term.angular and not aside for term, aside in pairs]),
+            np.array([1.0 if aside else axis.sign for axis, aside in zip(axes, tilted, strict=True)]),
+        )
+
+    def angular_levers(self, poses: Array) -> Array:
+        """Return the rotation of the tool relative to the workpiece per unit of each term, (terms, m, 3)."""
+        how, nominal = self._moving, frames(self.machine, poses)
+        result = np.zeros((len(self.terms), len(poses), 3))
+        turned = nominal.rotations[how.axis[how.turning], :, :, how.along[how.turning]]
+        result[how.turning] = how.sign[how.turning, None, None] * turned
+        return result
+
+    def rows(self, poses: Array, approaches: Array) -> Array:
+        """Return H(t) (B&H eq. 1, 28), (m, 3, size).  poses : (m, q) m or rad; approaches : (m, q) of +1, −1, 0."""
+        levers = self.levers(poses)
+        return np.stack([self.along(levers[:, :, c], poses, approaches) for c in range(3)], axis=1)
+
+    def angular_rows(self, poses: Array, approaches: Array) -> Array:
+        """Return the rows of the tool's orientation deviation, (m, 3, size)."""
+        levers = self.angular_levers(poses)
+        return np.stack([self.along(levers[:, :, c], poses, approaches) for c in range(3)], axis=1)
+
+    def along(self, levers: Array, poses: Array, approaches: Array) -> Array:
+        """Return the rows of a scalar reading with the given levers, (m, size).
+
+        levers : (terms, m), the effect of each term on the reading
+        """
+        result, signed = np.empty((len(poses), self.size)), self.effects(levers, approaches)
+        for group in self._alike:
+            values = group.basis.rows(poses[:, group.axis])
+            rows = signed[group.functions].T[:, :, None] * values[:, None, :]
+            result[:, group.columns] = rows.reshape(len(poses), math.prod(rows.shape[1:]))
+        for plane, lever in zip(self.planes, signed[len(self.functions) :], strict=True):
+            result[:, plane.columns] = lever[:, None] * plane.rows(plane.coordinates(poses))
+        return result
+
+    @cached_property
+    def _alike(self) -> tuple[_Alike, ...]:
+        """The functions that share axis and knots, so that their spline rows are computed once."""
+        groups: dict[tuple[int, int, bytes], list[int]] = {}
+        for i, function in enumerate(self.functions):
+            basis = function.basis
+            groups.setdefault((function.axis, basis.size, basis.knots.tobytes()), []).append(i)
+        return tuple(self._group(members) for members in groups.values())
+
+    def _group(self, members: list[int]) -> _Alike:
+        first, each = self.functions[members[0]], [self.functions[i].columns for i in members]
+        columns = np.concatenate([np.arange(one.start, one.stop) for one in each])
+        together = slice(columns[0], columns[-1] + 1) if np.all(np.diff(columns) == 1) else columns
+        return _Alike(first.axis, first.basis, np.array(members), together)
+
+    @cached_property
+    def same_cells(self) -> NDArray[np.intp]:
+        """The first term that has the same cells as each term, (terms,)."""
+        first = np.arange(len(self.terms))
+        for group in self._alike:
+            first[group.functions] = group.functions[0]
+        return first
+
+    def effects(self, levers: Array, approaches: Array) -> Array:
+        """Return what a unit of each term adds to scalar readings, reversals by their sign, (terms, m)."""
+        effects, reversals = levers.copy(), self._reversals
+        effects[reversals] *= 0.5 * approaches.T[self._moving.axis[reversals]]
+        return effects
+
+    @cached_property
+    def _reversals(self) -> NDArray[np.intp]:
+        return np.flatnonzero([term.kind == "reversal" for term in self.terms])
+
+    def small_motions(self, coefficients: Array, poses: Array, approaches: Array) -> SmallMotions:
+        """Return what each axis frame does beside its nominal motion.  coefficients : (size,)."""
+        values = [f.rows(f.coordinates(poses)) @ coefficients[f.columns] for f in self.terms]
+        return self.compose(np.array(values).reshape(len(self.terms), len(poses)), approaches)
+
+    def compose(self, values: Array, approaches: Array) -> SmallMotions:
+        """Return the small motions of the axis frames from the value of every term.  values : (terms, m)."""
+        shape = (len(self.machine.axes), values.shape[1], 3)
+        parts, signed = (
+            SmallMotions(np.zeros(shape), np.zeros(shape), np.zeros(shape)),
+            self.effects(values, approaches),
+        )
+        for i, function in enumerate(self.terms):
+            straight = function.kind == "location" and not self.machine.axes[function.axis].rotary
+            part = parts.tilt if straight else parts.rotation if function.angular else parts.displacement
+            part[function.axis, :, function.component % 3] += signed[i]
+        return parts
+
+
+def _functions(machine: Machine) -> Iterable[ErrorFunction]:
+    start = 0
+    for entry in machine.errors:
+        function = _function(entry, machine, start)
+        start = function.columns.stop
+        yield function
+
+
+def _planes(machine: Machine, start: int) -> Iterable[PlaneError]:
+    for entry in machine.planes:
+        first, second = (machine.index(name) for name in entry.axes)
+        plane = plane_error(entry, (machine.axes[first], machine.axes[second]), (first, second), start)
+        start = plane.columns.stop
+        yield plane
+
+
+def _function(entry: ErrorEntry, machine: Machine, start: int) -> ErrorFunction:
+    index = machine.index(entry.axis)
+    spline = prior.basis(entry, machine.axes[index])
+    columns = slice(start, start + spline.size)
+    covariance = prior.covariance(entry, spline)
+    return ErrorFunction(entry.name, index, entry.kind, entry.component, spline, covariance, entry.first_rest, columns)

@@ -1,0 +1,114 @@
+"""What is believed of an error before the first reading: its knots, and a covariance of the control values."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.machine.axis import Axis
+from axiscal.machine.entry import ROUGH, SMOOTH, ErrorEntry
+from axiscal.machine.shaped_entry import JOINT, KNOTS_PER_WAVE
+from axiscal.numerics import Array
+from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline, Spline
+from axiscal.numerics.repeated import Repeated, Segments
+
+CELLS_PER_INTERVAL = 8
+"""Cells of a knot interval, within each of which what no spline follows is one value."""
+ASIDE = 2e-4
+"""m or rad, by which cells begin before the knots: places are round numbers, and a correction must not leave a cell."""
+
+
+def basis(entry: ErrorEntry, axis: Axis) -> Spline:
+    """Return the spline of an error over the travel of its axis: a constant, cyclic for a full turn, else natural.
+
+    A wave has a cyclic one over each period; steps have levels between their joints.
+    """
+    if entry.constant:
+        return Constant(*axis.travel)
+    if entry.harmonics and entry.period is not None:
+        return Repeated(*axis.travel, entry.period, KNOTS_PER_WAVE * entry.harmonics)
+    if entry.joints:
+        return Segments(*axis.travel, entry.joints, JOINT)
+    knots = np.array(entry.knot_positions(axis))
+    return CyclicSpline(knots) if axis.cyclic else NaturalSpline(knots)
+
+
+def covariance(entry: ErrorEntry, spline: Spline) -> Array:
+    """Return the prior covariance of the control values, (size, size).
+
+    Independent control points (B&H eq. 16) without a correlation length, else Matérn-5/2 or -3/2 at the knots. On a
+    cyclic spline the distance is the chord of the circle, which keeps the kernel positive definite. In a wave, cosine
+    and sine of k turns a period have s²/k², k = 1…K. Each step has s², the mean level of steps none.
+    """
+    if entry.harmonics:
+        turns = 2 * np.pi * np.arange(spline.size) / spline.size
+        each = [np.cos(k * (turns[:, None] - turns)) / k**2 for k in range(1, entry.harmonics + 1)]
+        waves: Array = entry.std**2 * np.sum(each, axis=0)
+        return waves
+    if entry.joints:
+        level = np.tri(spline.size, spline.size, -1)[:, :-1]
+        centred = level - level.mean(axis=0)
+        steps: Array = entry.std**2 * centred @ centred.T
+        return steps
+    if entry.length is None or spline.size == 1:
+        return entry.std**2 * np.eye(spline.size)
+    return entry.std**2 * matern(distances(spline) / entry.length, entry.smoothness)
+
+
+def distances(spline: Spline) -> Array:
+    """Return how far the control values of a spline lie from each other, (size, size), m or rad."""
+    positions = spline.control_positions
+    distance: Array = np.abs(positions[:, None] - positions[None, :])
+    if isinstance(spline, CyclicSpline):
+        period = spline.knots[-1] - spline.knots[0]
+        distance = period / np.pi * np.sin(np.pi * distance / period)
+    return distance
+
+
+def matern(distance: Array, smoothness: float) -> Array:
+    """Return the Matérn correlation of ν = 2.5, 1.5 or 0.5 at distances in correlation lengths."""
+    return {SMOOTH: matern52, ROUGH: matern32}.get(smoothness, exponential)(distance)
+
+
+def matern_by_length(distance: Array, smoothness: float) -> Array:
+    """Return its derivative by the logarithm of the correlation length, at the same distances."""
+    return {SMOOTH: matern52_by_length, ROUGH: matern32_by_length}.get(smoothness, exponential_by_length)(distance)
+
+
+def exponential(distance: Array) -> Array:
+    """Return the Matérn-1/2 correlation exp(−r), that of Ornstein and Uhlenbeck."""
+    result: Array = np.exp(-distance)
+    return result
+
+
+def exponential_by_length(distance: Array) -> Array:
+    """Return the derivative of `exponential` by the logarithm of the correlation length, at the same distances."""
+    result: Array = distance * np.exp(-distance)
+    return result
+
+
+def matern32(distance: Array) -> Array:
+    """Return the Matérn-3/2 correlation (1 + √3 r) exp(−√3 r) at distances in correlation lengths."""
+    scaled = np.sqrt(3.0) * distance
+    result: Array = (1 + scaled) * np.exp(-scaled)
+    return result
+
+
+def matern32_by_length(distance: Array) -> Array:
+    """Return the derivative of `matern32` by the logarithm of the correlation length, at the same distances."""
+    scaled = np.sqrt(3.0) * distance
+    result: Array = scaled**2 * np.exp(-scaled)
+    return result
+
+
+def matern52(distance: Array) -> Array:
+    """Return the Matérn-5/2 correlation (1 + √5 r + 5 r²/3) exp(−√5 r) at distances in correlation lengths."""
+    scaled = np.sqrt(5.0) * distance
+    result: Array = (1 + scaled + scaled**2 / 3) * np.exp(-scaled)
+    return result
+
+
+def matern52_by_length(distance: Array) -> Array:
+    """Return the derivative of `matern52` by the logarithm of the correlation length, at the same distances."""
+    scaled = np.sqrt(5.0) * distance
+    result: Array = scaled**2 * (1 + scaled) / 3 * np.exp(-scaled)
+    return result

@@ -1,0 +1,109 @@
+"""A rigid motion of the part is not an error: the part is aligned by probing before it is machined.
+
+Alignment with T(p) = [I, −(p − p̄)×] (3 × 6) leaves H − T E[TᵀT]⁻¹ E[TᵀH] of H, and of the mean variance
+
+    W = E[HᵀH] − E[TᵀH]ᵀ E[TᵀT]⁻¹ E[TᵀH].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import EVERY_WAY, Counted, VolumeMoments, levers_and_rest
+from axiscal.machine.kinematics import frames
+from axiscal.numerics import Array, rigid
+
+_BLOCK = 1000
+"""Poses at once: of memory, not of the result."""
+
+
+@dataclass(frozen=True, eq=False)
+class Alignment:
+    """What probing the part takes off.
+
+    poses : (m, q) over which it is aligned, spread evenly; counted : the directions in which it is, x, y and z
+    """
+
+    errors: ErrorModel
+    poses: Array
+    counted: Counted = EVERY_WAY
+
+    @cached_property
+    def _counts(self) -> Array:
+        return np.array(self.counted, dtype=float)[:, None]
+
+    @cached_property
+    def _middle(self) -> Array:
+        return np.asarray(frames(self.errors.machine, self.poses).tcp.mean(axis=0), dtype=np.float64)
+
+    def motions(self, poses: Array) -> Array:
+        """Return T at poses, (m, 3, 6): what shifts and turns of the part do to the tool point."""
+        away = frames(self.errors.machine, poses).tcp - self._middle
+        shifts = np.broadcast_to(np.eye(3), (len(poses), 3, 3))
+        return np.concatenate([shifts, -rigid.skew(away)], axis=2)
+
+    @cached_property
+    def _found(self) -> Array:
+        """The rigid motion of the part in each error, (6, size)."""
+        motion = (self.motions(self.poses) * self._counts).reshape(-1, 6)
+        crossed = np.zeros((6, self.errors.size))
+        for at in range(0, len(self.poses), _BLOCK):
+            rows = _evened(self.errors, self.poses[at : at + _BLOCK])
+            crossed += motion[3 * at : 3 * (at + _BLOCK)].T @ rows
+        found: Array = np.asarray(np.linalg.lstsq(motion.T @ motion, crossed, rcond=1e-12)[0], dtype=np.float64)
+        return found
+
+    def taken_off(self, poses: Array) -> Array:
+        """Return what is taken off the rows at poses, (m, 3, size)."""
+        off: Array = self.motions(poses) @ self._found
+        return off
+
+    def left(self, poses: Array, deviations: Array) -> Array:
+        """Return deviations (m, 3) without their own rigid motion, found at the same poses, m."""
+        motion = self.motions(poses)
+        seen = (motion * self._counts).reshape(-1, 6)
+        moved = np.linalg.lstsq(seen, (deviations * self._counts[:, 0]).ravel(), rcond=None)[0]
+        left: Array = deviations - motion @ moved
+        return left
+
+
+def sampled_moments(
+    errors: ErrorModel, poses: Array, alignment: Alignment | None, counted: Counted = EVERY_WAY
+) -> VolumeMoments:
+    """Return the means over poses, from both directions evenly; what an alignment takes off is taken off.
+
+    poses : (m, q)
+    """
+    mean, gram = np.zeros((3, errors.size)), np.zeros((errors.size, errors.size))
+    sides = _reversals(errors)
+    for at in range(0, len(poses), _BLOCK):
+        part = poses[at : at + _BLOCK]
+        rows = errors.rows(part, np.zeros_like(part))
+        turned = errors.rows(part, np.ones_like(part)) - rows
+        if alignment is not None:
+            rows = rows - alignment.taken_off(part)
+        mean += rows.sum(axis=0)
+        flat = rows[:, list(counted)].reshape(-1, errors.size)
+        gram += flat.T @ flat
+        for columns in sides:
+            own = turned[:, list(counted)][:, :, columns].reshape(-1, len(columns))
+            gram[np.ix_(columns, columns)] += own.T @ own
+    if alignment is not None:
+        mean[:] = 0.0
+    squares = np.sum(errors.levers(poses)[:, :, list(counted)] ** 2, axis=2).mean(axis=1)
+    return VolumeMoments(mean / len(poses), gram / len(poses), *levers_and_rest(errors, squares), counted)
+
+
+def _evened(errors: ErrorModel, poses: Array) -> Array:
+    return errors.rows(poses, np.zeros_like(poses)).reshape(-1, errors.size)
+
+
+def _reversals(errors: ErrorModel) -> list[list[int]]:
+    """Return the columns of the reversals of each axis: the side of one axis says nothing of another's."""
+    axes = range(len(errors.machine.axes))
+    of = [[f.columns for f in errors.functions if f.kind == "reversal" and f.axis == axis] for axis in axes]
+    return [[c for columns in each for c in range(columns.start, columns.stop)] for each in of if each]

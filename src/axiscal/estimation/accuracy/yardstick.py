@@ -1,0 +1,274 @@
+"""How good the machine is known to be: the figures a campaign reports and stops by.
+
+The covariance C of the belief splits into what readings could still tell, C − C_∞, and what no allowed reading tells,
+C_∞. An unobservable constant shift of the TCP does not count: setting the workpiece zero removes it. Along a direction
+in which C_∞ has most of the shift, its part in C − C_∞ does not count either. Everything else does. The floor is what
+endless readings would leave of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import Box, Counted, VolumeMoments, of_rests
+from axiscal.estimation.accuracy.alignment import Alignment
+from axiscal.estimation.accuracy.criterion import Gram, Root
+from axiscal.estimation.belief import Belief
+from axiscal.measurement.candidates import corners
+from axiscal.numerics import Array
+from axiscal.numerics.spread import even_points
+
+_INNER_POINTS = 400
+
+
+class Accuracy(NamedTuple):
+    """Accuracy to which the TCP is known over the volume; all fields in m.
+
+    rms, worst : RMS and largest standard deviation; floor, worst_floor : what endless readings would leave of each
+    """
+
+    rms: float
+    worst: float
+    floor: float
+    worst_floor: float
+
+    def meets(self, rms: float | None, worst: float | None) -> bool:
+        """Return whether one of two limits is met, m: where its floor is above it, by what readings take away."""
+        limits = ((self.rms, rms, self.floor), (self.worst, worst, self.worst_floor))
+        return any(limit is not None and value <= attainable(limit, floor) for value, limit, floor in limits)
+
+
+_NEAR = 1.1
+"""A choice: nearer to the floor each reading takes away less and less."""
+
+
+def attainable(limit: float, floor: float) -> float:
+    """Return what readings can be held to: a limit, or where its floor is above it a tenth more than the floor."""
+    return limit if floor <= limit else _NEAR * floor
+
+
+_BY_PLACES = (
+    "_shift", "root", "unseen_rms", "_unseen_total", "_unseen_shift", "shifts", "poses", "places", "rows",
+    "_every_row", "_here", "_hidden", "evenly",
+)  # fmt: skip
+"""What a yardstick has found that depends on no size of a rest."""
+
+
+def _summed(parts: Array) -> Array:
+    """Return the sums of the first 0, 1, 2, ... parts."""
+    return np.concatenate([np.zeros_like(parts[:1]), np.cumsum(parts, axis=0)])
+
+
+def _squared(parts: Array) -> Array:
+    """Return S Sᵀ at each pose, (m, 3, 3).  parts : (m, 3, r)"""
+    squared: Array = parts @ parts.transpose(0, 2, 1)
+    return squared
+
+
+@dataclass(frozen=True, eq=False)
+class Yardstick:
+    """Measures a belief against the working volume.
+
+    moments : over the volume; unseen : (errors.size, r) factor of C_∞, the machine's own errors
+    left : (errors.size, s) factor of what endless readings leave, what instruments are off by with it
+    zeroed : directions x, y, z of the workpiece frame in which a constant shift is not counted
+    sample : (m, q) poses of the volume where it is not a box of them; alignment : what probing the part takes off
+    """
+
+    errors: ErrorModel
+    box: Box
+    moments: VolumeMoments
+    unseen: Array
+    left: Array
+    zeroed: tuple[bool, bool, bool] = (False, False, False)
+    sample: Array | None = None
+    alignment: Alignment | None = None
+
+    def with_rests_of(self, errors: ErrorModel, left: Array | None = None) -> Yardstick:
+        """Return the same yardstick for errors of other sizes: what follows from places alone is not found again.
+
+        left : what endless readings leave of these errors; None where that stays
+        """
+        left = self.left if left is None else left
+        other = replace(self, errors=errors, moments=of_rests(errors, self.moments), left=left)
+        for name in _BY_PLACES:
+            other.__dict__[name] = getattr(self, name)
+        return other
+
+    @property
+    def counted(self) -> Counted:
+        """Directions x, y, z of the workpiece frame along which deviations count: of a printer's bed the height."""
+        return self.moments.counted
+
+    @cached_property
+    def _counts(self) -> Array:
+        """1 in the directions that count, (3, 1)."""
+        return np.array(self.counted, dtype=float)[:, None]
+
+    @cached_property
+    def _shift(self) -> Array:
+        """E[H] in the directions in which the constant shift is not counted, else zero, (3, size)."""
+        shift: Array = self.moments.mean * np.array(self.zeroed, dtype=float)[:, None]
+        return shift
+
+    @cached_property
+    def root(self) -> Root:
+        """V (r, size) with VᵀV = E[HᵀH], less E[H]ᵀE[H] where the constant shift is not counted."""
+        counted = self._counts * self._shift
+        return Gram(self.moments.gram - counted.T @ counted).root
+
+    @cached_property
+    def unseen_rms(self) -> float:
+        """RMS over the volume of what no allowed reading sees, m."""
+        return float(np.sqrt(max(self._unseen_total - self._unseen_shift, 0.0)))
+
+    @cached_property
+    def floors(self) -> tuple[float, float]:
+        """RMS over the volume and largest standard deviation that endless readings would leave, m."""
+        rms = self.rms_of(self.root.value(self.left))
+        return rms, max(float(np.sqrt(self.variances(self.left).max())), rms)
+
+    @cached_property
+    def _unseen_total(self) -> float:
+        """tr(V C_∞ Vᵀ), m²."""
+        return self.root.value(self.unseen)
+
+    @cached_property
+    def _unseen_shift(self) -> float:
+        """The part of it that is a constant shift in the other directions, m²."""
+        return float(np.sum((self.shifts @ self.unseen) ** 2))
+
+    @cached_property
+    def shifts(self) -> Array:
+        """E[H] in the directions in which a constant shift counts but for what of it is unseen, (3, size)."""
+        shifts: Array = self._counts * (self.moments.mean - self._shift)
+        return shifts
+
+    def measure(self, belief: Belief) -> Accuracy:
+        """Return the figures of a belief."""
+        return self.figures(self.root.value(belief.factor), self.variances(belief.factor))
+
+    def along(self, factor: Array, losses: Array, ends: NDArray[np.intp]) -> list[Accuracy]:
+        """Return the figures after each of many readings.
+
+        factor : F (n, r) before them; losses : (m, n) what each number takes off the covariance, d dᵀ
+        ends : how many numbers there were after each reading
+        """
+        own = losses[:, : self.errors.size]
+        total, variances = self.root.value(factor), self.variances(factor)
+        totals = total - _summed(np.sum((own @ self.root.matrix.T) ** 2, axis=1))[ends]
+        lost = (own @ self.rows.reshape(-1, self.errors.size).T).reshape(len(own), -1, 3)
+        left = variances - _summed(np.einsum("ipc,ipc->ip", lost, lost))[ends]
+        return [self.figures(float(each), spread) for each, spread in zip(totals, left, strict=True)]
+
+    def figures(self, total: float, variances: Array) -> Accuracy:
+        """Return the figures for tr(V C Vᵀ) and the TCP variances at the yardstick's poses, m²."""
+        variance = max(total - self._unseen_shift + self.moments.rest, 0.0)
+        worst = max(float(np.max(variances)), variance)
+        return Accuracy(float(np.sqrt(variance)), float(np.sqrt(worst)), *self.floors)
+
+    def rms_of(self, total: float) -> float:
+        """Return the RMS over the volume that belongs to J = tr(V C Vᵀ), m."""
+        return float(np.sqrt(max(total - self._unseen_shift, 0.0) + self.moments.rest))
+
+    def worst_root(self, belief: Belief) -> Root:
+        """Return H (3, size), less the shift not counted, at the pose where the TCP is known least."""
+        return Root(self.rows[self.variances(belief.factor).argmax()])
+
+    @cached_property
+    def poses(self) -> tuple[Array, Array]:
+        """Poses at which it measures and the sides from which their axes come, (m, q) each."""
+        poses = self.places
+        if not self.errors.reversing:
+            return poses, np.ones_like(poses)
+        return np.concatenate([poses, poses]), np.concatenate([np.ones_like(poses), -np.ones_like(poses)])
+
+    @cached_property
+    def places(self) -> Array:
+        """Poses at which it measures, (m, q): corners of the volume, unless there is a sample, and evenly inside."""
+        if self.sample is not None:
+            return self.sample[:_INNER_POINTS]
+        low, high = np.array(self.box).T
+        inner = low + (high - low) * even_points(_INNER_POINTS, len(self.box))
+        return np.concatenate([corners(self.box), inner])
+
+    @cached_property
+    def rows(self) -> Array:
+        """H at each pose of the yardstick, less the shift that is not counted, (m, 3, size); zero where none counts."""
+        return self._every_row if all(self.counted) else self._every_row * self._counts
+
+    @cached_property
+    def _every_row(self) -> Array:
+        """The same in every direction, counted or not."""
+        rows: Array = self.errors.rows(*self.poses) - self._shift
+        return rows if self.alignment is None else rows - self.alignment.taken_off(self.poses[0])
+
+    @cached_property
+    def _here(self) -> Array:
+        """Deviations that the allowed readings cannot see, at each pose, counted or not: (m, 3, r)."""
+        here = self._every_row.reshape(-1, self.errors.size) @ self.unseen
+        return here.reshape(len(self.rows), 3, -1)
+
+    @cached_property
+    def _hidden(self) -> Array:
+        """Variance that the allowed readings cannot see, at each pose, constant shifts not counted, m²."""
+        shift = (self.moments.mean - self._shift) @ self.unseen
+        hidden: Array = np.sum((self._counts * (self._here - shift)) ** 2, axis=(1, 2))
+        return hidden
+
+    @cached_property
+    def _correction(self) -> Array:
+        """Variance that the rests add at each pose, less the constant shifts that are not counted, m²."""
+        loose, here = self._loose[:, :, list(self.counted)], self._here[:, list(self.counted)]
+        corrected: Array = np.sum(loose**2, axis=(0, 2)) + self._hidden - np.sum(here**2, axis=(1, 2))
+        return corrected
+
+    @cached_property
+    def _loose(self) -> Array:
+        """Effect of one standard deviation of each rest at each pose, counted or not, (terms, m, 3), m."""
+        return self.errors.levers(self.poses[0]) * self.errors.rests[:, None, None]
+
+    @cached_property
+    def rests(self) -> Array:
+        """Covariance of what the rests do at each pose, in the directions that count, (m, 3, 3) m²."""
+        return _squared((self._loose * self._counts[:, 0]).transpose(1, 2, 0))
+
+    @cached_property
+    def evenly(self) -> NDArray[np.bool_]:
+        """Which of the yardstick's poses are spread evenly over the volume: all but its corners, (m,)."""
+        places = np.arange(len(self.places)) >= (len(self.places) - _INNER_POINTS if self.sample is None else 0)
+        return np.tile(places, len(self.poses[0]) // len(places))
+
+    def covariances(self, factor: Array) -> Array:
+        """Return the covariance of the TCP deviation at each pose, (m, 3, 3) m²: traces `variances` where all counts.
+
+        factor : F (n, r) with C = F Fᵀ
+        """
+        seen = self._seen(factor, self._every_row).reshape(len(self.rows), 3, -1)
+        loose = self._loose.transpose(1, 2, 0)
+        hidden = self._here - (self.moments.mean - self._shift) @ self.unseen
+        counted: Array = _squared(seen) + _squared(loose) + _squared(hidden) - _squared(self._here)
+        return counted
+
+    def variances(self, factor: Array) -> Array:
+        """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
+        seen = self._seen(factor, self.rows)
+        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._correction
+        return spread
+
+    def _seen(self, factor: Array, rows: Array) -> Array:
+        """Return H F at each pose, (3 m, r), r no more than the errors have coefficients.
+
+        factor : F (n, r); rows : H (m, 3, size)
+        """
+        own = factor[: self.errors.size]
+        if own.shape[1] > own.shape[0]:  # columns of rests and set-ups: fold them into as many as there are errors
+            own = np.asarray(np.linalg.qr(own.T, mode="r")).T
+        seen: Array = rows.reshape(-1, self.errors.size) @ own
+        return seen

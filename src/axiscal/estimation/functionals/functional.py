@@ -1,0 +1,170 @@
+"""Rows as linear maps L of the tool's deviation d at the poses of a line: row = L d (ISO 230-1, -2).
+
+    positioning   d along the axis, from both sides, less its mean
+    backlash      mean of d from + less d from −, over the places read from both sides, else over the line
+    straightness  d across the axis, less its best-fit line
+    pitch ...     rotation of the tool about a direction, less its mean
+    squareness    slope of the best-fit line of each path towards the other axis, added
+    centre, tilt  e of the best fit d ≈ c + T e, T the turn of the tool relative to the workpiece, e across the axis
+
+Centre and tilt follow ISO 230-7 and ISO 10791-6; the tilt fits rotations instead of displacements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from axiscal.description.wants import ABOUT, ANGLES, Kind
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.functionals.axis_line import AxisLine
+from axiscal.machine.axis import Axis, letter_direction
+from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import frames
+from axiscal.numerics import Array
+
+_ABOUT = {"pitch": (1, 0, 0), "yaw": (2, 2, 1), "roll": (0, 1, 2)}
+"""About which direction an axis along x, y, z pitches, yaws and rolls."""
+
+
+@dataclass(frozen=True, eq=False)
+class Functional:
+    """A linear map of deviations of the tool.
+
+    poses, sides : (m, q) where; weights : (k, m, 3) of displacements along, or of rotations about, x, y, z
+    angular : it is about rotations; dimensions : d, so many numbers are one vector
+    """
+
+    poses: Array
+    sides: Array
+    weights: Array
+    angular: bool = False
+    dimensions: int = 1
+
+    def of(self, deviations: Array) -> Array:
+        """Return the row of deviations (m, 3): (k,), m or rad."""
+        row: Array = np.einsum("kmc,mc->k", self.weights, deviations)
+        return row
+
+    def rows(self, errors: ErrorModel) -> Array:
+        """Return the row as a map of the error coefficients, (k, size)."""
+        found = errors.angular_rows if self.angular else errors.rows
+        mapped: Array = np.einsum("kmc,mcs->ks", self.weights, found(self.poses, self.sides))
+        return mapped
+
+    def spectra(self, errors: ErrorModel, factor: Array) -> Array:
+        """Return the variances of each vector along its main directions, (k/d, d).
+
+        factor : F (n, r) of what is not known, of the errors first; the rest of each cell is not known beside
+        """
+        root = np.hstack([self.rows(errors) @ factor[: errors.size], self._rests(errors)])
+        each = root.reshape(-1, self.dimensions, root.shape[1])
+        spectra: Array = np.maximum(np.linalg.eigvalsh(each @ each.transpose(0, 2, 1)), 0.0)
+        return spectra
+
+    def _rests(self, errors: ErrorModel) -> Array:
+        """Return what one standard deviation of the rest of each cell of each term does to the row, (k, cells)."""
+        levers = (errors.angular_levers if self.angular else errors.levers)(self.poses)
+        ways = [errors.effects(levers[:, :, c], self.sides) for c in range(3)]  # which halve those of reversals
+        effects = np.einsum("kmc,ctm->tkm", self.weights, np.array(ways))
+        parts = [np.zeros((len(self.weights), 0))]
+        for term, effect in zip(errors.terms, effects, strict=True):
+            if term.rest > 0:
+                cells = term.cells(term.coordinates(self.poses))
+                parts += [term.rest * effect[:, cells == cell].sum(axis=1)[:, None] for cell in np.unique(cells)]
+        return np.hstack(parts)
+
+
+def direction_of(kind: Kind, axis: Axis, across: str = "") -> int:
+    """Return along, or about, which direction x, y, z a row of an axis looks.  across : the other axis of two"""
+    own = letter_direction(axis.letter)
+    if kind in ANGLES:
+        return _ABOUT[kind][own]
+    return letter_direction(across) if across else own
+
+
+def functional(kind: Kind, lines: Sequence[AxisLine], machine: Machine, ways: Sequence[int]) -> Functional:
+    """Return the row of a kind along lines.  ways : the direction that counts on each of them"""
+    if kind == "squareness":
+        return _squareness(lines, machine, ways)
+    if kind in ABOUT:
+        return _turning(lines[0], machine, angular=kind == "tilt")
+    (line,), (way,) = lines, ways
+    found = _ALONG_ONE[kind](line, way)
+    return replace(found, angular=kind in ANGLES or machine.axes[line.axis].rotary)
+
+
+def _positioning(line: AxisLine, way: int) -> Functional:
+    count = 2 * len(line.poses)
+    return _two_sided(line, line.poses, np.eye(count) - 1 / count, way)
+
+
+def _backlash(line: AxisLine, way: int) -> Functional:
+    poses = line.at(line.both) if line.both else line.poses
+    share = np.full((1, len(poses)), 1 / len(poses))
+    return _two_sided(line, poses, np.hstack([share, -share]), way)
+
+
+def _straightness(line: AxisLine, way: int) -> Functional:
+    ramp = _ramp(line.positions)
+    return _resting(line.poses, np.eye(len(ramp)) - ramp @ np.linalg.pinv(ramp), way)
+
+
+def _angle(line: AxisLine, way: int) -> Functional:
+    return _resting(line.poses, np.eye(len(line.poses)) - 1 / len(line.poses), way)
+
+
+def _squareness(lines: Sequence[AxisLine], machine: Machine, ways: Sequence[int]) -> Functional:
+    """Return the slopes of both paths over where the tool goes, added.  ways : of each line along the other's axis"""
+    weights = list[Array]()
+    for line, way, along in zip(lines, ways, reversed(ways), strict=True):
+        fit: Array = np.asarray(np.linalg.pinv(_ramp(frames(machine, line.poses).tcp[:, along])), dtype=float)
+        weights.append(_towards(fit[1:], way))
+    poses = np.vstack([line.poses for line in lines])
+    return Functional(poses, np.zeros_like(poses), np.concatenate(weights, axis=1))
+
+
+def _turning(line: AxisLine, machine: Machine, *, angular: bool) -> Functional:
+    """Return e of the best fit d ≈ c + T e, two numbers across the axis."""
+    tools = frames(machine, line.poses).tool
+    turns = tools @ tools[0].T
+    across = np.linalg.svd(np.sum(turns - turns.transpose(0, 2, 1), axis=0))[2][:2].T
+    columns = np.concatenate([np.broadcast_to(np.eye(3), turns.shape), turns @ across], axis=2).reshape(-1, 5)
+    weights: Array = np.asarray(np.linalg.pinv(columns), dtype=float)[3:].reshape(2, -1, 3)
+    return Functional(line.poses, np.zeros_like(line.poses), weights, angular, dimensions=2)
+
+
+_ALONG_ONE: dict[Kind, Callable[[AxisLine, int], Functional]] = {
+    "positioning": _positioning,
+    "backlash": _backlash,
+    "straightness": _straightness,
+    "pitch": _angle,
+    "yaw": _angle,
+    "roll": _angle,
+}
+
+
+def _ramp(positions: Array) -> Array:
+    """Return the columns of a best-fit line, (n, 2)."""
+    return np.stack([np.ones(len(positions)), positions], axis=1)
+
+
+def _resting(poses: Array, weights: Array, way: int) -> Functional:
+    """Return a row for which sides do not count.  weights : (k, m)"""
+    return Functional(poses, np.zeros_like(poses), _towards(weights, way))
+
+
+def _two_sided(line: AxisLine, poses: Array, weights: Array, way: int) -> Functional:
+    """Return a row of the deviations from + and, after them, from −.  weights : (k, 2 m)"""
+    sides = np.zeros((2 * len(poses), poses.shape[1]))
+    sides[: len(poses), line.axis], sides[len(poses) :, line.axis] = 1.0, -1.0
+    return Functional(np.vstack([poses, poses]), sides, _towards(weights, way))
+
+
+def _towards(weights: Array, way: int) -> Array:
+    """Return weights (k, m) of one direction as weights of all, (k, m, 3)."""
+    wide = np.zeros((*weights.shape, 3))
+    wide[:, :, way] = weights
+    return wide

@@ -1,0 +1,106 @@
+"""How well the rows of an answer are known, and whether that is as well as asked for.
+
+U is the size that 95 % of what is not known stays below, over the posterior and over the places. A row whose U is more
+than half of its U before the first reading is not measured.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from axiscal.description.wants import RowName
+from axiscal.estimation.accuracy.expanded import expanded, expanded_floor, reach
+from axiscal.estimation.accuracy.yardstick import attainable
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.case import Case
+from axiscal.estimation.functionals.asked import AskedRow, asked_rows
+from axiscal.estimation.functionals.axis_line import AxisLine
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
+
+_NOUGHT = 1e-12
+"""m or rad: rounding. No error that the machine describes makes such a row."""
+_MEASURED = 0.5
+"""Of the U before the first reading: a row that is known no better is not measured."""
+
+
+@dataclass(frozen=True)
+class KnownRow:
+    """How well a row is known, all sizes m or rad.
+
+    angular : they are rad
+    known : U; before : U before the first reading; floor : U that endless readings leave, both at the sizes as learnt
+    limit : what U is to be; None where no limit is given
+    measured : whether readings tell it
+    lines : where it holds
+    """
+
+    row: RowName
+    angular: bool
+    known: float
+    before: float
+    floor: float
+    limit: float | None
+    measured: bool
+    lines: tuple[AxisLine, ...]
+
+    @property
+    def described(self) -> bool:
+        """Whether an error of the description makes the row or somebody set it a limit."""
+        return self.limit is not None or self.before > _NOUGHT
+
+    @property
+    def reached(self) -> bool | None:
+        """Whether it is known as well as asked for; None where no limit is given."""
+        return None if self.limit is None else self.measured and self.known <= self.limit
+
+    @property
+    def reachable(self) -> bool:
+        """Whether endless readings would reach its limit (without a limit: would measure it)."""
+        return self.floor <= self.goal
+
+    @property
+    def settled(self) -> bool:
+        """Whether it is reached (without a limit: measured) or readings took away what they can."""
+        return self.known <= attainable(self.goal, self.floor)
+
+    @property
+    def goal(self) -> float:
+        """U at which it is reached, or measured where no limit is given; of the volume inf where none is."""
+        measured = math.inf if self.row.kind == "volume" else _MEASURED * self.before
+        return min(math.inf if self.limit is None else self.limit, measured)
+
+
+@one_thread()
+def known_rows(case: Case, knowledge: Knowledge, readings: Sequence[Reading]) -> tuple[KnownRow, ...]:
+    """Return how well the rows of a campaign are known, as far as its set-ups may read them."""
+    asked = asked_rows(case.description, readings, whole=True)
+    found = (known_row(each, case, knowledge.belief, bool(readings)) for each in asked)
+    return tuple(row for row in found if row.described)
+
+
+def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownRow:
+    """Return how well a belief knows a row.  read : whether any reading was taken"""
+    limit, kind = asked.want.limit, asked.want.row.kind
+    if asked.map is None:
+        limit, (u, before, floor) = case.description.target.expanded, _of_volume(case, belief)
+        angular, measured = False, read
+    else:
+        u, before, floor = (reach(asked.map.spectra(case.errors, each)) for each in _factors(case, belief))
+        angular, measured = asked.map.angular or kind == "squareness", bool(u <= _MEASURED * before)
+    return KnownRow(asked.want.row, angular, u, before, floor, limit, measured, asked.lines)
+
+
+def _of_volume(case: Case, belief: Belief) -> tuple[float, float, float]:
+    """Return U, U before the first reading and the floor of the volume, m: U is the one that a report begins with."""
+    known, before = (expanded(case.yardstick, each).space for each in (belief, case.prior))
+    return known, before, expanded_floor(case.yardstick_as_sized).space
+
+
+def _factors(case: Case, belief: Belief) -> tuple[Array, Array, Array]:
+    """Return F of what is known, of the prior and of what endless readings leave."""
+    return belief.factor, case.prior.factor, case.yardstick_as_sized.left

@@ -1,0 +1,89 @@
+"""The readings of one machine as an equation for its errors, without a prior: R a + e = z, e ~ N(0, I).
+
+It integrates out unknowns of set-ups, rests and drifts. With y = G a + G_b b + v, cov v = V and cov b = C_b,
+
+    L Lᵀ = V + G_b C_b G_bᵀ,    R = L⁻¹ G,    z = L⁻¹ y
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.estimation.inference.reading_set import ReadingSet
+from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import solution
+from axiscal.numerics.gaussian import lower_root
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class DataEquation:
+    """rows : (m, n) R over the errors; values : (m,) z; the noise of each is independent and of std 1"""
+
+    rows: Array
+    values: Array
+
+    def of(self, units: Array) -> DataEquation:
+        """Return the equation over x where the errors are a = T x.  units : (n, k) T"""
+        return DataEquation(self.rows @ units, self.values)
+
+    @property
+    def squeezed(self) -> DataEquation:
+        """The same with no more rows than unknowns: what is left out says nothing of them."""
+        count, size = self.rows.shape
+        if count <= size:
+            return self
+        turned, upper = np.linalg.qr(self.rows)
+        return DataEquation(upper, turned.T @ self.values)
+
+
+def data_equation(numbers: ReadingSet, weights: Array, others: Array) -> DataEquation:
+    """Return what readings say of the errors.
+
+    weights : (r,) how much each reading counts, above zero
+    others : (n, k) F of errors that are no part of the question: their covariance F Fᵀ is integrated out as well
+    """
+    beside, errors = numbers.features(others), len(others)
+    noise = numbers.noise / weights[numbers.reading] + numbers.extra_variance
+    lower = lower_root(np.diag(noise) + beside @ beside.T)
+    return DataEquation(solution(lower, numbers.rows[:, :errors]), solution(lower, numbers.values))
+
+
+class Moments(NamedTuple):
+    """Mean (n,) and covariance (n, n)."""
+
+    mean: Array
+    covariance: Array
+
+
+def shares_of(data: DataEquation, priors: Sequence[Moments], weights: Array) -> Array:
+    """Return how probable each prior is after the readings, P_i ∝ w_i N(z; R m_i, R C_i Rᵀ + I), (k,), sum 1.
+
+    weights : (k,) before them
+    """
+    logs = np.log(weights) + np.array([log_evidence(data, prior) for prior in priors])
+    odds = np.exp(logs - logs.max())
+    shares: Array = odds / odds.sum()
+    return shares
+
+
+def log_evidence(data: DataEquation, prior: Moments) -> float:
+    """Return log N(z; R m, R C Rᵀ + I), up to the constant of so many numbers."""
+    if not len(data.values):
+        return 0.0
+    lower = lower_root(data.rows @ prior.covariance @ data.rows.T + np.eye(len(data.values)))
+    left = solution(lower, data.values - data.rows @ prior.mean)
+    return float(-0.5 * left @ left - np.log(np.diagonal(lower)).sum())
+
+
+def moments_of(parts: Sequence[Moments], shares: Array) -> Moments:
+    """Return mean and covariance of a mixture (law of total variance).  shares : (k,), sum 1"""
+    mean = np.sum([share * part.mean for share, part in zip(shares, parts, strict=True)], axis=0)
+    covariance = np.zeros((len(mean), len(mean)))
+    for share, part in zip(shares, parts, strict=True):
+        away = part.mean - mean
+        covariance += share * (part.covariance + np.outer(away, away))
+    return Moments(mean, covariance)

@@ -1,0 +1,244 @@
+"""Agreement of the readings with each other, and the mistake that explains a contradiction.
+
+Each reading is left out and expected from the others: z² per number has mean 1, c² is its mean. With Q = yᵀK⁻¹y,
+readings agree no better with probability p = Σ w P(χ²_m ≥ Q_θ). Bonferroni gives another p for the largest |z|. The
+result prints twice the smaller of both. It is at most the binomial probability of as many bad ones, if more than a
+fifth of the readings is left out. Below 0.001 the readings contradict. A mistake does one of these:
+- It turns y into y' = T y: values with the wrong sign or in another unit, two set-ups swapped, places shifted by one.
+- It turns K into that of a machine with an axis that counts the other way.
+- It adds a column b of standard deviation s.
+
+    gain = ½ (yᵀK⁻¹y − y'ᵀK⁻¹y') + log |det T|     or     ½ (bᵀK⁻¹y)²/(bᵀK⁻¹b + s⁻²) − ½ log(1 + s² bᵀK⁻¹b)
+
+The answer names a mistake with odds above 20 : 1, its prior of 1 % over all its places included. Exceptions: another
+one is 20 times as likely, or the readings do not agree with it either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.estimation.promise.draws import Weighed
+from axiscal.estimation.promise.problem import Problem
+from axiscal.estimation.promise.unknowns import space_of
+from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import binomial_tail, chi_square_tail
+
+CONTRADICTS = 0.001
+"""Probability below which readings contradict."""
+NAMED = 20.0
+"""Odds from which a mistake is named, and beside the likeliest one left unnamed."""
+AGREES = 3.0
+"""Standard deviations within which a reading agrees with the others."""
+BAD_SHARE = 0.01
+"""Assumption: one of a hundred readings is bad."""
+MOST_BAD = 0.2
+"""Where more than a fifth seem bad it is the model that is."""
+_SEVERAL = 3
+"""One or two bad readings are bad readings, of however few."""
+_PRIOR = 0.01
+"""Assumption: one campaign in a hundred has such a mistake."""
+_JUMP = 30.0
+"""Noises: standard deviation of a jump of a zero."""
+_LARGEST = 600.0
+"""Logarithm of the largest odds that are said: beyond it floats end."""
+_INCH = 25.4
+"""mm, by definition."""
+_FACTORS = (1000.0, 1 / 1000.0, _INCH, 1 / _INCH)
+"""By definition: mm for um, and inches for mm."""
+
+Mistake = Literal["jump", "sign", "unit", "swapped", "shifted", "direction"]
+
+
+Turned = tuple[tuple[str, ...], Problem]
+"""Names of axes, and the readings as a problem if these count the other way."""
+
+
+class Explained(NamedTuple):
+    """A mistake that explains readings that contradict.
+
+    log_odds : beside no mistake; setups : whose readings; reading : index of the first that is wrong, for a jump
+    factor : by which values are too large or too small, for a unit; axes : that count the other way
+    """
+
+    mistake: Mistake
+    log_odds: float
+    setups: tuple[int, ...]
+    reading: int = -1
+    factor: float = 1.0
+    axes: tuple[str, ...] = ()
+
+    @property
+    def odds(self) -> float:
+        """Beside no mistake."""
+        return float(np.exp(min(self.log_odds, _LARGEST)))
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """count : readings that were compared; agreeing : those within three standard deviations of what others say
+
+    c2 : c²; p : probability of readings that agree no better; explained : mistakes that are named, likeliest first
+    against : rotary axes that count the other way than described, where nothing explains the readings as well
+    """
+
+    count: int
+    agreeing: int
+    c2: float
+    p: float
+    explained: tuple[Explained, ...] = ()
+    against: tuple[str, ...] = ()
+
+    @property
+    def contradicts(self) -> bool:
+        """Whether the readings contradict each other."""
+        return self.p < CONTRADICTS
+
+    @property
+    def withheld(self) -> bool:
+        """Whether no uncertainty may be printed: the readings contradict and no mistake explains it."""
+        return self.contradicts and not self.explained
+
+    @property
+    def inflation(self) -> float:
+        """c² where it is larger than chance allows, by which all variances grow; else 1."""
+        return self.c2 if self.count and np.sqrt(self.c2) > 1 + 2 / np.sqrt(2 * self.count) else 1.0
+
+
+NOTHING_READ = Agreement(0, 0, 1.0, 1.0)
+"""Before the first reading nothing disagrees."""
+
+
+def agreement(
+    problem: Problem, found: Weighed, z: Array, left_out: int = 0, turned: Iterable[Turned] = ()
+) -> Agreement:
+    """Return how readings agree.
+
+    problem : of the readings that count; z : (r,) of each of them, left out; left_out : how many others do not count
+    turned : the same problem if some axes count the other way; made only where the readings contradict
+    """
+    count = len(z)
+    if not count:
+        return NOTHING_READ
+    tails = [chi_square_tail(len(problem.values), given.square) for given in found.given]
+    numbers = len(problem.values) / count
+    largest = count * chi_square_tail(numbers, float(np.max(z**2)) * numbers)
+    p = min(1.0, 2 * min(float(found.weights @ np.array(tails)), largest))
+    if left_out >= _SEVERAL and left_out > MOST_BAD * (count + left_out):
+        p = min(p, binomial_tail(left_out, count + left_out, BAD_SHARE))
+    named = tuple(_explained(problem, found, turned)) if p < CONTRADICTS else ()
+    against = named[0].axes if named else ()
+    # A machine that is described the wrong way is no mistake of readings: nobody can accept it.
+    explained = () if against else tuple(each for each in named if not each.axes)
+    return Agreement(count, int(np.sum(z <= AGREES)), float(np.mean(z**2)), p, explained, against)
+
+
+class _Tried(NamedTuple):
+    """A mistake, with what it gains in log L and takes off yᵀK⁻¹y at each draw, (d,) each."""
+
+    mistake: Explained
+    gains: Array
+    squares: Array
+
+
+def _explained(problem: Problem, found: Weighed, turned: Iterable[Turned]) -> list[Explained]:
+    """Return the mistakes with which readings agree, at odds above 20 : 1 beside none and within these of the best."""
+    tried = *_jumps(problem, found), *_turned(problem, found), *_against(found, turned)
+    each = sorted(tried, key=lambda one: -one.mistake.log_odds)
+    least = max(np.log(NAMED), each[0].mistake.log_odds - np.log(NAMED))
+    likely = [one for one in each if one.mistake.log_odds > least]
+    return [one.mistake for one in likely if 2 * _tail(problem, found, one) >= CONTRADICTS]
+
+
+def _tail(problem: Problem, found: Weighed, tried: _Tried) -> float:
+    """Return the probability of readings that agree no better, with a mistake."""
+    weights = found.weights * np.exp(tried.gains - tried.gains.max())
+    left = np.array([given.square for given in found.given]) - tried.squares
+    tails = np.array([chi_square_tail(len(problem.values), max(float(square), 0.0)) for square in left])
+    return float(weights @ tails / weights.sum())
+
+
+def _log_odds(found: Weighed, gains: Array) -> Array:
+    """Return log odds of mistakes, 1 % before any reading, the sizes integrated out, (c,).  gains : (draws, c)"""
+    most = np.max(gains, axis=0)
+    result: Array = np.log(_PRIOR * (found.weights @ np.exp(gains - most))) + most
+    return result
+
+
+def _jumps(problem: Problem, found: Weighed) -> Iterator[_Tried]:
+    """Yield the likeliest jump of the zero of each set-up."""
+    for setup in np.unique(problem.setup).tolist():
+        mine = problem.setup == setup
+        readings = np.unique(problem.reading[mine])[1:]
+        if not len(readings):
+            continue
+        columns = (mine[:, None] & (problem.reading[:, None] >= readings)) / problem.noise[:, None]
+        columns = columns * float(np.median(problem.noise[mine]))
+        gains = np.empty((len(found.given), len(readings)))
+        squares = np.empty_like(gains)
+        for draw, given in enumerate(found.given):
+            weighted = given.precision(columns)
+            fisher = np.sum(columns * weighted, axis=0)
+            squares[draw] = (weighted.T @ problem.values) ** 2 / (fisher + _JUMP**-2)
+            gains[draw] = 0.5 * (squares[draw] - np.log1p(_JUMP**2 * fisher))
+        odds = _log_odds(found, gains)
+        best = int(np.argmax(odds))
+        named = Explained("jump", float(odds[best] - np.log(len(readings))), (int(setup),), int(readings[best]))
+        yield _Tried(named, gains[:, best], squares[:, best])
+
+
+def _turned(problem: Problem, found: Weighed) -> Iterator[_Tried]:
+    """Yield the mistakes that change the values themselves."""
+    for mistake, setups, values, factor, log_det in _other_values(problem):
+        squares = np.empty(len(found.given))
+        for draw, given in enumerate(found.given):
+            squares[draw] = given.square - float(values @ given.precision(values[:, None])[:, 0])
+        gains = 0.5 * squares + log_det
+        odds = float(_log_odds(found, gains[:, None])[0])
+        yield _Tried(Explained(mistake, odds, setups, factor=factor), gains, squares)
+
+
+def _against(found: Weighed, turned: Iterable[Turned]) -> Iterator[_Tried]:
+    """Yield that some axes count the other way than described."""
+    for axes, other in turned:
+        space, gains, squares = space_of(other), np.full(len(found.given), -np.inf), np.zeros(len(found.given))
+        for draw, given in enumerate(found.given):
+            if (there := space.given(found.thetas[draw])) is not None:
+                gains[draw], squares[draw] = there.value - given.value, given.square - there.square
+        yield _Tried(Explained("direction", float(_log_odds(found, gains[:, None])[0]), (), axes=axes), gains, squares)
+
+
+_Other = tuple[Mistake, tuple[int, ...], Array, float, float]
+
+
+def _other_values(problem: Problem) -> Iterator[_Other]:
+    """Yield what the values were without each mistake, with the factor and log |det T|."""
+    setups = np.unique(problem.setup).tolist()
+    values = problem.values * problem.noise
+    for setup in setups:
+        mine = problem.setup == setup
+        yield "sign", (setup,), np.where(mine, -values, values) / problem.noise, -1.0, 0.0
+        for factor in _FACTORS:
+            log_det = -float(mine.sum() * np.log(factor))
+            yield "unit", (setup,), np.where(mine, values / factor, values) / problem.noise, factor, log_det
+        for step in (1, -1):
+            moved = values.copy()
+            moved[mine] = np.roll(values[mine], step * _numbers(problem.reading[mine]))
+            yield "shifted", (setup,), moved / problem.noise, float(step), 0.0
+    for first in range(len(setups)):
+        for second in range(first + 1, len(setups)):
+            one, other = (np.flatnonzero(problem.setup == setups[i]) for i in (first, second))
+            if len(one) == len(other):
+                swapped = values.copy()
+                swapped[one], swapped[other] = values[other], values[one]
+                yield "swapped", (setups[first], setups[second]), swapped / problem.noise, 1.0, 0.0
+
+
+def _numbers(reading: NDArray[np.intp]) -> int:
+    """Return how many numbers a reading has."""
+    return int(np.sum(reading == reading[0]))

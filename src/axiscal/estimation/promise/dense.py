@@ -1,0 +1,114 @@
+"""One model, one posterior: the equations as they stand.
+
+Readings are linear in unknowns, and all are Gaussian once the logarithms θ of a few sizes are known:
+
+    y = Z u + e,    u ~ N(0, C(θ)),  e ~ N(0, N(θ)),    so  y ~ N(0, K(θ)),  K = Z C Zᵀ + N
+    log L(θ) = −½ yᵀK⁻¹y − ½ log |K|                        Rasmussen and Williams 2006, eq. 2.30, less a constant
+    u | y, θ ~ N(C Zᵀ K⁻¹ y,  C − C Zᵀ K⁻¹ Z C)             eq. 2.25 and 2.26
+
+A cause b that follows from what was read is no column of Z: with m_θ = G y the covariance gains (G b)(G b)ᵀ.
+
+The sizes are not known, so draws of θ with weights w, Σ w = 1, stand for them:
+
+    m = Σ w m_θ,    V = Σ w (V_θ + (m_θ − m)(m_θ − m)ᵀ)
+
+The others expect reading i with mean μ and covariance S. A good one is as they say; a bad one, 1 of 100, is 30 σ wider:
+
+    odds_i = 0.01/0.99 Σ w N(y_i; μ, S + (30 σ_i)²) / N(y_i; μ, S)
+
+Here a reading is left out by leaving it out, and inverses are inverses: n numbers cost n³ for each question.
+`spaces` and `posterior` answer the same questions fast; tests hold them to this file.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.description.causes import BAD
+from axiscal.estimation.promise.problem import Problem
+from axiscal.numerics import Array
+
+Normal = tuple[Array, Array]
+"""Mean (k,) and covariance (k, k)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Dense:
+    """A problem in plain matrices; each number is over its noise as stated."""
+
+    problem: Problem
+
+    def prior(self, theta: Array) -> Array:
+        """Return C(θ), (p, p): s² times correlation, block by block."""
+        problem, size = self.problem, np.exp(np.append(theta, 0.0))[self.problem.size_at]
+        result = np.eye(len(size))
+        for curves in problem.curves:
+            for columns, root in zip(curves.columns, curves.roots(theta), strict=True):
+                result[np.ix_(columns, columns)] = root @ root.T
+        return np.asarray(size[:, None] * result * size)
+
+    def sigma(self, theta: Array) -> Array:
+        """Return the noise of each number over its noise as stated, (m,)."""
+        return np.asarray(np.exp(np.append(theta, 0.0))[self.problem.groups])
+
+    def covariance(self, theta: Array) -> Array:
+        """Return K(θ), (m, m)."""
+        rows = self.problem.rows
+        return np.asarray(rows @ self.prior(theta) @ rows.T + np.diag(self.sigma(theta) ** 2))
+
+    def log_likelihood(self, theta: Array) -> float:
+        """Return log L(θ)."""
+        return log_density(self.problem.values, np.zeros(len(self.problem.values)), self.covariance(theta))
+
+    def unknowns(self, theta: Array) -> Normal:
+        """Return the posterior of the answered unknowns at θ, m and rad."""
+        problem, prior = self.problem, self.prior(theta)
+        seen = prior @ problem.rows.T @ np.linalg.inv(self.covariance(theta))
+        mean, covariance = seen @ problem.values, prior - seen @ problem.rows @ prior
+        turn, last = np.eye(len(mean)), slice(problem.first, None)
+        for start, root in problem.roots:
+            turn[start : start + len(root), start : start + len(root)] = root
+        turn = turn[last, last]
+        return problem.mean + turn @ mean[last], turn @ covariance[last, last] @ turn.T
+
+    def counted(self, theta: Array) -> Normal:
+        """Return the same with causes that follow from what was read: by what m moves if the values do."""
+        (mean, covariance), moved = self.unknowns(theta), list[Array]()
+        for cause in self.problem.held.T:
+            other = Dense(replace(self.problem, values=self.problem.values + cause))
+            moved.append(other.unknowns(theta)[0] - mean)
+        return mean, covariance + sum((np.outer(each, each) for each in moved), np.zeros_like(covariance))
+
+    def expected(self, theta: Array, reading: int) -> Normal:
+        """Return what the other readings expect of one, at θ."""
+        covariance, mine = self.covariance(theta), self.problem.reading == reading
+        seen = covariance[np.ix_(mine, ~mine)] @ np.linalg.inv(covariance[np.ix_(~mine, ~mine)])
+        return seen @ self.problem.values[~mine], covariance[np.ix_(mine, mine)] - seen @ covariance[
+            np.ix_(~mine, mine)
+        ]
+
+    def odds(self, thetas: Array, weights: Array, reading: int) -> float:
+        """Return the odds that a reading is bad.  thetas : (n, k); weights : (n,)"""
+        mine, total = self.problem.reading == reading, 0.0
+        for theta, weight in zip(thetas, weights, strict=True):
+            mean, covariance = self.expected(theta, reading)
+            wide = covariance + np.diag((BAD.size * self.sigma(theta)[mine]) ** 2)
+            values = self.problem.values[mine]
+            total += weight * np.exp(log_density(values, mean, wide) - log_density(values, mean, covariance))
+        return float(0.01 / 0.99 * total)
+
+
+def log_density(values: Array, mean: Array, covariance: Array) -> float:
+    """Return log N(values; mean, covariance), less a constant."""
+    apart = values - mean
+    return float(-0.5 * apart @ np.linalg.inv(covariance) @ apart - 0.5 * np.linalg.slogdet(covariance)[1])
+
+
+def mixture(parts: list[Normal], weights: NDArray[np.float64]) -> Normal:
+    """Return mean and covariance of a mixture of normals."""
+    mean = np.sum([w * m for w, (m, _) in zip(weights, parts, strict=True)], axis=0)
+    spread = [w * (c + np.outer(m - mean, m - mean)) for w, (m, c) in zip(weights, parts, strict=True)]
+    return mean, np.sum(spread, axis=0)

@@ -1,0 +1,155 @@
+"""The room of the numbers: cheaper for few readings of many unknowns.  The equations are those of `spaces`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.estimation.promise.problem import Problem
+from axiscal.estimation.promise.spaces import Answered, Given, Slope, factors_of, raw_cells, turned, variances_of
+from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import inverse_of_product, root_in_place, solution, solution_of_product
+
+
+class Numbers:
+    """The room of the numbers: K (m, m)."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        plain = np.ones(problem.rows.shape[1], dtype=bool)
+        for curves in problem.curves:
+            plain[curves.columns] = False
+        self._squares = dict[int, Array]()
+        for size in np.unique(problem.size_at[plain]).tolist():
+            columns = problem.rows[:, plain & (problem.size_at == size)]
+            self._squares[size] = columns @ columns.T
+        self._fixed = self._squares.pop(-1, np.zeros((len(problem.values),) * 2))
+        self._curved = [problem.rows[:, curves.columns].transpose(1, 0, 2).copy() for curves in problem.curves]
+        self._roots = np.zeros((problem.answered,) * 2)
+        for start, root in problem.roots:
+            part = slice(start - problem.first, start - problem.first + len(root))
+            self._roots[part, part] = root @ root.T
+
+    def prior(self, theta: Array, roots: Sequence[Array]) -> Array:
+        """Return the prior covariance of the answered unknowns, (answered, answered) m² and rad²."""
+        result, factors = self._roots.copy(), factors_of(self.problem, theta)[self.problem.first :]
+        for curves, lower in zip(self.problem.curves, roots, strict=True):
+            at = curves.columns - self.problem.first
+            result[at[:, :, None], at[:, None, :]] = lower @ lower.transpose(0, 2, 1)
+        result *= factors
+        result *= factors[:, None]
+        return result
+
+    def _shown(self, theta: Array, roots: Sequence[Array]) -> list[Array]:
+        """Return the columns of curves with their priors applied, (f, m, k) each."""
+        factors = factors_of(self.problem, theta)
+        pairs = zip(self._curved, self.problem.curves, roots, strict=True)
+        return [rows @ (lower * factors[curves.columns[:, :1, None]]) for rows, curves, lower in pairs]
+
+    def covariance(self, theta: Array, roots: Sequence[Array]) -> Array:
+        """Return K, (m, m)."""
+        result = self._fixed.copy()
+        for size, square in self._squares.items():
+            result += np.exp(2 * theta[size]) * square
+        for shown in self._shown(theta, roots):
+            result += _square(shown)
+        result[np.diag_indices_from(result)] += variances_of(self.problem, theta)
+        return result
+
+    def derivatives(self, theta: Array, roots: Sequence[Array]) -> dict[int, Array]:
+        """Return the derivative of K by each θ but noises, (m, m) each."""
+        problem = self.problem
+        by = {size: 2 * np.exp(2 * theta[size]) * square for size, square in self._squares.items()}
+        for curves, lower, shown in zip(problem.curves, roots, self._shown(theta, roots), strict=True):
+            size_at = problem.size_at[curves.columns[:, 0]]
+            bent = shown @ curves.bends(theta, lower)
+            for size in np.unique(size_at[size_at >= 0]).tolist():
+                by[size] = by.get(size, 0.0) + 2 * _square(shown[size_at == size])
+            for length in np.unique(curves.length_at[curves.length_at >= 0]).tolist():
+                mine = curves.length_at == length
+                by[length] = by.get(length, 0.0) + _flat(bent[mine]) @ _flat(shown[mine]).T
+        return by
+
+    def given(self, theta: Array) -> Given | None:
+        """Return everything at sizes θ."""
+        roots = [curves.roots(theta) for curves in self.problem.curves]
+        root = root_in_place(self.covariance(theta, roots))
+        return None if root is None else _InNumbers(self, theta, root, roots)
+
+
+def _flat(shown: Array) -> Array:
+    """Return curves side by side, (m, f k).  shown : (f, m, k)"""
+    curves, numbers, knots = shown.shape
+    return shown.transpose(1, 0, 2).reshape(numbers, curves * knots)
+
+
+def _square(shown: Array) -> Array:
+    """Return Σ Z Zᵀ of several curves, (m, m).  shown : Z (f, m, k)"""
+    flat = _flat(shown)
+    return flat @ flat.T
+
+
+@dataclass(eq=False)
+class _InNumbers:
+    """K = F Fᵀ at one set of sizes."""
+
+    space: Numbers
+    theta: Array
+    root: Array
+    roots: list[Array]
+
+    def __post_init__(self) -> None:
+        self.weighted = solution_of_product(self.root, self.space.problem.values)
+        self.square = float(self.space.problem.values @ self.weighted)
+        self.value = float(-0.5 * self.square - np.log(np.diagonal(self.root)).sum())
+
+    @cached_property
+    def _inverse(self) -> Array:
+        return inverse_of_product(self.root)
+
+    def slope(self) -> Slope:
+        """Return value, gradient and information."""
+        problem, theta, weighted, inverse = self.space.problem, self.theta, self.weighted, self._inverse
+        by = self.space.derivatives(theta, self.roots)
+        pulls = {name: inverse @ each for name, each in by.items()}
+        pushes = {name: float(weighted @ each @ weighted) for name, each in by.items()}
+        for size in np.unique(problem.groups[problem.groups >= 0]).tolist():
+            noise = np.where(problem.groups == size, 2 * np.exp(2 * theta[size]), 0.0)
+            pulls[size], pushes[size] = inverse * noise, float(noise @ weighted**2)
+        names = list(pulls)
+        gradient, information = np.zeros(len(theta)), np.zeros((len(theta),) * 2)
+        flat = np.array([pulls[name].ravel() for name in names]).reshape(len(names), -1)
+        turned = np.array([pulls[name].T.ravel() for name in names]).reshape(len(names), -1)
+        gradient[names] = [0.5 * (pushes[name] - np.trace(pulls[name])) for name in names]
+        information[np.ix_(names, names)] = 0.5 * flat @ turned.T
+        return Slope(self.value, gradient, information)
+
+    def answer(self) -> Answered:
+        """Return the posterior of the answered unknowns."""
+        problem = self.space.problem
+        shown = turned(problem, problem.rows, self.theta, self.roots, problem.first)
+        half = solution(self.root, shown)
+        mean = problem.raw(shown.T @ self.weighted, self.theta, self.roots)
+        back = problem.raw(half.T, self.theta, self.roots)
+        covariance = self.space.prior(self.theta, self.roots)
+        covariance -= back @ back.T
+        return Answered(problem.mean + mean, covariance)
+
+    def cells(self) -> Array:
+        """Return the means of the rests of the cells that were visited."""
+        problem = self.space.problem
+        part = slice(problem.first_cell, problem.first_cell + len(problem.cells))
+        factors = factors_of(problem, self.theta)[part]
+        return raw_cells(problem, factors**2 * (problem.rows[:, part].T @ self.weighted))
+
+    def left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return K⁻¹y and the blocks of K⁻¹ of some readings."""
+        return self.weighted[part], self._inverse[part[:, :, None], part[:, None, :]]
+
+    def precision(self, columns: Array) -> Array:
+        """Return K⁻¹B."""
+        return solution_of_product(self.root, columns)

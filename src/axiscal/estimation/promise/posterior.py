@@ -1,0 +1,270 @@
+"""The posterior of errors and set-ups' unknowns, sizes averaged over, and whether the readings agree with each other.
+
+    m = Σ w m_θ,    C = Σ w (C_θ + (m_θ − m)(m_θ − m)ᵀ)
+
+A reading left out is expected with r = (K⁻¹_ii)⁻¹ (K⁻¹y)_i and covariance S = (K⁻¹_ii)⁻¹ (Rasmussen and Williams 2006,
+eq. 5.12). It is bad with odds, sizes integrated out, of
+
+    0.01/0.99 Σ w L_θ/N(r; 0, S) N(r; 0, S + (30 σ)²) / Σ w L_θ
+
+the sizes as stated among the draws, whatever their weight: a bad reading hides behind the noise that it teaches. Above
+1 the worst is taken out, with those of nearly the same odds, and again, up to a fifth of the readings. One reading
+alone cannot tell a slip from a detail of the machine. The answers with it and without it count one half each if errors
+of the stated size could be as large:
+
+    m = ½ (m₀ + m₁),    C = ½ (C₀ + C₁) + ¼ (m₀ − m₁)(m₀ − m₁)ᵀ
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.description.causes import BAD
+from axiscal.description.sizes import Kind
+from axiscal.estimation.promise.agreement import BAD_SHARE, MOST_BAD, Agreement, Turned, agreement
+from axiscal.estimation.promise.draws import Weighed, draws, mode, redrawn, weighed
+from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
+from axiscal.estimation.promise.spaces import Given, parts_of, turned
+from axiscal.estimation.promise.unknowns import space_of
+from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
+
+_ODDS = BAD_SHARE / (1 - BAD_SHARE)
+"""Of a bad reading before any is taken, by definition."""
+_ALIKE = float(np.log(2.0))
+"""Of log odds: which of such readings is bad nobody can say, and all go."""
+_DOUBTED = 3.0
+"""Standard deviations from which on all draws are asked about one of many readings."""
+_DETAIL = 2.0
+"""Stated sizes: a detail is no larger, and what is larger is a slip."""
+_RENEWED = 10.0
+"""Effective number of draws below which they are drawn anew."""
+
+
+_Owned = tuple[Kind, str]
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOut:
+    """What the others expect of one reading.
+
+    residual : (k,) read less expected, over the base noise; covariance : (k, k) of that; log_odds : that it is bad
+    z : largest residual of its numbers, in standard deviations
+    """
+
+    residual: Array
+    covariance: Array
+    log_odds: float
+    z: float
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """mean (k,), covariance (k, k) : of errors, then set-ups' unknowns, m and rad
+
+    cells : means of the rests of visited cells by (term, cell), m or rad
+    sizes : exp θ by kind and owner, of lengths the geometric mean, of others the root mean square
+    effective : number of draws
+    bad : readings that were taken out, in this order, by index; agreement : of the others
+    left_out : of each reading that stayed
+    """
+
+    mean: Array
+    covariance: Array
+    cells: dict[tuple[int, int], float]
+    sizes: dict[tuple[Kind, str], float]
+    effective: float
+    bad: dict[int, LeftOut]
+    agreement: Agreement
+    left_out: dict[int, LeftOut]
+
+
+@one_thread()
+def posterior(
+    problem: Problem,
+    never: Iterable[int] = (),
+    sure: Iterable[int] = (),
+    turned: Iterable[Turned] = (),
+) -> Posterior:
+    """Return the posterior of a problem.
+
+    never : readings that are not used; sure : readings that are not taken out
+    turned : the problem if some axes count the other way; made only where the readings contradict
+    """
+    bad = dict[int, LeftOut]()
+    accepted, count = frozenset(sure), len(np.unique(problem.reading))
+    while True:
+        apart = [*never, *bad]
+        mine = problem.only(~np.isin(problem.reading, apart)) if apart else problem
+        found = sized(mine)
+        left = _as_stated(mine, found, _left_out(mine, found))
+        doubtful = {i: each.log_odds for i, each in left.items() if i not in accepted}
+        highest = max(doubtful.values(), default=0.0)
+        worst = [i for i, odds in doubtful.items() if odds >= highest - _ALIKE]
+        if highest <= 0 or len(bad) + len(worst) > MOST_BAD * count:
+            break
+        bad |= {i: left[i] for i in worst}
+    moments = _moments(mine, found)
+    sizes = _sizes(mine, found)
+    if details := [index for index in bad if _may_be_a_detail(problem, index, bad[index])]:
+        others = [*never, *(index for index in bad if index not in details)]
+        together = problem.only(~np.isin(problem.reading, others))
+        whole = sized(together)
+        sizes = _half_and_half(sizes, _sizes(mine, whole))
+        moments = moments.half_and_half(_moments(together, whole))
+    kept = np.isin(problem.reading, [*left])
+    z = np.array([each.z for each in left.values()])
+    agreed = agreement(mine, found, z, count - len(left), ((axes, other.only(kept)) for axes, other in turned))
+    known = dict(zip(problem.cells, moments.cells.tolist(), strict=True))
+    return Posterior(moments.mean, moments.covariance, known, sizes, found.effective, bad, agreed, left)
+
+
+def sized(problem: Problem) -> Weighed:
+    """Return draws of the sizes of a problem, with their weights."""
+    space = space_of(problem)
+    best = mode(space)
+    drawn = draws(space, best)
+    found = weighed(space, drawn)
+    return found if found.effective >= _RENEWED else weighed(space, redrawn(space, drawn, best, found))
+
+
+def _may_be_a_detail(problem: Problem, index: int, left: LeftOut) -> bool:
+    """Return whether errors of the stated size can make a reading that the others contradict."""
+    mine, theta = problem.reading == index, np.zeros(len(problem.sizes))
+    largest = np.zeros(int(mine.sum()))
+    for curves in problem.curves:
+        shown = problem.rows[mine][:, curves.columns].transpose(1, 0, 2) @ curves.roots(theta)
+        largest += np.sum(shown**2, axis=(0, 2))
+    return bool(np.all(left.residual**2 < _DETAIL**2 * largest))
+
+
+def _half_and_half(one: Mapping[_Owned, float], other: Mapping[_Owned, float]) -> dict[_Owned, float]:
+    """Return sizes of two answers that count one half each."""
+    return {
+        key: float(np.sqrt(size * other[key] if key[0] == "length" else (size**2 + other[key] ** 2) / 2))
+        for key, size in one.items()
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class _Moments:
+    """mean (k,), covariance (k, k); cells : means of rests (c,)"""
+
+    mean: Array
+    covariance: Array
+    cells: Array
+
+    def half_and_half(self, other: _Moments) -> _Moments:
+        """Return the moments where this answer and another one count one half each."""
+        apart = (self.mean - other.mean) / 2
+        covariance = (self.covariance + other.covariance) / 2 + np.outer(apart, apart)
+        return _Moments((self.mean + other.mean) / 2, covariance, (self.cells + other.cells) / 2)
+
+
+def _moments(problem: Problem, found: Weighed) -> _Moments:
+    """Return the moments over the draws."""
+    answers = [each.answer() for each in found.given]
+    about = answers[0].mean  # open zeros are large beside what draws differ by
+    shift = np.sum([w * (each.mean - about) for w, each in zip(found.weights, answers, strict=True)], axis=0)
+    aparts = np.array([each.mean - about - shift for each in answers])
+    total = (aparts.T * found.weights) @ aparts
+    for weight, answer, given in zip(found.weights, answers, found.given, strict=True):
+        total += weight * answer.covariance
+        if problem.held.size:
+            moved = gain(problem, given, problem.held)
+            total += weight * moved @ moved.T
+    cells = np.sum([w * each.cells() for w, each in zip(found.weights, found.given, strict=True)], axis=0)
+    return _Moments(about + shift, total, cells)
+
+
+def gain(problem: Problem, given: Given, columns: Array) -> Array:
+    """Return G times columns, (answered, q) m and rad: by what the mean m = G y moves if the numbers do.
+
+    columns : (m, q) of the numbers, over the base noise
+    """
+    shown = turned(problem, problem.rows, given.theta, given.roots, problem.first)
+    return problem.raw(shown.T @ given.precision(columns), given.theta, given.roots)
+
+
+def _sizes(problem: Problem, found: Weighed) -> dict[tuple[Kind, str], float]:
+    """Return each size as a factor on what is stated: variances add up, and lengths do not."""
+    if not len(problem.sizes):
+        return {}
+    squares, logs = np.sqrt(found.weights @ np.exp(2 * found.thetas)), np.exp(found.weights @ found.thetas)
+    each = zip(problem.sizes.of, squares.tolist(), logs.tolist(), strict=True)
+    return {
+        (size.kind, owner): middle if size.kind == "length" else root
+        for size, root, middle in each
+        for owner in size.owners
+    }
+
+
+def _left_out(problem: Problem, found: Weighed) -> dict[int, LeftOut]:
+    """Return what the others expect of each reading, by its index.
+
+    The heaviest draw goes first if numbers are many; all draws then judge only the readings that it suspects.
+    """
+    result = dict[int, LeftOut]()
+    for part in parts_of(problem.reading):
+        each = (
+            _of_draws(problem, found, part) if len(problem.values) <= MOST_NUMBERS else _of_many(problem, found, part)
+        )
+        result.update(zip(problem.reading[part[:, 0]].tolist(), each, strict=True))
+    return dict(sorted(result.items()))
+
+
+def _as_stated(problem: Problem, found: Weighed, left: Mapping[int, LeftOut]) -> dict[int, LeftOut]:
+    """Return what is known of the readings that are left out, their odds with one draw more: the sizes as stated.
+
+    A bad reading makes noise seem large: without it the sizes may be those stated, of which no draw is left.
+    """
+    given, result = found.stated.given, dict(left)
+    log_total = np.logaddexp(0.0, found.log_stated)
+    for part in parts_of(problem.reading):
+        _, _, ratios = _of_draw(problem, given, given.theta, part)
+        for reading, ratio in zip(problem.reading[part[:, 0]].tolist(), ratios, strict=True):
+            odds = np.logaddexp(left[reading].log_odds, np.log(_ODDS) + found.log_stated + ratio)
+            result[reading] = replace(left[reading], log_odds=float(odds - log_total))
+    return result
+
+
+def _of_many(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[LeftOut]:
+    """Return what the others expect of many readings of k numbers.  part : (r, k)"""
+    heaviest = int(np.argmax(found.weights))
+    alone = replace(found, thetas=found.thetas[[heaviest]], weights=np.ones(1), given=(found.given[heaviest],))
+    result = _of_draws(problem, alone, part)
+    doubted = [i for i, each in enumerate(result) if each.z > _DOUBTED]
+    if doubted:
+        for i, each in zip(doubted, _of_draws(problem, found, part[doubted]), strict=True):
+            result[i] = each
+    return result
+
+
+def _of_draws(problem: Problem, found: Weighed, part: NDArray[np.intp]) -> list[LeftOut]:
+    """Return what the others expect of readings of k numbers each, over all draws.  part : (r, k)"""
+    each = [_of_draw(problem, given, theta, part) for given, theta in zip(found.given, found.thetas, strict=True)]
+    residuals, covariances, ratios = (np.array(one) for one in zip(*each, strict=True))
+    residual = np.einsum("n,nrk->rk", found.weights, residuals)
+    apart = residuals - residual
+    spread = np.einsum("n,nrkl->rkl", found.weights, covariances + apart[..., :, None] * apart[..., None, :])
+    most = np.max(ratios, axis=0)
+    odds = np.log(_ODDS * (found.weights @ np.exp(ratios - most))) + most
+    squares = np.sum(residual * np.linalg.solve(spread, residual[..., None])[..., 0], axis=1) / part.shape[1]
+    return [LeftOut(*one) for one in zip(residual, spread, odds.tolist(), np.sqrt(squares).tolist(), strict=True)]
+
+
+def _of_draw(problem: Problem, given: Given, theta: Array, part: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+    """Return residuals (r, k), covariances (r, k, k) and log ratios of bad over good (r,) of readings at one draw."""
+    weighted, blocks = given.left_out(part)
+    covariances: Array = np.asarray(np.linalg.inv(blocks), dtype=float)
+    residuals = (covariances @ weighted[..., None])[..., 0]
+    sigma = np.exp(np.append(theta, 0.0))[problem.groups[part]]
+    wide = covariances + (BAD.size * sigma[:, :, None]) ** 2 * np.eye(part.shape[1])
+    inner = np.sum(residuals * np.linalg.solve(wide, residuals[..., None])[..., 0], axis=1)
+    log_dets = np.linalg.slogdet(blocks)[1] + np.linalg.slogdet(wide)[1]
+    gain = np.sum(residuals * weighted, axis=1) - inner - log_dets
+    return residuals, covariances, np.asarray(0.5 * gain)

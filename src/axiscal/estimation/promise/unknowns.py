@@ -1,0 +1,232 @@
+"""The room of the unknowns: cheaper for many readings.  The equations are those of `spaces`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.estimation.promise.numbers import Numbers
+from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
+from axiscal.estimation.promise.spaces import (
+    Answered,
+    Given,
+    Slope,
+    Space,
+    factors_of,
+    raw_cells,
+    times_roots,
+    turned,
+    variances_of,
+)
+from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import back_solution, inverse_of_product, root_in_place, solution
+
+_AT_ONCE = 600
+"""Numbers whose rows are worked through at once: more would not stay in the cache."""
+
+
+class Unknowns:
+    """The room of the unknowns: Q (p, p)."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.groups = np.unique(problem.groups).tolist() or [-1]
+        each = [problem] if len(self.groups) == 1 else [problem.only(problem.groups == i) for i in self.groups]
+        self.counts = [len(mine.values) for mine in each]
+        self.squares = [mine.rows.T @ mine.rows for mine in each]
+        self.products = [mine.rows.T @ mine.values for mine in each]
+        self.totals = [float(mine.values @ mine.values) for mine in each]
+
+    def weights(self, theta: Array) -> Array:
+        """Return 1/σ² of each group, (g,)."""
+        result: Array = np.exp(-2 * np.append(theta, 0.0))[self.groups]
+        return result
+
+    def whitened(self, square: Array, theta: Array, roots: Sequence[Array]) -> None:
+        """Turn A into D Lᵀ A L D in place: its lower triangle (p, p), which is all that Q's factor reads.
+
+        Curves are answered and stand last: below the diagonal L acts on the rows of these columns only.
+        """
+        first, factors = self.problem.first, factors_of(self.problem, theta)
+        own = square[first:]
+        for curves, lower in zip(self.problem.curves, roots, strict=True):
+            columns = curves.columns - first
+            own[columns] = lower.transpose(0, 2, 1) @ own[columns]
+        for curves, lower in zip(self.problem.curves, roots, strict=True):
+            times_roots(own, curves.columns, lower)
+        square *= factors
+        square *= factors[:, None]
+
+    def given(self, theta: Array) -> Given | None:
+        """Return everything at sizes θ."""
+        roots = [curves.roots(theta) for curves in self.problem.curves]
+        weights = self.weights(theta)
+        matrix = weights[0] * self.squares[0]
+        for weight, square in zip(weights[1:], self.squares[1:], strict=True):
+            matrix += weight * square
+        self.whitened(matrix, theta, roots)
+        matrix[np.diag_indices_from(matrix)] += 1.0
+        root = root_in_place(matrix)
+        return None if root is None else _InUnknowns(self, theta, root, roots)
+
+
+@dataclass(eq=False)
+class _InUnknowns:
+    """Q = F Fᵀ at one set of sizes."""
+
+    space: Unknowns
+    theta: Array
+    root: Array
+    roots: list[Array]
+
+    def __post_init__(self) -> None:
+        space, weights = self.space, self.space.weights(self.theta)
+        right = np.zeros((1, len(self.root)))
+        for weight, each in zip(weights, space.products, strict=True):
+            right += weight * each
+        half = solution(self.root, turned(space.problem, right, self.theta, self.roots)[0])
+        self.solved = back_solution(self.root, half)
+        scales = np.append(self.theta, 0.0)[space.groups]
+        self.square = float(weights @ np.array(space.totals) - half @ half)
+        logs = float(np.log(np.diagonal(self.root)).sum() + np.array(space.counts) @ scales)
+        self.value = -0.5 * self.square - logs
+
+    def slope(self) -> Slope:
+        """Return value, gradient and information."""
+        problem, u, k = self.space.problem, self.solved, len(self.theta)
+        inverse = inverse_of_product(self.root)
+        w = -inverse
+        w[np.diag_indices_from(w)] += 1.0
+        pick, bent = _picked(problem.size_at, k), self._bent(w)
+        gradient = pick.T @ (u**2 - np.diagonal(w))
+        gradient += 0.5 * bent.pick.T @ (u[bent.at] * bent.times(u[:, None])[:, 0] - bent.rows[bent.range, bent.at])
+        information = 2 * pick.T @ ((w * w) @ pick)
+        cross = bent.pick.T @ ((bent.rows * w[bent.at]) @ pick)
+        information += cross + cross.T
+        own = bent.rows[:, bent.at]
+        information += 0.5 * bent.pick.T @ ((own * own.T) @ bent.pick)
+        self._noises(gradient, information, (w, inverse), (pick, bent))
+        return Slope(self.value, gradient, information)
+
+    def _bent(self, w: Array) -> _Bent:
+        curves = self.space.problem.curves
+        pairs = list(zip(curves, self.roots, strict=True))
+        bends = [each.bends(self.theta, lower) for each, lower in pairs]
+        at = np.concatenate([each.columns.ravel() for each in curves] or [np.zeros(0, dtype=np.intp)])
+        lengths = [np.repeat(each.length_at, each.columns.shape[1]) for each in curves]
+        pick = _picked(np.concatenate(lengths or [np.zeros(0, dtype=np.intp)]), len(self.theta))
+        bent = _Bent(at, pick, [each.columns for each in curves], bends, w)
+        bent.rows = bent.times(w)
+        return bent
+
+    def _noises(self, gradient: Array, information: Array, both: tuple[Array, Array], of: tuple[Array, _Bent]) -> None:
+        """Add what the noises of the groups do, in place.  both : W and Q⁻¹; of : which size each column has"""
+        (w, inverse), (pick, bent) = both, of
+        products = self._products(w, inverse)
+        turned = bent.times(inverse)
+        for index, (group, product) in enumerate(zip(self.space.groups, products, strict=True)):
+            if group < 0:
+                continue
+            count, trace = self.space.counts[index], float(np.trace(product))
+            gradient[group] += float(self.space.weights(self.theta)[index]) * self._left(index) - count + trace
+            information[group, group] += 2 * (count - 2 * trace)
+            for other, beside in zip(self.space.groups, products, strict=True):
+                if other >= 0:
+                    information[group, other] += 2 * float(np.sum(product * beside.T))
+            cross = 2 * np.sum(product * inverse, axis=1) @ pick
+            cross += np.sum(product[bent.at] * turned, axis=1) @ bent.pick
+            information[group] += cross
+            information[:, group] += cross
+
+    def _products(self, w: Array, inverse: Array) -> list[Array]:
+        """Return Q⁻¹B of each group, (p, p): together they are W, so the first is what the others leave."""
+        space, result = self.space, list[Array]()
+        for weight, square in list(zip(space.weights(self.theta), space.squares, strict=True))[1:]:
+            gram = weight * square
+            space.whitened(gram, self.theta, self.roots)
+            result.append(inverse @ (np.tril(gram) + np.tril(gram, -1).T))
+        return [w - np.sum(result, axis=0), *result] if result else [w] * len(space.groups)
+
+    def _left(self, index: int) -> float:
+        """Return the sum of the squares that the estimate leaves of a group's numbers, over their base noise."""
+        space, problem = self.space, self.space.problem
+        raw = self.solved * factors_of(problem, self.theta)
+        for curves, lower in zip(problem.curves, self.roots, strict=True):
+            raw[curves.columns] = (lower @ raw[curves.columns][:, :, None])[:, :, 0]
+        return float(space.totals[index] - 2 * raw @ space.products[index] + raw @ space.squares[index] @ raw)
+
+    def answer(self) -> Answered:
+        """Return the posterior of the answered unknowns: they stand last, so the trailing triangle is enough."""
+        problem = self.space.problem
+        first = problem.first
+        half = problem.raw(inverse_of_product(self.root[first:, first:]), self.theta, self.roots)
+        covariance = problem.raw(half.T, self.theta, self.roots)
+        return Answered(problem.mean + problem.raw(self.solved[first:], self.theta, self.roots), covariance)
+
+    def cells(self) -> Array:
+        """Return the means of the rests of the cells that were visited."""
+        problem = self.space.problem
+        part = slice(problem.first_cell, problem.first_cell + len(problem.cells))
+        return raw_cells(problem, factors_of(problem, self.theta)[part] * self.solved[part])
+
+    def left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return K⁻¹y and the blocks of K⁻¹ of some readings, over the noise."""
+        pieces = [self._left_out(piece) for piece in np.array_split(part, 1 + part.size // _AT_ONCE)]
+        left, blocks = (np.concatenate(each) for each in zip(*pieces, strict=True))
+        return left, blocks
+
+    def _left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
+        rows, roots = self._rows(part.ravel())
+        left = self.space.problem.values[part].ravel() * roots - rows @ self.solved
+        half = np.ascontiguousarray(solution(self.root, rows.T).T).reshape(*part.shape, -1)
+        own = roots.reshape(part.shape)
+        blocks = np.eye(part.shape[1]) - half @ half.transpose(0, 2, 1)
+        return left.reshape(part.shape) * own, blocks * own[:, :, None] * own[:, None, :]
+
+    def precision(self, columns: Array) -> Array:
+        """Return K⁻¹B."""
+        rows, roots = self._rows(np.arange(len(columns)))
+        own = columns * roots[:, None]
+        half = solution(self.root, rows.T @ own)
+        return np.asarray(roots[:, None] * (own - rows @ back_solution(self.root, half)))
+
+    def _rows(self, which: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Return rows of unknowns of variance one over the noise, (n, p), and one over the noise, (n,)."""
+        problem = self.space.problem
+        roots = 1 / np.sqrt(variances_of(problem, self.theta)[which])
+        return turned(problem, problem.rows[which], self.theta, self.roots) * roots[:, None], roots
+
+
+@dataclass(eq=False)
+class _Bent:
+    """All columns whose prior has a length: at (q,), pick (q, k) which θ, M of each curve, and rows = M W (q, p)."""
+
+    at: NDArray[np.intp]
+    pick: Array
+    columns: list[NDArray[np.intp]]
+    bends: list[Array]
+    rows: Array
+
+    @property
+    def range(self) -> NDArray[np.intp]:
+        """0 … q − 1."""
+        return np.arange(len(self.at))
+
+    def times(self, matrix: Array) -> Array:
+        """Return M applied to the rows of these columns, (q, n).  matrix : (p, n)"""
+        pairs = zip(self.columns, self.bends, strict=True)
+        parts = [(bend @ matrix[columns]).reshape(-1, matrix.shape[1]) for columns, bend in pairs]
+        return np.concatenate(parts) if parts else np.zeros((0, matrix.shape[1]))
+
+
+def _picked(number_at: NDArray[np.intp], count: int) -> Array:
+    """Return which of `count` sizes each column has, (n, count) of ones and noughts.  number_at : (n,), −1 for none"""
+    return np.asarray(number_at[:, None] == np.arange(count), dtype=float)
+
+
+def space_of(problem: Problem) -> Space:
+    """Return the room in which a problem costs less."""
+    return Numbers(problem) if len(problem.values) <= MOST_NUMBERS else Unknowns(problem)

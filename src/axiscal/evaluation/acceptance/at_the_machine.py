@@ -1,0 +1,80 @@
+"""As-found and as-left readings by a machine that runs: into two files, each reading on the disk before the next one.
+
+The first command reads without the tables. Then somebody loads them, and the same command reads with them. What the
+files hold already is not read again.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.campaign.sources import Answer, Request, Source
+from axiscal.description.campaign import CampaignDescription
+from axiscal.description.placed_readings import placed_readings
+from axiscal.document.durable import write_whole
+from axiscal.exceptions import InputError, ReadingError
+from axiscal.measurement.readers.csv_readings import filled_sheet, read_readings
+from axiscal.measurement.reading import Reading
+
+_SAME = 1e-7
+"""m or rad: rounding of a place that was written down."""
+Watch = Callable[[Path, int, int], None]
+"""Is told the file, how many readings it holds, and how many it is to hold."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """A file of readings at places, one after another.
+
+    wanted : a request for each place
+    """
+
+    file: Path
+    description: CampaignDescription
+    wanted: Sequence[Request]
+
+    def held(self) -> tuple[Reading, ...]:
+        """Return the readings that it holds; raises ReadingError where they are of other places."""
+        if not self.file.exists():
+            return ()
+        held = placed_readings(read_readings(self.file), self.description, self.file)
+        for reading, place in zip(held, self.wanted, strict=False):
+            apart = np.max(np.abs(np.subtract(reading.pose, place.pose)))
+            if reading.setup != place.setup.name or apart > _SAME or reading.approach != place.approach:
+                what = "it holds readings of other places than this check"
+                raise ReadingError(what, "Name another file, or give --points as then", self.file, reading.line)
+        if len(held) > len(self.wanted):
+            what = f"it holds {len(held)} readings, and this check has {len(self.wanted)}"
+            raise ReadingError(what, "Name another file, or give --points as then", self.file)
+        return held
+
+    def complete(self) -> bool:
+        """Whether it holds all of its readings."""
+        return len(self.held()) == len(self.wanted)
+
+    def fill(self, opened: Callable[[], Source], watch: Watch) -> None:
+        """Read what is missing; raises ReadingError before that, SourceError with how many readings are kept."""
+        readings = list(self.held())
+        if not os.access(self.file.absolute().parent, os.W_OK | os.X_OK):
+            raise ReadingError("nothing can be written there", "Name a file in a folder of yours", self.file)
+        source = opened()
+        try:
+            for request in self.wanted[len(readings) :]:
+                answer = source.read(request)
+                assert isinstance(answer, Answer)  # a machine that runs reads, or ends the run
+                at = (request.setup.name, request.pose, request.approach)
+                readings.append(Reading(*at, answer.value, answer.std, others=answer.others))
+                write_whole(self.file, filled_sheet(self.description.machine.axes, readings).encode())
+                watch(self.file, len(readings), len(self.wanted))
+        except InputError as failure:
+            kept = (
+                f"{len(readings)} of {len(self.wanted)} readings are kept in {self.file}; go on with the same command"
+            )
+            raise type(failure)(failure.what, f"{failure.remedy.rstrip('.')}. {kept}", failure.file) from failure
+        finally:
+            source.close()

@@ -1,0 +1,228 @@
+"""A check of a machine whose tables were loaded: where to read, what was read there, and what it says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources import Request
+from axiscal.description.campaign import CampaignDescription
+from axiscal.description.placed_readings import placed_readings
+from axiscal.description.target import Target
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.evaluation.acceptance.as_found_and_left import as_found_and_left, of_machine
+from axiscal.evaluation.acceptance.at_the_machine import Sheet
+from axiscal.evaluation.acceptance.judgement import Judgement
+from axiscal.evaluation.acceptance.table_checks import Part, needed, parts_of, taken_away
+from axiscal.evaluation.acceptance.verification import (
+    expected,
+    judge,
+    places_lacking,
+    plan_check,
+    values_at,
+    with_displacements,
+    without_zeros,
+)
+from axiscal.exceptions import ReadingError, TargetError
+from axiscal.measurement.place import Places
+from axiscal.measurement.place_texts import columns_of
+from axiscal.measurement.readers.csv_readings import blank_sheet, read_readings
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator, VirtualMachine
+from axiscal.numerics import Array
+from axiscal.numerics.stages import stage
+from axiscal.tables import registry
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.offer import Export
+from axiscal.units import parse_quantity
+
+_USUAL, _FEW = 12, 4
+"""Places of a check that nobody gave a number for, and how many of them lie elsewhere than where the tables ask."""
+_PROBES = 300
+"""Places at which is looked what the tables change; any few hundred spread over the volume do."""
+FoundAndLeft = tuple[tuple[Reading, ...], tuple[Reading, ...]]
+"""Readings without the tables and with them, of the same places."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Check:
+    """The campaign's estimate, and the tables of one controller that come from it."""
+
+    description: CampaignDescription
+    estimation: Estimation
+    used: tuple[Reading, ...]
+    estimate: Estimate
+    tables: Export
+
+    @classmethod
+    def of(cls, campaign: Campaign, controller: str) -> Check:
+        """Return the check of a campaign; raises InputError for a controller that its tables cannot be made for."""
+        estimation = campaign.estimate(ended=True)
+        estimate = estimation.estimate()
+        tables = registry.export(estimate, controller, ExportOptions())
+        return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)
+
+    @stage("places to check")
+    def planned(self, count: int | None = None, by: str = "", tolerance: float = 0.0) -> Places:
+        """Return where to read, places that were not read before; raises ReadingError when there are not as many.
+
+        by : instrument of the only set-ups that are read; empty for any
+        tolerance : it will be judged by, m; 0 where that is not known, and it is enough for any
+        count : how many; None takes what the tables need, each at its ends and where it corrects most, and 12 at least
+        where so many are new.
+        Fewer than the tables need show those that correct most; the rest is where the machine should be worst and best.
+        No set-up is read at fewer places than tell the machine from it.
+        """
+        setups, lattice = self.description.setups, self.estimation.case.lattice
+        candidates = with_displacements(setups, lattice, by)
+        first = needed(self.estimate, setups, candidates, self.parts, self._used_places())
+        most = len(first) + len(candidates) if count is None else count
+        first = self._whole(first, candidates, most, tolerance)
+        left = max(_USUAL - len(first), _FEW) if count is None else count - len(first)
+        if left < 1:
+            return _in_order(first)
+        least = 0 if count is None and len(first) else left
+        return _in_order(Places.joined([first, self._at_least(candidates, least, left, first, tolerance)]))
+
+    def _at_least(self, candidates: Places, least: int, count: int, known: Places, tolerance: float) -> Places:
+        """Return `count` places besides the known ones, or as many as there are; raises ReadingError below least."""
+        while count > least:
+            try:
+                return self._others(candidates, count, known, tolerance)
+            except ReadingError:
+                count -= 1
+        return self._others(candidates, count, known, tolerance) if count else known.within(slice(0))
+
+    def _whole(self, first: Places, candidates: Places, count: int, tolerance: float) -> Places:
+        """Return `count` places at most, the first ones and what their set-ups lack to be told from the machine.
+
+        A set-up that has too few new places for that is left out.
+        """
+        asked, setups = first, self.description.setups
+        first = first.within(slice(count))
+        while len(first):
+            lacking = places_lacking(self.estimate, setups, candidates, first, tolerance)
+            lacking = {setup: more for setup, more in lacking.items() if more and setup in first.setups}
+            if len(first) + sum(lacking.values()) <= count:
+                for setup, more in lacking.items():
+                    own = candidates.within(candidates.setups == setup)
+                    try:
+                        first = Places.joined([first, self._others(own, more, first, tolerance)])
+                    except ReadingError:
+                        return self._whole(asked.within(asked.setups != setup), candidates, count, tolerance)
+                return first
+            first = first.without(len(first) - 1)
+        return first
+
+    def _others(self, candidates: Places, count: int, known: Places, tolerance: float) -> Places:
+        setups, control = self.description.setups, self.tables.control
+        return plan_check(self.estimate, setups, candidates, self.used, control, count, known, tolerance)
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The tables, each by itself, those first that correct most."""
+        machine, lattice = self.description.machine, self.estimation.case.lattice
+        places = lattice.within(np.arange(0, len(lattice), max(1, len(lattice) // _PROBES)))
+        parts, setups = parts_of(self.estimate, self.tables), self.description.setups
+        return tuple(sorted(parts, key=lambda part: -float(np.std(taken_away(machine, part, setups, places)))))
+
+    def _used_places(self) -> Places:
+        names = [setup.name for setup in self.description.setups]
+        indices = np.array([names.index(reading.setup) for reading in self.used], dtype=np.intp)
+        shape = (-1, len(self.description.machine.axes))
+        poses, sides = (
+            np.array([getattr(r, of) for r in self.used], dtype=float).reshape(shape) for of in ("pose", "approach")
+        )
+        return Places(indices, poses, sides)
+
+    def predicted(self, places: Places) -> tuple[list[Array], list[Array]]:
+        """Return the values (k,) that each place is expected to show without the tables and with them, m."""
+        setups = self.description.setups
+        of = values_at(setups, places).of
+        before, after = (
+            without_zeros(setups, places, *expected(self.estimate, setups, places, control))[0]
+            for control in (None, self.tables.control)
+        )
+        each = range(len(places.setups))
+        return [before[of == i] for i in each], [after[of == i] for i in each]
+
+    def asked(self, source: str, places: Places) -> FoundAndLeft:
+        """Return what a virtual machine shows there; raises SourceError, InputError, ControlError."""
+        description = self.description
+        simulator = Simulator(description.machine, description.setups)
+        return as_found_and_left(source, simulator, self.tables, requests(description, places))
+
+    def read_on(self, truth: VirtualMachine, seed: int, places: Places) -> FoundAndLeft:
+        """Return what a given virtual machine shows there."""
+        return of_machine(truth, seed, self.tables, requests(self.description, places))
+
+    def sheets(self, places: Places, found: Path, left: Path) -> tuple[Sheet, Sheet]:
+        """Return the files that a machine that runs fills, without the tables and with them."""
+        wanted = requests(self.description, places)
+        before, after = (Sheet(file, self.description, wanted) for file in (found, left))
+        return before, after
+
+    def read(self, found: Path, left: Path) -> FoundAndLeft:
+        """Return the readings of two files; raises ReadingError."""
+        before, after = (placed_readings(read_readings(file), self.description, file) for file in (found, left))
+        return before, after
+
+    def judged(self, readings: FoundAndLeft, tolerance: str | None) -> Judgement:
+        """Return what readings say; raises ReadingError, TargetError.  tolerance : from the target without one"""
+        allowed = self.allowed(tolerance)
+        return judge(self.estimate, self.description.setups, *readings, self.tables.control, allowed, self.parts)
+
+    def allowed(self, tolerance: str | None) -> float:
+        """Return the largest deviation allowed, m; raises TargetError, UnitError."""
+        return tolerance_of(self.description.target, tolerance)
+
+    def tightest(self, tolerance: str | None) -> float:
+        """Return the largest deviation that may be asked for, m: that allowed, or 0 where nothing says one yet."""
+        unsaid = tolerance is None and _largest(self.description.target) is None
+        return 0.0 if unsaid else self.allowed(tolerance)
+
+    def sheet(self, places: Places) -> str:
+        """Return the places as a file of readings to fill in."""
+        setups, axes = self.description.setups, self.description.machine.axes
+        return blank_sheet(setups, axes, places, columns_of(setups[index] for index in places.setups))
+
+
+def requests(description: CampaignDescription, places: Places) -> list[Request]:
+    """Return a request for the reading at each place, numbered from 1."""
+    columns = (places.setups.tolist(), places.poses.tolist(), places.approaches.astype(int).tolist())
+    return [
+        Request(n, description.setups[s], description.machine.axes, tuple(pose), tuple(approach))
+        for n, (s, pose, approach) in enumerate(zip(*columns, strict=True), start=1)
+    ]
+
+
+def _in_order(places: Places) -> Places:
+    """Return places set-up by set-up, along the axes."""
+    rows = zip(places.setups.tolist(), places.poses.tolist(), places.approaches.tolist(), strict=True)
+    keys = [(s, *pose, *sides) for s, pose, sides in rows]
+    return places.within(np.array(sorted(range(len(keys)), key=keys.__getitem__), dtype=np.intp))
+
+
+def tolerance_of(target: Target, text: str | None) -> float:
+    """Return the largest deviation allowed, m: as said, or from the target; raises TargetError, UnitError.
+
+    U is what 95 % of deviations keep, as twice the RMS is.
+    """
+    if text is not None:
+        value = parse_quantity(text, "length")
+        if value <= 0:
+            raise TargetError(f'a tolerance of "{text}"', "Give a length above zero")
+        return value
+    if (allowed := _largest(target)) is not None:
+        return allowed
+    raise TargetError("the campaign has no accuracy target to judge by", 'Give one: --tolerance "5 um"')
+
+
+def _largest(target: Target) -> float | None:
+    """Return the largest deviation that a target allows, m; None where it is no accuracy."""
+    twice = None if target.rms is None else 2 * target.rms
+    return next((each for each in (target.worst, twice, target.expanded) if each is not None), None)

@@ -1,0 +1,152 @@
+"""The share of set-ups in readings: datums that are taken off, and the rest, which is uncertainty.
+
+A zero is a datum: a length is judged against the others of its set-up. So is the place of a ball that is not known to
+the tolerance. The ball is judged against itself, at other angles of the table. So are such a tool, and such a slope:
+residuals are judged against their own line. A well-known slope, and a growth always, is not fitted, for that could
+swallow an error of the machine. It adds U diag(std²) Uᵀ to the covariance of the readings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.exceptions import ReadingError
+from axiscal.machine.description import Machine
+from axiscal.measurement.instrument import model_of
+from axiscal.measurement.instruments.kind import TOOL, Nominal
+from axiscal.measurement.observation import directions_of
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+GUARD = 1.645
+"""Expanded uncertainty in standard deviations: one side, 95 %."""
+_FAR = 3.0
+"""A reading this far off its datum is named; two or four would name few others, and the verdict does not hang on it."""
+_LINES = ("slope", "turn")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Datum:
+    """One unknown that is taken off.  row : (m,) gives its value from the readings; reach : the most it adds to one."""
+
+    setup: str
+    unknown: str
+    std: float
+    row: Array
+    reach: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Datums:
+    """What set-ups bring to m readings.
+
+    free : (m, m) projection that takes the datums off; spread : (m, m) covariance by what is not taken off, m²
+    """
+
+    free: Array
+    spread: Array
+    taken: tuple[Datum, ...]
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """Names of the set-ups that are judged against their own line, or as they turn out to be turned."""
+        return tuple(dict.fromkeys(datum.setup for datum in self.taken if _is_line(datum.unknown)))
+
+    @property
+    def tools(self) -> tuple[str, ...]:
+        """Names of the set-ups that are judged with the tool where the readings put it."""
+        return tuple(dict.fromkeys(datum.setup for datum in self.taken if datum.unknown in TOOL))
+
+    def strained(self, values: Array, noise: Array, tolerance: float) -> tuple[Datum, ...]:
+        """Return datums that would have to be far larger than stated, the tolerance on top, for these readings (m,)."""
+        covariance = self.spread + np.diag(noise**2)
+        return tuple(
+            datum
+            for datum in self.taken
+            if abs(datum.row @ values)
+            > _FAR * np.sqrt(datum.std**2 + datum.row @ covariance @ datum.row) + tolerance / datum.reach
+        )
+
+
+def is_zero(unknown: str) -> bool:
+    """Return whether an unknown of a set-up is one of its zeros."""
+    return unknown.partition("_")[0] == "zero"
+
+
+def _is_line(unknown: str) -> bool:
+    return unknown.partition("_")[0] in _LINES
+
+
+def datums_of(
+    machine: Machine,
+    setups: Sequence[Setup],
+    indices: NDArray[np.intp],
+    poses: Array,
+    directions: Array,
+    tolerance: float,
+) -> Datums:
+    """Return what the set-ups bring; raises ReadingError when readings are too few for the datums of their set-up.
+
+    indices : (m,) of the set-ups; poses : (m, q) m or rad; directions : (m, 3) of the values; tolerance : m
+    """
+    count = len(indices)
+    free, spread, taken = np.eye(count), np.zeros((count, count)), list[Datum]()
+    for index in np.unique(indices):
+        mine, setup = np.flatnonzero(indices == index), setups[index]
+        own = _own_rows(machine, setup, poses[mine], directions[mine])
+        stds = np.array([unknown.std for unknown in setup.unknowns])
+        off = _are_datums(setup, own, stds, tolerance)
+        _refuse_few(setup, len(mine), int(off.sum()))
+        inverse = np.linalg.pinv(own[:, off])
+        free[np.ix_(mine, mine)] -= own[:, off] @ inverse
+        spread[np.ix_(mine, mine)] = own[:, ~off] @ np.diag(stds[~off] ** 2) @ own[:, ~off].T
+        for column, part in zip(np.flatnonzero(off).tolist(), inverse, strict=True):
+            row = np.zeros(count)
+            row[mine] = part
+            unknown, reach = setup.unknowns[column], max(float(np.max(np.abs(own[:, column]))), 1e-12)
+            taken.append(Datum(setup.name, unknown.name, unknown.std, row, reach))
+    return Datums(free, spread, tuple(taken))
+
+
+def fewest(machine: Machine, setup: Setup, poses: Array, tolerance: float) -> int:
+    """Return how many places of a set-up tell the machine from it.
+
+    poses : (m, q) at which it may be read, m or rad; tolerance : they are judged by, m; with 0 it is enough for any
+    """
+    towards = [setup.direction if d is None else d for d in directions_of(setup)]
+    directions = np.tile(np.array(towards, dtype=float), (len(poses), 1))
+    own = _own_rows(machine, setup, np.repeat(poses, len(towards), axis=0), directions)
+    datums = int(_are_datums(setup, own, np.array([unknown.std for unknown in setup.unknowns]), tolerance).sum())
+    return datums // len(towards) + 1
+
+
+def _own_rows(machine: Machine, setup: Setup, poses: Array, directions: Array) -> Array:
+    """Return how the unknowns of a set-up show in its values, (m, unknowns)."""
+    model, result = model_of(setup), np.zeros((len(poses), len(setup.unknowns)))
+    for direction in np.unique(directions, axis=0):
+        mine = np.all(directions == direction, axis=1)
+        place = Nominal(machine, poses[mine], setup.moves)
+        for column, unknown in enumerate(setup.unknowns):
+            result[mine, column] = model.unknown_effect(setup, unknown.name, direction, place)
+    return result
+
+
+def _are_datums(setup: Setup, own: Array, stds: Array, tolerance: float) -> NDArray[np.bool_]:
+    """Return which unknowns are taken off, (unknowns,): zeros, and lines, places and tools that may hide it."""
+    wide = GUARD * stds * np.max(np.abs(own), axis=0, initial=0.0) > tolerance
+    standing = ("place", *(ball.name for ball in setup.artefact.balls)) if setup.artefact else ()
+    balls = {f"{name}_{axis}" for name in standing for axis in "xyz"}
+    pairs = zip((unknown.name for unknown in setup.unknowns), wide, strict=True)
+    return np.array(
+        [is_zero(n) or (bool(w) and (_is_line(n) or n in TOOL or n in balls)) for n, w in pairs], dtype=bool
+    )
+
+
+def _refuse_few(setup: Setup, readings: int, datums: int) -> None:
+    if readings <= datums:
+        what = f'{readings} reading(s) with "{setup.name}" cannot tell the machine from the set-up'
+        raise ReadingError(what, f"Take {datums + 1} or more with it, or leave it out")

@@ -1,0 +1,324 @@
+"""Each table of an export by itself: where its correction shows most, and how much of it the readings show.
+
+The change of the readings from as found to as left is a sum over the tables, C = Σ s_k T_k + noise. Table k should take
+T_k away. Generalised least squares give s_k: 1 where the table works as exported, 0 where it is missing, −1 where its
+sign is wrong. A table counts as checked where s_k is known well enough to tell these apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.observation import directions_of
+from axiscal.measurement.place import Places
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal.tables.effect import Control, added_by, table_control
+from axiscal.tables.offer import Export
+from axiscal.tables.table import CompensationTable
+from axiscal.units import format_quantity
+
+KNOWN = 0.15
+"""A share known to this standard deviation is checked: 0 and 1 are more than six of them apart."""
+WORKS = 0.5
+"""A share below this is nearer to a missing table, or one with the wrong sign, than to the one exported."""
+_FEW = 5
+"""Places at which files are looked at as a whole; three or eight tell as well whether they work."""
+_NOTHING = 1e-9
+"""m or rad: a correction below a nanometre is none."""
+_FRESH = 0.05
+"""Share of the travel: nearer to a reading is no new place."""
+_ALONG, _THROUGH = 0.5, 0.5
+"""Cosine, and share of a travel: a reading bears on an axis by half its direction, a range by half its length."""
+_ELSEWHERE = (0.5, 0.3, 0.7, 0.15, 0.85)
+"""Shares of the travel at which the other axes may stand: the middle, or elsewhere where that was read."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Part:
+    """One effect of one table: the mean of its directions, or their difference.
+
+    name : "X", "Y over X", "reversal of X"; over : index of the axis whose position counts, None for files without one
+    largest : what it moves at most, m or rad; rotary : whether that is an angle
+    targets : positions of that axis where the correction is largest, and the ends; both : from both sides
+    """
+
+    name: str
+    control: Control
+    over: int | None
+    targets: tuple[float, ...]
+    both: bool
+    largest: float = 0.0
+    rotary: bool = False
+
+    @property
+    def size(self) -> str:
+        """Its largest motion, as text."""
+        return format_quantity(self.largest, "arcsec" if self.rotary else "um", 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """How much of a table the readings show: its share and the standard deviation of that.
+
+    size : what the table moves at most, as text
+    """
+
+    name: str
+    value: float
+    std: float
+    size: str
+
+    @property
+    def checked(self) -> bool:
+        """Whether the readings can tell a table that works from one that is missing."""
+        return self.std <= KNOWN
+
+    @property
+    def works(self) -> bool:
+        """Whether it is nearer to the table that was exported than to none."""
+        return self.value >= WORKS
+
+
+def parts_of(estimate: Estimate, offered: Export) -> tuple[Part, ...]:
+    """Return the parts of an export that move anything: its tables, and what else its files hold as one."""
+    parts = [part for table in offered.tables for part in _of_table(estimate, table)]
+    rest = added_by(offered.control, table_control(estimate.machine, offered.tables))
+    poses, ways = _probes(estimate)
+    most = float(np.max(np.abs(rest(poses, ways))))
+    whole = Part("the files as a whole" if not parts else "the other files", rest, None, (), False, most)
+    return (*parts, *([whole] if most > _NOTHING else []))
+
+
+def taken_away(machine: Machine, part: Part, setups: Sequence[Setup], places: Places) -> Array:
+    """Return what a part takes away from each value of the readings at places, (m,), m."""
+    sent = places.poses + part.control(places.poses, places.approaches)
+    shift = frames(machine, places.poses).tcp - frames(machine, sent).tcp
+    rows = []
+    for i, s in enumerate(places.setups):
+        rows += [shift[i] @ (setups[s].direction if d is None else d) for d in directions_of(setups[s])]
+    return np.array(rows)
+
+
+def needed(
+    estimate: Estimate, setups: Sequence[Setup], candidates: Places, parts: Sequence[Part], used: Places
+) -> Places:
+    """Return the places that show each part: at both ends, and where it corrects most, from both sides if it is apart.
+
+    candidates : of the set-ups that can check, on a chart the only places where they can; used : places that were read
+    before, which are not read again
+    """
+    found = Places.none(len(estimate.machine.axes))
+    usable = np.unique(candidates.setups).tolist()
+    for part in sorted(parts, key=lambda p: not p.both):
+        options = [
+            _places(estimate, setups[s], s, part, used)
+            if setups[s].chart is None
+            else _on_chart(estimate, setups, s, part, used, candidates)
+            for s in usable
+        ]
+        scores = [_shown(estimate.machine, part, setups, places) for places in options]
+        if scores and max(scores) > 0:
+            found = Places.joined([found, _new(options[int(np.argmax(scores))], found)])
+    return found
+
+
+def without(candidates: Places, known: Places) -> Places:
+    """Return candidates whose places are not known ones."""
+    seen = {_key(known, i)[:2] for i in range(len(known))}
+    return candidates.within(
+        np.array([_key(candidates, i)[:2] not in seen for i in range(len(candidates))], dtype=bool)
+    )
+
+
+def shares(parts: Sequence[Part], columns: Array, change: Array, covariance: Array) -> tuple[Share, ...]:
+    """Return the share of each part.
+
+    columns : (m, parts) what each takes away; change : (m,) as found less as left; covariance : (m, m), may be singular
+    """
+    scale, vectors = np.linalg.eigh(covariance)
+    kept = scale > 1e-9 * scale[-1]
+    whiten = vectors[:, kept].T / np.sqrt(scale[kept])[:, None]
+    rows, seen = whiten @ columns, whiten @ change
+    left, sizes, right = np.linalg.svd(rows, full_matrices=False)
+    shown = sizes > 1e-9 * max(float(sizes[:1].sum()), _NOTHING)
+    values = right[shown].T @ ((left[:, shown].T @ seen) / sizes[shown])
+    spread = np.sqrt(np.sum((right[shown].T / sizes[shown]) ** 2, axis=1))
+    open_ones = np.sum(right[shown] ** 2, axis=0) < 1 - 1e-6
+    stds = np.where(open_ones, np.inf, spread)
+    return tuple(Share(p.name, float(v), float(s), p.size) for p, v, s in zip(parts, values, stds, strict=True))
+
+
+def idle_axes(estimate: Estimate, poses: Array, directions: Array) -> tuple[str, ...]:
+    """Return the axes of which values say nothing: moved over less than half of the volume while read along.
+
+    poses : (m, q) of the values; directions : (m, 3) in the workpiece frame.  A rotary axis is read by any direction.
+    """
+    turned = frames(estimate.machine, poses).rotations
+    idle = []
+    for k, (axis, (low, high)) in enumerate(zip(estimate.machine.axes, estimate.box, strict=True)):
+        along = np.abs(np.sum((turned[k] @ np.array(axis.direction)) * directions, axis=1)) > _ALONG
+        mine = poses[along | axis.rotary, k]
+        if high > low and (not len(mine) or np.ptp(mine) < _THROUGH * (high - low)):
+            idle.append(axis.name)
+    return tuple(idle)
+
+
+def _of_table(estimate: Estimate, table: CompensationTable) -> list[Part]:
+    machine, over = estimate.machine, estimate.machine.index(table.over)
+    name = table.axis if table.axis == table.over else f"{table.axis} over {table.over}"
+    half = (table.forward - table.reverse) / 2
+    kinds = (
+        (name, table.averaged(), False),
+        (f"reversal of {name}", replace(table, forward=half, reverse=-half), True),
+    )
+    return [
+        Part(title, table_control(machine, [one]), over, _targets(estimate, over, one), both, _most(one), one.rotary)
+        for title, one, both in kinds
+        if _most(one) > _NOTHING
+    ]
+
+
+def _most(table: CompensationTable) -> float:
+    return float(np.max(np.abs(table.forward)))
+
+
+def _targets(estimate: Estimate, over: int, table: CompensationTable) -> tuple[float, ...]:
+    """Return the ends of what is looked up, and where most is corrected, counted from the ends' mean, in the volume."""
+    low, high = estimate.box[over]
+    at = np.linspace(low, high, 201)
+    values = table.deviation(at, 1)
+    apart = np.abs(values - (values[0] + values[-1]) / 2)
+    return (low, high, float(at[int(np.argmax(apart))]), float(at[int(np.argmax(np.abs(values)))]))
+
+
+def _probes(estimate: Estimate) -> tuple[Array, Array]:
+    low, high = np.array(estimate.box).T
+    poses: Array = low + (high - low) * np.random.default_rng(0).uniform(size=(64, len(low)))
+    return poses, np.where(np.arange(64)[:, None] % 2 == 0, 1.0, -1.0) * np.ones_like(poses)
+
+
+def _places(estimate: Estimate, setup: Setup, index: int, part: Part, used: Places) -> Places:
+    """Return where a set-up would check a part; none where it does not move the axis."""
+    over = _looked_at(setup, part)
+    columns = [
+        _place(estimate, setup, index, over, t, w, used) for t in _at(estimate, part, over) for w in _ways(setup, part)
+    ]
+    poses = np.array([pose for pose, _ in columns]).reshape(-1, len(estimate.machine.axes))
+    ways = np.array([way for _, way in columns]).reshape(poses.shape)
+    return Places(np.full(len(columns), index, dtype=np.intp), poses, ways)
+
+
+def _on_chart(
+    estimate: Estimate, setups: Sequence[Setup], index: int, part: Part, used: Places, candidates: Places
+) -> Places:
+    """Return those of the candidates on a chart that show a part: nearest to its targets, or what it moves farthest."""
+    mine = np.flatnonzero(candidates.setups == index)
+    fresh = np.array([_fresh(estimate.machine, index, candidates.poses[i], used) for i in mine], dtype=bool)
+    at = candidates.within(mine[fresh])
+    if part.over is None or not len(at):
+        return at.within(_farthest(taken_away(estimate.machine, part, setups, at).reshape(len(at), -1)))
+    if part.over not in setups[index].moves:
+        return at.within(slice(0))
+    picked = []
+    for target in _at(estimate, part, part.over):
+        for way in _ways(setups[index], part):
+            from_there = np.flatnonzero(at.approaches[:, part.over] == way) if part.both else np.arange(len(at))
+            if len(from_there):
+                picked.append(int(from_there[np.argmin(np.abs(at.poses[from_there, part.over] - target))]))
+    return at.within(np.array(sorted(set(picked)), dtype=np.intp))
+
+
+def _farthest(effects: Array) -> NDArray[np.intp]:
+    """Return the indices of a few effects that are farthest from their mean, then from each other.  effects : (m, k)"""
+    picked = list[int]()
+    apart = np.linalg.norm(effects - effects.mean(axis=0), axis=1) if len(effects) else np.zeros(0)
+    for _ in range(min(_FEW, len(effects))):
+        picked.append(int(np.argmax(apart)))
+        away = np.linalg.norm(effects - effects[picked[-1]], axis=1)
+        apart = away if len(picked) == 1 else np.minimum(apart, away)
+    return np.array(sorted(set(picked)), dtype=np.intp)
+
+
+def _looked_at(setup: Setup, part: Part) -> int | None:
+    """Return the axis that is moved from place to place: the part's own, or any that the set-up moves."""
+    if part.over is None:
+        return setup.moves[0] if setup.moves else None
+    return part.over if part.over in setup.moves else None
+
+
+def _at(estimate: Estimate, part: Part, over: int | None) -> tuple[float, ...]:
+    if over is None:
+        return ()
+    low, high = estimate.box[over]
+    return tuple(dict.fromkeys(part.targets or tuple(np.linspace(low, high, _FEW).tolist())))
+
+
+def _ways(setup: Setup, part: Part) -> tuple[int, ...]:
+    return setup.sides if part.both else setup.sides[:1]
+
+
+def _place(
+    estimate: Estimate, setup: Setup, index: int, over: int | None, target: float, way: int, used: Places
+) -> tuple[Array, Array]:
+    """Return pose and sides of the place nearest to a target that was not read before."""
+    assert over is not None
+    first = _posed(estimate, setup, over, target, _ELSEWHERE[0])
+    middle = float(np.mean(estimate.box[over]))
+    options = [_posed(estimate, setup, over, target, share) for share in _ELSEWHERE]
+    options += [_posed(estimate, setup, over, target + share * (middle - target), 0.5) for share in (0.15, 0.3)]
+    pose = next((one for one in options if _fresh(estimate.machine, index, one, used)), first)
+    sides = np.zeros(len(pose))
+    sides[list(setup.moves)] = setup.sides[0]
+    sides[over] = way
+    return pose, sides
+
+
+def _posed(estimate: Estimate, setup: Setup, over: int, target: float, share: float) -> Array:
+    """Return the pose with one axis at a target, other moving axes at a share of their way, within what can be read."""
+    pose = np.array(setup.park, dtype=float)
+    for k in setup.moves:
+        axis = estimate.machine.axes[k]
+        span, box = setup.span(axis, k), estimate.box[k]
+        low, high = max(span[0] + axis.overrun, box[0]), min(span[1] - axis.overrun, box[1])
+        wanted = target if k == over else low + share * (high - low)
+        step = setup.raster[k]
+        snapped = round(wanted / step) * step if step > 0 else wanted
+        inside = (np.ceil(low / step) * step, np.floor(high / step) * step) if step > 0 else (low, high)
+        pose[k] = np.clip(snapped, *inside)
+    return pose
+
+
+def _fresh(machine: Machine, index: int, pose: Array, used: Places) -> bool:
+    lengths = np.array([axis.length for axis in machine.axes])
+    mine, _ = used.of(index)
+    return not len(mine) or bool(np.min(np.max(np.abs(mine - pose) / lengths, axis=1)) >= _FRESH)
+
+
+def _shown(machine: Machine, part: Part, setups: Sequence[Setup], places: Places) -> float:
+    """Return by how much a part makes the values of a set-up differ, in standard deviations of one."""
+    if len(places) < 2:
+        return 0.0
+    return float(np.ptp(taken_away(machine, part, setups, places))) / setups[int(places.setups[0])].noise
+
+
+def _new(places: Places, known: Places) -> Places:
+    """Return places without those that are known or come twice."""
+    seen = {_key(known, i) for i in range(len(known))}
+    kept = list[int]()
+    for i in range(len(places)):
+        if (key := _key(places, i)) not in seen:
+            seen.add(key)
+            kept.append(i)
+    return places.within(np.array(kept, dtype=np.intp))
+
+
+def _key(places: Places, i: int) -> tuple[object, ...]:
+    return int(places.setups[i]), tuple(np.round(places.poses[i], 9).tolist()), tuple(places.approaches[i].tolist())

@@ -1,0 +1,394 @@
+"""A short independent check of a machine after its tables were loaded: where to look, and what the readings decide.
+
+Points are new ones, half of them where the estimate expects the machine to be worst, half where it expects it to be
+best. As-left readings are judged against a tolerance with a guard band (after ISO 14253-1). Pass: every deviation with
+its expanded uncertainty lies inside. Fail: one lies outside with all of it. Undecided: between. A pass also needs that
+the readings changed by the tables' correction, and that no set-up is further off than stated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.evaluation.acceptance.datums import GUARD, Datums, datums_of, fewest, is_zero
+from axiscal.evaluation.acceptance.judgement import HARDLY, Judgement, Verdict
+from axiscal.evaluation.acceptance.straightened import straightened
+from axiscal.evaluation.acceptance.table_checks import Part, Share, idle_axes, shares, taken_away, without
+from axiscal.exceptions import ReadingError
+from axiscal.measurement.instrument import INSTRUMENTS, model_of
+from axiscal.measurement.instruments.displacement import Displacement
+from axiscal.measurement.instruments.kind import Nominal
+from axiscal.measurement.instruments.nest import Nest
+from axiscal.measurement.instruments.tracker import TURNS, Tracker
+from axiscal.measurement.observation import directions_of
+from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import chi_square_tail
+from axiscal.numerics.threads import one_thread
+from axiscal.tables.effect import Control, left_by
+
+_DISPLACEMENTS = (Displacement, Nest, Tracker)
+_CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if isinstance(kind.model, _DISPLACEMENTS)))
+"""Instruments that read displacements along fixed directions: the ones a check is made with."""
+_REMEDY = f"A check is made with {', '.join(_CHECKING)}: give the campaign a set-up of that kind"
+_FRESH, _APART = 0.05, 0.15
+"""Shares of the travel: nearer is no new place, wider apart is spread enough; the verdict holds anywhere."""
+_PER_SETUP = 4
+"""So many places a set-up, or mounting it costs more than it tells; the verdict holds for any number."""
+_FEWEST = 2
+"""Fewer new places of a set-up are not worth mounting it."""
+_SAME = 1e-7
+"""Rounding of a place that was written down, m or rad: far below what an instrument resolves, far above float64."""
+_STILL = 4
+"""So many readings of a set-up that show one and the same number are an instrument that does not move."""
+_NOTHING = 1e-9
+"""A change of a nanometre is none: far below any reading's noise."""
+
+
+class Values(NamedTuple):
+    """All values of readings, one after another.
+
+    of : (m,) index of the place; number : (m,) which one of its reading; directions : (m, 3) along which
+    """
+
+    of: NDArray[np.intp]
+    number: NDArray[np.intp]
+    directions: Array
+
+
+def values_at(setups: Sequence[Setup], places: Places) -> Values:
+    """Return the values that readings at these places have."""
+    each = [(i, s, n, d) for i, s in enumerate(places.setups) for n, d in enumerate(directions_of(setups[s]))]
+    towards = [setups[s].direction if d is None else d for _, s, _, d in each]
+    of, number = (np.array([one[k] for one in each], dtype=np.intp) for k in (0, 2))
+    return Values(of, number, np.array(towards, dtype=float).reshape(-1, 3))
+
+
+@one_thread()
+def expected(
+    estimate: Estimate, setups: Sequence[Setup], places: Places, control: Control | None
+) -> tuple[Array, Array]:
+    """Return the deviation that is expected under a control for each value, (m,), and its factor (m, n), m.
+
+    The values of a reading stand one after another.
+    """
+    values = values_at(setups, places)
+    if control is None:
+        tips = estimate.deviation(places.poses, places.approaches)
+    else:
+        tips = left_by(estimate.machine, estimate.deviation, control, places.poses, places.approaches)
+    rows = np.einsum("mcn,mc->mn", estimate.model.rows(places.poses, places.approaches)[values.of], values.directions)
+    levers = np.einsum("fmc,mc->mf", estimate.model.levers(places.poses)[:, values.of], values.directions)
+    rests = levers * np.array([function.rest for function in estimate.model.terms])
+    loose = np.diag(np.sqrt(np.sum(rests**2, axis=1)))
+    return np.sum(tips[values.of] * values.directions, axis=1), np.hstack([rows @ estimate.factor, loose])
+
+
+@one_thread()
+def plan_check(
+    estimate: Estimate,
+    setups: Sequence[Setup],
+    candidates: Places,
+    used: Sequence[Reading],
+    control: Control,
+    count: int,
+    known: Places | None = None,
+    tolerance: float = 0.0,
+) -> Places:
+    """Return `count` of the candidates that were not read before: half of them the worst, half the best.
+
+    They share the few set-ups that promise most, four places or more each, and none too few to tell the machine from
+    it. Raises ReadingError when there are not as many.
+
+    known : places that the check has already; tolerance : it is judged by, m; 0 where it is not known yet
+    """
+    if known is None:
+        known = Places.none(len(estimate.machine.axes))
+    lacking = places_lacking(estimate, setups, candidates, known, tolerance)
+    candidates = without(candidates, known)
+    mean, factor = without_zeros(setups, candidates, *expected(estimate, setups, candidates, control))
+    squares = mean**2 + np.sum(factor**2, axis=1)
+    score = np.sqrt(np.bincount(values_at(setups, candidates).of, squares, len(candidates.setups)))
+    lengths = np.array([axis.length for axis in estimate.machine.axes])
+    fresh = _fresh(setups, candidates, used, lengths)
+    indices = np.unique(candidates.setups[fresh])
+    promising = sorted(indices, key=lambda s: -np.max(score[fresh & (candidates.setups == s)]))
+
+    def taken(setup: int, share: int) -> list[int]:
+        mine = np.flatnonzero(fresh & (candidates.setups == setup))
+        worst = _spread(mine[np.argsort(-score[mine], kind="stable")], candidates, lengths, (share + 1) // 2, [])
+        best = _spread(mine[np.argsort(score[mine], kind="stable")], candidates, lengths, share // 2, worst)
+        return [*worst, *best]
+
+    promising = [setup for setup in promising if len(taken(setup, lacking[setup])) == lacking[setup]]
+
+    def shared(count: int) -> list[int]:
+        shares = _shared(promising, count, lacking, len(known))
+        return [i for setup, share in shares for i in taken(setup, share)]
+
+    if len(indices) and not promising:
+        raise ReadingError("too few places are new to tell the machine from a set-up", _fewer(0))
+    chosen = shared(count)
+    if len(chosen) < count:  # of a smaller number other halves are the worst and the best: not every one is found
+        least = min((lacking[setup] for setup in promising), default=0)
+        found = [fewer for fewer in range(least, len(chosen) + 1) if len(shared(fewer)) == fewer]
+        new = len(known) + max(found, default=0)
+        raise ReadingError(f"only {new} places of {len(known) + count} are new", _fewer(new))
+    order = sorted(chosen, key=lambda i: (candidates.setups[i], *candidates.poses[i]))
+    return candidates.within(np.array(order, dtype=np.intp))
+
+
+def places_lacking(
+    estimate: Estimate, setups: Sequence[Setup], candidates: Places, known: Places, tolerance: float
+) -> dict[int, int]:
+    """Return, by set-up of the candidates, how many places more than the known ones tell the machine from it."""
+    machine, had = estimate.machine, known.setups.tolist()
+    return {
+        setup: max(fewest(machine, setups[setup], candidates.poses[mine], tolerance) - had.count(setup), 0)
+        for setup, mine in candidates.by_setup()
+    }
+
+
+def _shared(promising: Sequence[int], count: int, lacking: Mapping[int, int], known: int) -> list[tuple[int, int]]:
+    """Return set-ups with how many places each is read at: as many set-ups as can have what they lack.
+
+    known : places that the check has already, which are among those that were asked for
+    """
+    able = [setup for setup in promising if lacking[setup] <= count]
+    if promising and not able:
+        least = min(lacking[setup] for setup in promising)
+        what = f"{known + count} places cannot tell the machine from a set-up"
+        raise ReadingError(what, f"Ask for {known + least} or more")
+    for several in range(min(len(able), count // _PER_SETUP), 1, -1):
+        shares = [part.size for part in np.array_split(np.arange(count), several)]
+        if all(lacking[setup] <= share for setup, share in zip(able, shares, strict=False)):
+            return list(zip(able, shares, strict=False))
+    return [(setup, count) for setup in able[:1]]
+
+
+def _fewer(new: int) -> str:
+    if new >= _FEWEST:
+        return f"Ask for --points {new} or fewer"
+    return "Take the check at places of your own, and give them with --found and --left"
+
+
+def without_zeros(setups: Sequence[Setup], places: Places, mean: Array, factor: Array) -> tuple[Array, Array]:
+    """Return expectation and factor with the mean of each set-up that has unknown zeros taken off."""
+    mean, factor, values = mean.copy(), factor.copy(), values_at(setups, places)
+    for index in np.unique(places.setups):
+        if any(is_zero(unknown.name) for unknown in setups[index].unknowns):
+            for number in range(len(directions_of(setups[index]))):
+                mine = (places.setups[values.of] == index) & (values.number == number)
+                mean[mine] -= mean[mine].mean()
+                factor[mine] -= factor[mine].mean(axis=0)
+    return mean, factor
+
+
+def with_displacements(setups: Sequence[Setup], candidates: Places, by: str = "") -> Places:
+    """Return the candidates of set-ups that read displacements; raises ReadingError when there are none.
+
+    by : their instrument; empty for any
+    """
+    checking = (by,) if by else _CHECKING
+    kept = [i for i, s in enumerate(candidates.setups) if setups[s].instrument in checking]
+    if not kept:
+        if by:
+            raise ReadingError(f"no set-up of this campaign is of instrument {by}", f"Add one with instrument = {by!r}")
+        raise ReadingError("no set-up of this campaign reads a length along a direction", _REMEDY)
+    return candidates.within(np.array(kept, dtype=np.intp))
+
+
+@one_thread()
+def judge(
+    estimate: Estimate,
+    setups: Sequence[Setup],
+    found: Sequence[Reading],
+    left: Sequence[Reading],
+    control: Control,
+    tolerance: float,
+    parts: Sequence[Part] = (),
+) -> Judgement:
+    """Return what readings without and with the tables say; raises ReadingError when they are not of the same places.
+
+    The zero of a set-up and an unknown slope are taken off each set of readings.
+    parts : the tables, each of which must work: one that is missing or has the wrong sign fails, whatever the tolerance
+    """
+    _refuse_different(found, left)
+    names = [setup.name for setup in setups]
+    _refuse_others([setups[names.index(reading.setup)] for reading in left])
+    indices = np.array([names.index(reading.setup) for reading in left])
+    places = Places(
+        indices,
+        np.array([r.pose for r in left], dtype=float),
+        np.array([r.approach for r in left], dtype=float),
+    )
+    of, _, directions = values_at(setups, places)
+    datums = datums_of(estimate.machine, setups, indices[of], places.poses[of], directions, tolerance)
+    raw = [_seen(estimate, setups, places, readings) for readings in (found, left)]
+    before, after = (_upright(estimate, setups, places, datums, seen) for seen in raw)
+    mean, factor = expected(estimate, setups, places, control)
+    change = _Change.of(datums, before, after, expected(estimate, setups, places, None)[0] - mean)
+    free, spread = datums.free, datums.spread + np.diag(after.noise**2)
+    std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(raw[1].values, after.noise, tolerance)
+    decided = verdict(free @ after.values, std, tolerance)
+    still, each = _still(left), _shares(estimate, setups, places, datums, (before, after), parts)
+    if any(share.checked and not share.works for share in each):
+        decided = "fail"
+    if decided == "pass" and (change.likely < HARDLY or strained or still):
+        decided = "undecided"
+    return Judgement(
+        decided,
+        tolerance,
+        free @ before.values,
+        free @ after.values,
+        std,
+        _likelihood(free @ (after.values - mean), free @ (factor @ factor.T + spread) @ free.T),
+        change.likely,
+        change.share,
+        datums.lines,
+        strained,
+        still,
+        each,
+        idle_axes(estimate, places.poses[of], directions),
+        datums.tools,
+    )
+
+
+def _shares(
+    estimate: Estimate,
+    setups: Sequence[Setup],
+    places: Places,
+    datums: Datums,
+    seen: tuple[_Seen, _Seen],
+    parts: Sequence[Part],
+) -> tuple[Share, ...]:
+    """Return how much of each table shows in the change from as found to as left."""
+    if not parts:
+        return ()
+    before, after = seen
+    free = datums.free
+    columns = np.stack([taken_away(estimate.machine, part, setups, places) for part in parts], axis=1)
+    covariance = free @ (2 * datums.spread + np.diag(before.noise**2 + after.noise**2)) @ free.T
+    return shares(parts, free @ columns, free @ (before.values - after.values), covariance)
+
+
+def _still(readings: Sequence[Reading]) -> tuple[str, ...]:
+    """Return the set-ups with one value at several places, which noise and machine make impossible."""
+    shown: dict[str, list[tuple[float, ...]]] = {}
+    for reading in readings:
+        shown.setdefault(reading.setup, []).append(reading.values)
+    return tuple(name for name, values in shown.items() if len(values) >= _STILL and len(set(values)) == 1)
+
+
+class _Seen(NamedTuple):
+    """values : (m,) what was read less what is known of the instruments; noise : (m,) standard deviations; m."""
+
+    values: Array
+    noise: Array
+
+
+class _Change(NamedTuple):
+    """How as-found minus as-left compares with what the tables take away; likely and share as in `Judgement`."""
+
+    likely: float
+    share: float | None
+
+    @classmethod
+    def of(cls, datums: Datums, before: _Seen, after: _Seen, taken: Array) -> _Change:
+        """Return the comparison; a set-up may have been mounted anew between the two.  taken : (m,) m."""
+        free = datums.free
+        change, should = free @ (before.values - after.values), free @ taken
+        covariance = free @ (2 * datums.spread + np.diag(before.noise**2 + after.noise**2)) @ free.T
+        weight = float(should @ should)
+        share = float(change @ should) / weight if weight > _NOTHING**2 else None
+        return cls(_likelihood(change - should, covariance), share)
+
+
+def verdict(deviations: Array, std: Array, tolerance: float) -> Verdict:
+    """Return what deviations with their standard deviations say of a tolerance (ISO 14253-1)."""
+    sizes = np.abs(deviations)
+    if np.all(sizes + GUARD * std <= tolerance):
+        return "pass"
+    return "fail" if np.any(sizes - GUARD * std > tolerance) else "undecided"
+
+
+def _seen(estimate: Estimate, setups: Sequence[Setup], places: Places, readings: Sequence[Reading]) -> _Seen:
+    """Return what was read, less what is known of the instruments, such as their growth by temperature."""
+    of = values_at(setups, places).of
+    values = np.array([value for reading in readings for value in reading.values])
+    for index in np.unique(places.setups):
+        mine, setup = places.setups[of] == index, setups[index]
+        place = Nominal(estimate.machine, places.poses[of[mine]], setup.moves)
+        values[mine] -= model_of(setup).nonlinear_part(setup, np.array(setup.direction), place)
+    own = [np.hypot(setup.noise, setup.lag) for setup in setups]
+    noise = np.array([r.std or own[s] for r, s in zip(readings, places.setups, strict=True)])
+    return _Seen(values, noise[of])
+
+
+def _upright(estimate: Estimate, setups: Sequence[Setup], places: Places, datums: Datums, seen: _Seen) -> _Seen:
+    """Return what would have been read by trackers that stand straight, where their turn is a datum."""
+    of, values = values_at(setups, places).of, seen.values.copy()
+    for index in np.unique(places.setups):
+        setup, mine = setups[index], places.setups == index
+        turns = [datum.unknown for datum in datums.taken if datum.setup == setup.name and datum.unknown in TURNS]
+        if turns and isinstance(model_of(setup), Tracker):
+            shown = values[mine[of]].reshape(-1, 3)
+            values[mine[of]] = straightened(estimate.machine, setup, places.poses[mine], shown, turns).ravel()
+    return _Seen(values, seen.noise)
+
+
+def _likelihood(values: Array, covariance: Array) -> float:
+    """Return the probability of values at least this large from a singular normal."""
+    scale, vectors = np.linalg.eigh(covariance)
+    kept = scale > 1e-9 * scale[-1]
+    parts = vectors[:, kept].T @ values
+    return chi_square_tail(int(kept.sum()), float(np.sum(parts**2 / scale[kept])))
+
+
+def _refuse_others(used: Sequence[Setup]) -> None:
+    for setup in used:
+        if setup.instrument not in _CHECKING:
+            what = f'"{setup.name}" reads no displacement along a direction ({setup.instrument})'
+            raise ReadingError(what, _REMEDY)
+
+
+def _refuse_different(found: Sequence[Reading], left: Sequence[Reading]) -> None:
+    if len(found) != len(left) or not left:
+        what = f"there are {len(found)} as-found and {len(left)} as-left readings"
+        raise ReadingError(what, "Take both at the same places, in the same order")
+    for before, after in zip(found, left, strict=True):
+        apart = np.max(np.abs(np.subtract(before.pose, after.pose)))
+        if before.setup != after.setup or apart > _SAME or before.approach != after.approach:
+            what = "as found and as left were not read at the same place from the same side"
+            raise ReadingError(what, "Take both at the same places, in the same order", line=after.line)
+
+
+def _fresh(setups: Sequence[Setup], candidates: Places, used: Sequence[Reading], lengths: Array) -> NDArray[np.bool_]:
+    fresh = np.ones(len(candidates.setups), dtype=bool)
+    for reading in used:
+        same = np.array([setups[s].name == reading.setup for s in candidates.setups])
+        near = np.max(np.abs(candidates.poses - np.array(reading.pose)) / lengths, axis=1) < _FRESH
+        fresh &= ~(same & near)
+    return fresh
+
+
+def _spread(
+    ranked: NDArray[np.intp], candidates: Places, lengths: Array, count: int, taken: Sequence[int]
+) -> list[int]:
+    """Return the first of the ranked candidates that keep apart from each other and from those taken."""
+    chosen: list[int] = []
+    for i in ranked.tolist():
+        if len(chosen) == count:
+            break
+        others = [j for j in (*chosen, *taken) if candidates.setups[j] == candidates.setups[i]]
+        apart = np.abs(candidates.poses[others] - candidates.poses[i]) / lengths if others else np.ones((1, 1))
+        if np.all(np.max(apart, axis=1) >= _APART):
+            chosen.append(i)
+    return chosen

@@ -1,9 +1,0 @@
-"""Measuring programs: the planned readings as a program that the machine's own control runs."""
-
-from __future__ import annotations
-
-from axiscal.gcode.controls import controllers, dialect
-from axiscal.gcode.plan_files import write_programs
-from axiscal.gcode.program import Program, programs
-
-__all__ = ["Program", "controllers", "dialect", "programs", "write_programs"]

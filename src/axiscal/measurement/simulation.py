@@ -1,0 +1,240 @@
+"""Virtual machines with a hidden truth: drawn from the prior, or given as curves that the model need not contain.
+
+Readings come from the full non-linear kinematics, so what is estimated is never simulated by the formula that
+estimates it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.errors.model import ErrorModel, Term
+from axiscal.exceptions import ReadingError
+from axiscal.machine.description import Machine
+from axiscal.machine.entry import ErrorEntry
+from axiscal.machine.kinematics import Deviation, actual_deviation
+from axiscal.machine.names import parse_error_name
+from axiscal.measurement.drift import MEMORY
+from axiscal.measurement.instrument import model_of, values_of
+from axiscal.measurement.instruments.kind import Actual, Nominal
+from axiscal.measurement.observation import directions_of
+from axiscal.measurement.owners import Owned
+from axiscal.measurement.readers.truth_curves import TruthCurve, read_truth
+from axiscal.measurement.setup import Setup
+from axiscal.measurement.way import belongs
+from axiscal.numerics import Array
+from axiscal.numerics.gaussian import unique_root
+
+_SHORTEST = 1e-4
+"""Stands for a base without length, m: the slope of so short a chord is that of the curve."""
+Curve = Callable[[Array], Array]
+"""Positions of the error's axis (m,), or of both its axes (m, 2) -> values (m,), m or rad."""
+
+Wander = Callable[[float], Sequence[float] | Array]
+"""Seconds since the campaign began -> how far the zeros (the only one, or one for each number) have moved, m or rad."""
+
+
+_DRAWN = 3
+"""Drifts drawn for a set-up at least, so that one of one number is the same machine as one of three."""
+_CHIPS = 0.02
+"""Share of the readings that a chip shifts, where chips are stated."""
+_MINUTE, _DAY = 60.0, 1440
+"""s, and minutes of a day: the grid of a drifting zero, which bends over an hour."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class VirtualMachine:
+    """A machine whose errors are known to the simulation only.
+
+    model : names the errors it has; curves : one for each; offsets : per set-up name the values of its own unknowns
+    drifts : per set-up name how far its zeros have moved after so many seconds
+    """
+
+    model: ErrorModel
+    curves: tuple[Curve, ...]
+    offsets: Mapping[str, Mapping[str, float]]
+    drifts: Mapping[str, Wander] = field(default_factory=dict)
+
+    def values(self, poses: Array) -> Array:
+        """Return the value of every error at poses (m, q): (terms, m)."""
+        pairs = zip(self.model.terms, self.curves, strict=True)
+        return np.array([curve(f.coordinates(poses)) for f, curve in pairs]).reshape(len(self.curves), len(poses))
+
+    def deviation(self, poses: Array, approaches: Array) -> Array:
+        """Return the TCP deviation in the workpiece frame, m.  poses, approaches : (m, q); returns (m, 3)."""
+        return self._deviation(poses, approaches).displacement
+
+    def rotation(self, poses: Array, approaches: Array) -> Array:
+        """Return the orientation deviation of the tool in the workpiece frame, rad, to second order.  Returns (m,
+        3).
+        """
+        return self._deviation(poses, approaches).rotation
+
+    def _deviation(self, poses: Array, approaches: Array) -> Deviation:
+        return actual_deviation(self.model.machine, poses, self.model.compose(self.values(poses), approaches))
+
+    def read(
+        self,
+        setup: Setup,
+        pose: tuple[float, ...],
+        approach: tuple[int, ...],
+        rng: np.random.Generator,
+        seconds: float = 0.0,
+    ) -> float:
+        """Return the first number of what the set-up would show."""
+        return self.read_all(setup, pose, approach, rng, seconds)[0]
+
+    def read_all(
+        self,
+        setup: Setup,
+        pose: tuple[float, ...],
+        approach: tuple[int, ...],
+        rng: np.random.Generator,
+        seconds: float = 0.0,
+    ) -> tuple[float, ...]:
+        """Return what the set-up's display would show: the truth, its own unknowns, nothing linearised, drift, noise.
+
+        seconds : since the campaign began
+        """
+        at, come = np.array([pose]), np.array([approach], dtype=float)
+        stepped = setup.base is not None
+        actual = self._chord(setup, at) if stepped else Actual(self.deviation(at, come), self.rotation(at, come))
+        shown = self.exactly(setup, at, actual, come)
+        wander = self.drifts.get(setup.name)
+        moved = np.zeros(values_of(setup)) if wander is None else wander(seconds)
+        each = (v + d + _scattered(setup, rng) for v, d in zip(shown, moved, strict=False))
+        return tuple(_displayed(value, setup.resolution) for value in each)
+
+    def exactly(self, setup: Setup, pose: Array, actual: Actual, approach: Array | None = None) -> list[float]:
+        """Return what a set-up would show of what the machine does, nothing linearised, without drift and noise.
+
+        pose, approach : (1, q) where it reads; actual : what the machine does, there or where it touches beside
+        """
+        model = model_of(setup)
+        place = Nominal(self.model.machine, pose, setup.moves, approaches=approach)
+        each = [np.array(setup.direction) if along is None else along for along in directions_of(setup)]
+        own = self.offsets.get(setup.name, {})
+        return [float(model.shown(setup, direction, place, actual, own)[0]) for direction in each]
+
+    def _chord(self, setup: Setup, poses: Array) -> Actual:
+        """Return by how much the way differs between the two feet of a level, per length between them."""
+        (axis,) = setup.moves
+        low, high = self.model.machine.axes[axis].travel
+        half = max(setup.base or 0.0, _SHORTEST) / 2
+        ends = [poses.copy(), poses.copy()]
+        for end, sign in zip(ends, (1, -1), strict=True):
+            end[:, axis] = np.clip(poses[:, axis] + sign * half, low, high)
+        far, near = (self._way(axis, end) for end in ends)
+        slope: Array = (far - near) / (ends[0] - ends[1])[:, axis, None]
+        return Actual(slope, np.zeros_like(slope))
+
+    def _way(self, axis: int, poses: Array) -> Array:
+        """Return how far the shape of one axis' way alone would displace the TCP, (m, 3), m."""
+        own = np.array([belongs(term, axis) for term in self.model.terms])
+        way = self.model.compose(self.values(poses) * own[:, None], np.zeros_like(poses))
+        return actual_deviation(self.model.machine, poses, way).displacement
+
+
+@dataclass(frozen=True, slots=True)
+class Simulator:
+    """Makes virtual machines for a machine and its set-ups."""
+
+    machine: Machine
+    setups: tuple[Setup, ...]
+
+    def drawn(self, seed: int) -> VirtualMachine:
+        """Return a machine whose errors, rests included, are drawn from the prior."""
+        model, rng = ErrorModel(self.machine), np.random.default_rng((seed, 1))
+        return VirtualMachine(model, tuple(_drawn(f, rng) for f in model.terms), *self._mounted(seed))
+
+    def with_coefficients(self, coefficients: Array, seed: int) -> VirtualMachine:
+        """Return a machine whose errors have these control values; rests are drawn.  coefficients : (n,)"""
+        model, rng = ErrorModel(self.machine), np.random.default_rng((seed, 1))
+        each = tuple(_rough(f, coefficients[f.columns], rng) for f in model.terms)
+        return VirtualMachine(model, each, *self._mounted(seed))
+
+    def from_curves(self, path: Path, seed: int) -> VirtualMachine:
+        """Return a machine whose errors are the curves of a file, linear between the points given.
+
+        Raises ReadingError with file and line.
+        """
+        return self.with_curves(read_truth(path), seed, path)
+
+    def with_curves(self, curves: Mapping[str, TruthCurve], seed: int, path: Path | None = None) -> VirtualMachine:
+        """Return a machine with the given curves; errors that have none are zero."""
+        names = {axis.name for axis in self.machine.axes}
+        for name in curves:
+            axis = parse_error_name(name).axis
+            if axis not in names:
+                what = f'"{name}" is an error of axis {axis}, which "{self.machine.name}" does not have'
+                raise ReadingError(what, f"Take the curve out; the axes are {', '.join(sorted(names))}", path)
+        errors = tuple(ErrorEntry(name, std=1.0, knots=4) for name in curves)
+        model = ErrorModel(replace(self.machine, errors=errors, planes=()))
+        return VirtualMachine(model, tuple(_through(curve) for curve in curves.values()), *self._mounted(seed))
+
+    def _mounted(self, seed: int) -> tuple[Mapping[str, Mapping[str, float]], Mapping[str, Wander]]:
+        """Return the unknowns of the set-ups and the drifts of their zeros."""
+        rng, owned = np.random.default_rng((seed, 2)), Owned.by(self.setups)
+        values = np.array([unknown.std * rng.standard_normal() for unknown in owned.unknowns])
+        pairs = zip(self.setups, owned.columns, strict=True)
+        offsets = {s.name: dict(zip((u.name for u in s.unknowns), values[of].tolist(), strict=True)) for s, of in pairs}
+        rng = np.random.default_rng((seed, 3))
+        drifting = {s.name: (s.drift, max(values_of(s), _DRAWN)) for s in self.setups if s.drift > 0}
+        return offsets, {name: _wandering(*of, rng) for name, of in drifting.items()}
+
+
+def _scattered(setup: Setup, rng: np.random.Generator) -> float:
+    """Return what one number is off, m or rad: noise, anything within a bound, one time in fifty a chip."""
+    off = setup.noise_alone * rng.standard_normal()
+    if setup.bound:
+        off += rng.uniform(-setup.bound, setup.bound)
+    if setup.one_sided and rng.uniform() < _CHIPS:
+        off += setup.one_sided * (1 + rng.standard_normal())
+    return float(off)
+
+
+def _displayed(value: float, resolution: float) -> float:
+    """Return a value as a display that moves in steps shows it, m or rad."""
+    return round(value / resolution) * resolution if resolution else value
+
+
+def _wandering(rate: float, count: int, rng: np.random.Generator) -> Wander:
+    """Return a drift drawn minute by minute over a day, and standing still thereafter: its rate is an
+    autoregressive process.
+    """
+    kept = np.exp(-_MINUTE / MEMORY)
+    paces = rng.standard_normal((_DAY + 1, count))
+    for before, now in pairwise(paces):
+        now *= np.sqrt(1 - kept**2)
+        now += kept * before
+    places = np.vstack([np.zeros(count), np.cumsum(rate * _MINUTE * (paces[:-1] + paces[1:]) / 2, axis=0)])
+    minutes = _MINUTE * np.arange(_DAY + 1)
+
+    def moved(seconds: float) -> Array:
+        return np.array([np.interp(seconds, minutes, places[:, k]) for k in range(count)])
+
+    return moved
+
+
+def _through(curve: TruthCurve) -> Curve:
+    return lambda positions: np.interp(positions, curve.positions, curve.values)
+
+
+def _drawn(function: Term, rng: np.random.Generator) -> Curve:
+    return _rough(function, unique_root(function.covariance) @ rng.standard_normal(len(function.covariance)), rng)
+
+
+def _rough(function: Term, control: Array, rng: np.random.Generator) -> Curve:
+    """Return the curve of control values with a rest drawn for each cell.  control : (k,)"""
+    cells = function.rest * rng.standard_normal(function.cell_count)
+
+    def curve(positions: Array) -> Array:
+        drawn: Array = function.rows(positions) @ control + cells[function.cells(positions)]
+        return drawn
+
+    return curve

@@ -1,0 +1,186 @@
+"""A lower bound that holds for readings anywhere, not only on a lattice: where errors simply add up, and on charts.
+
+The matrix Z of `dual` bounds every plan once Σ |Z b|² over its readings is bounded. Three enclosures give the largest
+|Z b(t)|² over all poses:
+- Without lever arms Z b(t) is a sum of polynomial curves, one per axis (`steepest`).
+- Over two linear axes that act together, or through lever arms, it is a polynomial of both (`plane_boxes`).
+- On a chart of one or two coordinates it is a sum of waves times splines (`chart_boxes`).
+The poses found on the way join the weighted plan, until no place is worth more than those that have weight. The rests
+of cells are taken as known: that can only lower the bound. In floating point, with a margin for rounding, without
+intervals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.exceptions import PlanError
+from axiscal.measurement.free_plane import plane_poses
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
+from axiscal.numerics import Array
+from axiscal.numerics.bernstein import steepest, uphill
+from axiscal.numerics.threads import one_thread
+from axiscal.planning.bound.certificate import Dual
+from axiscal.planning.bound.chart_boxes import Largest, apart, largest_on_chart, refuse_unless_boxed
+from axiscal.planning.bound.lower_bound import Bound, most_numbers, settling
+from axiscal.planning.bound.plane_boxes import largest_on_plane, planar
+from axiscal.planning.bound.relaxation import Relaxation
+from axiscal.planning.bound.row_curves import joined, refuse_unless_polynomial, row_sums
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.step.ground import sides
+
+GAP = 1e-2
+_ROUNDS = 40
+"""Any round proves a bound, and rounds end where the gap is closed; this only ends what would go on."""
+_BOXES = 400_000
+"""Boxes that are cut before the search gives up: memory. The bound holds wherever it ends."""
+_CUTS = 60_000
+"""The same on a chart, where each costs as much as six readings."""
+_PATIENCE, _CLOSED = 4, 0.9
+"""The search ends where so many rounds leave more than this share of the gap open: more would not close it."""
+_GONE = 1e-5
+"""A weight of this share is none; it can enter again."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Proof:
+    """A bound on J for readings anywhere in the travels, and the share of it at which closing the gap stopped."""
+
+    bound: Bound
+    gap: float
+
+
+@one_thread()
+def prove(
+    state: Covariance,
+    lattice: Places,
+    places: Places,
+    gap: float = GAP,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Proof:
+    """Return the bound for as many readings as a plan has of all set-ups of a lattice, wherever they are taken.
+
+    state : before the first; lattice : candidates to begin with; places : a good plan; gap : share of J to stop at
+    Raises PlanError where neither the errors add up nor a chart can be cut into boxes.
+    """
+    setups, count = [int(s) for s in np.unique(lattice.setups)], len(places)
+    for setup in setups:
+        refuse_setup(state.observation, setup)
+    if not count:
+        return Proof(Bound(state.value, True), 0.0)
+    flat = [setup for setup in setups if _flat(state.observation, setup)]
+    best, closed, reached, numbers = 0.0, 0.0, np.inf, most_numbers(state, setups, count)
+    open_ones: list[float] = []
+    lattice = _begun(state, lattice, places)
+    for number in range(1, _ROUNDS + 1):
+        relaxation = _everywhere(state, lattice, count)
+        dual = relaxation.solved()
+        level = float(relaxation.slopes(dual) @ relaxation.weights) / count
+        kept = relaxation.pool.lattice.within(relaxation.weights > _GONE * count)
+        found = [_largest(dual, *way, kept, level, gap) for way in _ways(state, setups, flat)]
+        found += [_on_plane(dual, *way, level, gap) for way in _ways(state, flat)]
+        found += [_on_chart(dual, setup, level, gap) for setup in setups if charted(state, setup)]
+        spent = count * max(each.upper for each in found)
+        best = max(best, dual.floor(spent, numbers))
+        closed, reached = max(closed, dual.whole - spent), min(reached, dual.value)
+        left = reached / closed - 1 if closed > 0 else np.inf
+        progress(f"the proof, round {number}: {100 * left:.2g} % open" if closed > 0 else f"the proof, round {number}")
+        steeper = Places.joined([each.places for each in found])
+        open_ones.append(left)
+        if left <= gap or not len(steeper) or _stalled(open_ones):
+            break
+        lattice = Places.joined([kept, steeper])
+    return Proof(Bound(best, True), max(left, 0.0))
+
+
+def _stalled(open_ones: list[float]) -> bool:
+    """Whether the last rounds have hardly closed anything.  open_ones : of each round, the share of J that is open"""
+    return len(open_ones) > _PATIENCE and open_ones[-1] > _CLOSED * open_ones[-1 - _PATIENCE]
+
+
+def _begun(state: Covariance, lattice: Places, places: Places) -> Places:
+    """Return the candidates that have weight where only those of a lattice, and a plan, may be taken."""
+    pool, count = Pool(state.observation, lattice), len(places)
+    relaxation = Relaxation(pool, state, places, np.ones(len(pool) + count), float(count), rests=False)
+    for _ in settling(relaxation):
+        pass
+    return relaxation.weighty
+
+
+def _everywhere(state: Covariance, lattice: Places, count: int) -> Relaxation:
+    pool = Pool(state.observation, lattice)
+    relaxation = Relaxation(pool, state, pool.none, np.ones(len(lattice)), float(count), rests=False)
+    relaxation.begin_everywhere()
+    return relaxation
+
+
+def charted(state: Covariance, setup: int) -> bool:
+    """Whether a set-up is read on a chart."""
+    return state.observation.setups[setup].chart is not None
+
+
+def refuse_setup(observation: Observation, setup: int) -> None:
+    """Raise PlanError for a set-up for which no proof can be had."""
+    if observation.setups[setup].chart is None:
+        if not _flat(observation, setup):
+            refuse_unless_polynomial(observation, setup)
+    else:
+        refuse_unless_boxed(observation, setup)
+
+
+def _flat(observation: Observation, setup: int) -> bool:
+    """Return whether a set-up moves two axes that do not add up, and its rows are polynomials of both."""
+    try:
+        refuse_unless_polynomial(observation, setup)
+    except PlanError:
+        return planar(observation, setup)
+    return False
+
+
+def _on_plane(dual: Dual, setup: int, side: Array, level: float, gap: float) -> Largest:
+    """Enclose the largest |Z b|² of a set-up that moves two axes which do not add up, and find where it is large."""
+    observation, mounted = dual.state.observation, dual.state.observation.setups[setup]
+    reach = dual.reach / mounted.noise
+    found = largest_on_plane(observation, setup, side, reach, level * (1 + gap / 4), _CUTS)
+    spans = np.array([np.ptp(mounted.span(observation.machine.axes[axis], axis)) for axis in mounted.moves])
+    steep = int(np.sum(found.lengths > level * (1 + gap / 8)))
+    chosen = apart(found.places / spans, np.arange(steep))
+    poses = plane_poses(mounted, found.places[chosen])
+    return Largest(found.upper, Places.of_setup(setup, poses, np.tile(side, (len(poses), 1))))
+
+
+def _on_chart(dual: Dual, setup: int, level: float, gap: float) -> Largest:
+    """Enclose the largest |Z b|² of a set-up on a chart."""
+    observation = dual.state.observation
+    reach = dual.reach / observation.setups[setup].noise
+    return largest_on_chart(observation, setup, reach, level, gap / 4, _CUTS)
+
+
+def _ways(state: Covariance, setups: list[int], without: Sequence[int] = ()) -> list[tuple[int, Array]]:
+    """Return each set-up that is not on a chart, nor left out, with each of the sides that it can be read from."""
+    plain = [setup for setup in setups if not charted(state, setup) and setup not in without]
+    return [(setup, side) for setup in plain for side in sides(state.observation, setup)]
+
+
+def _largest(dual: Dual, setup: int, side: Array, kept: Places, level: float, gap: float) -> Largest:
+    """Enclose the largest |Z b|² of a set-up from one side, and find where else it is large, uphill from candidates."""
+    observation = dual.state.observation
+    mounted, reach = observation.setups[setup], dual.reach
+    whole = joined([each.seen(reach / mounted.noise) for each in row_sums(observation, setup, side)])
+    mine = (kept.setups == setup) & np.all(kept.approaches == side, axis=1)
+    begun = np.vstack([kept.poses[mine][:, mounted.moves], np.array(mounted.park)[None, mounted.moves]])
+    tops = uphill(whole.parked, whole.curves, begun)
+    known = max(level, float(np.sum(whole.at(tops) ** 2, axis=1).max()))
+    found = steepest(whole.parked, whole.curves, known, max(gap / 4, (known / level - 1) / 4), _BOXES)
+    tops = np.vstack([tops, uphill(whole.parked, whole.curves, found.places)]) if len(found.places) else tops
+    lengths = np.sum(whole.at(tops) ** 2, axis=1)
+    spans = np.array([curve.right[-1] - curve.left[0] for curve in whole.curves])
+    chosen = apart(tops / spans, np.argsort(-lengths, kind="stable")[: int(np.sum(lengths > level * (1 + gap / 8)))])
+    poses = np.tile(np.array(mounted.park), (len(chosen), 1))
+    poses[:, mounted.moves] = tops[chosen]
+    return Largest(found.upper, Places.of_setup(setup, poses, np.tile(side, (len(poses), 1))))

@@ -1,0 +1,203 @@
+"""What would be known after some readings: a factor of the covariance that readings enter and leave.
+
+Readings enter by Potter's update of F, with all their numbers at once. The result is C − H M⁻¹ Hᵀ with H = C Gᵀ and M =
+R + G C Gᵀ. Readings leave by the same with −(R − G C Gᵀ)⁻¹. Both keep C = F Fᵀ positive semidefinite. No values are
+needed: the covariance of linear Gaussian readings does not depend on them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.estimation.accuracy.criterion import Root, need_root
+from axiscal.estimation.belief import Belief
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
+from axiscal.measurement.reading_rows import PlaceRows, rows_at
+from axiscal.measurement.visits import visited
+from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import solution, solution_of_product
+from axiscal.numerics.gaussian import lower_root
+from axiscal.numerics.low_rank import take_off
+from axiscal.planning.gains.gain import Scorer
+
+_MODERATE = 1e13
+"""By Cholesky up to here, by singular values beyond: the first loses digits only near the inverse of rounding."""
+_OPEN = 1e-9
+"""Share of a number's noise: what is known better than that without a reading is not told apart from rounding."""
+_NOUGHT = 1e-300
+"""No division by nought."""
+
+
+class LowRank(NamedTuple):
+    """A covariance changes by −H η Hᵀ, where readings enter or leave, of k numbers together.
+
+    The turn T G makes the noise of the numbers one and decorrelates their information. Otherwise the rounding of a
+    number that tells all of a zero would drown the others.
+    eta : (k, k) diagonal, (I + T G C Gᵀ Tᵀ)⁻¹ where they enter, −(I − T G C Gᵀ Tᵀ)⁻¹ where they leave
+    h : (n, k) H = C Gᵀ Tᵀ; z : (n, k) C W H; omega : (k, k) Hᵀ W H; turn : T (k, k); back : T⁻¹
+    """
+
+    eta: Array
+    h: Array
+    z: Array
+    omega: Array
+    turn: Array
+    back: Array
+
+    @property
+    def gain(self) -> float:
+        """By how much J = tr(W C) falls."""
+        return float(np.sum(self.eta * self.omega))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Covariance:
+    """A covariance over all unknowns, those of visited cells included.
+
+    factor : F (n, r) with C = F Fᵀ; root : V (w, k) of the criterion, W = VᵀV
+    """
+
+    observation: Observation
+    factor: Array
+    root: Root
+
+    @classmethod
+    def of(cls, observation: Observation, belief: Belief, root: Root) -> Covariance:
+        """Return the state of a belief; raises ShapeError where another thing than a root is given."""
+        return cls(observation, belief.factor, need_root(root))
+
+    @property
+    def value(self) -> float:
+        """J = tr(W C)."""
+        return float(np.sum(self.weighted**2))
+
+    @property
+    def weighted(self) -> Array:
+        """V F (w, r), whose squared length is J."""
+        return self.root.of(self.factor)
+
+    def opened(self, places: Places) -> Covariance:
+        """Return the state with columns for the cells that the places lie in."""
+        return self.opened_to(visited(self.observation, places))
+
+    def opened_to(self, after: Observation) -> Covariance:
+        """Return the state with the columns that a map has beyond this one's."""
+        if after is self.observation:
+            return self
+        extra = np.sqrt(self.observation.rest_variances(after))
+        (size, rank), count = self.factor.shape, len(extra)
+        factor = np.zeros((size + count, rank + count))
+        factor[:size, :rank] = self.factor
+        factor[np.arange(size, size + count), np.arange(rank, rank + count)] = extra
+        return replace(self, observation=after, factor=factor)
+
+    def rows(self, places: Places) -> PlaceRows:
+        """Return rows and variances of all numbers of readings; cells without columns count as noise."""
+        return rows_at(self.observation, places)
+
+    def entered(self, places: Places) -> tuple[Covariance, LowRank]:
+        """Return the state after readings, and what all their numbers changed."""
+        state = self.opened(places)
+        rows, variances, _ = state.rows(places)
+        return state.changed(rows, variances)
+
+    def changed(self, rows: Array, variances: Array, leaving: bool = False) -> tuple[Covariance, LowRank]:
+        """Return the state after readings have entered or left, and what they changed.  rows : (k, n); variances : (k,)
+
+        Let Fᵀ Gᵀ R^-½ = U σ Qᵀ. Readings that enter turn F into F − F U (1 − 1/√(1 + σ²)) Uᵀ. Those that leave turn it
+        into F + F U (√(1 + σ²/e) − 1) Uᵀ, e = 1 − σ².
+        """
+        sizes = np.sqrt(variances)
+        basis, values, turn = _singular((rows / sizes[:, None] @ self.factor).T)
+        if leaving:
+            left = np.maximum(1.0 - values**2, _OPEN)
+            weights, shrink = -1.0 / left, 1.0 - np.sqrt(1.0 + values**2 / left)
+        else:
+            weights, shrink = 1.0 / (1.0 + values**2), 1.0 - 1.0 / np.hypot(1.0, values)
+        seen = self.factor @ basis
+        h: Array = seen * values
+        z, omega = self.weighed(h)
+        taken = np.empty_like(self.factor)
+        take_off(self.factor, seen * shrink, basis.T, taken)
+        change = LowRank(np.diag(weights), h, z, omega, turn / sizes, sizes[:, None] * turn.T)
+        return replace(self, factor=taken), change
+
+    def weighed(self, h: Array) -> tuple[Array, Array]:
+        """Return C W H (n, k) and Hᵀ W H (k, k).  h : H (n, k)"""
+        reach = self.root.of(h)
+        z: Array = self.factor @ ((self.root.matrix.T @ reach).T @ self.factor[: self.root.size]).T
+        return z, reach.T @ reach
+
+    def after_readings(self, places: Places) -> Covariance:
+        """Return the state after readings, all at once."""
+        state = self.opened(places)
+        if not len(places):
+            return state
+        return replace(state, factor=informed(state.factor, state.whitened(places)[0]))
+
+    def losses(self, places: Places) -> tuple[Array, NDArray[np.intp]]:
+        """Return what each number of readings takes off the covariance, d dᵀ, (m, n), and whose it is, (m,), in order.
+
+        The whitened rows B give [Bᵀ; I] = Q U. The d of the first numbers are F times the first rows of Qᵀ, whatever
+        follows. The unknowns of the readings' cells are open; readings together, (r + m) m² operations.
+        """
+        scaled, owner = self.whitened(places)
+        apart = np.linalg.qr(np.vstack([scaled.T, np.eye(len(scaled))]))[0]
+        return apart[: scaled.shape[1]].T @ self.factor.T, owner
+
+    def whitened(self, places: Places) -> tuple[Array, NDArray[np.intp]]:
+        """Return R^-½ G F (m, r) of all numbers of readings, and whose each is (m,), in order."""
+        rows, variances, owner = self.rows(places)
+        return (rows / np.sqrt(variances)[:, None]) @ self.factor, owner
+
+    def scorer(self) -> Scorer:
+        """Return the gains under this state."""
+        weighted = self.weighted
+        return Scorer(self.observation, self.factor, weighted, np.hstack([self.factor, self.factor @ weighted.T]))
+
+
+def _singular(matrix: Array) -> tuple[Array, Array, Array]:
+    """Return U (r, k), σ (k,), Qᵀ (k, k) of a matrix (r, k); of one column by its length, which is all there is.
+
+    Columns of U that belong to no σ, where k is more than r, are no unit vectors.
+    """
+    if matrix.shape[1] == 1:
+        length = np.sqrt(np.sum(matrix**2, axis=0))
+        return matrix / np.maximum(length, _NOUGHT), length, np.ones((1, 1))
+    if len(matrix) < matrix.shape[1]:  # numbers that have nothing to tell keep their noise
+        basis, values, turn = np.linalg.svd(np.pad(matrix, ((0, matrix.shape[1] - len(matrix)), (0, 0))))
+        return basis[: len(matrix)], values, turn
+    return np.linalg.svd(matrix, full_matrices=False)
+
+
+def informed(factor: Array, scaled: Array) -> Array:
+    """Return F T with T Tᵀ = (I + BᵀB)⁻¹: the factor after readings.  scaled : B = R^-½ G F, (m, r).
+
+    Cholesky takes m r² + r³/3 + n r² operations. Singular values replace it where readings are far better than the
+    prior: forming BᵀB would then lose the prior.
+    """
+    if np.sum(scaled**2) < _MODERATE:
+        return solution(lower_root(_information(scaled)), factor.T).T
+    _, values, right = np.linalg.svd(scaled, full_matrices=False)
+    shrink = 1.0 - 1.0 / np.hypot(1.0, values)
+    return np.asarray(factor - (factor @ right.T * shrink) @ right, dtype=np.float64)
+
+
+def unexplained(target: Array, scaled: Array) -> Array:
+    """Return Φ (I + BᵀB)⁻¹, (w, r), what readings leave of Φ = V F; as `informed` otherwise.  scaled : B (m, r)"""
+    if np.sum(scaled**2) < _MODERATE:
+        return solution_of_product(lower_root(_information(scaled)), target.T).T
+    _, values, right = np.linalg.svd(scaled, full_matrices=False)
+    return np.asarray(target - (target @ right.T * (values**2 / (1 + values**2))) @ right, dtype=np.float64)
+
+
+def _information(scaled: Array) -> Array:
+    """Return I + BᵀB, (r, r)."""
+    information: Array = scaled.T @ scaled
+    information[np.diag_indices(len(information))] += 1.0
+    return information

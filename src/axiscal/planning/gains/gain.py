@@ -1,0 +1,77 @@
+"""Gains of single readings under one belief: ΔJ = gᵀCWCg / (σ² + gᵀCg), from one product with [F, C Vᵀ]."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.estimation.accuracy.criterion import Root, need_root
+from axiscal.estimation.belief import Belief
+from axiscal.measurement.observation import JointRows, Observation
+from axiscal.measurement.place import Places
+from axiscal.numerics import Array
+from axiscal.planning.gains.three_values import joint_forms, joint_gains
+
+_BLOCK = 4096
+"""Rows made at once: of memory, not of the result."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Scorer:
+    """Gains under one belief.
+
+    factor : F (n, r) with C = F Fᵀ; weighted : V F (w, r); both : [F, C Vᵀ], (n, r + w)
+    """
+
+    observation: Observation
+    factor: Array
+    weighted: Array
+    both: Array
+
+    @classmethod
+    def of(cls, observation: Observation, belief: Belief, root: Root) -> Scorer:
+        """Return the scorer of a belief; raises ShapeError where another thing than a root is given."""
+        factor = belief.factor
+        weighted = need_root(root).of(factor)
+        return cls(observation, factor, weighted, np.hstack([factor, factor @ weighted.T]))
+
+    def widened(self, columns: Array, reach: Array) -> Scorer:
+        """Return the gains where the covariance is larger by D Dᵀ.  columns : D (n, k); reach : V D (w, k)"""
+        factor, weighted = np.hstack([self.factor, columns]), np.hstack([self.weighted, reach])
+        target = self.both[:, self.rank :] + columns @ reach.T
+        return Scorer(self.observation, factor, weighted, np.hstack([factor, target]))
+
+    @property
+    def rank(self) -> int:
+        """Number of columns of F: the rest of `both` belongs to the numerator."""
+        return int(self.factor.shape[1])
+
+    def split_all(self, seen: JointRows) -> tuple[Array, Array]:
+        """Return N = G C W C Gᵀ and M = R + G C Gᵀ of readings with all their numbers, each (m, k, k)."""
+        (count, values, size), rank = seen.rows.shape, self.rank
+        products = (seen.rows.reshape(-1, size) @ self.both).reshape(count, values, -1)
+        far, near = products[..., rank:], products[..., :rank]
+        if values == 1:  # sums of squares are faster so
+            above, below = np.einsum("mkx,mkx->m", far, far), np.einsum("mkx,mkx->m", near, near)
+            return above[:, None, None], seen.covariances + below[:, None, None]
+        return far @ far.swapaxes(1, 2), seen.covariances + near @ near.swapaxes(1, 2)
+
+    def forms(self, setup: int, poses: Array, approaches: Array) -> tuple[Array, Array]:
+        """Return numerator and denominator of the gain at poses, each (m,).  poses, approaches : (m, q)."""
+        seen = self.observation.numbers(setup, poses, approaches)
+        return joint_forms(*self.split_all(seen), self.observation.setups[setup].noise ** 2)
+
+    def at(self, setup: int, poses: Array, approaches: Array) -> Array:
+        """Return the gain at poses, (m,).  poses, approaches : (m, q)."""
+        return joint_gains(*self.split_all(self.observation.numbers(setup, poses, approaches)))
+
+    def gains(self, lattice: Places) -> Array:
+        """Return the gain of every candidate, (m,), block by block."""
+        result = np.empty(len(lattice))
+        for setup in np.unique(lattice.setups):
+            mine = np.flatnonzero(lattice.setups == setup)
+            for start in range(0, len(mine), _BLOCK):
+                block = mine[start : start + _BLOCK]
+                result[block] = self.at(int(setup), lattice.poses[block], lattice.approaches[block])
+        return result

@@ -1,0 +1,275 @@
+"""Gains of a whole lattice, kept up to date while readings enter and leave: O(M N) per change, bound by memory traffic.
+
+A change C ← C − H η Hᵀ has K = G H and T = G Z. Let S = K η and U = T − S Ω/2. The matrices of each reading change: M −
+R = G C Gᵀ to G C Gᵀ − S Kᵀ. Likewise N = G C W C Gᵀ changes to N − S Uᵀ − U Sᵀ. The same is true of the columns G C g_l
+and G C W C g_l of the readings in the plan. With them it costs O(M) to take a reading out and to find its best
+replacement.
+
+A reading enters and leaves with all its numbers at once, and so do many readings.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.measurement.place import Places
+from axiscal.numerics import Array
+from axiscal.numerics.ties import ALIKE, first_best
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.covariance import Covariance, LowRank
+from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.gains.reading_columns import ReadingColumns
+from axiscal.planning.gains.three_values import joint_gains
+
+_SMALLEST = 1e-9
+"""Share of the noise of a reading that counts as left of it where nothing is: no division by nought."""
+_ALONE = 1e-7
+"""Share of the noise of a reading: where its own variance is nearer to the noise, it alone holds an unknown."""
+
+
+class Leavings(NamedTuple):
+    """Effects of the readings of a plan that leave, one at a time.
+
+    grown, omega : E and Ω (N, w, w), without it C ← C + H E Hᵀ; least : eigenvalue of E⁻¹ (N,), m²
+    """
+
+    grown: Array
+    omega: Array
+    least: Array
+
+
+class Replacement(NamedTuple):
+    """The best candidate for a slot, what it gains, and what the reading gains that holds the slot."""
+
+    candidate: int
+    gain: float
+    own: float
+
+
+Allowed = Callable[["Scores", int], NDArray[np.bool_]]
+"""(scores, slot) -> which candidates (M,) may stand in that slot."""
+
+
+class Scores:
+    """The gains of the candidates of a pool while a plan is made.
+
+    above, below : N and M of the candidates, then of the readings of the plan, each (w, w, M + N)
+    places : of the readings of the plan, slot by slot; rows, noise : theirs, (N, w, n) and the variance (N,)
+    last : the last change of the covariance; begun : what was known before the first reading of the plan
+    """
+
+    last: LowRank
+
+    def __init__(self, pool: Pool, state: Covariance) -> None:
+        self.pool, self.state, self.begun = pool, state, state
+        self.places, self.noise = Places.none(pool.lattice.poses.shape[1]), np.zeros(0)
+        self.rows = np.zeros((0, pool.width, state.observation.size))
+        self.above, self.below = pool.forms(state.scorer())
+        self._columns: ReadingColumns | None = None
+        self._leavings: Leavings | None = None
+        self._bare: tuple[Covariance, Scorer] | None = None
+
+    def fork(self) -> Self:
+        """Return a copy that goes its own way."""
+        other = copy.copy(self)
+        other.above, other.below = self.above.copy(), self.below.copy()
+        other.rows, other.noise = self.rows.copy(), self.noise.copy()
+        other._columns = None if self._columns is None else self._columns.copy()
+        return other
+
+    @property
+    def objective(self) -> float:
+        """J after the readings of the plan, m²."""
+        return self.state.value
+
+    @property
+    def gains(self) -> Array:
+        """The gain of every candidate, (M,)."""
+        return _gains(self.above[:, :, : len(self.pool)], self.below[:, :, : len(self.pool)])
+
+    def enter(self, what: int | Places, slot: int | None = None, bundle: int = 1) -> float:
+        """Take a candidate, or a reading at another single place, into the plan, and return by how much J falls.
+
+        slot : position in the plan of a reading that has left; the end if none is given
+        bundle : how often it is read
+        """
+        if isinstance(what, Places):
+            place, self.state = what, self.state.opened(what)
+            rows, variances, _ = self.state.rows(what)
+            variance = float(variances[0])
+        else:
+            place, self.state = self.pool.lattice.at(what), self._opened(what)
+            rows, variance = self.pool.rows(self.state.observation, what), float(self.pool.noise[what])
+        slot = len(self.places) if slot is None else slot
+        at_end = slot == len(self.places)
+        self.places = Places.joined([self.places, place]) if at_end else self.places.exchanged(slot, place)
+        return self._taken(np.array([slot]), rows, np.zeros(len(rows), dtype=np.intp), np.array([variance / bundle]))
+
+    def _opened(self, candidate: int) -> Covariance:
+        return self.state.opened_to(self.pool.opened(self.state.observation, candidate))
+
+    def enter_all(self, places: Places) -> float:
+        """Take readings into the plan together, after those that it has, and return by how much J falls."""
+        if not len(places):
+            return 0.0
+        self.state = self.state.opened(places)
+        rows, variances, owner = self.state.rows(places)
+        slots = len(self.places) + np.arange(len(places))
+        self.places = Places.joined([self.places, places])
+        return self._taken(slots, rows, owner, variances[np.searchsorted(owner, np.arange(len(places)))])
+
+    def _taken(self, slots: NDArray[np.intp], rows: Array, owner: NDArray[np.intp], noise: Array) -> float:
+        """Take readings in.
+
+        slots : (m,); rows : (k, n) of all numbers; owner : (k,) of which reading; noise : (m,)
+        """
+        every, inside = np.arange(len(rows)), np.arange(len(rows)) - np.searchsorted(owner, owner)
+        self._make_room()
+        self.rows[slots], self.noise[slots] = 0.0, noise
+        self.rows[slots[owner], inside] = rows
+        state, change = self.state.changed(rows, noise[owner])
+        cross, reach = self._products(change)
+        own, width = len(self.pool) + slots, self.pool.width
+        self.above[:, :, own], self.below[:, :, own] = 0.0, np.eye(width)[:, :, None] * noise
+        for whole, turned in ((self.above, reach), (self.below, cross)):
+            numbers = np.tensordot(change.back, turned[:, :, own], 1)
+            whole[:, inside, own[owner]] += numbers[every, :, owner].T
+        if self._columns is not None:
+            self._columns.put(int(slots[0]), *(self._back(change, each) for each in (cross, reach)))
+        self._changed(change, cross, reach)
+        self.state, self.last = state, change
+        return change.gain
+
+    def _back(self, change: LowRank, turned: Array) -> Array:
+        """Return what candidates see of the numbers of one reading, (w, w, M).  turned : (k, w, M + N)"""
+        columns = np.zeros((self.pool.width, self.pool.width, len(self.pool)))
+        columns[: len(turned)] = np.tensordot(change.back, turned[:, :, : len(self.pool)], 1)
+        return columns
+
+    def _make_room(self) -> None:
+        """Make room for as many readings as there are places, over all unknowns."""
+        more, size = len(self.places) - len(self.noise), self.state.observation.size
+        if more:
+            self._columns = None
+        self.above, self.below = (np.pad(each, ((0, 0), (0, 0), (0, more))) for each in (self.above, self.below))
+        self.noise = np.pad(self.noise, (0, more))
+        self.rows = np.pad(self.rows, ((0, more), (0, 0), (0, size - self.rows.shape[2])))
+
+    def leave(self, slot: int) -> float:
+        """Take a reading out of the plan; its slot stays open. Return by how much J rises."""
+        state, change = self.known_without(slot)
+        self._changed(change, *self._products(change))
+        self.state, self.last = state, change
+        return -change.gain
+
+    def known_without(self, slot: int) -> tuple[Covariance, LowRank]:
+        """Return the state without a reading of the plan, and what that would change."""
+        rows = self.rows[slot, : self._numbers(slot)]
+        return self.state.changed(rows, np.full(len(rows), self.noise[slot]), leaving=True)
+
+    def scorer(self) -> Scorer:
+        """Return the gains as if no cell had been visited, which are found once until a reading moves."""
+        if self._bare is None or self._bare[0] is not self.state:
+            self._bare = self.state, self.pool.scorer(self.state)
+        return self._bare[1]
+
+    def scorer_without(self, change: LowRank) -> Scorer:
+        """Return the same without a reading.  change : what its leaving would change"""
+        columns = change.h[: self.pool.size] * np.sqrt(-np.diagonal(change.eta))
+        return self.scorer().widened(columns, self.state.root.of(columns))
+
+    def close(self, slot: int) -> None:
+        """Forget the slot of a reading that has left."""
+        own = len(self.pool) + slot
+        self.above, self.below = np.delete(self.above, own, axis=2), np.delete(self.below, own, axis=2)
+        self.rows, self.noise = np.delete(self.rows, slot, axis=0), np.delete(self.noise, slot)
+        self.places, self._columns, self._leavings = self.places.without(slot), None, None
+
+    def without(self, slot: int) -> tuple[Array, float]:
+        """Return the gains (M,) of the candidates were a reading not taken, and that of the reading itself."""
+        left, every = self._left_by(), slice(len(self.pool))
+        cross, reach = self._followed().of(slot)
+        scaled, half = _scaled(-left.grown[slot], left.omega[slot], cross, reach)
+        gains = _gains(*_after(self.above[:, :, every], self.below[:, :, every], scaled, half, cross))
+        return gains, float(np.sum(left.grown[slot] * left.omega[slot]))
+
+    def replacement(self, slot: int, allowed: NDArray[np.bool_]) -> Replacement:
+        """Return the best of the candidates that are allowed (M,) for the slot of a reading."""
+        gains, own = self.without(slot)
+        gains = np.where(allowed, gains, -np.inf)
+        best = first_best(gains, ALIKE)
+        return Replacement(best, float(gains[best]), own)
+
+    def losses(self) -> Array:
+        """Return by how much J would rise were each reading of the plan not taken, (N,)."""
+        left = self._left_by()
+        return np.asarray(np.sum(left.grown * left.omega, axis=(1, 2)), dtype=np.float64)
+
+    def held_alone(self, slot: int) -> bool:
+        """Whether unknowns would open beyond the digits of a double without a reading of several numbers.
+
+        Tables from which it is taken hold nothing of the rest; such a reading keeps its place.
+        """
+        return self._numbers(slot) > 1 and bool(self._left_by().least[slot] < _ALONE * self.noise[slot])
+
+    def _left_by(self) -> Leavings:
+        """Return E = (R − G C Gᵀ)⁻¹ and Ω = G C W C Gᵀ of each reading, kept until something enters or leaves."""
+        if self._leavings is None:
+            omega, below = (each[:, :, len(self.pool) :].transpose(2, 0, 1) for each in (self.above, self.below))
+            noise = self.noise[:, None, None]
+            values, vectors = np.linalg.eigh(2 * noise * np.eye(self.pool.width) - below)
+            grown = vectors / np.maximum(values, _SMALLEST * noise[:, 0])[:, None] @ vectors.swapaxes(1, 2)
+            self._leavings = Leavings(grown, omega, values[:, 0])
+        return self._leavings
+
+    def _followed(self) -> ReadingColumns:
+        """Return the columns of the readings of the plan, kept until there is another number of them."""
+        if self._columns is None:
+            half = self.state.factor.T @ self.rows.reshape(-1, self.rows.shape[2]).T
+            weighted = self.state.weighted
+            both = (self.state.factor @ each for each in (half, weighted.T @ (weighted @ half)))
+            shape = (len(self.rows), self.pool.width, self.pool.width, len(self.pool))
+            seen = (self.pool.products(self.state.observation, each).reshape(shape) for each in both)
+            self._columns = ReadingColumns(*seen)
+        return self._columns
+
+    def _numbers(self, slot: int) -> int:
+        """Return how many numbers a reading of the plan has."""
+        return int(self.pool.numbers[self.places.setups[slot]])
+
+    def _products(self, change: LowRank) -> tuple[Array, Array]:
+        """Return rows times H = C Gᵀ and Z = C W H for candidates, then readings, each (k, w, M + N)."""
+        vectors = np.hstack([change.h, change.z])
+        mine = (self.rows @ vectors).transpose(2, 1, 0)
+        seen = np.concatenate([self.pool.products(self.state.observation, vectors), mine], axis=2)
+        return seen[: change.h.shape[1]], seen[change.h.shape[1] :]
+
+    def _changed(self, change: LowRank, cross: Array, reach: Array) -> None:
+        """Bring everything up to date after C ← C − H η Hᵀ.  cross, reach : as of `_products`"""
+        scaled, half = _scaled(change.eta, change.omega, cross, reach)
+        self.above, self.below = _after(self.above, self.below, scaled, half, cross)
+        self._leavings = None
+        if self._columns is not None:
+            self._columns.change(scaled, half, cross)
+
+
+def _scaled(eta: Array, omega: Array, cross: Array, reach: Array) -> tuple[Array, Array]:
+    """Return S and U.  eta, omega : (k, k); cross, reach : (k, w, m)"""
+    scaled = np.tensordot(eta, cross, 1)
+    return scaled, reach - np.tensordot(omega / 2, scaled, 1)
+
+
+def _after(above: Array, below: Array, scaled: Array, half: Array, cross: Array) -> tuple[Array, Array]:
+    """Return N and M after a change.  above, below : before, (w, w, m); the others : S, U and K, (k, w, m)"""
+    crossed = np.einsum("kim,kjm->ijm", scaled, half)
+    return above - crossed - crossed.swapaxes(0, 1), below - np.einsum("kim,kjm->ijm", scaled, cross)
+
+
+def _gains(above: Array, below: Array) -> Array:
+    """Return the gains (m,).  above, below : N and M, (w, w, m)"""
+    return joint_gains(above.transpose(2, 0, 1), below.transpose(2, 0, 1))

@@ -1,0 +1,161 @@
+"""Readings chosen together: take one out, put the best one in, until no exchange helps.
+
+On the lattice a reading and its replacement cost O(M) to look at. Afterwards the exact step moves every reading off the
+lattice, given all the others.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
+from axiscal.numerics import Array
+from axiscal.numerics.ties import ALIKE, first_best, ranked
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.gains.running_gains import Allowed, Replacement, Scores
+from axiscal.planning.plan.move_all import moved
+from axiscal.planning.plan.patience import Patience, work_of_climb
+from axiscal.planning.step.best_step import best_of
+from axiscal.planning.step.climb import Climb
+from axiscal.planning.step.starts_stacked import adds_up
+
+_SWEEPS = 50
+"""Sweeps end where no exchange helps; this only ends what would go round."""
+_BETTER = 1e-7
+"""Rounding of a running gain, with room: what is no better is not exchanged, whatever the last bits say."""
+_NOTHING = 1e-10
+"""Share of what is to be small: readings that hold next to nothing were exchanged for one another without end."""
+_WORTH = 1e-6
+_WORTH_OF_MANY = 2e-3
+_FEW = 120
+_CANDIDATES = 4
+_ROUNDS = 1
+"""Looks along exact lines: the next round of the plan goes on from there."""
+_SMALL = 60
+_WORK = 4e9
+"""Floating point operations after which an exchange ends: by work, not by the clock, for the same plan anywhere."""
+
+
+def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: float = _BETTER) -> None:
+    """Exchange readings for candidates until a whole sweep finds nothing better, within a fixed amount of work.
+
+    better : by this share of what a reading brings, another one must bring more
+    """
+    work, changes, looked = 0.0, 0, dict[int, int]()
+    for _ in range(sweeps):
+        before, least = changes, _NOTHING * scores.objective
+        for slot in ranked(-scores.losses(), ALIKE).tolist():
+            if looked.get(slot) == changes or scores.held_alone(slot):
+                continue
+            if work > _WORK:
+                return
+            looked[slot] = changes
+            found = scores.replacement(slot, allowed(scores, slot))
+            work += 4.0 * len(scores.pool)
+            if _exchanged(scores, slot, found, better, least):  # the others have to be looked at anew
+                work, changes = work + _work_of_change(scores), changes + 1
+        if changes == before:
+            return
+
+
+def _work_of_change(scores: Scores) -> float:
+    """Return the operations that one exchange takes, roughly."""
+    products = len(scores.pool) * (6.0 * len(scores.places) + 2.0 * scores.pool.size)
+    return products + 20.0 * scores.state.factor.size
+
+
+def _exchanged(scores: Scores, slot: int, found: Replacement, better: float, least: float) -> bool:
+    """Return whether the exchange brings enough, and was made.  least : m², of what is to be small"""
+    if not found.gain > found.own + max(better * found.own, least):
+        return False
+    scores.leave(slot)
+    scores.enter(found.candidate, slot)
+    return True
+
+
+def polish(scores: Scores, allowed: Allowed, rounds: int, patience: Patience) -> None:
+    """Move all readings off the lattice at once, then climb them one by one, until a round gains little."""
+    work = work_of_climb(scores.pool.size, scores.pool.size + len(scores.begun.root.matrix))
+    for _ in range(rounds):
+        before = scores.state.value
+        if not patience.spent:
+            _move(scores)
+            patience.take(work * len(scores.places))
+        _climb_all(scores, allowed, patience, work)
+        if patience.spent:
+            return
+        if before - scores.state.value <= _worth(scores) * before:
+            return
+
+
+def _worth(scores: Scores) -> float:
+    """Return the share of J that a round must gain to be followed by another: these are dear with many unknowns."""
+    return _WORTH if scores.pool.size <= _FEW else _WORTH_OF_MANY
+
+
+def _move(scores: Scores) -> None:
+    found = moved(scores.begun, scores.places)
+    for slot in np.flatnonzero(np.any(found.poses != scores.places.poses, axis=1)).tolist():
+        if scores.held_alone(slot):
+            continue
+        scores.leave(slot)
+        scores.enter(found.at(slot), slot)
+
+
+def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float) -> None:
+    """Put the best reading there is, on the lattice or off it, into each slot; work : of one climb, operations"""
+    for slot in range(len(scores.places)):
+        if patience.spent:
+            return
+        if scores.held_alone(slot):
+            continue
+        patience.take(work)
+        found = _better(scores, slot, allowed)
+        if found is not None:
+            scores.leave(slot)
+            scores.enter(found, slot)
+
+
+def _better(scores: Scores, slot: int, allowed: Allowed) -> Places | None:
+    """Return the best reading for a slot, or None where none is better than what it holds."""
+    gains, _ = scores.without(slot)
+    gains = np.where(allowed(scores, slot), gains, -np.inf)
+    state, change = scores.known_without(slot)
+    found = _climbed(scores.pool, scores.scorer_without(change), gains, scores.places.at(slot))
+    more = state.entered(found)[1].gain > -change.gain * (1 + _BETTER)  # tables are changed for what is better only
+    return found if more else None
+
+
+def _climbed(pool: Pool, scorer: Scorer, gains: Array, old: Places) -> Places:
+    """Return the best reading found from a reading and the best candidates.
+
+    scorer : without the reading
+    Cells visited by others are taken for fresh ones meanwhile: their edges would cut every line into small pieces.
+    """
+    lattice = pool.lattice
+    order = ranked(gains, ALIKE, _CANDIDATES)
+    if np.all(np.isfinite(gains)) and _small(pool, scorer.observation):
+        return best_of(scorer, lattice).place
+    begun = Places.joined([old, lattice.within(order[np.isfinite(gains[order])])])
+    climbs = [_climb(scorer, setup, *begun.of(setup)) for setup, _ in begun.by_setup()]
+    best = climbs[first_best(np.array([climb.gains.max() for climb in climbs]), ALIKE)]
+    top = first_best(best.gains, ALIKE)
+    return Places.one(best.setup, *(part[top] for part in best.readings))
+
+
+def _small(pool: Pool, observation: Observation) -> bool:
+    """Whether a search over everything costs no more than climbing from a few places."""
+    used = [int(setup) for setup in np.unique(pool.lattice.setups)]
+    free = pool.size <= 2 * _SMALL and all(observation.setups[setup].chart is None for setup in used)
+    return free and all(adds_up(observation, setup) for setup in used)
+
+
+def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb:
+    climb = Climb.begun(scorer, setup, poses, approaches)
+    climb.newton(3)
+    climb = climb.distinct().best(1, 0.0, 1.0)
+    climb.uphill()
+    climb.finish(_ROUNDS)
+    return climb

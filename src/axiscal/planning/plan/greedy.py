@@ -1,0 +1,232 @@
+"""Which set-ups to use, and how many readings each is worth: greedily by gain per second, over sets of set-ups."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.place import Places
+from axiscal.measurement.setup import Setup
+from axiscal.numerics.remembered import remembered
+from axiscal.numerics.ties import ALIKE, first_best
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.running_accuracy import RunningAccuracy
+from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.plan.task import Clock, Limits, Task, clock
+
+_COARSE = 1000
+_PICKS = 50
+_TRIED = 150
+_EVERY_SUBSET = 4
+"""Sets of up to so many set-ups are all tried; beyond it they would be hundreds."""
+_MOST = 1000
+"""A plan of more readings is for a robot; what it asks takes days."""
+_STALLED = 1e-7
+"""Share of the first J: a reading that brings less is none."""
+
+Setups = tuple[int, ...]
+_FRESH = 0.99
+"""Share of a fresh reading's variance: where none is opened, it is one to rounding."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Trial:
+    """A plan in the making.
+
+    setups : that it may use; seconds : with the usual ways; met : whether the accuracy asked for is reached
+    """
+
+    scores: Scores
+    setups: Setups
+    seconds: float
+    met: bool
+
+    def key(self, limits: Limits) -> tuple[float, float]:
+        """Key to compare trials by, the smaller the better: time where the accuracy is reached, else J."""
+        if self.met and limits.accurate:
+            return 0.0, self.seconds
+        return 1.0, self.scores.state.value
+
+
+@remembered
+def chosen_setups(task: Task, limits: Limits) -> Setups:
+    """Return the set-ups that are worth their mounting.
+
+    All sets of up to four set-ups are tried on a coarse lattice; with more, sets grow and shrink by one while it helps.
+    """
+    everything = tuple(int(s) for s in np.unique(task.lattice.setups))
+    if len(everything) == 1:
+        return everything
+    base = Scores(Pool(task.observation, _thinned(task), task.memory), task.state)
+    meter, times = RunningAccuracy.of(task.yardstick, base.state.factor), clock(task)
+
+    longest = np.inf
+
+    def key(setups: Setups) -> tuple[float, float]:
+        nonlocal longest
+        bundle = _bundle(limits, times, setups)
+        trial = filled(base.fork(), meter, limits, times, setups, bundle, _TRIED, longest)
+        if trial.met and limits.accurate:
+            longest = min(longest, trial.seconds)
+        return trial.key(limits)
+
+    if len(everything) <= _EVERY_SUBSET:
+        sets = [s for count in range(len(everything), 0, -1) for s in combinations(everything, count)]
+        return min(sets, key=key)
+    return _grown(everything, key)
+
+
+def _grown(everything: Setups, key: Callable[[Setups], tuple[float, float]]) -> Setups:
+    key(everything)
+    best: Setups = min(((s,) for s in everything), key=key)
+    value = key(best)
+    while True:
+        more = [(*best, s) for s in everything if s not in best]
+        fewer = [s for s in combinations(best, len(best) - 1) if s]
+        tried = {tuple(sorted(s)): key(tuple(sorted(s))) for s in [*more, *fewer]}
+        step = min(tried, key=lambda s: tried[s], default=best)
+        if not tried or not tried[step] < value:
+            return best
+        best, value = step, tried[step]
+
+
+def _bundle(limits: Limits, times: Clock, setups: Setups) -> int:
+    """Return how many readings to take for one, so that a set of set-ups is judged by a few dozen picks.
+
+    It is one for a target accuracy: single readings decide which set-ups reach it first.
+    """
+    if limits.accurate:
+        return 1
+    most = limits.readings or _MOST
+    if limits.budget is not None:
+        left = limits.budget - float(times.mounting[list(setups)].sum())
+        most = min(most, int(max(left, 0.0) / float(times.reading[list(setups)].min())))
+    return 1 + most // _PICKS
+
+
+def filled(
+    scores: Scores,
+    meter: RunningAccuracy,
+    limits: Limits,
+    times: Clock,
+    setups: Setups,
+    bundle: int = 1,
+    most: int = _MOST,
+    longest: float = np.inf,
+    begun: float | None = None,
+) -> Trial:
+    """Take the candidate with the most gain (per second, where time counts) until a limit is reached.
+
+    bundle : readings that are taken together as one with so much less noise
+    most, longest : picks and seconds after which to give up an accuracy
+    begun : seconds of the readings that are there already; None where the plan begins, by opening its set-ups
+    """
+    of = scores.pool.lattice.setups
+    spent = float(times.mounting[list(setups)].sum()) if begun is None else begun
+    cost, allowed = bundle * times.reading[of], np.isin(of, setups)
+    for index in openings(scores, setups, limits.readings or _MOST) if begun is None else ():
+        scores.enter(index, bundle=bundle)
+        meter, spent = _after(meter, scores, limits), spent + float(cost[index])
+    start = scores.state.value
+    picks = 0
+    while not (met := limits.accurate and limits.met(meter.accuracy)) and bundle * len(scores.places) < (
+        limits.readings or _MOST
+    ):
+        picks += 1
+        if picks > most or spent > longest:
+            break
+        open_to = allowed & (spent + cost <= (limits.budget or np.inf))
+        if not open_to.any():
+            break
+        rate = np.where(open_to, scores.gains / (cost if limits.timed else 1.0), -np.inf)
+        best = first_best(rate, ALIKE)
+        gain = scores.enter(best, bundle=bundle)
+        meter, spent = _after(meter, scores, limits), spent + float(cost[best])
+        if gain < _STALLED * start and limits.readings is None and limits.budget is None:
+            break
+    return Trial(scores, setups, spent, met)
+
+
+def _after(meter: RunningAccuracy, scores: Scores, limits: Limits) -> RunningAccuracy:
+    """Return the accuracy after the last reading, or the given one where the limits have no target accuracy."""
+    return meter.after(scores.last) if limits.accurate else meter
+
+
+def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, int], NDArray[np.bool_]]:
+    """Return which candidates may stand in a slot: of these set-ups, and no dearer than what it held plus the slack."""
+
+    used = np.isin(np.arange(len(times.reading)), setups)
+
+    def allowed(scores: Scores, slot: int) -> NDArray[np.bool_]:
+        room = times.reading[scores.places.setups[slot]] + slack
+        fitting: NDArray[np.bool_] = (used & (times.reading <= room + 1e-9))[scores.pool.lattice.setups]
+        return fitting
+
+    return allowed
+
+
+def _thinned(task: Task) -> Places:
+    step = max(1, len(task.lattice) // _COARSE)
+    return task.lattice.within(np.arange(0, len(task.lattice), step))
+
+
+class _Group(NamedTuple):
+    """Candidates that find out the same thing first.  columns : of the unknowns that make it up"""
+
+    candidates: NDArray[np.intp]
+    columns: NDArray[np.intp]
+
+
+def openings(scores: Scores, setups: Sequence[int], readings: int) -> list[int]:
+    """Return one candidate for each set-up and ball that is not known yet, near home; none where these are too many.
+
+    The first reading of a ball tells little but where the ball is, and that of a set-up its zero: no gain would ever
+    open it.
+    readings : so many there may be at most
+    """
+    groups = [group for setup in setups for group in _groups(scores, setup)]
+    if len(groups) == 1 or readings < len(groups):
+        return []
+    return [_near_home(scores, group) for group in groups if not _known(scores, group)]
+
+
+def _groups(scores: Scores, setup: int) -> Iterator[_Group]:
+    mounted, lattice = scores.state.observation.setups[setup], scores.pool.lattice
+    mine, columns = np.flatnonzero(lattice.setups == setup), scores.state.observation.unknowns_of(setup)
+    if mounted.artefact is None or len(mounted.balls) < 2 or mounted.artefact.calibrated is not None:
+        if len(columns) and len(mine):
+            yield _Group(mine, columns)
+        return
+    at = mounted.artefact.nearest(frames(scores.state.observation.machine, lattice.poses[mine]).tcp, mounted.balls)
+    for ball in mounted.balls:
+        if np.any(at == ball):
+            yield _Group(mine[at == ball], columns[_of_ball(mounted, mounted.artefact.balls[ball].name)])
+
+
+def _of_ball(setup: Setup, ball: str) -> NDArray[np.bool_]:
+    return np.array([unknown.name.rpartition("_")[0] == ball for unknown in setup.unknowns])
+
+
+def _near_home(scores: Scores, group: _Group) -> int:
+    """Return the candidate nearest to where the axes are parked; on a chart linear axes follow, and do not count."""
+    lattice, observation = scores.pool.lattice, scores.state.observation
+    setup = observation.setups[int(lattice.setups[group.candidates[0]])]
+    axes = observation.machine.axes
+    counted = [k for k, axis in enumerate(axes) if setup.chart is None or axis.rotary]
+    spans = np.array([axes[k].length for k in counted])
+    away = (lattice.poses[group.candidates][:, counted] - np.array(setup.park)[counted]) / spans
+    return int(group.candidates[np.sum(away**2, axis=1).argmin()])
+
+
+def _known(scores: Scores, group: _Group) -> bool:
+    """Whether one of the unknowns is better known than when it was mounted."""
+    state = scores.state
+    variances = np.sum(state.factor[group.columns] ** 2, axis=1)
+    fresh = state.observation.prior_variances()[group.columns]
+    return bool(np.any(variances < _FRESH * fresh))

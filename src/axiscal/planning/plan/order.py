@@ -1,0 +1,138 @@
+"""The order of the readings of a plan, set-up by set-up, and how long they take in it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.measurement.place import Places
+from axiscal.measurement.travel import reading_seconds, short_way, way_seconds
+from axiscal.numerics import Array
+from axiscal.numerics.ties import ALIKE, first_best
+from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.plan.out_and_back import out_and_back, returns
+from axiscal.planning.plan.task import Task
+
+
+def seconds_of(task: Task, places: Places) -> float:
+    """Return the time of readings on a short way, set-up by set-up."""
+    return seconds_along(task, _by_setup(task, places))
+
+
+def seconds_along(task: Task, order: Places) -> float:
+    """Return the time of readings in this order."""
+    return float(sum(seconds_each(task, order).tolist()))
+
+
+def seconds_each(task: Task, order: Places) -> Array:
+    """Return what each reading takes after the one before, (m,): mounting where the set-up changes, way, settling,
+    reading.
+    """
+    setups = task.observation.setups
+    stays, start = _before(task, order)
+    ways, counted = np.zeros(len(order)), counting(task, order)
+    for setup, mine in order.by_setup():
+        places = start[mine], order.poses[mine], counted[mine]
+        ways[mine] = way_seconds(task.observation.machine, setups[setup], *places)
+    mounting, reading = np.array([(s.setup_time, reading_seconds(s)) for s in setups])[order.setups].T
+    seconds: Array = np.where(stays, ways, mounting) + reading
+    return seconds
+
+
+def _before(task: Task, order: Places) -> tuple[NDArray[np.bool_], Array]:
+    """Return whether the set-up of each reading is mounted already, (m,), and from where the machine comes, (m, q)."""
+    mounted, pose = ([-1], order.poses[:1]) if task.here is None else (task.here.setups, task.here.poses)
+    before = np.concatenate([mounted, order.setups])[:-1]
+    return before == order.setups, np.concatenate([pose, order.poses])[:-1]
+
+
+def counting(task: Task, places: Places) -> Array:
+    """Return the approaches of readings, (m, q), 0 for axes with no prescribed direction where none matters."""
+    axes = range(len(task.observation.machine.axes))
+    reverses = task.observation.errors.reversing
+    setups = task.observation.setups
+    counts = [[k in s.moves and (len(s.sides) == 1 or k in reverses) for k in axes] for s in setups]
+    return np.where(np.array(counts)[places.setups], places.approaches, 0.0)
+
+
+def in_order(task: Task, places: Places) -> Places:
+    """Return the readings in travel order; the set-up that takes J down fastest per second comes first."""
+    groups = {setup: _by_setup(task, places.within(mine), exact=True) for setup, mine in places.by_setup()}
+    if len(groups) <= 1:
+        return groups.popitem()[1] if groups else places
+    done, state = list[Places](), task.state
+    first = None if task.here is None else int(task.here.setups[0])
+    while groups:
+        after = {setup: state.after_readings(group) for setup, group in groups.items()}
+        best = first if first in groups and not done else _fastest(task, state, groups, after)
+        done.append(groups.pop(best))
+        state = after[best]
+    return Places.joined(done)
+
+
+def _fastest(task: Task, state: Covariance, groups: dict[int, Places], after: dict[int, Covariance]) -> int:
+    """Return the set-up that takes J down fastest per second.  after : the state with the readings of each"""
+    rates = [(state.value - after[setup].value) / seconds_along(task, group) for setup, group in groups.items()]
+    return list(groups)[first_best(np.array(rates), ALIKE)]
+
+
+def _by_setup(task: Task, places: Places, exact: bool = False) -> Places:
+    """Return the readings in travel order, set-ups in order of their index, the mounted one first.
+
+    exact : as for `short_way`
+    """
+    mounted = -1 if task.here is None else task.here.setups[0]
+    groups = sorted(places.by_setup(), key=lambda group: (group[0] != mounted, group[0]))
+    return Places.joined(
+        [places.within(slice(0, 0)), *(_on_a_short_way(task, places.within(g), exact) for _, g in groups)]
+    )
+
+
+def _on_a_short_way(task: Task, places: Places, exact: bool) -> Places:
+    """Return the readings of one set-up out and back along its axis, or on a short way if several move.
+
+    From where the machine stands, if the set-up is mounted.
+    """
+    if len(places) < 2:
+        return places
+    machine, approaches, first = task.observation.machine, counting(task, places), None
+    setup, here = task.observation.setups[int(places.setups[0])], None
+    if task.here is not None and task.here.setups[0] == places.setups[0]:
+        here = task.here.poses[0]
+        first = way_seconds(machine, setup, here, places.poses, approaches)
+    if returns(setup):
+        taken = task.taken.within(task.taken.setups == places.setups[0])
+        before = np.column_stack([taken.poses, counting(task, taken)])
+        return out_and_back(machine, setup, places, approaches, here, before)
+    once, again = _repeats(np.column_stack([places.poses, approaches]))
+    begin = None if first is None else first[once]
+    order, _ = short_way(machine, setup, places.poses[once], approaches[once], begin, exact=exact)
+    return places.within(np.concatenate([once[order], again]))
+
+
+def _repeats(rows: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the first readings of all places, and those of a place once more.  rows : (m, p) poses and approaches"""
+    _, first = np.unique(rows, axis=0, return_index=True)
+    once = np.sort(first)
+    return once, np.setdiff1d(np.arange(len(rows)), once)
+
+
+def arriving(task: Task, order: Places) -> Array:
+    """Return the approaches of readings, (m, q), with the direction of travel where any direction will do.
+
+    There an axis that stands, or comes from nearer than its overrun, has none: nothing makes it turn. In touch all axes
+    come together, from where their place has them or, if none counts, from anywhere; so do slides to three touches.
+    """
+    counted = counting(task, order)
+    stays, start = _before(task, order)
+    way = order.poses - start
+    overrun = np.array([axis.overrun for axis in task.observation.machine.axes])
+    travel = np.sign(way) * (np.abs(way) >= overrun) * (order.approaches != 0)
+    alone = np.where(counted != 0, counted, travel)
+    together = np.where(np.any(counted != 0, axis=1)[:, None], order.approaches, 0.0)
+    linear = np.array([not axis.rotary for axis in task.observation.machine.axes])
+    setups = task.observation.setups
+    held = np.array([s.chart is not None and s.contact == "held" for s in setups])[order.setups][:, None]
+    touched = np.array([s.three_touches for s in setups])[order.setups][:, None] & linear
+    come = np.where(held, together, np.where(touched, order.approaches, alone))
+    return np.where(stays[:, None], come, order.approaches)

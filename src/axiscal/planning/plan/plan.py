@@ -1,0 +1,225 @@
+"""A plan: which set-ups, which readings in each, in which order, how long, how good, and how good any plan could be.
+
+    plan = make_plan(task, Limits(readings=40))
+    plan.places.poses[0], plan.accuracy.rms, plan.seconds, plan.ratio
+
+Exchange chooses the readings together. It improves a greedy, a space-filling, an evenly spaced and the best random
+design; the best result is the plan. So no plan is worse than one of these. While measuring, `renewal.renewed` plans the
+rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from axiscal.estimation.accuracy.yardstick import Accuracy
+from axiscal.exceptions import PlanError
+from axiscal.measurement.place import Places
+from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
+from axiscal.numerics.ties import ALIKE, first_best
+from axiscal.planning.bound.lower_bound import Bound, lower_bound
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.running_accuracy import RunningAccuracy, along
+from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.plan.exchange import exchange, polish
+from axiscal.planning.plan.greedy import Setups, Trial, affordable, chosen_setups, filled
+from axiscal.planning.plan.order import arriving, in_order, seconds_each
+from axiscal.planning.plan.patience import PATIENCE, Patience
+from axiscal.planning.plan.plain_designs import plain_designs
+from axiscal.planning.plan.random_starts import best_of_random
+from axiscal.planning.plan.task import Clock, Limits, Task, clock
+from axiscal.planning.plan.within_limits import fitted
+
+Progress = Callable[[str], None]
+
+_RANDOM = 0.05
+"""Share of the patience that random starts may take besides."""
+_ROUNDS = 6
+"""Rounds end where no reading moves; this only ends what would go round."""
+_SHAKES, _SHARE, _SEED = 10, 0.02, 1
+"""How many, by how much of the travel at most, and any seed: a plan is the same every time."""
+_FEWEST = 8
+"""Readings of a set-up below which every place counts more than what may repeat."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PlannedReading:
+    """Accuracy and elapsed seconds after a reading of a plan.  value : J"""
+
+    value: float
+    accuracy: Accuracy
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Plan:
+    """Readings in the order of a short way, set-up by set-up.
+
+    places : from the sides from which the machine comes to them; readings : what each of them leaves
+    value : J after the last; before : the accuracy now; met : whether the accuracy asked for is reached
+    bound : what no plan can beat, None if it was not asked for; candidates : size of the lattice it holds for
+    among : the set-ups that were worth their mounting, of which it was chosen
+    """
+
+    places: Places
+    readings: tuple[PlannedReading, ...]
+    value: float
+    before: Accuracy
+    met: bool
+    bound: Bound | None
+    candidates: int
+    among: Setups
+
+    @property
+    def accuracy(self) -> Accuracy:
+        """The figures after the last reading."""
+        return self.readings[-1].accuracy if self.readings else self.before
+
+    @property
+    def seconds(self) -> float:
+        """The time of the whole plan."""
+        return self.readings[-1].seconds if self.readings else 0.0
+
+    @property
+    def ratio(self) -> float:
+        """J over its lower bound; infinite without one."""
+        return self.value / self.bound.value if self.bound and self.bound.value > 0 else np.inf
+
+
+@one_thread()
+def make_plan(
+    task: Task,
+    limits: Limits,
+    *,
+    patience: float = PATIENCE,
+    bounded: bool = True,
+    shake: bool = False,
+    progress: Progress = lambda _: None,
+) -> Plan:
+    """Return a plan that ends at the first limit it reaches. Raises PlanError.
+
+    patience : operations that climbing off the lattice may take; the same plan on any machine, and under any load
+    bounded : whether the lower bound is wanted; shake : whether places are shaken off their regular distances
+    progress : is given what is being done, in words
+    """
+    _refuse(task, limits)
+    times = clock(task)
+    progress("which set-ups")
+    setups = chosen_setups(task, limits)
+    pool = Pool(task.observation, task.lattice.within(np.isin(task.lattice.setups, setups)), task.memory)
+    progress("readings chosen together")
+    trial = _together(task, limits, times, pool, setups, _RANDOM * patience)
+    progress("off the lattice")
+    polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
+    trial = fitted(task, limits, times, trial)
+    if shake and (moved := shaken(task, pool, trial.scores.places)) is not None:
+        trial = replace(trial, scores=moved)
+    order = in_order(task, trial.scores.places)
+    return judged(task, limits, replace(order, approaches=arriving(task, order)), bounded, progress)
+
+
+def _refuse(task: Task, limits: Limits) -> None:
+    if limits == Limits():
+        remedy = "Say how many readings, which accuracy or how much time"
+        raise PlanError("nothing would ever end this plan", remedy)
+    if not len(task.lattice):
+        raise PlanError("there is no place where a reading may be taken", "Allow an axis to move, or add a set-up")
+    times = clock(task)
+    first = float((times.mounting + times.reading)[np.unique(task.lattice.setups)].min())
+    if limits.budget is not None and limits.budget < first:
+        what = f"{limits.budget / 60:.3g} min is less than the {first / 60:.3g} min that the first reading takes"
+        raise PlanError(what, "Allow more time, or give a set-up that is mounted faster")
+
+
+def _together(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setups, work: float) -> Trial:
+    """Return the best of what exchange makes of several beginnings with the same number of readings per set-up.
+
+    work : operations that random starts may take
+    """
+    base, meter = Scores(pool, task.state), RunningAccuracy.of(task.yardstick, task.state.factor)
+    greedy = filled(base.fork(), meter, limits, times, setups)
+    counts = [(s, int(np.sum(greedy.scores.places.setups == s))) for s in setups]
+    trials = [greedy]
+    random = best_of_random(task, counts, work)
+    for begun in [*plain_designs(task, counts), *([] if random is None else [random])]:
+        scores = base.fork()
+        scores.enter_all(begun)
+        trials.append(replace(greedy, scores=scores))
+    for trial in trials:
+        exchange(trial.scores, affordable(times, setups, limits.slack))
+    return trials[first_best(-np.array([trial.scores.state.value for trial in trials]), ALIKE)]
+
+
+def judged(
+    task: Task, limits: Limits, places: Places, bounded: bool = True, progress: Progress = lambda _: None
+) -> Plan:
+    """Return the plan of readings in their order: what each leaves, and what no plan could beat.
+
+    bounded : whether the lower bound is wanted
+    """
+    state, among = task.state, chosen_setups(task, limits)
+    lattice = task.lattice.within(np.isin(task.lattice.setups, among))
+    before = RunningAccuracy.of(task.yardstick, state.factor).accuracy
+    ends = np.cumsum(seconds_each(task, places)).tolist()
+    known = zip(along(state, task.yardstick, places), ends, strict=True)
+    readings = tuple(PlannedReading(value, accuracy, seconds) for (value, accuracy), seconds in known)
+    value, accuracy = (readings[-1].value, readings[-1].accuracy) if readings else (state.value, before)
+    bound = None
+    if bounded:
+        progress("the bound")
+        bound = _bound(task, limits, Pool(task.observation, lattice, task.memory), places)
+    return Plan(places, readings, value, before, limits.met(accuracy), bound, len(lattice), among)
+
+
+def _bound(task: Task, limits: Limits, pool: Pool, places: Places) -> Bound:
+    """Return the bound for as many readings as the plan has, or for its seconds of settling and reading."""
+    of = np.concatenate([pool.lattice.setups, places.setups])
+    costs = np.ones(len(of))
+    if limits.timed:
+        seconds = np.array([s.settle + s.reading_time for s in task.observation.setups])[of]
+        costs = seconds if seconds.min(initial=np.inf) > 0 else costs
+    return lower_bound(pool, task.state, places, costs, float(costs[len(pool) :].sum()))
+
+
+def shaken(task: Task, pool: Pool, places: Places) -> Scores | None:
+    """Return the best of ten plans, places shaken by some hundredths of the travel; None where none may be shaken.
+
+    The best plan is nearly regular, and hides what repeats. Shaking costs about 4 % of J; without it an error with a
+    period near the distance of the places is missed as a whole.
+    """
+    reach = _reach(task, places)
+    if not np.any(reach):
+        return None
+    rng, best = np.random.default_rng(_SEED), None
+    for _ in range(_SHAKES):
+        poses = places.poses + reach * rng.uniform(-1.0, 1.0, places.poses.shape)
+        scores = Scores(pool, task.state)
+        scores.enter_all(replace(places, poses=_within(task, places, poses)))
+        if best is None or scores.state.value < best.state.value:
+            best = scores
+    return best
+
+
+def _reach(task: Task, places: Places) -> Array:
+    """Return how far each coordinate of each place may be shaken, (m, q) m or rad."""
+    reach, axes = np.zeros_like(places.poses), task.observation.machine.axes
+    for index, mine in places.by_setup():
+        setup = task.observation.setups[index]
+        if setup.chart is None and setup.artefact is None and len(places.poses[mine]) >= _FEWEST:
+            for k in setup.moves:
+                reach[mine, k] = _SHARE * axes[k].length if setup.raster[k] == 0 else 0.0
+    return reach
+
+
+def _within(task: Task, places: Places, poses: Array) -> Array:
+    """Return poses within the span in which each set-up is read."""
+    held, axes = poses.copy(), task.observation.machine.axes
+    for index, mine in places.by_setup():
+        setup = task.observation.setups[index]
+        for k in setup.moves:
+            held[mine, k] = np.clip(poses[mine, k], *setup.span(axes[k], k))
+    return held

@@ -1,0 +1,105 @@
+"""The rest of a plan, renewed while measuring: from the readings that are still open, by what exchanges still help.
+
+Readings of linear instruments sharpen a belief by their places, not by their values. So the rest of a plan is still the
+plan, as long as each reading is accepted at its planned place. Otherwise the search here begins with it, so that the
+renewed plan is no worse than the old one, and little has to be looked at.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from axiscal.measurement.place import Places
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.running_accuracy import RunningAccuracy
+from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.plan.exchange import exchange, polish
+from axiscal.planning.plan.greedy import Setups, Trial, affordable, filled
+from axiscal.planning.plan.order import arriving, counting, in_order, seconds_along
+from axiscal.planning.plan.out_and_back import beside, returns
+from axiscal.planning.plan.patience import Patience
+from axiscal.planning.plan.task import Clock, Limits, Task, clock
+from axiscal.planning.plan.within_limits import drop, fitted
+
+_SWEEPS = 3
+_WORTH = 0.01
+"""An exchange must bring a hundredth more than the reading it replaces: less is not worth another way."""
+_ROUNDS = 2
+_MORE = 10
+"""So many readings at once are added to a plan that has come to fall short."""
+
+
+def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0) -> Places:
+    """Return the readings to come in their order, from those that are left of a plan and within its set-ups.
+
+    limits : what is left of them; patience : operations that climbing off the lattice may take
+    None are returned where there is no time for any of these set-ups.
+    """
+    times = clock(task)
+    left = _mountable(limits, times, left)
+    setups = _setups(task, left)
+    lattice = task.lattice.within(np.isin(task.lattice.setups, setups))
+    places = left
+    if len(lattice):
+        trial = _begun(task, limits, times, Pool(task.observation, lattice, task.memory), setups, left)
+        trial = _filled(task, limits, times, trial)
+        exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
+        polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
+        places = fitted(task, limits, times, trial).scores.places
+    order = _as_before(task, _shorter(task, in_order(task, places), left), left)
+    return replace(order, approaches=arriving(task, order))
+
+
+def _shorter(task: Task, order: Places, left: Places) -> Places:
+    """Return the order as it was, where it holds the same readings and takes no longer."""
+    same = order.same_as(left)
+    return left if same and seconds_along(task, left) <= seconds_along(task, order) else order
+
+
+def _as_before(task: Task, order: Places, left: Places) -> Places:
+    """Return each set-up that is read out and back as it was, and its other readings beside those of their side.
+
+    A reading more would shift the rounds of all beyond it.
+    """
+    parts = []
+    for index in dict.fromkeys(order.setups.tolist()):
+        part, old = order.within(order.setups == index), left.within(left.setups == index)
+        setup = task.observation.setups[index]
+        own = returns(setup) and len(old)
+        parts.append(beside(setup, counting(task, part), part, counting(task, old), old) if own else part)
+    return Places.joined(parts) if parts else order
+
+
+def _mountable(limits: Limits, times: Clock, left: Places) -> Places:
+    """Return the readings of the set-ups that there is time to mount, one after another."""
+    spent, kept = 0.0, set[int]()
+    for setup in dict.fromkeys(left.setups.tolist()):
+        first = float(times.mounting[setup] + times.reading[setup])
+        if limits.budget is None or spent + first <= limits.budget:
+            spent += first
+            kept.add(setup)
+    return left.within(np.isin(left.setups, list(kept)))
+
+
+def _setups(task: Task, left: Places) -> Setups:
+    mounted = [] if task.here is None else task.here.setups.tolist()
+    return tuple(sorted({*mounted, *left.setups.tolist()}))
+
+
+def _begun(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setups, left: Places) -> Trial:
+    """Return the plan that is left, of no more readings than there may be."""
+    scores = Scores(pool, task.state)
+    scores.enter_all(left)
+    while limits.readings is not None and len(scores.places) > limits.readings:
+        drop(scores, times)
+    return Trial(scores, setups, 0.0, met=False)
+
+
+def _filled(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
+    """Return the plan with a few readings more where it misses the target accuracy; a budget is filled later."""
+    if limits.budget is not None and not limits.accurate:
+        return trial
+    meter = RunningAccuracy.of(task.yardstick, trial.scores.state.factor)
+    return filled(trial.scores, meter, replace(limits, budget=None), times, trial.setups, most=_MORE, begun=0.0)

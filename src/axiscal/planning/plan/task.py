@@ -1,0 +1,101 @@
+"""A planning task, and the time that the plan may take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.estimation.accuracy.criterion import Root
+from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
+from axiscal.estimation.belief import Belief
+from axiscal.measurement.candidates import spread
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
+from axiscal.measurement.travel import reading_seconds, short_way
+from axiscal.numerics import Array
+from axiscal.numerics.remembered import remembered
+from axiscal.planning.gains.candidate_rows import MEMORY
+from axiscal.planning.gains.covariance import Covariance
+
+_TYPICAL = 24
+
+
+@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
+class Task:
+    """The belief to improve and the readings that are allowed.
+
+    belief : over the unknowns of the observation; root : V (w, n) of the criterion; lattice : the candidates
+    here : one place, of the set-up that is mounted and where the machine stands; None before the first
+    memory : bytes that the rows of the candidates may take; read : places of readings that are taken already
+    """
+
+    observation: Observation
+    belief: Belief
+    root: Root
+    yardstick: Yardstick
+    lattice: Places
+    here: Places | None = None
+    memory: float = MEMORY
+    read: Places | None = None
+
+    @property
+    def taken(self) -> Places:
+        """Where readings were taken already."""
+        return Places.none(len(self.observation.machine.axes)) if self.read is None else self.read
+
+    @property
+    def state(self) -> Covariance:
+        """The covariance before the first reading of the plan."""
+        return Covariance.of(self.observation, self.belief, self.root)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """A plan ends at the first that is reached.  rms, worst : m; budget : s."""
+
+    readings: int | None = None
+    rms: float | None = None
+    worst: float | None = None
+    budget: float | None = None
+
+    def met(self, accuracy: Accuracy) -> bool:
+        """Return whether the accuracy asked for is reached; where no reading can, whether what they take away is."""
+        return accuracy.meets(self.rms, self.worst)
+
+    @property
+    def accurate(self) -> bool:
+        """Whether the limits have a target accuracy."""
+        return self.rms is not None or self.worst is not None
+
+    @property
+    def timed(self) -> bool:
+        """Whether seconds count: for a budget, and for the least time to an accuracy."""
+        return self.budget is not None or self.accurate
+
+    @property
+    def slack(self) -> float:
+        """Seconds that one exchange may cost."""
+        return 0.0 if self.timed else np.inf
+
+
+class Clock(NamedTuple):
+    """Seconds of each set-up: to mount it, and for one reading with the usual way to it, (setups,)."""
+
+    mounting: Array
+    reading: Array
+
+
+@remembered
+def clock(task: Task) -> Clock:
+    """Return what set-ups and readings take; the way is that between a few evenly spread readings."""
+    machine, setups = task.observation.machine, task.observation.setups
+    mounted = None if task.here is None else task.here.setups[0]
+    mounting = [0.0 if i == mounted else s.setup_time for i, s in enumerate(setups)]
+    readings = []
+    for setup in setups:
+        sample = spread(machine, (setup,), _TYPICAL)
+        _, ways = short_way(machine, setup, sample.poses, np.zeros_like(sample.poses), exact=True)
+        readings.append(reading_seconds(setup) + float(ways.mean()))
+    return Clock(np.array(mounting), np.array(readings))

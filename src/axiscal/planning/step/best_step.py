@@ -1,0 +1,235 @@
+"""The next measurement, exactly: over all set-ups, all axes that may move, and both directions of approach.
+
+Every point of a fine lattice is a start where errors simply add up. Elsewhere the starts are the best candidates of a
+given lattice, after a sweep over a few positions in each interval. Newton steps climb the gain ΔJ = gᵀCWCg / (σ² +
+gᵀCg) from the best starts. Exact steps maximise it along one joint after another, on every interval between knots (B&H
+eq. 27; over all joints B&H eq. 37). They end when no joint improves it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from axiscal.estimation.accuracy.criterion import Root
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.exceptions import PlanError
+from axiscal.measurement.free_plane import EXACT, on_free_plane, plane_pieces, plane_poses
+from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.numerics.bernstein_plane import largest_ratio, misfit
+from axiscal.numerics.threads import one_thread
+from axiscal.numerics.ties import TIE, first_best
+from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.gains.three_values import joint_gains
+from axiscal.planning.step.climb import Climb
+from axiscal.planning.step.ground import sides
+from axiscal.planning.step.starts_stacked import adds_up, dense_starts, starts
+
+_APART = 0.12
+_STARTS = 32
+_LOOKED_AT = 400
+_LAST, _NEARLY = 2, 0.999
+"""Readings of a set-up that go on to exact lines, with this share of the best gain: others are on lower hills."""
+_NONE = (
+    "this set-up's readings are no polynomials of two coordinates",
+    "Let it move two linear axes, without a raster, and read one number",
+)
+
+
+class _Sieve(NamedTuple):
+    """Limits to go on: the most readings, their least share of the best gain, and the number of Newton's steps."""
+
+    most: int
+    share: float
+    steps: int
+
+
+_STACKED = (_Sieve(100, 0.6, 1), _Sieve(60, 0.9, 2), _Sieve(12, 0.99, 6), _Sieve(2, 0.9999, 0))
+_FEW_AXES = (_Sieve(240, 0.5, 1), _Sieve(120, 0.7, 2), _Sieve(40, 0.8, 40), _Sieve(4, 0.9999, 0))
+_MANY_AXES = (_Sieve(16, 0.92, 3), _Sieve(3, 0.97, 0))
+_THREE_VALUES = (_Sieve(32, 0.92, 3), _Sieve(8, 0.97, 6), _Sieve(1, 1.0, 0))
+_CHARTED = (_Sieve(16, 0.7, 3), _Sieve(6, 0.9, 6), _Sieve(2, 0.97, 0))
+"""How hard to look, so that no narrow ridge is missed: those that pass the last sieve go on to exact lines."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Step:
+    """The reading that gains most.
+
+    setup : index; pose, approach : (q,); gain : fall of J; variance : of the reading's noise and fresh rests
+    row : (size,) or, of a reading of several numbers, (k, size) what it sees; then variance : (k,) or a number
+    """
+
+    setup: int
+    pose: Array
+    approach: Array
+    gain: float
+    variance: float | Array
+    row: Array
+
+    @property
+    def place(self) -> Places:
+        """Where it is taken."""
+        return Places.one(self.setup, self.pose, self.approach)
+
+    def reading(self, observation: Observation, *values: float) -> Reading:
+        """Return the reading that is taken there; how well it makes the machine known does not depend on its values."""
+        setup = observation.setups[self.setup]
+        first, *others = values or (0.0,) * len(directions_of(setup))
+        pose, approach = tuple(map(float, self.pose)), tuple(map(int, self.approach))
+        return Reading(setup.name, pose, approach, first, others=tuple(others))
+
+
+@one_thread()
+def best_step(knowledge: Knowledge, root: Root, lattice: Places) -> Step:
+    """Return the reading with the largest fall of J = tr(VᵀV C) (B&H eq. 37).
+
+    root : V of the criterion, as `criterion` makes it; lattice : candidates to start from, at least one per set-up
+    """
+    scorer = Scorer.of(knowledge.observation, knowledge.belief, root)
+    found = best_of(scorer, lattice)
+    for setup in np.unique(lattice.setups).tolist():
+        if knowledge.observation.errors.planes and certifiable(scorer.observation, setup):
+            found = _beyond(scorer, setup, found)
+    return found
+
+
+def _beyond(scorer: Scorer, setup: int, found: Step) -> Step:
+    """Return the step, or a better one where boxes over the plane of both axes show that there is one."""
+    certified = certified_gain(scorer, setup, found.gain)
+    if certified.lower <= found.gain:
+        return found
+    climb = Climb.begun(scorer, setup, certified.pose[None], certified.approach[None])
+    climb.finish()
+    return _step(climb)
+
+
+def best_of(scorer: Scorer, lattice: Places) -> Step:
+    """Return the reading with the largest gain of a scorer."""
+    setups = [int(setup) for setup in np.unique(lattice.setups)]
+    climbs = _finalists([_begun(scorer, setup, lattice) for setup in setups])
+    if sum(len(climb.gains) for climb in climbs) > _LAST:
+        climbs = _highest(climbs)
+    for climb in climbs:
+        if len(climb.ground.ends) > 1:
+            climb.finish()
+    steps = [_step(climb) for climb in climbs]
+    return steps[first_best(np.array([step.gain for step in steps]), TIE)]
+
+
+def _highest(climbs: list[Climb]) -> list[Climb]:
+    """Return the few that stand highest after climbing by looks, which cost less than exact lines."""
+    for climb in climbs:
+        climb.uphill()
+    best = max(climb.gains.max() for climb in climbs)
+    highest = [climb.distinct().best(_LAST, _NEARLY, best) for climb in climbs]
+    return [climb for climb in highest if len(climb.gains)]
+
+
+def _sieves(observation: Observation, setup: int) -> tuple[_Sieve, ...]:
+    """Return what starts of a set-up have to pass; tables and dense lattices are for readings of one number."""
+    mounted, alone = observation.setups[setup], len(directions_of(observation.setups[setup])) == 1
+    if mounted.chart is not None:
+        return _CHARTED
+    if len(mounted.moves) == 1 or (alone and adds_up(observation, setup)):
+        return _STACKED
+    if not alone:
+        return _THREE_VALUES
+    return _FEW_AXES if len(mounted.moves) <= 3 else _MANY_AXES
+
+
+def _begun(scorer: Scorer, setup: int, lattice: Places) -> Climb:
+    """Return where to begin: peaks of a fine lattice, or good candidates; on one axis its exact line needs no start."""
+    mounted, sieves = scorer.observation.setups[setup], _sieves(scorer.observation, setup)
+    if mounted.chart is None and len(mounted.moves) == 1:
+        approaches = np.array(sides(scorer.observation, setup))
+        poses = np.tile(np.array(mounted.park), (len(approaches), 1))
+        climb = Climb.begun(scorer, setup, poses, approaches, np.zeros(len(poses)))
+        climb.finish()
+        return climb
+    if sieves in (_STACKED, _FEW_AXES):
+        found = starts(scorer, setup) if sieves is _STACKED else dense_starts(scorer, setup)
+        return Climb.begun(scorer, setup, found.poses, found.approaches, found.gains)
+    climb = Climb.begun(scorer, setup, *lattice.of(setup)).best(_LOOKED_AT, 0.0, 1.0)
+    return climb.scattered(_STARTS, _APART)
+
+
+def _finalists(climbs: list[Climb]) -> list[Climb]:
+    """Return the distinct best after Newton's steps, few enough for exact lines."""
+    sieves = {climb.setup: _sieves(climb.scorer.observation, climb.setup) for climb in climbs}
+    for stage in range(len(_FEW_AXES)):  # no set-up has more sieves
+        best = max(climb.gains.max() for climb in climbs)
+        sifted = [_sifted(climb, sieves[climb.setup][stage : stage + 1], best) for climb in climbs]
+        climbs = [climb for climb in sifted if len(climb.gains)]
+    return climbs
+
+
+def _sifted(climb: Climb, sieves: tuple[_Sieve, ...], best: float) -> Climb:
+    """Return those that pass a sieve, moved on by its Newton steps; all of them where there is none."""
+    if not sieves or len(climb.ground.ends) == 1:
+        return climb
+    (sieve,) = sieves
+    passed = climb.best(sieve.most, sieve.share, best)
+    passed.newton(sieve.steps)
+    return passed.distinct()
+
+
+def _step(climb: Climb) -> Step:
+    best = first_best(climb.gains, TIE)
+    pose, approach = (part[best] for part in climb.readings)
+    seen = climb.scorer.observation.numbers(climb.setup, pose[None], approach[None])
+    gain = float(joint_gains(*climb.scorer.split_all(seen))[0])
+    rows, variances = seen.rows[0], np.diagonal(seen.covariances[0]).copy()
+    if len(rows) == 1:
+        return Step(climb.setup, pose, approach, gain, float(variances[0]), rows[0])
+    return Step(climb.setup, pose, approach, gain, variances, rows)
+
+
+class CertifiedGain(NamedTuple):
+    """The largest gain lies between lower, that at the pose (q,) from its side (q,), and upper.  boxes : looked at"""
+
+    lower: float
+    upper: float
+    pose: Array
+    approach: Array
+    boxes: int
+
+
+def certifiable(observation: Observation, setup: int) -> bool:
+    """Return whether a set-up reads one number while two linear axes move, anywhere, its rows polynomials of both."""
+    mounted = observation.setups[setup]
+    return on_free_plane(observation, setup) and not any(mounted.raster[axis] > 0 for axis in mounted.moves)
+
+
+def certified_gain(scorer: Scorer, setup: int, known: float = 0.0) -> CertifiedGain:
+    """Enclose the largest gain of one reading of a set-up, wherever it is taken on the continuum of two linear axes.
+
+    N = gᵀCWCg and D = σ² + gᵀCg are polynomials of both coordinates between knots and edges of visited cells. Their
+    degree is 6 in each, and 8 where lever arms grow with it (method of B&H eq. 27, in two coordinates at once).
+    known : a gain that some place reaches; raises PlanError where two linear axes do not move alone
+    """
+    if not certifiable(scorer.observation, setup):
+        raise PlanError(*_NONE)
+    found = [_from_side(scorer, setup, side, known) for side in sides(scorer.observation, setup)]
+    best = max(found, key=lambda each: each.lower)
+    upper, boxes = max(each.upper for each in found), sum(each.boxes for each in found)
+    return best._replace(upper=upper, boxes=boxes)
+
+
+def _from_side(scorer: Scorer, setup: int, side: Array, known: float) -> CertifiedGain:
+    mounted = scorer.observation.setups[setup]
+
+    def forms(places: Array) -> tuple[Array, Array]:
+        poses = plane_poses(mounted, places)
+        return scorer.forms(setup, poses, np.tile(side, (len(poses), 1)))
+
+    breaks, degree = plane_pieces(scorer.observation, setup)
+    if misfit(forms, breaks, degree) > EXACT:
+        raise PlanError(*_NONE)
+    found = largest_ratio(forms, breaks, degree, known)
+    return CertifiedGain(found.lower, found.upper, plane_poses(mounted, found.place[None])[0], side, found.boxes)

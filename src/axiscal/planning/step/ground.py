@@ -1,0 +1,250 @@
+"""What a set-up may change between readings: the axes that it moves, or the coordinates of its chart."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.measurement.breaks import breaks_along, smoothness_along
+from axiscal.measurement.candidates import arrivals_of, chart_sides, raster_positions, turned_to
+from axiscal.measurement.charts.chart import KNOWN, Chart, begun, has_room
+from axiscal.measurement.charts.crossings import crossings
+from axiscal.measurement.observation import Observation, directions_of
+from axiscal.measurement.travel import sides_of
+from axiscal.numerics import Array
+from axiscal.numerics.chebyshev import node_count
+
+_LOOKS = np.array([1, 3, 5]) / 6
+"""Shares of each stretch between breaks that are looked at before a line is made exact."""
+_EVEN = 73
+"""Places along a coordinate of a chart that are looked at: every five degrees of a turn."""
+_NODES, _NODES_OF_MORE = 17, 21
+"""Nodes of a piece on a chart, where readings have one number or more; what they do not follow is halved."""
+_LOOKED_AT = 721
+"""Places along a coordinate at which it is looked whether they can be taken: every half degree of a turn."""
+_PARTS, _ROUNDS = 32, 10
+"""An edge is looked for in so many parts at once, so often: to the last bits of a float64."""
+_WITHIN = 1e-10
+"""Share of a coordinate by which an edge is kept off: a pose there is in travel as written, and computed anew."""
+_SHORTEST = 1e-9
+"""Share of a coordinate: a piece that is shorter holds nothing that its neighbours do not."""
+
+
+class Ground(Protocol):
+    """Coordinates u of readings of one set-up, and the sides +1, −1 from which these are come to."""
+
+    @property
+    def ends(self) -> Array:
+        """From where to where each coordinate goes, (size, 2)."""
+
+    @property
+    def continuous(self) -> list[int]:
+        """The coordinates without steps."""
+
+    @property
+    def sided(self) -> NDArray[np.intp]:
+        """The coordinates that may be come to from either side, where it shows in what is read from which."""
+
+    def begun(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
+        """Return places and sides, (m, size) each.  poses, approaches : (m, q)"""
+
+    def taken(self, places: Array, sides: Array) -> NDArray[np.bool_] | None:
+        """Return which places can be come to from their sides, (m,); None where that is all of them."""
+
+    def readings(self, places: Array, sides: Array) -> tuple[Array, Array]:
+        """Return poses and approaches, (m, q) each."""
+
+    def looks(self, number: int) -> Array:
+        """Return a few values all along a coordinate, or all that it has, (p,)."""
+
+    def pieces(self, number: int, place: Array, sides: Array) -> Array:
+        """Return the pieces of a coordinate that can be taken and are smooth, (b, 2).  place, sides : (size,)"""
+
+    def nodes(self, number: int) -> int:
+        """Return how many nodes follow the gain's forms along such a piece."""
+
+
+def ground_of(observation: Observation, setup: int) -> Ground:
+    """Return what a set-up may change."""
+    chart = observation.setups[setup].chart
+    return _Axes(observation, setup) if chart is None else _OnChart(observation, setup, chart)
+
+
+@dataclass(frozen=True, eq=False)
+class _Axes:
+    """The axes that move, the others parked."""
+
+    observation: Observation
+    setup: int
+
+    @cached_property
+    def _moves(self) -> list[int]:
+        return list(self.observation.setups[self.setup].moves)
+
+    @cached_property
+    def ends(self) -> Array:
+        mounted, machine = self.observation.setups[self.setup], self.observation.machine
+        return np.array([mounted.span(machine.axes[axis], axis) for axis in mounted.moves])
+
+    @cached_property
+    def continuous(self) -> list[int]:
+        raster = self.observation.setups[self.setup].raster
+        return [number for number, axis in enumerate(self._moves) if not raster[axis] > 0]
+
+    @cached_property
+    def sided(self) -> NDArray[np.intp]:
+        return np.flatnonzero(np.ptp(sides(self.observation, self.setup), axis=0)[self._moves] > 0)
+
+    def begun(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
+        return poses[:, self._moves], approaches[:, self._moves]
+
+    def taken(self, places: Array, sides: Array) -> None:
+        return None
+
+    def readings(self, places: Array, sides: Array) -> tuple[Array, Array]:
+        poses = np.tile(np.array(self.observation.setups[self.setup].park), (len(places), 1))
+        approaches = np.zeros_like(poses)
+        poses[:, self._moves], approaches[:, self._moves] = places, sides
+        return poses, approaches
+
+    def looks(self, number: int) -> Array:
+        axis = self._moves[number]
+        mounted = self.observation.setups[self.setup]
+        if mounted.raster[axis] > 0:
+            return raster_positions(self.observation.machine, mounted, axis)
+        breaks = breaks_along(self.observation, axis, self.setup)
+        inside: Array = breaks[:-1, None] + np.diff(breaks)[:, None] * _LOOKS
+        return inside.ravel()
+
+    def pieces(self, number: int, place: Array, sides: Array) -> Array:
+        breaks = breaks_along(self.observation, self._moves[number], self.setup)
+        return np.stack([breaks[:-1], breaks[1:]], axis=1)
+
+    def nodes(self, number: int) -> int:
+        return node_count(*smoothness_along(self.observation, self._moves[number], self.setup))
+
+
+@dataclass(frozen=True, eq=False)
+class _OnChart:
+    """The coordinates of a chart; what lies outside the travels, or has no room to come from its side, is not taken."""
+
+    observation: Observation
+    setup: int
+    chart: Chart
+
+    @cached_property
+    def ends(self) -> Array:
+        return np.array([self.chart.bounds(number)[:2] for number in range(self.chart.size)])
+
+    @cached_property
+    def continuous(self) -> list[int]:
+        return [number for number in range(self.chart.size) if self.chart.bounds(number).step == 0]
+
+    @cached_property
+    def sided(self) -> NDArray[np.intp]:
+        mounted = self.observation.setups[self.setup]
+        return np.flatnonzero(np.ptp(chart_sides(self.observation.machine, mounted, self.chart), axis=0) > 0)
+
+    def begun(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
+        places = self.chart.places(poses)
+        come = turned_to(self.observation.machine, self.observation.setups[self.setup], approaches)
+        found = sides_of(self.chart, places, come)
+        return places, np.where(found == 0, 1.0, found)
+
+    def taken(self, places: Array, sides: Array) -> NDArray[np.bool_]:
+        return has_room(self.chart, places, sides)
+
+    def readings(self, places: Array, sides: Array) -> tuple[Array, Array]:
+        mounted = self.observation.setups[self.setup]
+        return self.chart.poses(places), arrivals_of(self.observation.machine, mounted, self.chart, places, sides)
+
+    def looks(self, number: int) -> Array:
+        end = self.chart.bounds(number)
+        return end.values if end.step > 0 else np.linspace(end.low, end.high, _EVEN)
+
+    def pieces(self, number: int, place: Array, sides: Array) -> Array:
+        return pieces(self.observation, self.setup, self.chart, number, place, sides)
+
+    def nodes(self, number: int) -> int:
+        alone = len(directions_of(self.observation.setups[self.setup])) == 1
+        return _NODES if alone else _NODES_OF_MORE
+
+
+def sides(observation: Observation, setup: int) -> list[Array]:
+    """Return the approaches (q,) of the axes of a set-up that differ in what a reading sees."""
+    mounted = observation.setups[setup]
+    usual = np.zeros(len(mounted.park))
+    usual[list(mounted.moves)] = mounted.sides[0]
+    reverses = observation.errors.reversing & set(mounted.moves)
+    if len(mounted.sides) == 1 or not reverses:
+        return [usual]
+    flipped = []
+    for signs in itertools.product([1.0, -1.0], repeat=len(reverses)):
+        approach = usual.copy()
+        approach[sorted(reverses)] = signs
+        flipped.append(approach)
+    return flipped
+
+
+def places_along(place: Array, number: int, values: Array) -> Array:
+    """Return the place (size,) with other values (p,) of one coordinate, (p, size)."""
+    places = np.tile(place, (len(values), 1))
+    places[:, number] = values
+    return places
+
+
+def pieces(observation: Observation, setup: int, chart: Chart, number: int, place: Array, sides: Array) -> Array:
+    """Return the pieces of one coordinate that can be taken and along which rows are smooth, (b, 2) ends.
+
+    place : (size,) u, its own value of the coordinate does not matter; sides : (size,) from which they are come to
+    """
+    low, high, *_ = chart.bounds(number)
+    grid = np.linspace(low, high, _LOOKED_AT)
+    taken = _taken(chart, number, place, sides, grid)
+    if not taken.any():
+        return np.zeros((0, 2))
+    knots = tuple(breaks_along(observation, k, setup) for k in range(len(observation.machine.axes)))
+    ends = np.concatenate([grid[taken][[0, -1]], _edges(chart, number, place, sides, (grid, taken))])
+    turns = _turns_of_sides(observation, chart, number, place, sides)
+    everything = np.unique(np.concatenate([ends, chart.breaks(number, place, knots), turns]))
+    left, right = everything[:-1], everything[1:]
+    inside = _taken(chart, number, place, sides, (left + right) / 2)
+    kept = inside & (right - left > _SHORTEST * (high - low))
+    return np.stack([left[kept], right[kept]], axis=1)
+
+
+def _taken(chart: Chart, number: int, place: Array, sides: Array, values: Array) -> NDArray[np.bool_]:
+    places = places_along(place, number, values)
+    return has_room(chart, places, np.tile(sides, (len(values), 1)))
+
+
+def _edges(chart: Chart, number: int, place: Array, sides: Array, seen: tuple[Array, NDArray[np.bool_]]) -> Array:
+    """Return the last places that can be taken before those that cannot, to a little more than rounding."""
+    grid, taken = seen
+    change = np.flatnonzero(taken[1:] != taken[:-1])
+    inside = np.where(taken[change], grid[change], grid[change + 1])
+    outside = np.where(taken[change], grid[change + 1], grid[change])
+    every = np.arange(len(change))
+    for _ in range(_ROUNDS if len(change) else 0):
+        parts = inside[:, None] + (outside - inside)[:, None] * np.linspace(0.0, 1.0, _PARTS + 1)
+        good = _taken(chart, number, place, sides, parts[:, 1:-1].ravel()).reshape(len(change), -1)
+        last = np.where(good.all(axis=1), _PARTS - 1, good.argmin(axis=1))
+        inside, outside = parts[every, last], parts[every, last + 1]
+    return np.asarray(inside + np.sign(inside - outside) * _WITHIN * (grid[-1] - grid[0]), dtype=np.float64)
+
+
+def _turns_of_sides(observation: Observation, chart: Chart, number: int, place: Array, sides: Array) -> Array:
+    """Return where it changes from which side an axis comes that follows, or whether anybody knows."""
+    low, high, *_ = chart.bounds(number)
+    least = KNOWN * np.array([axis.overrun for axis in observation.machine.axes])
+
+    def way(values: Array) -> Array:
+        places = places_along(place, number, values)
+        return chart.poses(places) - chart.poses(begun(chart, places, np.tile(sides, (len(values), 1))))
+
+    return crossings(way, low, high, tuple(np.array([-each, each]) for each in least))

@@ -1,0 +1,218 @@
+"""From a folder of records to what their type has taught, and a campaign with that as its prior."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.document import shown
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.estimation import as_standard
+from axiscal.estimation.inference.data_equation import DataEquation
+from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior
+from axiscal.exceptions import RecordError, TargetError
+from axiscal.machine.description import Machine, machine_from_text
+from axiscal.numerics.threads import one_thread
+from axiscal.planning.plan.plan import Plan
+from axiscal.planning.plan.task import Limits
+from axiscal.planning.proposal import proposed
+from axiscal.ports.fleet.sister_records import MachineRecord, equations_of, read_records, usual_machine
+from axiscal.ports.fleet.sisters.gibbs import SisterPrior, sister_prior
+from axiscal.ports.fleet.sisters.hierarchy import Hierarchy
+from axiscal.ports.fleet.sisters.prior_units import PriorUnits, prior_units
+from axiscal.record.opening import gathered
+
+DIRECTIONS, DOUBT = 3, 0.1
+"""In which sisters differ together; that a machine is no sister, before it is measured. A user states them."""
+FEW = 3
+"""Fewer sisters than this hardly teach what is common, and teach only in which sizes the tolerances are wrong."""
+_EVERY = 20
+"""Sweeps between two words on the progress."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lesson:
+    """Errors of a type as its records show them, each by itself.
+
+    machine : over whose errors; records : all that were looked at; equations : of those that count, by their digests
+    """
+
+    machine: Machine
+    units: PriorUnits
+    records: tuple[SisterRecord, ...]
+    equations: Mapping[str, DataEquation]
+
+    @one_thread()
+    def learnt(
+        self,
+        directions: int = DIRECTIONS,
+        doubt: float = DOUBT,
+        told: Callable[[str], None] = lambda said: None,
+        without: frozenset[str] = frozenset(),
+    ) -> TypePrior:
+        """Return what they teach.
+
+        told : called with what is being done; without : digests of records that are to teach nothing
+        Raises RecordError where no record is left.
+        """
+        taken = [digest for digest in self.equations if digest not in without]
+        if not taken:
+            raise _nothing(self.records)
+
+        def swept(done: int, of: int) -> None:
+            if done % _EVERY == 0:
+                told(f"sweep {done} of {of}")
+
+        data, seed = [self.equations[digest] for digest in taken], [int(digest[:15], 16) for digest in taken]
+        found = sister_prior(data, Hierarchy(self.units.blocks, directions), seed, swept)
+        return self._prior(found, directions, doubt)
+
+    def _prior(self, found: SisterPrior, directions: int, doubt: float) -> TypePrior:
+        root, cut = self.units.root, self.units.cut
+        covariance = root @ found.covariance @ root.T + cut
+        own = root @ (found.covariance - found.common) @ root.T + cut
+        learned = {name: self._learned(found, name) for name in dict.fromkeys(b.name for b in self.units.blocks)}
+        whole, mine = ((matrix + matrix.T) / 2 for matrix in (covariance, own))
+        text, knots, mean = self.machine.text, self.machine.fine_knots, root @ found.mean
+        return TypePrior(text, self.records, learned, directions, doubt, mean, whole, mine, knots)
+
+    def _learned(self, found: SisterPrior, name: str) -> Learned:
+        """Return what was learnt of an error, the mean over its coarse and fine parts by the variance they hold."""
+        mine = [index for index, block in enumerate(self.units.blocks) if block.name == name]
+        weights = np.array([self.units.blocks[index].weight for index in mine])
+        figures = (found.scales, found.scale_stds, found.shares, found.share_stds)
+        return Learned(*(float(weights @ each[mine] / weights.sum()) for each in figures))
+
+
+@one_thread()
+def lesson(
+    files: Iterable[Path],
+    machine: Machine | None = None,
+    told: Callable[[str], None] = lambda said: None,
+    named: str | None = None,
+) -> Lesson:
+    """Return what records say of a type.
+
+    machine : over whose errors; None for the description that most of them have
+    told : called with the name of each record before it is read; named : only machines of this name, None for all
+    Raises RecordError where no record counts.
+    """
+    found, left = read_records(files)
+    if named is not None:
+        found = _of_name(found, named)
+    if not found:
+        raise _nothing(left)
+    reference = machine or _as_stated(usual_machine(found))
+    units = prior_units(ErrorModel(reference))
+    seen, equations = equations_of(found, reference, units.root, lambda name: told(f"{name} ..."))
+    records = tuple(sorted([*seen, *left], key=lambda record: (record.digest, record.file)))
+    if not equations:
+        raise _nothing(records)
+    return Lesson(reference, units, records, equations)
+
+
+def learnt_type(
+    files: Iterable[Path],
+    machine: Machine | None = None,
+    directions: int = DIRECTIONS,
+    doubt: float = DOUBT,
+    told: Callable[[str], None] = lambda said: None,
+    named: str | None = None,
+) -> TypePrior:
+    """Return what records teach of a type: the same for the same records in any order; arguments as for `lesson`."""
+    return lesson(files, machine, told, named).learnt(directions, doubt, told)
+
+
+def _as_stated(machine: Machine) -> Machine:
+    """Return the machine without what usually goes wrong: what a type has taught is over the errors of its text."""
+    return machine_from_text(machine.text, fine_knots=machine.fine_knots)
+
+
+def _of_name(records: list[MachineRecord], named: str) -> list[MachineRecord]:
+    found = [record for record in records if record.description.machine.name == named]
+    if records and not found:
+        others = ", ".join(sorted({shown(record.description.machine.name) for record in records}))
+        raise RecordError(f"None of the records is of a machine {shown(named)}", f"There are records of: {others}")
+    return found
+
+
+def _nothing(records: Iterable[SisterRecord]) -> RecordError:
+    whys = "; ".join(f"{record.file}: {record.left_out}" for record in records if record.left_out)
+    what = f"No record teaches anything of this type: {whys}" if whys else "There are no records to learn from"
+    return RecordError(what, "Name records of measured machines of this type")
+
+
+def campaign_with_sisters(
+    path: str | Path,
+    *,
+    target_needed: bool = True,
+    asking: bool = True,
+    told: Callable[[str], None] = lambda said: None,
+) -> CampaignDescription:
+    """Return the campaign in a file, with the prior that the records named under [sisters] teach.
+
+    As `read_campaign` for a campaign that names none; told : called with what is being done. Raises InputError.
+    """
+    described = read_campaign(path, target_needed=target_needed, asking=asking)
+    return with_sisters(described, told)
+
+
+def with_sisters(
+    described: CampaignDescription, told: Callable[[str], None] = lambda said: None
+) -> CampaignDescription:
+    """Return a campaign with what its sisters teach as its prior; itself where it names none."""
+    named = described.sisters
+    if named is None or described.prior_text:
+        return described
+    if not named.records:
+        remedy = 'Give a pattern beside the campaign, such as records = "records/*.axiscal", or "store:"'
+        raise RecordError("[sisters] names no record that is there", remedy, described.source)
+    doubt = DOUBT if described.doubt is None else described.doubt
+    files = gathered(named.records)
+    prior = learnt_type(files, described.machine, named.directions, doubt, told, named.type)
+    return replace(described, prior_text=prior.text())
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Saving:
+    """stated : the plan by the stated prior; taught : the plan by what its type has taught"""
+
+    stated: Plan
+    taught: Plan
+
+    @property
+    def readings(self) -> int:
+        """How many readings fewer."""
+        return len(self.stated.readings) - len(self.taught.readings)
+
+    @property
+    def seconds(self) -> float:
+        """How much less time, s."""
+        return self.stated.seconds - self.taught.seconds
+
+
+def saving(described: CampaignDescription, text: str, told: Callable[[str], None] = lambda said: None) -> Saving:
+    """Return both plans of a campaign.  text : what its type has taught; told : called with what is being done
+
+    Raises TargetError where nothing would end the plans, PlanError.
+    """
+    plain = replace(described, prior_text="", sisters=None)
+    if plain.target.empty:
+        raise TargetError("nothing would ever end this plan", 'Give the campaign a target, such as rms = "4 um"')
+    return Saving(
+        _planned(plain, lambda said: told(f"as stated: {said}")),
+        _planned(replace(plain, prior_text=text), lambda said: told(f"by its type: {said}")),
+    )
+
+
+def _planned(described: CampaignDescription, told: Callable[[str], None]) -> Plan:
+    case, target = case_of(described), described.target
+    rms = target.rms
+    if target.expanded is not None:
+        rms = max(rms or 0.0, as_standard(case, case.knowledge, target.expanded))
+    return proposed(case, Limits(target.readings, rms, target.worst, target.budget), progress=told).plan

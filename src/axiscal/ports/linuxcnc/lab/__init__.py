@@ -1,0 +1,6 @@
+"""Debian's LinuxCNC without screen or motors, for one job after another: configuration text in, positions out."""
+
+from axiscal.ports.linuxcnc.lab.configuration import Joint, Settings
+from axiscal.ports.linuxcnc.lab.session import Ending, Session, available, can_load
+
+__all__ = ["Ending", "Joint", "Session", "Settings", "available", "can_load"]

@@ -1,0 +1,257 @@
+"""Runs Debian's LinuxCNC headless, apart from everything else on the machine, and moves it.
+
+LinuxCNC is one per machine: fixed shared-memory keys, one port, and a stop script that ends others by name.  So it gets
+its own namespaces where the kernel allows them. Elsewhere one run waits for the other, and none starts beside another
+LinuxCNC.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+from axiscal.exceptions import ControlError
+from axiscal.ports.linuxcnc.lab.components import MODULES, add_modules, can_compile, mounted
+from axiscal.ports.linuxcnc.lab.configuration import Joint, Settings, files, motors
+
+DRIVER = Path(__file__).with_name("driver.py")
+"""The DISPLAY program; a file of this name beside the configuration stands in for it."""
+_SPACES = ("unshare", "--ipc", "--net", "--pid", "--mount", "--fork", "--kill-child", "--mount-proc")
+_OWN_TMP = "mount -t tmpfs -o mode=1777 none /tmp"
+_START_IT = "exec linuxcnc -r machine.ini"
+_NOBODY = 65534
+"""The user `nobody` of Debian."""
+_BASE = Path("/var/tmp")  # not /tmp, which the run gets anew
+_START = 30.0
+"""s; LinuxCNC starts in a few, on a busy computer in some more."""
+_INSTALL = "Install the Debian package linuxcnc-uspace, or take another source"
+
+
+def available() -> bool:
+    """Return whether LinuxCNC is installed here."""
+    return shutil.which("linuxcnc") is not None
+
+
+def can_load(component: str) -> bool:
+    """Return whether a realtime component can be tried here: compiled, and installed or seen in the run's namespace."""
+    return can_compile() and (_spaces_allowed() or (MODULES / f"{component}.so").exists())
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """Positions at the end of a move, one number for each joint in mm or deg.
+
+    motor : where the motors are sent; command : the positions that LinuxCNC shows; settled : the correction had arrived
+    probe : position and whether the probe touched, of the last probing move
+    """
+
+    motor: tuple[float, ...]
+    command: tuple[float, ...]
+    settled: bool
+    probe: tuple[tuple[float, ...], bool]
+
+
+class Session:
+    """A LinuxCNC that is switched on, homed, and takes G-code lines; a context manager.
+
+    joints : in the order of their numbers; settings : what LinuxCNC is given besides them
+    start : where the motors were sent after homing; errors : messages to the operator so far
+    Raises ControlError when LinuxCNC is missing, does not start, does not finish in time, or refuses a move.
+    """
+
+    def __init__(self, joints: Sequence[Joint], settings: Settings | None = None, timeout: float = 60.0) -> None:
+        if not available():
+            raise ControlError("LinuxCNC is not installed here", _INSTALL)
+        self.errors: tuple[str, ...] = ()
+        self._timeout = timeout
+        self._stack = ExitStack()
+        try:
+            self._begin(joints, settings or Settings())
+        except BaseException:
+            self.close()
+            raise
+
+    def move(self, codes: Sequence[str]) -> tuple[Ending, ...]:
+        """Execute G-code lines or `setp PIN VALUE`, and return where each ended."""
+        result = self._ask(list(codes))
+        self.errors += tuple(result["errors"])
+        return tuple(_step(each) for each in result["steps"])
+
+    def read(self, pins: Sequence[str]) -> tuple[float, ...]:
+        """Return the values of HAL pins or signals."""
+        return tuple(self._ask({"read": list(pins)})["values"])
+
+    def close(self) -> None:
+        """Stop LinuxCNC; may be called twice."""
+        self._stack.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _begin(self, joints: Sequence[Joint], settings: Settings) -> None:
+        self._work = Path(tempfile.mkdtemp(prefix="axiscal-linuxcnc-", dir=_BASE))
+        self._stack.callback(shutil.rmtree, self._work, ignore_errors=True)
+        _fill(self._work, motors(joints, settings.hal), files(joints, settings))
+        if settings.sources:
+            add_modules(self._work, settings.sources, _spaces_allowed())
+        listener = self._stack.enter_context(socket.socket(socket.AF_UNIX))
+        listener.bind(str(self._work / "socket"))
+        listener.listen(1)
+        listener.settimeout(0.1)
+        self._process = self._stack.enter_context(_started(self._work))
+        self._line = self._stack.enter_context(self._accepted(listener))
+        self._stack.callback(self._line.shutdown, socket.SHUT_RDWR)
+        self.start = tuple(self._answer(time.monotonic() + _START)["start"])
+
+    def _accepted(self, listener: socket.socket) -> socket.socket:
+        end = time.monotonic() + _START
+        while time.monotonic() < end:
+            with suppress(TimeoutError):
+                return listener.accept()[0]
+            if self._process.poll() is not None:
+                raise ControlError(f"LinuxCNC ended before it was ready:\n{_log(self._work)}", _LOOK)
+        raise ControlError(f"LinuxCNC was not ready in {_START:g} s:\n{_log(self._work)}", _LOOK)
+
+    def _ask(self, message: object) -> dict[str, Any]:
+        self._line.sendall((json.dumps(message) + "\n").encode())
+        return self._answer(time.monotonic() + self._timeout)
+
+    def _answer(self, end: float) -> dict[str, Any]:
+        received = b""
+        while not received.endswith(b"\n"):
+            self._line.settimeout(max(0.01, end - time.monotonic()))
+            try:
+                part = self._line.recv(1 << 20)
+            except TimeoutError:
+                raise ControlError(
+                    f"LinuxCNC did not finish in {self._timeout:g} s", "Move less far, or faster"
+                ) from None
+            if not part:
+                raise ControlError(f"LinuxCNC ended without an answer:\n{_log(self._work)}", _LOOK)
+            received += part
+        result: dict[str, Any] = json.loads(received)
+        if result["failure"]:
+            raise ControlError(str(result["failure"]), "Keep to the limits of the machine")
+        return result
+
+
+_LOOK = "Look at its last words above"
+
+
+def _step(found: dict[str, Any]) -> Ending:
+    position, tripped = found["probe"]
+    return Ending(tuple(found["motor"]), tuple(found["command"]), found["settled"], (tuple(position), tripped))
+
+
+def _fill(work: Path, motors: Sequence[str], texts: Mapping[str, str]) -> None:
+    work.chmod(0o755)
+    for name, text in {"driver.py": DRIVER.read_text(encoding="utf-8"), **texts}.items():
+        (work / name).write_text(text, encoding="utf-8", newline="")
+    (work / "job.json").write_text(json.dumps({"motors": list(motors)}))
+    (work / "driver.py").chmod(0o755)
+    (work / "rt").mkdir()
+    if os.geteuid() == 0:
+        os.chown(work / "rt", _NOBODY, _NOBODY)
+
+
+@contextmanager
+def _started(work: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """Yield the running LinuxCNC, and end it."""
+    with _apart(work) as command, (work / "log.txt").open("wb") as log:
+        process = subprocess.Popen(
+            command,
+            cwd=work,
+            env=_environment(work),
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=log,
+            start_new_session=True,
+        )
+        try:
+            yield process
+        finally:
+            _ask_to_end(work, process)
+            _end(process)
+
+
+def _ask_to_end(work: Path, process: subprocess.Popen[bytes]) -> None:
+    """Let LinuxCNC stop in order, which it does when its DISPLAY program, whose socket is closed, has ended."""
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(1)
+        return
+    for entry in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            if (entry / "cwd").readlink() == work and b"driver.py" in (entry / "cmdline").read_bytes():
+                os.kill(int(entry.name), signal.SIGKILL)
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(10)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End the processes of the run by its own session, none by name."""
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+
+
+@contextmanager
+def _apart(work: Path) -> Iterator[Sequence[str]]:
+    """Yield the command that starts LinuxCNC without meeting another one."""
+    if _spaces_allowed():
+        yield (*_SPACES, "sh", "-c", " && ".join([_OWN_TMP, *mounted(work), _START_IT]))
+        return
+    with (_BASE / f"axiscal-linuxcnc-{os.geteuid()}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        _wait_for_others(60)
+        yield ("linuxcnc", "-r", "machine.ini")
+
+
+def _spaces_allowed() -> bool:
+    trial = subprocess.run([*_SPACES, "sh", "-c", "mount -t tmpfs none /tmp"], capture_output=True, check=False)
+    return trial.returncode == 0
+
+
+def _wait_for_others(seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while others := _running():
+        if time.monotonic() > end:
+            raise ControlError(f"a LinuxCNC runs on this machine ({others}) and cannot be kept apart", "Stop it first")
+        time.sleep(0.2)
+
+
+def _running() -> str:
+    """Name the processes of a LinuxCNC that are alive, not those that have ended and only wait to be noticed."""
+    names = set()
+    for entry in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):
+            name, _, state = entry.read_text().partition("(")[2].rpartition(")")
+            names |= {name} if state.split()[0] not in "ZX" else set()
+    return ", ".join(sorted(names & {"milltask", "linuxcncsvr", "rtapi_app"}))
+
+
+def _environment(work: Path) -> dict[str, str]:
+    """The environment without a display and without our own Python's paths."""
+    dropped = {"DISPLAY", "PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV"}
+    kept = {name: value for name, value in os.environ.items() if name not in dropped}
+    own = {"HOME": str(work), "PATH": "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"}
+    root = {"RTAPI_UID": str(_NOBODY), "RTAPI_FIFO_PATH": str(work / "rt" / "f")} if os.geteuid() == 0 else {}
+    return kept | own | root
+
+
+def _log(work: Path) -> str:
+    return "\n".join((work / "log.txt").read_text(errors="replace").splitlines()[-30:])

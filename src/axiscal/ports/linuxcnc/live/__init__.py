@@ -1,0 +1,15 @@
+"""`linuxcnc-live[:HOST]`: the LinuxCNC of its owner, attached to while it runs, touches spheres with its own probe."""
+
+from __future__ import annotations
+
+from axiscal.machine.description import Machine
+from axiscal.ports.linuxcnc.live.attached import LiveSource
+from axiscal.ports.linuxcnc.live.connection import Connection, command
+from axiscal.ports.linuxcnc.live.in_force import InForce
+
+__all__ = ["InForce", "LiveSource", "attached_to"]
+
+
+def attached_to(host: str, machine: Machine, in_force: InForce) -> LiveSource:
+    """Return the LinuxCNC that runs on a computer, on this one without a name; raises SourceError."""
+    return LiveSource(Connection(command(host)), machine, in_force)

@@ -1,0 +1,259 @@
+"""Readings of spheres by the probe of a machine that runs: the way, the touches, and what ends the run."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from decimal import Decimal
+from typing import Any
+
+import numpy as np
+
+from axiscal.campaign.sources.source import Answer, Request
+from axiscal.document import shown
+from axiscal.exceptions import InputError, SourceError
+from axiscal.machine.description import Machine
+from axiscal.machine.inverse import drawn_back
+from axiscal.measurement.place import Place
+from axiscal.measurement.setup import Setup
+from axiscal.measurement.touched import cycle_of, read_as
+from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.live.connection import Connection
+from axiscal.ports.linuxcnc.live.in_force import InForce
+from axiscal.ports.linuxcnc.live.interlocks import refuse, scale
+from axiscal.programs.cycles import SphereCycle
+from axiscal.programs.groups import Group, groups
+from axiscal.programs.program import clearance_of
+from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget, exact, target
+from axiscal.programs.steps import Clearance, Move, Step, Touched, to_the_start, way_to
+from axiscal.units import from_unit
+
+_DECIMALS = 6
+"""Of mm and deg: a nanometre is nothing to any machine."""
+_FASTEST = 2000
+"""mm/min or deg/min, at most."""
+_SLOWER = 4
+"""The first run goes at a quarter of every feed."""
+_STRAYED = 0.01
+"""mm or deg by which axes may stand off where the last reading left them."""
+_ABOVE = 20e-3
+"""m over the ball, where everything is done once without touching."""
+_BY_HAND = 120.0
+"""s in which somebody presses the stylus."""
+_FAR = 3.0
+"""mm from where a side is expected: a ball is set up nearer, and less than the 4 mm that a touch goes past."""
+
+
+class LiveSource:
+    """A LinuxCNC that runs, looked at before the first reading and before each.
+
+    in_force : what is to compensate it; asked : asks whoever stands at the machine and returns the answer
+    """
+
+    def __init__(
+        self,
+        connection: Connection,
+        machine: Machine,
+        in_force: InForce,
+        asked: Callable[[str], str] | None = None,
+    ) -> None:
+        self._line, self._machine, self._in_force = connection, machine, in_force
+        self._asked = asked or _at_the_terminal
+        self._tried, self._singly = False, True
+        self._standing: tuple[str, Decimals] | None = None
+        try:
+            refuse(connection.status(), machine, in_force)
+            self._refuse_untouched()
+        except BaseException:
+            self.close()
+            raise
+
+    def read(self, request: Request) -> Answer:
+        """Go to the ball, touch it and return the three values; raises SourceError, and then the machine stands."""
+        try:
+            return self._read(request)
+        except SourceError:
+            self._line.stop()
+            raise
+        except InputError as failure:
+            self._line.stop()
+            raise SourceError(failure.what, failure.remedy) from failure
+        except BaseException:
+            self._line.stop()
+            raise
+
+    def close(self) -> None:
+        """Let go of LinuxCNC: it stands where it is."""
+        self._line.close()
+
+    def _read(self, request: Request) -> Answer:
+        self._refuse_other_instrument(request.setup)
+        status = self._line.status()
+        refuse(status, self._machine, self._in_force)
+        self._refuse_strayed(status)
+        way = _WayToBall(self._machine, request)
+        if not self._tried:
+            self._try(way)
+        self._go(way.to(self._standing))
+        hits = [self._touch(step, way) for step in self._between(way.touches())]
+        self._in_force.refuse(self._line.status())  # what somebody switched meanwhile has spoilt the touches
+        self._standing = request.setup.name, way.target.position
+        value, *others = read_as(self._machine, request.setup, np.array(request.pose), hits)
+        return Answer(value, others=tuple(others), live=True)
+
+    def _between(self, steps: Iterator[Step]) -> Iterator[Touched]:
+        """Make the moves and yield the touches."""
+        for step in steps:
+            if isinstance(step, Touched):
+                yield step
+            else:
+                self._go([step])
+
+    def _go(self, steps: Iterator[Step] | Sequence[Step], slow: int = 1) -> None:
+        for step in steps:
+            assert isinstance(step, Move)
+            words = " ".join(f"{self._machine.axes[k].name}{value:f}" for k, value in step.to.items())
+            self._line.line(f"G53 G1 {words} F{_slowed(min(step.feed, _FASTEST), slow)}")
+
+    def _touch(self, step: Touched, way: _WayToBall) -> Array:
+        """Touch one side, fast and then slowly, and return the pose (q,) in which it was met."""
+        expected = way.expected(step)
+        for feed in (step.fast, step.slow):
+            answer = self._line.line(f"G38.3 {_joined(step.words(step.into))} F{feed}")
+            if not answer["tripped"]:
+                what = f"at touch {step.touch} of reading {step.reading} the probe met nothing"
+                raise SourceError(what, f"Look where the ball stands: it is looked for within {_FAR:g} mm")
+            status = self._line.status()
+            hit = way.met(answer["probed"], status)
+            if (far := float(np.linalg.norm(hit - expected))) > from_unit(_FAR, "mm"):
+                what = f"touch {step.touch} of reading {step.reading} met something {1e3 * far:.1f} mm from where"
+                raise SourceError(f"{what} the ball is stated", "Look what stands there, and at the place of the ball")
+            if self._line.line(f"G53 G1 {_back(step, status)} F{step.fast}")["probe"]:
+                what = f"after touch {step.touch} of reading {step.reading} the stylus stays closed"
+                raise SourceError(what, "Free it by hand, and look at the probe")
+        self._line.line(f"G53 G1 {_joined(step.words(step.beside))} F{step.travel}")
+        return hit
+
+    def _try(self, way: _WayToBall) -> None:
+        """Do the first reading once 20 mm above its ball, at a quarter of the feed, step by step with a person."""
+        above = way.above(_ABOVE)
+        said = "The first run goes 20 mm above the ball. Enter makes one step, go the rest of them, stop ends."
+        for number, step in enumerate((*above.to(None), *above.touches()), start=1):
+            self._confirm(f"{said} Step {number}: " if number == 1 else f"Step {number}: ")
+            if isinstance(step, Touched):
+                if self._line.line(f"G38.3 {_joined(step.words(step.into))} F{_slowed(step.fast, _SLOWER)}")["tripped"]:
+                    raise SourceError("20 mm above the ball the probe met something", "Look what stands in the way")
+                self._line.line(f"G53 G1 {_joined(step.words(step.beside))} F{_slowed(step.travel, _SLOWER)}")
+            else:
+                self._go([step], slow=_SLOWER)
+        self._tried = True
+
+    def _confirm(self, text: str) -> None:
+        answer = self._asked(text).strip().lower() if self._singly else ""
+        if answer == "go":
+            self._singly = False
+        elif answer:
+            raise SourceError(f"the first run was ended by {answer[:20]!r}", "Give the command again when it is clear")
+
+    def _refuse_untouched(self) -> None:
+        sys.stderr.write(f"Press the stylus once by hand and let it go, within {_BY_HAND:g} s.\n")
+        sys.stderr.flush()
+        lacking = self._line.watched(_BY_HAND)
+        if lacking:
+            seen = "is closed before it was touched" if lacking == "closed" else "was not seen to close and open again"
+            raise SourceError(f"the probe {seen}", "Look at its wire, its battery and motion.probe-input")
+
+    def _refuse_strayed(self, status: dict[str, Any]) -> None:
+        """Raise SourceError where somebody has moved an axis since the last reading."""
+        for axis, left in zip(self._machine.axes, self._standing[1] if self._standing else (), strict=False):
+            here = status["position"][axis.name] / status["angular" if axis.rotary else "scale"]
+            if abs(here - float(left)) > _STRAYED:
+                unit = "deg" if axis.rotary else "mm"
+                what = f"{axis.name} stands at {here:.3f} {unit} and not at {left:f}, where the last reading left it"
+                raise SourceError(what, "Nothing has moved since. Look at the machine")
+
+    @staticmethod
+    def _refuse_other_instrument(setup: Setup) -> None:
+        if setup.instrument != "sphere":
+            what = f"{shown(setup.name)} is of instrument {setup.instrument}, and a probe in the spindle reads spheres"
+            raise SourceError(
+                what, 'Let a campaign that LinuxCNC reads by itself have set-ups of instrument = "sphere"'
+            )
+
+
+class _WayToBall:
+    """From where the axes stand to one reading, and its touches, in steps of the machine's own coordinates."""
+
+    def __init__(self, machine: Machine, request: Request, above: float = 0.0) -> None:
+        self._machine, self._request = machine, request
+        setup = request.setup
+        self._scales = tuple(AxisScale.of(axis, _DECIMALS) for axis in machine.axes)
+        self._groups: tuple[Group, ...] = groups(machine, setup.driving)
+        self._clearance: Clearance | None = clearance_of(machine, self._scales, setup)
+        cycle_of(machine, setup)  # says what is not known of the ball
+        self._pose = drawn_back(machine, np.array([request.pose]), above)[0] if above else np.array(request.pose)
+        back = drawn_back(machine, np.array([request.pose]), setup.retract)[0]
+        self.target: ReadingTarget = target(self._scales, setup.name, request.reading, back.tolist(), request.approach)
+
+    def above(self, height: float) -> _WayToBall:
+        """Return the same, higher over the ball.  height : m, along the tool"""
+        return _WayToBall(self._machine, self._request, height)
+
+    def to(self, standing: tuple[str, Decimals] | None) -> list[Step]:
+        """Return the way from where the axes stand, from anywhere if nobody knows."""
+        if standing is not None and standing[0] == self._request.setup.name:
+            return list(way_to(self.target, standing[1], self._scales, self._groups, self._clearance))
+        start = self.target.turning
+        steps = list[Step](to_the_start(start, self._scales, self._groups, self._clearance))
+        steps += way_to(self.target, start, self._scales, self._groups, self._clearance, first=True)
+        return steps
+
+    def touches(self) -> Iterator[Step]:
+        """Yield the touches, with the moves between them."""
+        request = self._request
+        place = Place(request.setup.name, tuple(self._pose.tolist()), request.approach)
+        yield from SphereCycle(self._machine, request.setup, self._scales, self._groups).at(self.target, place)
+
+    def expected(self, step: Touched) -> Array:
+        """Return the pose (q,) in which a side is expected: between where a touch begins and where it ends."""
+        pose, cycle = self._pose.copy(), cycle_of(self._machine, self._request.setup)
+        share = cycle.clear / (cycle.clear + cycle.past)
+        for axis, beside, into in zip(step.letters, step.beside, step.into, strict=True):
+            at = float(exact((1 - share) * float(beside) + share * float(into)))
+            pose[self._machine.index(axis)] = from_unit(at, "mm")
+        return pose
+
+    def met(self, probed: dict[str, float], status: dict[str, Any]) -> Array:
+        """Return the pose (q,) of a touch: rotary axes where they were sent.  probed : in the machine's units"""
+        pose = np.array(self._request.pose)
+        for k, axis in enumerate(self._machine.axes):
+            if not axis.rotary:
+                pose[k] = probed[axis.name] * scale(status, False)
+            else:
+                pose[k] = from_unit(float(self.target.position[k]), axis.unit)
+        return pose
+
+
+def _back(step: Touched, status: dict[str, Any]) -> str:
+    """Return the place to which the tool is drawn back from where it has met a side."""
+    here = {axis: round(at / status["scale"], _DECIMALS) for axis, at in status["position"].items()}
+    return " ".join(f"{axis}{Decimal(repr(here[axis])) + Decimal(by):f}" for axis, by in step.words(step.back))
+
+
+def _slowed(feed: int, slow: int) -> int:
+    return max(1, feed // slow)
+
+
+def _joined(words: Sequence[tuple[str, str]]) -> str:
+    return " ".join(axis + value for axis, value in words)
+
+
+def _at_the_terminal(text: str) -> str:
+    """Ask on stderr and return the line that is typed; raises SourceError where nobody can answer."""
+    sys.stderr.write(text)
+    sys.stderr.flush()
+    line = sys.stdin.readline()
+    if not line:
+        what = "the first run goes in single steps, and nobody is there to confirm them"
+        raise SourceError(what, "Give the command in a terminal, beside the machine")
+    return line

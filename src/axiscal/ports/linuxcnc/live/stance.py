@@ -1,0 +1,138 @@
+"""How a running LinuxCNC stands: only looked at, nothing here gives it a command.
+
+It runs beside LinuxCNC with `agent`, under the system's Python. Coordinates are those of the machine.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+LETTERS = "XYZABCUVW"
+_SWITCHED = {"xyzac-trt-kins", "xyzbc-trt-kins", "5axiskins"}
+"""Kinematics whose type 1 is identity, or 0 with sparm=identityfirst."""
+_WHOLE = "axiscal-vcomp"
+_DUST = 1e-6
+"""mm or deg: the last decimal of what is sent."""
+
+
+class Stance:
+    """stat : of LinuxCNC, as it was polled last; ini : opens an INI file by name."""
+
+    def __init__(self, stat: Any, ini: Callable[[str], Any]) -> None:
+        self._stat, self._opened = stat, ini
+
+    def document(self) -> dict[str, Any]:
+        """Return how the machine stands, in its own units."""
+        stat, letters, joints = self._stat, self.letters(), range(self._stat.joints)
+        spindles = getattr(stat, "spindle", ())
+        named = zip(joints, self.joints(), strict=False)
+        return {
+            "homed": all(stat.homed[joint] for joint in joints),
+            "estop": bool(stat.estop),
+            "enabled": bool(stat.enabled),
+            "spindle": any(each["enabled"] or each["speed"] for each in spindles[: stat.spindles]),
+            "feed": float(stat.feedrate),
+            "feed_heeded": bool(stat.feed_override_enabled),
+            "probe": bool(stat.probe_val),
+            "offsets": [float(each) for each in stat.tool_offset],
+            "rotation": float(stat.rotation_xy),
+            "scale": float(stat.linear_units) or 1.0,
+            "angular": float(stat.angular_units) or 1.0,
+            "axes": {
+                a: [stat.axis[LETTERS.index(a)][f"{end}_position_limit"] for end in ("min", "max")] for a in letters
+            },
+            "position": {a: float(stat.position[LETTERS.index(a)]) for a in letters},
+            "joints": [[a, float(stat.joint_position[joint])] for joint, a in named],
+            "compensated": [joint for joint in joints if self._compensated(joint)],
+            "tables": [self._table(joint) for joint in joints],
+            "whole": _bit(f"{_WHOLE}.active"),
+            "checksum": _pin(f"{_WHOLE}.checksum"),
+            "tip": self._tip(),
+        }
+
+    def unit(self, letter: str) -> float:
+        """Return one mm or deg in the machine's units."""
+        return float(self._stat.angular_units if letter in "ABC" else self._stat.linear_units) or 1.0
+
+    def here(self, letter: str) -> float:
+        """Return where an axis stands, mm or deg."""
+        return float(self._stat.position[LETTERS.index(letter)]) / self.unit(letter)
+
+    def at_limits(self) -> dict[str, float]:
+        """Return the axes that stand at one of their limits, with it, mm or deg.
+
+        After a touch LinuxCNC goes on from where they are seen to stand, and takes no line that ends 1e-17 beyond.
+        """
+        found = {}
+        for a in self.letters():
+            limits = self._stat.axis[LETTERS.index(a)]
+            for end in ("min_position_limit", "max_position_limit"):
+                limit = float(limits[end]) / self.unit(a)
+                if abs(self.here(a) - limit) < _DUST:
+                    found[a] = limit
+        return found
+
+    def off(self, letter: str, end: float) -> float:
+        """Return how far an axis is from where it is to stand, mm or deg; full turns are none."""
+        way = abs(self.here(letter) - end)
+        return min(way % 360, -way % 360) if letter in "ABC" else way
+
+    def shift(self, letter: str) -> float:
+        """Return how far the zero of coordinates in force is from the machine's, mm."""
+        stat, k = self._stat, LETTERS.index(letter)
+        return float(stat.g5x_offset[k] + stat.g92_offset[k] + stat.tool_offset[k]) / self.unit(letter)
+
+    def letters(self) -> list[str]:
+        """Return the axes."""
+        return list(dict.fromkeys(self.joints()))
+
+    def joints(self) -> str:
+        """Return the axis of each joint."""
+        kinematics = self._ini().find("KINS", "KINEMATICS") or ""
+        found = re.search(r"coordinates=(\w+)", kinematics)
+        return str(found[1] if found else self._ini().find("TRAJ", "COORDINATES") or "XYZ").replace(" ", "").upper()
+
+    def _tip(self) -> bool | None:
+        """Whether switchable kinematics hold the tool point; None if LinuxCNC does not show it."""
+        words = (self._ini().find("KINS", "KINEMATICS") or "").split()
+        if not words or words[0] not in _SWITCHED:
+            return None
+        return _bit(f"kinstype.is-{1 if 'sparm=identityfirst' in words else 0}")
+
+    def _compensated(self, joint: int) -> bool:
+        return bool(self._named(joint)) or self._stat.joint[joint]["backlash"] != 0.0
+
+    def _table(self, joint: int) -> str | None:
+        """Return the SHA-256 of a joint's COMP_FILE as it is on the disk, None where it has none that can be read."""
+        name = self._named(joint)
+        try:
+            text = (Path(self._stat.ini_filename).parent / name).read_bytes() if name else b""
+        except OSError:
+            return None
+        return hashlib.sha256(text).hexdigest() if name else None
+
+    def _named(self, joint: int) -> str:
+        return str(self._ini().find(f"JOINT_{joint}", "COMP_FILE") or "")
+
+    def _ini(self) -> Any:
+        return self._opened(self._stat.ini_filename)
+
+
+def _bit(name: str) -> bool | None:
+    """Return a bit of HAL, None where there is no such pin."""
+    found = _pin(name)
+    return None if found is None else found == "TRUE"
+
+
+def _pin(name: str) -> str | None:
+    """Return what halcmd says of a pin, None where there is none."""
+    try:
+        found = subprocess.run(["halcmd", "getp", name], capture_output=True, text=True, timeout=5, check=False)
+    except OSError:
+        return None
+    return found.stdout.strip() if found.returncode == 0 else None

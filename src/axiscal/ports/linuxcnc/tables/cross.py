@@ -1,0 +1,269 @@
+"""Straightness, sag and squareness for LinuxCNC: HAL text that moves an axis by the position of another.
+
+`COMP_FILE` knows one axis only. Between motion and drives HAL can add any function of one position: a `lincurve` of 16
+points for each pair. Their sum for an axis goes through a gain, which rises from 0 to 1 once all joints are homed and
+falls when one is not. A limit of its speed follows, since the coordinate of a joint jumps at homing. HAL adds the sum
+to the command of every joint of the axis and takes it off its feedback, so LinuxCNC does not see it.
+
+What HAL makes of a text with a few components: a model of these, at rest, and of `setp`, `net` and `addf`.
+
+Written from their manual pages (lincurve(9), sum2(9), mux2(9), limit2(9), mult2(9), halcmd(1)). It knows no other
+component.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from axiscal.exceptions import TableError
+from axiscal.numerics import Array
+from axiscal.tables.table import CompensationTable
+from axiscal.units import to_unit
+
+_COMPONENTS = ("lincurve", "sum2", "mux2", "limit2", "mult2")
+_LIMITS = (("min", -1e20), ("max", 1e20))
+"""By LinuxCNC's manual: what `limit2` has unless they are set."""
+_ARROWS = {"=>", "<=", "<=>"}
+
+POINTS = 16
+"""By LinuxCNC's manual: points of a `lincurve`."""
+RAMP = 1.0
+"""Seconds from nothing to the whole correction."""
+LEAST_SPEED = 2e-4
+"""m/s; the correction of an axis may always move as fast."""
+HEADROOM = 4.0
+"""The correction may move as many times faster than the axes that are looked up ask for at their stated speed."""
+_HEAD = """# Made by axiscal: moves {moved} by the positions of other axes (straightness, sag, squareness).
+# Source this file after motion has been loaded and its functions added. Then send the drive of each joint here what
+# axiscal-<axis>-motor holds instead of its motor-pos-cmd, and net its position feedback to axiscal-<axis>-encoder
+# instead of joint.N.motor-pos-fb; an axis of several joints has axiscal-<axis>-joint-<N>-motor and -encoder.
+# If your files load one of these components already, join the names into one loadrt.
+# Best among your addf lines: fb-... after the hardware is read and before motion-command-handler, everything else after
+# motion-controller and before the hardware is written; elsewhere the following error grows by the way of one period.
+# The correction comes within {ramp:g} s after all joints are homed and goes when one is not; slew-<axis>.maxv is the
+# fastest it may move: raise it if your axes are faster than {head:g} times their speed in machine.toml.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Wiring:
+    """What the text must know of the machine.
+
+    joints : numbers of the joints of each axis; speeds : of each axis, m/s; unit : of the configuration, mm or in
+    """
+
+    joints: Mapping[str, Sequence[int]]
+    speeds: Mapping[str, float]
+    unit: str = "mm"
+
+    def labels(self, axis: str) -> dict[int, str]:
+        """Return what the signals of each joint of an axis are called: x, or y-joint-1 where there are several."""
+        numbers, low = self.joints[axis], axis.lower()
+        return {n: low if len(numbers) == 1 else f"{low}-joint-{n}" for n in numbers}
+
+
+def write(tables: Sequence[CompensationTable], wiring: Wiring) -> str:
+    """Return the HAL text; tables : over other axes, 16 points at most.  Raises TableError."""
+    if not tables:
+        return ""
+    for table in tables:
+        _refuse_what_it_cannot_hold(table, wiring)
+    moved = {axis: [t for t in tables if t.axis == axis] for axis in dict.fromkeys(t.axis for t in tables)}
+    head = _HEAD.format(moved=", ".join(moved), ramp=RAMP, head=HEADROOM).rstrip()
+    lines = [head, *_loading(tables, moved, wiring)]
+    for table in tables:
+        lines += _curve(table, wiring.unit)
+    for over in dict.fromkeys(table.over for table in tables):
+        curves = " ".join(f"cross-{_name(t)}.in" for t in tables if t.over == over)
+        lines.append(f"net axiscal-{over.lower()}-position joint.{wiring.joints[over][0]}.pos-cmd => {curves}")
+    lines += _ramp(moved)
+    for axis, own in moved.items():
+        lines += _correction(axis, own, wiring)
+        for joint, label in wiring.labels(axis).items():
+            lines += _joint(joint, label, f"axiscal-{axis.lower()}-correction")
+    return "\n".join(lines) + "\n"
+
+
+def _refuse_what_it_cannot_hold(table: CompensationTable, wiring: Wiring) -> None:
+    name = f"{table.axis} over {table.over}"
+    if len(table.positions) > POINTS:
+        raise TableError(f"the table of {name} has {len(table.positions)} points, a lincurve holds {POINTS}", _FITS)
+    for axis in (table.axis, table.over):
+        if axis not in wiring.joints or len(axis) != 1:
+            raise TableError(
+                f"{axis} has no joint in LinuxCNC", f"Give its number; known are {', '.join(wiring.joints)}"
+            )
+
+
+_FITS = f"{POINTS} points fit: set them further apart"
+
+
+def _name(table: CompensationTable) -> str:
+    return f"{table.axis.lower()}-{table.over.lower()}"
+
+
+def _loading(
+    tables: Sequence[CompensationTable], moved: Mapping[str, Sequence[CompensationTable]], wiring: Wiring
+) -> list[str]:
+    """Return the lines that load the components, one for each kind: a module can be loaded once only."""
+    low = [axis.lower() for axis in moved]
+    ends = [f"{end}-{label}" for axis in moved for label in wiring.labels(axis).values() for end in ("cmd", "fb")]
+    sums = [f"sum-{axis.lower()}-{i}" for axis, own in moved.items() for i in range(1, len(own))]
+    sizes = ",".join(str(len(table.positions)) for table in tables)
+    return [
+        f"loadrt lincurve names={_joined(f'cross-{_name(t)}' for t in tables)} personality={sizes}",
+        f"loadrt sum2 names={_joined([*sums, *ends])}",
+        "loadrt mux2 names=axiscal-homed",
+        f"loadrt limit2 names={_joined(['axiscal-ramp', *(f'slew-{axis}' for axis in low)])}",
+        f"loadrt mult2 names={_joined(f'scaled-{axis}' for axis in low)}",
+    ]
+
+
+def _joined(names: Iterable[str]) -> str:
+    return ",".join(names)
+
+
+def _curve(table: CompensationTable, unit: str) -> list[str]:
+    """Return the lines that fill a lincurve: minus the deviation, both directions alike."""
+    name = f"cross-{_name(table)}"
+    added = -np.asarray(to_unit((table.forward + table.reverse) / 2, "deg" if table.rotary else unit))
+    rows = enumerate(zip(to_unit(table.positions, unit), added + 0.0, strict=True))
+    lines = [f"addf {name} servo-thread"]
+    for i, (x, y) in rows:
+        lines += [f"setp {name}.x-val-{i:02d} {x:.6f}", f"setp {name}.y-val-{i:02d} {y:.7f}"]
+    return lines
+
+
+def _ramp(moved: Iterable[str]) -> list[str]:
+    """Return the lines of the gain: 1 when all joints are homed, else 0, and on its way between for a while."""
+    return [
+        "addf axiscal-homed servo-thread",
+        "addf axiscal-ramp servo-thread",
+        "setp axiscal-homed.in1 1",
+        f"setp axiscal-ramp.maxv {1 / RAMP:g}",
+        "net axiscal-all-homed motion.is-all-homed => axiscal-homed.sel",
+        "net axiscal-wanted axiscal-homed.out => axiscal-ramp.in",
+        f"net axiscal-gain axiscal-ramp.out => {' '.join(f'scaled-{axis.lower()}.in1' for axis in moved)}",
+    ]
+
+
+def _correction(axis: str, own: Sequence[CompensationTable], wiring: Wiring) -> list[str]:
+    """Return the lines that sum the curves of an axis, scale the sum and limit its speed."""
+    low = axis.lower()
+    last, lines = f"cross-{_name(own[0])}.out", list[str]()
+    for i, table in enumerate(own[1:], 1):
+        stage = f"sum-{low}-{i}"
+        lines += [
+            f"addf {stage} servo-thread",
+            f"net axiscal-{low}-part-{i} {last} => {stage}.in0",
+            f"net axiscal-{_name(table)} cross-{_name(table)}.out => {stage}.in1",
+        ]
+        last = f"{stage}.out"
+    return [
+        *lines,
+        f"addf scaled-{low} servo-thread",
+        f"addf slew-{low} servo-thread",
+        f"setp slew-{low}.maxv {to_unit(fastest(own, wiring.speeds), wiring.unit):.6g}",
+        f"net axiscal-{low}-all {last} => scaled-{low}.in0",
+        f"net axiscal-{low}-scaled scaled-{low}.out => slew-{low}.in",
+    ]
+
+
+def fastest(own: Sequence[CompensationTable], speeds: Mapping[str, float]) -> float:
+    """Return how fast the correction of an axis may move, m/s."""
+    asked = (float(np.max(np.abs(np.diff(t.forward) / np.diff(t.positions)))) * speeds[t.over] for t in own)
+    return max(LEAST_SPEED, HEADROOM * sum(asked))
+
+
+def _joint(joint: int, label: str, correction: str) -> list[str]:
+    """Return the lines that add the correction to the command of a joint, and take it off its feedback."""
+    axis = correction.split("-")[1]
+    return [
+        f"addf cmd-{label} servo-thread",
+        f"addf fb-{label} servo-thread",
+        f"setp fb-{label}.gain1 -1",
+        f"net {correction} slew-{axis}.out => cmd-{label}.in1 fb-{label}.in1",
+        f"net axiscal-{label}-start joint.{joint}.motor-pos-cmd => cmd-{label}.in0",
+        f"net axiscal-{label}-motor cmd-{label}.out",
+        f"net axiscal-{label}-encoder fb-{label}.in0",
+        f"net axiscal-{label}-seen fb-{label}.out",
+        f"net axiscal-{label}-seen => joint.{joint}.motor-pos-fb",
+    ]
+
+
+@dataclass(slots=True)
+class Hal:
+    """A loaded HAL text: components by name, in the order in which they run, their settings, and the nets."""
+
+    kinds: dict[str, tuple[str, int]] = field(default_factory=dict)
+    order: list[str] = field(default_factory=list)
+    settings: dict[str, float] = field(default_factory=dict)
+    nets: dict[str, list[str]] = field(default_factory=dict)
+
+    @classmethod
+    def load(cls, text: str) -> Hal:
+        """Return the loaded text; raises TableError for a line that it would refuse."""
+        hal = cls()
+        for number, line in enumerate(text.splitlines(), 1):
+            words = line.split("#")[0].split()
+            if words:
+                hal._execute(words, number)
+        return hal
+
+    def run(self, given: Mapping[str, Array]) -> dict[str, Array]:
+        """Return the value of every signal when all has come to rest, from pins outside.  given : pin -> (m,)."""
+        pins, signals = dict(given), dict[str, Array]()
+        self._spread(pins, signals)
+        for name in self.order:
+            pins[f"{name}.out"] = self._output(name, pins)
+            self._spread(pins, signals)
+        return signals
+
+    def _execute(self, words: list[str], line: int) -> None:
+        command, *rest = words
+        if command == "loadrt" and rest[0] in _COMPONENTS:
+            options = dict(word.split("=", 1) for word in rest[1:])
+            names = options["names"].split(",")
+            sizes = options.get("personality", ",".join("0" for _ in names)).split(",")
+            self.kinds |= {n: (rest[0], int(s)) for n, s in zip(names, sizes, strict=True)}
+        elif command == "addf" and rest[0] in self.kinds:
+            self.order.append(rest[0])
+        elif command == "setp" and rest[0].split(".")[0] in self.kinds:
+            self.settings[rest[0]] = float(rest[1])
+        elif command == "net":
+            self.nets.setdefault(rest[0], []).extend(word for word in rest[1:] if word not in _ARROWS)
+        else:
+            raise TableError(f"line {line}: HAL does not know {' '.join(words)!r}", "this is a defect of axiscal")
+
+    def _spread(self, pins: dict[str, Array], signals: dict[str, Array]) -> None:
+        """Give the value of a pin that has one to its signal and to the other pins of it."""
+        for signal, joined in self.nets.items():
+            writers = [pin for pin in joined if pin.endswith((".out", "-cmd", "-homed"))]
+            for writer in (pin for pin in writers if pin in pins):
+                signals[signal] = pins[writer]
+                pins |= {pin: pins[writer] for pin in joined if pin != writer}
+
+    def _output(self, name: str, pins: Mapping[str, Array]) -> Array:
+        kind, points = self.kinds[name]
+        if kind == "lincurve":
+            x, y = ([self._set(f"{name}.{axis}-val-{i:02d}") for i in range(points)] for axis in "xy")
+            return np.interp(pins.get(f"{name}.in", np.zeros(1)), x, y)
+        if kind == "limit2":
+            low, high = (self._set(f"{name}.{end}", usual) for end, usual in _LIMITS)
+            limited: Array = np.clip(pins.get(f"{name}.in", np.zeros(1)), low, high)
+            return limited
+        ins = [pins.get(f"{name}.in{i}", np.full(1, self._set(f"{name}.in{i}"))) for i in (0, 1)]
+        if kind == "mux2":
+            return np.where(pins.get(f"{name}.sel", np.zeros(1)) != 0, ins[1], ins[0])
+        if kind == "mult2":
+            product: Array = ins[0] * ins[1]
+            return product
+        gains = [self._set(f"{name}.gain{i}", 1.0) for i in (0, 1)]
+        total: Array = gains[0] * ins[0] + gains[1] * ins[1] + self._set(f"{name}.offset")
+        return total
+
+    def _set(self, pin: str, usual: float = 0.0) -> float:
+        return self.settings.get(pin, usual)

@@ -1,0 +1,332 @@
+"""All files for a LinuxCNC: a `COMP_FILE` for each axis, HAL text for the axes over other axes, and notes.
+
+Rotary axes that turn on: LinuxCNC does not repeat a table after a turn, so it holds the turns themselves.
+
+Beyond its ends a `COMP_FILE` is constant, and a joint counts on after 360 deg, with WRAPPED_ROTARY as well.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.tables import cross, pivots
+from axiscal.ports.linuxcnc.tables.cross import Hal
+from axiscal.ports.linuxcnc.tables.reader import ROWS, LinuxcncTable, correction, parse
+from axiscal.ports.linuxcnc.tables.writer import notes, offer, resolution
+from axiscal.tables.effect import Control
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import TableFormat, Written, summed
+from axiscal.tables.loaded import Loaded, Lookup, both_ways
+from axiscal.tables.offer import Draft
+from axiscal.tables.old_files import OldFile
+from axiscal.tables.sampling import axis_tables, cross_tables, own_table
+from axiscal.tables.surface import sum_of
+from axiscal.tables.table import CompensationTable
+from axiscal.units import from_unit, to_unit
+
+_CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)\s+(\S+)")
+
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
+
+_LARGEST = 1e6
+"""In the machine's unit: a kilometre in millimetres, which no table corrects."""
+
+MOST_TURNS = 5
+"""256 rows hold five turns of 51 points."""
+
+_HAL_FILE = "axiscal-cross.hal"
+_PIVOT_FILE = "axiscal-pivots.hal"
+_PIVOT_NOTE = (
+    "axiscal-pivots.hal sets where the rotary axes lie for {}: {} are in it and not in the tables. The values count "
+    "from the machine's zero, with the spindle nose at its origin; shift them if your configuration counts otherwise."
+)
+
+
+class Linuxcnc(TableFormat):
+    """A `COMP_FILE` for each axis, and HAL text that moves axes over others."""
+
+    holds = (
+        "one COMP_FILE for each axis (its own positions, both directions) and HAL text that moves linear axes over the "
+        "positions of other linear axes."
+    )
+    left_out = (
+        "errors that depend on two axes at once (angular errors times a lever that changes), the orientation of the "
+        "tool, and the reversal of straightness."
+    )
+    tried = True
+
+    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
+        """Return the files, with the places of rotary axes in another file if the options say so; raises TableError."""
+        if not options.pivots:
+            return super().make(estimate, options)
+        machine = estimate.machine
+        lies, names, nominal = _pivots(estimate), pivots.names(machine), pivots.pivots(machine, {})
+        draft, text = super().make(_without(estimate, names), options), pivots.write(lies, options.unit)
+        wanted, held = (
+            sum_of(control, pivots.control(machine, nominal, found))
+            for control, found in ((draft.wanted, lies), (draft.control, pivots.read(text, options.unit)))
+        )
+        steps = summed([*draft.resolution.items(), *((name, float(from_unit(4e-7, options.unit))) for name in "XYZ")])
+        notes = (*draft.notes, _PIVOT_NOTE.format(lies.kinematics, ", ".join(names)))
+        files = {**draft.files, _PIVOT_FILE: text}
+        return replace(draft, files=files, control=held, wanted=wanted, resolution=steps, notes=notes)
+
+    def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
+        """Return tables of axes over as many turns as they make, and curves of axes over others."""
+        machine = estimate.machine
+        new = tuple(one_turn(estimate, t) for t in axis_tables(estimate, options.spacing, ROWS))
+        own = tuple(over_turns(t, machine) for t in options.old.within().under_tables(new, machine, ROWS))
+        across = cross_tables(estimate, most=cross.POINTS, uneven=options.spacing is None)
+        across = options.old.across().under_tables(across, machine, cross.POINTS, even=True)
+        return (*own, *(t.averaged() for t in across))  # a lincurve has no direction
+
+    def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
+        """Return the files, each table tried on what LinuxCNC makes of it."""
+        wiring = _wiring(machine, options)
+        own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
+        files, said = dict[str, str](), dict[str, None]()
+        for table in own:
+            axis, unit = machine.axis(table.axis), _unit(table, options)
+            files[f"{table.axis}.comp"] = offer(table, unit)
+            said |= dict.fromkeys(notes(table, unit, wiring.joints[table.axis], axis.acceleration))
+        files |= {_HAL_FILE: cross.write(over, wiring)} if over else {}
+        return Written(files, _resolution(own, over, options), (*said, *_hal_notes(machine, over)))
+
+    def held(self, written: Written, machine: Machine, options: ExportOptions) -> Control:
+        """Return what LinuxCNC does with the files once all joints are homed, by a model of it and of its HAL."""
+        return control(machine, written.files, _wiring(machine, options))
+
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+        """Return what files did, by what they say alone; raises TableError."""
+        return Loaded(tuple(loaded(files, machine, options)))
+
+
+def _wiring(machine: Machine, options: ExportOptions) -> cross.Wiring:
+    return cross.Wiring(options.joints(machine), {axis.name: axis.speed for axis in machine.axes}, options.unit)
+
+
+def _pivots(estimate: Estimate) -> pivots.Pivots:
+    model = estimate.model
+    known = {
+        name: float(estimate.mean[model.names[name].columns][0])
+        for name in pivots.names(estimate.machine)
+        if name in model.names
+    }
+    return pivots.pivots(estimate.machine, known)
+
+
+def _without(estimate: Estimate, names: Sequence[str]) -> Estimate:
+    """Return the estimate of a machine that has not these errors."""
+    mean = estimate.belief.mean.copy()
+    for name in names:
+        if name in estimate.model.names:
+            mean[estimate.model.names[name].columns] = 0.0
+    return replace(estimate, belief=Belief(mean, estimate.belief.covariance))
+
+
+def control(machine: Machine, files: Mapping[str, str], wiring: cross.Wiring) -> Control:
+    """Return what LinuxCNC does with the files once all joints are homed."""
+    own = {axis.name: parse(files[f"{axis.name}.comp"]) for axis in machine.axes if f"{axis.name}.comp" in files}
+    hal = Hal.load(files.get(_HAL_FILE, ""))
+    units = ["deg" if axis.rotary else wiring.unit for axis in machine.axes]
+
+    def added(poses: Array, approaches: Array) -> Array:
+        shown = np.stack([to_unit(column, u) for column, u in zip(poses.T, units, strict=True)], axis=1)
+        motors = np.stack([_motor(own.get(a.name), shown[:, k], approaches[:, k]) for k, a in enumerate(machine.axes)])
+        driven = _through(hal, machine, wiring, shown.T, motors)
+        return np.stack([from_unit(t - s, u) for t, s, u in zip(driven, shown.T, units, strict=True)], axis=1)
+
+    return added
+
+
+def _motor(table: LinuxcncTable | None, shown: Array, approach: Array) -> Array:
+    if table is None:
+        return shown
+    sides = [correction(table, shown, side) for side in (1, -1)]
+    return shown + np.where(approach > 0, *sides)
+
+
+def _through(hal: Hal, machine: Machine, wiring: cross.Wiring, shown: Array, motors: Array) -> Array:
+    """Return where the drives are sent, (q, m), after HAL has added its part.
+
+    Raises TableError when the joints of one axis would not go together.
+    """
+    given: dict[str, Array] = {"motion.is-all-homed": np.ones(1)}
+    for k, axis in enumerate(machine.axes):
+        for joint in wiring.joints[axis.name]:
+            given |= {f"joint.{joint}.pos-cmd": shown[k], f"joint.{joint}.motor-pos-cmd": motors[k]}
+    signals = hal.run(given)
+    driven = np.empty_like(motors)
+    for k, axis in enumerate(machine.axes):
+        labels = wiring.labels(axis.name).values()
+        each = np.stack([signals.get(f"axiscal-{label}-motor", motors[k]) for label in labels])
+        if not np.all(each == each[0]):
+            raise TableError(f"the joints of {axis.name} would not go together", "this is a defect of axiscal")
+        driven[k] = each[0]
+    return driven
+
+
+def _unit(table: CompensationTable, options: ExportOptions) -> str:
+    return "deg" if table.rotary else options.unit
+
+
+def _resolution(
+    own: Sequence[CompensationTable], over: Sequence[CompensationTable], options: ExportOptions
+) -> dict[str, float]:
+    value, position = (float(from_unit(last, options.unit)) for last in (1e-7, 1e-6))
+    alone = [(table.axis, resolution(table, _unit(table, options))) for table in own]
+    return summed([*alone, *((table.axis, value + _steepest(table) * position) for table in over)])
+
+
+def _steepest(table: CompensationTable) -> float:
+    return float(np.max(np.abs(np.diff(table.forward) / np.diff(table.positions))))
+
+
+def _hal_notes(machine: Machine, over: Sequence[CompensationTable]) -> tuple[str, ...]:
+    notes = []
+    if over:
+        notes.append(
+            f"{_HAL_FILE} corrects axes over other axes: its first lines say how to wire it. Without it the COMP_FILEs "
+            "work alone. It acts once all joints are homed, within a second, and stops acting while one is not."
+        )
+    if any(axis.rotary for axis in machine.axes):
+        notes.append(
+            "COMP_FILEs act on joints: with xyzac-trt-kins and its kin they are right as well, the HAL text too."
+        )
+    return tuple(notes)
+
+
+def one_turn(estimate: Estimate, table: CompensationTable) -> CompensationTable:
+    """Return the table of a full-turn axis on as few points that all its turns fit; any other table as it is."""
+    axis = estimate.machine.axis(table.axis)
+    fits = (ROWS - 1) // (sum(turns(axis)) + 1)
+    if not axis.cyclic or len(table.positions) - 1 <= fits:
+        return table
+    return own_table(estimate, estimate.machine.index(axis.name), np.linspace(*axis.travel, fits + 1), uneven=True)
+
+
+def over_turns(table: CompensationTable, machine: Machine) -> CompensationTable:
+    """Return a table of one turn repeated over the turns that its axis may make; any other table as it is."""
+    axis = machine.axis(table.axis)
+    whole = axis.cyclic and np.allclose(table.positions[[0, -1]], axis.travel)
+    return _repeated(table, *turns(axis)) if whole else table
+
+
+def turns(axis: Axis) -> tuple[int, int]:
+    """Return the turns below and above the travel that a table holds: two each where nobody said, never over five."""
+    below, above = axis.stated_turns or (MOST_TURNS // 2, MOST_TURNS // 2)
+    spare = MOST_TURNS - 1
+    low = min(below, max(spare // 2, spare - above))
+    return low, min(above, spare - low)
+
+
+def _repeated(table: CompensationTable, below: int, above: int) -> CompensationTable:
+    """Return the table over whole turns; the end of one is the beginning of the next."""
+    shifts = 2 * np.pi * np.arange(-below, above + 1)
+
+    def again(values: Array) -> Array:
+        return np.append(np.tile(values[:-1], len(shifts)), values[-1])
+
+    at = np.append((shifts[:, None] + table.positions[:-1]).ravel(), shifts[-1] + table.positions[-1])
+    silent = np.append(np.tile(table.prior_only[:-1], len(shifts)), table.prior_only[-1])
+    columns = (again(values) for values in (table.forward, table.reverse, table.std))
+    forward, reverse, std = columns
+    return replace(table, positions=at, forward=forward, reverse=reverse, std=std, prior_only=silent)
+
+
+def loaded(files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> list[Lookup]:
+    """Return what the files did; raises TableError."""
+    joints = options.joints(machine)
+    lookups: list[Lookup] = []
+    for file in files:
+        if file.name.lower().endswith(".hal"):
+            lookups += _curves(file, machine, options.unit)
+            continue
+        axis = _axis(file, machine, joints)
+        one = _backlash if file.backlash else _table
+        lookups += one(file, axis, machine, options.unit)
+    return lookups
+
+
+def _axis(file: OldFile, machine: Machine, joints: Mapping[str, Sequence[int]]) -> str:
+    """Return the axis that a file is for: as said, by its joint, or by its name, X.comp or joint0.comp."""
+    names = {axis.name.casefold(): axis.name for axis in machine.axes}
+    if file.axis:
+        return machine.axis(file.axis).name
+    number = file.joint
+    if number is None and (numbered := re.search(r"joint_?(\d+)", file.stem, re.IGNORECASE)):
+        number = int(numbered[1])
+    owners = [axis for axis, numbers in joints.items() if number in numbers]
+    if owners:
+        return owners[0]
+    for word in re.split(r"[^A-Za-z0-9]+", file.stem):
+        if word.casefold() in names:
+            return names[word.casefold()]
+    raise TableError("nothing says which axis this table is for", f"write --on-top-of X={file.name}", file.name)
+
+
+def _table(file: OldFile, axis: str, machine: Machine, machine_unit: str) -> list[Lookup]:
+    kept = _parsed(file, _type(file))
+    if not len(kept.nominal):
+        raise TableError("LinuxCNC reads no row of this file", "name a COMP_FILE", file.name)
+    unit = "deg" if machine.axis(axis).rotary else machine_unit
+    at, forward, reverse = (from_unit(values, unit) for values in (kept.nominal, kept.forward, kept.reverse))
+    return [*both_ways(axis, axis, at, forward, reverse)]
+
+
+def _parsed(file: OldFile, file_type: int) -> LinuxcncTable:
+    kept = parse(file.text, file_type=file_type)
+    if not all(np.all(np.abs(column) < _LARGEST) for column in (kept.nominal, kept.forward, kept.reverse)):
+        raise TableError(
+            "it has a number that is too large for a machine", "give the file as the control loads it", file.name
+        )
+    return kept
+
+
+def _type(file: OldFile) -> int:
+    """Return COMP_FILE_TYPE, found from the values where nobody said: those of Type 0 go with the nominal ones."""
+    if file.file_type is not None:
+        return file.file_type
+    rows = _parsed(file, 1)
+    if len(rows.nominal) < 2:
+        return 0
+    slope = np.ptp(rows.forward) / np.ptp(rows.nominal)
+    return 0 if slope > 0.5 else 1
+
+
+def _backlash(file: OldFile, axis: str, machine: Machine, unit: str) -> list[Lookup]:
+    """Return half the backlash to each side, as motion adds it (control.c)."""
+    own = machine.axis(axis)
+    half = float(from_unit((file.backlash or 0.0) / 2, "deg" if own.rotary else unit))
+    return [*both_ways(axis, axis, np.array(own.travel), np.full(2, half), np.full(2, -half))]
+
+
+def _curves(file: OldFile, machine: Machine, unit: str) -> list[Lookup]:
+    """Return the curves of axes over other axes."""
+    found: dict[tuple[str, str], dict[str, dict[int, float]]] = {}
+    for moved, over, side, number, value in _CURVE.findall(file.text):
+        if not _NUMBER.fullmatch(value):
+            raise TableError(f"{value[:40]!r} is no number of a curve", "give the HAL file as it is", file.name)
+        found.setdefault((moved.upper(), over.upper()), {"x": {}, "y": {}})[side][int(number)] = float(value)
+    lookups = []
+    for (moved, over), sides in found.items():
+        x, y = (np.array([sides[side][i] for i in sorted(sides[side])]) for side in "xy")
+        if len(x) != len(y) or np.any(np.diff(x) <= 0):
+            raise TableError(f"the curve of {moved} over {over} is not whole", "give the HAL file as it is", file.name)
+        at, added = _inside(x, machine.axis(over).rotary, unit), _inside(y, machine.axis(moved).rotary, unit)
+        lookups.append(Lookup(moved, over, at, added))
+    return lookups
+
+
+def _inside(values: Array, rotary: bool, unit: str) -> Array:
+    return np.asarray(from_unit(values, "deg" if rotary else unit), dtype=float)

@@ -1,0 +1,173 @@
+"""A `COMP_FILE` of Type 0: rows `nominal actual_forward actual_reverse` in machine units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from axiscal.exceptions import TableError
+from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.tables.reader import ROWS, LinuxcncTable, correction, parse
+from axiscal.tables.table import CompensationTable
+from axiscal.units import format_quantity, from_unit, to_unit
+
+STEEPEST = 0.5
+"""Largest slope: LinuxCNC adds at most half of the axis' speed for the correction (control.c, compute_screw_comp)."""
+
+
+def write(table: CompensationTable, unit: str | None = None) -> str:
+    """Return the text; `unit` is the machine's, mm (default) or in, deg.  Raises TableError if it does not fit."""
+    unit = _machine_unit(table, unit)
+    _refuse_what_it_cannot_hold(table)
+    nominal = to_unit(table.positions, unit)
+    forward, reverse = (nominal + to_unit(side, unit) for side in (table.forward, table.reverse))
+    columns = np.round(np.array([nominal, forward, reverse]), 6) + 0.0
+    _refuse_equal_positions(table, columns[0], unit)
+    return "".join("{:.6f} {:.6f} {:.6f}\n".format(*row) for row in columns.T)
+
+
+def verify(text: str, table: CompensationTable, unit: str | None = None) -> float:
+    """Return the largest error (m or rad) that LinuxCNC would leave of the table; raises TableError if it is too large.
+
+    Both are piecewise linear, so the largest difference is at a point of one of them, or just before it: LinuxCNC's
+    slopes have 32 bits and do not quite lead to the next point.
+    """
+    unit = _machine_unit(table, unit)
+    parsed = parse(text)
+    finite = bool(np.all(np.isfinite([parsed.nominal, parsed.forward, parsed.reverse])))
+    if parsed.errors or parsed.unread is not None or not finite or len(parsed.nominal) != len(table.positions):
+        trouble = "; ".join(parsed.errors) or f"it keeps {len(parsed.nominal)} of {len(table.positions)} rows"
+        trouble = trouble if finite else "it holds numbers that are not finite"
+        raise TableError(f"LinuxCNC would not read the table of {table.axis} as meant: {trouble}", _REPORT)
+    points = np.union1d(parsed.nominal, to_unit(table.positions, unit))
+    points = np.r_[points, np.nextafter(points, -np.inf)]
+    worst = max(float(np.max(np.abs(_left(parsed, table, points, side, unit)))) for side in (1, -1))
+    if not worst <= resolution(table, unit):
+        what = f"LinuxCNC would leave {table.shown(worst)} of the deviation of {table.axis} with this file"
+        raise TableError(what, _REPORT)
+    return worst
+
+
+def offer(table: CompensationTable, unit: str | None = None) -> str:
+    """Return the text, read back and applied; raises TableError when it would not correct the axis."""
+    text = write(table, unit)
+    verify(text, table, unit)
+    return text
+
+
+def resolution(table: CompensationTable, unit: str) -> float:
+    """Return what rounding may leave, m or rad: six decimals in both columns, trims kept in 32 bits."""
+    largest = max(float(np.max(np.abs(table.forward))), float(np.max(np.abs(table.reverse))))
+    return float(from_unit(2e-6, unit)) + 3e-7 * largest
+
+
+_REPORT = "do not load it: this is a defect of axiscal, please report it"
+
+
+def _machine_unit(table: CompensationTable, unit: str | None) -> str:
+    known = ("deg",) if table.rotary else ("mm", "in")
+    unit = unit or known[0]
+    if unit not in known:
+        raise TableError(
+            f"{table.axis} has no table in {unit!r}", f"the unit of the machine can be {' or '.join(known)}"
+        )
+    return unit
+
+
+def _left(parsed: LinuxcncTable, table: CompensationTable, points: Array, side: int, unit: str) -> Array:
+    """Return the deviation plus its correction, m or rad (m,), at points in machine units."""
+    return table.deviation(from_unit(points, unit), side) + from_unit(correction(parsed, points, side), unit)
+
+
+def _refuse_what_it_cannot_hold(table: CompensationTable) -> None:
+    n = len(table.positions)
+    span = float(table.positions[-1] - table.positions[0])
+    if n > ROWS:
+        fits = format_quantity(math.ceil(span / (ROWS - 1) * 1e6) / 1e6, table.unit)
+        remedy = f"{ROWS} points fit: over this travel one every {fits} or wider"
+        raise TableError(f"the table of {table.axis} has {n} points, a LinuxCNC COMP_FILE holds {ROWS}", remedy)
+    for values in (table.forward, table.reverse):
+        slopes = np.abs(np.diff(values)) / np.diff(table.positions)
+        if np.any(slopes > STEEPEST):
+            where = format_quantity(float(table.positions[int(np.argmax(slopes))]), table.unit)
+            what = f"the deviation of {table.axis} after {where} changes by more than {STEEPEST:.0%} of the way"
+            raise TableError(what, "LinuxCNC cannot follow that; check the units of the readings")
+
+
+def _refuse_equal_positions(table: CompensationTable, nominal: Array, unit: str) -> None:
+    equal = np.flatnonzero(np.diff(nominal) <= 0)
+    if equal.size:
+        what = f"two points of {table.axis} at {nominal[equal[0]]:.6f} {unit} are one in the six decimals of the file"
+        raise TableError(what, f"set the points at least {1e-6:.6f} {unit} apart")
+
+
+def notes(
+    table: CompensationTable,
+    unit: str,
+    joints: Sequence[int] = (),
+    acceleration: float | None = None,
+    servo_period: float = 1e-3,
+) -> tuple[str, ...]:
+    """Return the sentences for whoever loads the file.
+
+    unit : of the machine, mm or in, deg; joints : numbers of the axis' joints in the INI file, if known
+    acceleration : MAX_ACCELERATION of the joint, m/s² or rad/s²; servo_period : s
+    """
+    sections = " and ".join(f"[JOINT_{joint}]" for joint in joints) or "[JOINT_n], n the joint of this axis"
+    each = f" The {len(joints)} joints of {table.axis} have the same table." if len(joints) > 1 else ""
+    first, last = (f"{to_unit(float(table.positions[i]), unit):.6g}" for i in (0, -1))
+    return (
+        f"In the INI file, section {sections}: COMP_FILE = {table.axis}.comp and COMP_FILE_TYPE = 0; restart LinuxCNC."
+        f"{each}",
+        "BACKLASH of the joint is ignored from then on; the two columns of the table hold the reversal.",
+        _reversal_note(table, acceleration, servo_period),
+        f"Outside {first} to {last} {unit} the correction of the nearest end stays.{_turns_note(table)}",
+        "After a start or homing there is no correction until the joint has moved: move it once before measuring.",
+        "Give the drive 1.5 times MAX_VELOCITY and MAX_ACCELERATION: the correction comes on top of the motion.",
+        "Positions shown by LinuxCNC do not contain the correction; it can be seen in joint.N.backlash-filt.",
+    )
+
+
+def _turns_note(table: CompensationTable) -> str:
+    if not table.rotary:
+        return ""
+    count = float(np.ptp(table.positions)) / math.tau
+    if count < 1 - 1e-9:
+        return " A rotary table does not repeat after a turn: keep the axis within it."
+    held = "one turn" if count < 1.5 else f"{count:.0f} turns"
+    return (
+        f" LinuxCNC does not repeat a table: this one holds {held}. The joint counts on after 360 deg, with "
+        "WRAPPED_ROTARY = 1 as well: unwind the axis, or home it, before it leaves them."
+    )
+
+
+def dead_band(acceleration: float, servo_period: float) -> tuple[float, float]:
+    """Return between which steps (m or rad) LinuxCNC at rest does not carry out a reversal: low < step <= high.
+
+    acceleration : MAX_ACCELERATION of the joint, m/s² or rad/s²; servo_period : s
+    """
+    unit_step = acceleration * servo_period**2
+    return 0.25 * unit_step, 0.5 * unit_step
+
+
+def _reversal_note(table: CompensationTable, acceleration: float | None, servo_period: float) -> str:
+    smallest, largest = table.reversal
+    if largest == 0:
+        return "The table knows no reversal: both directions are the same."
+    if acceleration is None:
+        return (
+            "A reversal step between 0.25 and 0.5 of MAX_ACCELERATION times SERVO_PERIOD squared is never carried out."
+        )
+    low, high = dead_band(acceleration, servo_period)
+    if largest <= low or smallest > high:
+        return f"The reversal step, {_span(table, smallest, largest)}, is carried out at this acceleration."
+    band = f"between {table.shown(low)} and {table.shown(high)}"
+    step = _span(table, smallest, largest)
+    return f"WARNING: the reversal step is {step}, and at this MAX_ACCELERATION LinuxCNC never carries out one {band}."
+
+
+def _span(table: CompensationTable, smallest: float, largest: float) -> str:
+    ends = dict.fromkeys(table.shown(step) for step in (smallest, largest))
+    return " to ".join(ends)

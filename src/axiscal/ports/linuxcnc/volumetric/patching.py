@@ -1,0 +1,289 @@
+"""A LinuxCNC configuration with the component in it: the owner's own INI and HAL files, changed in a few lines.
+
+`joint.N.motor-pos-cmd` and `joint.N.motor-pos-fb` change places with `axiscal-vcomp.drive-N` and `.encoder-N` in his
+net lines: his signals and his hardware stay as they are named. The component is loaded first, its functions stand
+beside those of motion, and what else it needs is joined last.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from hashlib import sha256
+
+from axiscal.exceptions import TableError
+from axiscal.ports.linuxcnc.volumetric.vcomp_writing import STATEMENT
+
+FILE, HAL_FILE = "axiscal.vcomp", "axiscal-volumetric.hal"
+_HEAD = f"""\
+# Made by axiscal: every error of the machine taken away between motion and drives.
+# {STATEMENT}
+# To be run after motion and your drives are loaded (HALFILE, the last one). Then, for each joint N: net to your drive
+# the signal vc-drv-N instead of joint.N.motor-pos-cmd (pid.N.command, stepgen's position-cmd), net its position
+# feedback to vc-enc-N instead of joint.N.motor-pos-fb, and take your own net lines of these two pins out.
+# axiscal-vcomp.fb has to run before motion-command-handler, axiscal-vcomp.cmd after motion-controller: put your own
+# addf lines that read the hardware before, those that write it behind. With another order the following error grows by
+# the way of one period.
+"""
+SWITCHES = """\
+# Off at start. Switch it on with the spindle stopped and the tool clear: halcmd setp axiscal-vcomp.enable 1
+setp axiscal-vcomp.enable 0
+# A fault lets a part go on wrong by the whole error; to stop the feed then:
+# net vc-fault axiscal-vcomp.fault => motion.feed-inhibit
+# Tool lengths: without these lines the length of the campaign is taken for every tool. With them tool lengths have to
+# count from the spindle nose; where they count from elsewhere, setp axiscal-vcomp.tool-gauge to the distance.
+# net vc-tool-x motion.tooloffset.x => axiscal-vcomp.tool-x
+# net vc-tool-y motion.tooloffset.y => axiscal-vcomp.tool-y
+# net vc-tool-z motion.tooloffset.z => axiscal-vcomp.tool-z
+"""
+
+LOAD_FILE, JOIN_FILE, APPLY, UNDO = "axiscal-load.hal", "axiscal-join.hal", "apply.sh", "undo.sh"
+_BACKUP = "before-axiscal"
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,120}")
+_HALFILE = re.compile(r"(\s*)HALFILE\s*=", re.IGNORECASE)
+_SECTION = re.compile(r"\s*\[\s*(\w+)\s*\]")
+_TABLE = re.compile(r"\s*(COMP_FILE|COMP_FILE_TYPE|BACKLASH)\s*=", re.IGNORECASE)
+_FUNCTION = re.compile(r"\s*addf\s+(motion-command-handler|motion-controller)\s+(\S+)(?:\s+-?\d+)?\s*(#.*)?")
+_ARROWS = {"=>", "<=", "<=>"}
+_OLD_WORDS = re.compile(r"\s*(linkps|linksp|linkpp|newsig|unlinkp)\b")
+
+
+@dataclass(slots=True)
+class Configuration:
+    """The files of a LinuxCNC as they are to be read, by name beside the INI file; changed in place.
+
+    ini : name of the INI file; files : name -> text; tables : how many lines of tables and backlash were taken out
+    """
+
+    ini: str
+    files: dict[str, str]
+    tables: int = 0
+    nets: dict[str, str] = field(default_factory=dict)
+
+    def texts(self) -> list[str]:
+        """Return the names of the HAL files, in order."""
+        return [name for name in self.files if name != self.ini]
+
+
+def patched(ini: str, files: Mapping[str, str], joints: Sequence[int]) -> Configuration:
+    """Return the configuration with the component in it.
+
+    ini : name of the INI file; files : it and its HAL files in the order in which they run; joints : their numbers
+    Raises TableError with file and line for what has to be done by hand.
+    """
+    for name in files:
+        if not _NAME.fullmatch(name):
+            raise TableError(
+                f"{name[:60]!r} is no name that a script can copy", "rename the file: letters, digits, . _ -"
+            )
+    found = Configuration(ini, dict(files))
+    thread = _functions(found)
+    for name in found.texts():
+        _read_nets(found, name)
+    for joint in joints:
+        _exchange(found, f"joint.{joint}.motor-pos-cmd", f"axiscal-vcomp.drive-{joint}")
+        _exchange(found, f"joint.{joint}.motor-pos-fb", f"axiscal-vcomp.encoder-{joint}")
+    _ini(found)
+    found.files[LOAD_FILE] = _LOAD
+    found.files[JOIN_FILE] = _join(found, joints, thread)
+    return found
+
+
+_LOAD = (
+    f"# Made by axiscal: the component, before anything is joined to it.\nloadrt axiscal_vcomp file={FILE} "
+    'units=[TRAJ]LINEAR_UNITS "coordinates=[TRAJ]COORDINATES" joints=[KINS]JOINTS\n'
+)
+
+
+def _functions(found: Configuration) -> str:
+    """Put the component's functions beside those of motion and return their thread."""
+    threads: dict[str, str] = {}
+    for name in found.texts():
+        lines = []
+        for number, line in enumerate(found.files[name].split("\n"), 1):
+            if "axiscal_vcomp" in line or "axiscal-vcomp" in line:
+                raise TableError("the component is in this configuration already", f"run {UNDO} first", name, number)
+            if not (function := _FUNCTION.fullmatch(line)):
+                lines.append(line)
+            elif function[1] == "motion-command-handler":
+                lines += [f"addf axiscal-vcomp.fb {function[2]}", line]
+                threads[function[1]] = function[2]
+            else:
+                lines += [line, f"addf axiscal-vcomp.cmd {function[2]}"]
+                threads[function[1]] = function[2]
+        found.files[name] = "\n".join(lines)
+    if len(threads) < 2 or len(set(threads.values())) > 1:
+        what = "no addf lines of motion-command-handler and motion-controller, in one thread, stand in the HAL files"
+        raise TableError(what, _BY_HAND, found.ini)
+    return next(iter(threads.values()))
+
+
+_BY_HAND = "wire it by hand: axiscal-volumetric.hal, written without --ini, says how"
+
+
+def _read_nets(found: Configuration, name: str) -> None:
+    """Remember which signal each pin is on."""
+    for number, line in enumerate(found.files[name].split("\n"), 1):
+        words = line.partition("#")[0].split()
+        if _OLD_WORDS.match(line) and any(word.startswith(("joint.", "motion.")) for word in words):
+            raise TableError(f"{words[0]} joins pins of motion here", f"write it as net, or {_BY_HAND}", name, number)
+        if words[:1] == ["net"] and len(words) > 2:
+            found.nets |= {pin: words[1] for pin in words[2:] if pin not in _ARROWS}
+
+
+def _exchange(found: Configuration, pin: str, other: str) -> None:
+    """Put another pin in the place of one of a joint, in the net line where it stands."""
+    word = re.compile(rf"(?<=\s){re.escape(pin)}(?=\s|$)")
+    for name in found.texts():
+        lines = found.files[name].split("\n")
+        at = [i for i, line in enumerate(lines) if line.split()[:1] == ["net"] and word.search(line.partition("#")[0])]
+        if at:
+            lines[at[0]] = word.sub(other, lines[at[0]])
+            found.files[name] = "\n".join(lines)
+            return
+    raise TableError(f"no net line of the HAL files joins {pin}", _BY_HAND, found.ini)
+
+
+def _ini(found: Configuration) -> None:
+    """Load the component first and join it last; tables and backlash are taken out by a sign before them."""
+    lines, section, files, end = list[str](), "", 0, 0
+    for line in found.files[found.ini].split("\n"):
+        section = s[1].upper() if (s := _SECTION.match(line)) else section
+        if section.startswith(("JOINT_", "AXIS_")) and _TABLE.match(line):
+            found.tables += 1
+            line = f"# taken out by axiscal: {line.strip()}"
+        if section == "HAL" and (own := _HALFILE.match(line)):
+            if not files:
+                lines.append(f"{own[1]}HALFILE = {LOAD_FILE}")
+            files += 1
+            lines.append(line)
+            end = len(lines)
+            continue
+        lines.append(line)
+    if not files:
+        raise TableError("[HAL] names no HALFILE", _BY_HAND, found.ini)
+    lines.insert(end, f"HALFILE = {JOIN_FILE}")
+    found.files[found.ini] = "\n".join(lines)
+
+
+def _join(found: Configuration, joints: Sequence[int], thread: str) -> str:
+    """Return the HAL text of what is read beside, with the owner's signals where a pin is on one already."""
+    lines = [f"# Made by axiscal: what the component reads beside. Its functions stand in {thread}."]
+
+    def read(signal: str, pin: str, own: str) -> None:
+        known = found.nets.get(pin)
+        lines.append(f"net {known} => {own}" if known else f"net {signal} {pin} => {own}")
+
+    read("vc-home", "motion.is-all-homed", "axiscal-vcomp.homed")
+    read("vc-on", "motion.motion-enabled", "axiscal-vcomp.powered")
+    for n in joints:
+        read(f"vc-pos-{n}", f"joint.{n}.pos-cmd", f"axiscal-vcomp.pos-{n}")
+        read(f"vc-bl-{n}", f"joint.{n}.backlash-corr", f"axiscal-vcomp.backlash-{n}")
+        lines.append(f"net vc-mot-{n} joint.{n}.motor-pos-cmd => axiscal-vcomp.motor-{n}")
+        lines.append(f"net vc-fb-{n} axiscal-vcomp.feedback-{n} => joint.{n}.motor-pos-fb")
+    return "\n".join(lines) + "\n" + SWITCHES
+
+
+def scripts(before: Mapping[str, str], found: Configuration, beside: Sequence[str]) -> dict[str, str]:
+    """Return what puts the files into a configuration's folder and what takes them out again.
+
+    before : the files as they were; beside : more files that belong to it
+    Both refuse where a file is not the one that was read, or has been changed since.
+    """
+    changed = [name for name in before if before[name] != found.files[name]]
+    added = [name for name in [*found.files, *beside] if name not in before]
+    kept = [(name, (before[name],)) for name in changed]
+    either = [(name, (before[name], found.files[name])) for name in changed]
+    part, gone = f'"$to/{_BACKUP}.part"', f'"$to/{_BACKUP}.gone"'
+    free = [f'[ ! -e "$to"/{q} ] || {_TAKEN}' for q in _quoted(added)]
+    copies = [f"rm -rf {part} {gone}", f"mkdir {part}", *(f'cp -p "$to"/{q} {part}/{q}' for q in _quoted(changed))]
+    copies += ["sync", f'mv {part} "$to/{_BACKUP}"']
+    news = [line for q in _quoted([*changed, *added]) for line in _put(f'"$from"/{q}', q)]
+    backs = [line for q in _quoted(changed) for line in _put(f'"$to/{_BACKUP}"/{q}', q)]
+    taken = [f'rm -f "$to"/{q} "$to"/{q}.part' for q in _quoted(added)]
+    there, lacking = f'[ ! -e "$to/{_BACKUP}" ] || {_THERE}', f'[ -d "$to/{_BACKUP}" ] || {_NONE}'
+    ends = ["sync", f'mv "$to/{_BACKUP}" {gone}', f"rm -rf {gone}"]
+    return {
+        APPLY: _script("puts the component into", [there], kept, [*free, *copies, *news, "sync"]),
+        UNDO: _script("takes the component out of", [lacking], either, [*backs, *taken, *ends]),
+    }
+
+
+def _put(file: str, name: str) -> list[str]:
+    """Return what puts a file in the place of another, whole at any time.  file, name : quoted"""
+    return [f'cp -p {file} "$to"/{name}.part', "sync", f'mv "$to"/{name}.part "$to"/{name}']
+
+
+_THERE = '{ echo "There is a backup already: run undo.sh first." >&2; exit 1; }'
+
+
+_NONE = '{ echo "There is no backup: nothing was put in, or it is taken out already." >&2; exit 1; }'
+
+
+_TAKEN = (
+    '{ echo "A file of axiscal is there already, which another configuration may need: move it first." >&2; exit 1; }'
+)
+
+
+_OTHER = '{ echo "A file is not the one that was read." >&2; exit 1; }'
+
+
+def _digest(text: str) -> str:
+    return sha256(text.encode()).hexdigest()
+
+
+def _quoted(names: Sequence[str]) -> list[str]:
+    return [shlex.quote(name) for name in names]
+
+
+def _script(what: str, first: Sequence[str], files: Sequence[tuple[str, Sequence[str]]], lines: Sequence[str]) -> str:
+    """Return a script.  first : checks; files : by name, with the texts of which each must have one"""
+    return "\n".join(
+        [
+            "#!/bin/sh",
+            f"# Made by axiscal: {what} a LinuxCNC configuration. Stop LinuxCNC first.",
+            "# Whatever ends it half-way: undo.sh puts back what was there.",
+            "set -eu",
+            '[ $# = 1 ] || { echo "Usage: sh $0 FOLDER-OF-THE-INI-FILE" >&2; exit 2; }',
+            'from=$(cd "$(dirname "$0")" && pwd)',
+            'to=$(cd "$1" && pwd)',
+            *first,
+            *(
+                f'case "$(sha256sum < "$to"/{shlex.quote(name)})" in '
+                f"{'|'.join(_digest(text) + '*' for text in texts)}) ;; *) {_OTHER} ;; esac"
+                for name, texts in files
+            ),
+            *lines,
+            "",
+        ]
+    )
+
+
+def hal_text(joints: Sequence[int]) -> str:
+    """Return the HAL text for joints by their numbers."""
+    lines = [
+        _HEAD + f"loadrt axiscal_vcomp file={FILE} units=[TRAJ]LINEAR_UNITS "
+        '"coordinates=[TRAJ]COORDINATES" '  # quoted: people write blanks between the letters
+        "joints=[KINS]JOINTS",
+        "addf axiscal-vcomp.fb servo-thread 1",
+        "addf axiscal-vcomp.cmd servo-thread",
+        "net vc-home motion.is-all-homed => axiscal-vcomp.homed",
+        "net vc-on motion.motion-enabled => axiscal-vcomp.powered",
+    ]
+    for joint in sorted(joints):
+        lines += joint_lines(joint)
+    return "\n".join(lines) + "\n" + SWITCHES
+
+
+def joint_lines(joint: int) -> list[str]:
+    """Return the lines of one joint; the ends at the drive, vc-drv-N and vc-enc-N, are left open."""
+    return [
+        f"net vc-pos-{joint} joint.{joint}.pos-cmd => axiscal-vcomp.pos-{joint}",
+        f"net vc-mot-{joint} joint.{joint}.motor-pos-cmd => axiscal-vcomp.motor-{joint}",
+        f"net vc-drv-{joint} axiscal-vcomp.drive-{joint}",
+        f"net vc-enc-{joint} axiscal-vcomp.encoder-{joint}",
+        f"net vc-fb-{joint} axiscal-vcomp.feedback-{joint} => joint.{joint}.motor-pos-fb",
+        f"net vc-bl-{joint} joint.{joint}.backlash-corr => axiscal-vcomp.backlash-{joint}",
+    ]

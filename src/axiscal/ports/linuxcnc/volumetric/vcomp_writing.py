@@ -1,0 +1,154 @@
+"""From an estimate to a file of the component: every curve as the cubics that it is, on all knots of its axis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from axiscal.errors.model import ErrorFunction, ErrorModel
+from axiscal.exceptions import TableError
+from axiscal.machine.axis import Axis, letter_direction
+from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.volumetric.content import KNOTS, MOTIONS, VcompAxis, VcompFile, fnv1a
+from axiscal.units import to_unit
+
+STATEMENT = "Never run on real drives or on a realtime kernel. It is no safety function."
+_APART = 1e-9
+"""Share of the travel: knots nearer than this are one, by rounding."""
+
+
+def axis_content(
+    model: ErrorModel, mean: Array, index: int, joints: Sequence[int], unit: str, seconds: float
+) -> VcompAxis:
+    """Return one axis.  mean : (size,) control values; unit : mm or in; seconds : that a reversal takes
+
+    Raises TableError for an axis that the file cannot hold.
+    """
+    axis = model.machine.axes[index]
+    _refuse_axis(axis, joints)
+    own = [function for function in model.functions if function.axis == index]
+    per_m, at = float(to_unit(1.0, unit)), float(to_unit(1.0, "deg" if axis.rotary else unit))
+    scale = np.array([per_m] * 3 + [1.0] * 3)
+    place, sense = np.zeros(MOTIONS), -1 if axis.reversed else 1
+    for function in own:
+        if function.kind == "location":
+            place[function.component] += mean[function.columns][0]
+    knots = _knots(axis, own)
+    kinds = [[f for f in own if f.kind == kind] for kind in ("motion", "reversal")]
+    motions, reversals = (_cubics(functions, mean, knots, sense, at) * scale[:, None] for functions in kinds)
+    straight = not axis.rotary
+    return VcompAxis(
+        axis.name,
+        letter_direction(axis.letter),
+        axis.rotary,
+        axis.sign,
+        sense,
+        tuple(joints),
+        np.array(axis.origin) * per_m * axis.rotary,
+        np.zeros(MOTIONS) if straight else place * scale,
+        place[3:] if straight else np.zeros(3),
+        axis.cyclic,
+        seconds,
+        np.sort(sense * knots * at),
+        motions,
+        sense * reversals if kinds[1] else np.zeros((len(knots) - 1, 0, 4)),
+    )
+
+
+def text_of(file: VcompFile) -> str:
+    """Return the file as text, with its checksum."""
+    lines = [
+        "axiscal-vcomp 1",
+        f"# {STATEMENT}",
+        f"campaign {file.campaign}",
+        f"units {file.unit}",
+        f"limits {file.limit:.12g} {file.limit_deg:.12g}",
+        _line(file.tool, "tool"),
+        f"axes {len(file.axes)}",
+    ]
+    for axis in file.axes:
+        lines += _axis_lines(axis)
+    body = "".join(f"{line}\n" for line in lines)
+    return f"{body}end {fnv1a(body.encode()):08x}\n"
+
+
+def _axis_lines(axis: VcompAxis) -> list[str]:
+    joints = [*axis.joints, -1][:2]
+    reverses = axis.reversals.shape[1] > 0
+    lines = [
+        f"axis {axis.name} {'xyz'[axis.along]} rotary {axis.rotary:d} side {axis.side} sense {axis.sense} "
+        f"joints {joints[0]} {joints[1]}",
+        _line(axis.origin, "origin"),
+        _line(axis.place, "location"),
+        _line(axis.tilt, "travel-tilt"),
+        f"knots {len(axis.knots)} cyclic {axis.cyclic:d} reversal {reverses:d} {axis.seconds:.12g}",
+    ]
+    for i, knot in enumerate(axis.knots):
+        lines.append(_line([knot], "knot"))
+        if i < len(axis.knots) - 1:
+            lines += [_line(row) for row in (*axis.motions[i], *axis.reversals[i])]
+    return lines
+
+
+def _line(numbers: Array | Sequence[float], key: str = "") -> str:
+    return " ".join(([key] if key else []) + [f"{float(number) + 0.0:.12g}" for number in numbers])
+
+
+def _refuse_axis(axis: Axis, joints: Sequence[int]) -> None:
+    if len(axis.name) != 1:
+        raise TableError(f"LinuxCNC has no axis {axis.name}", "Its axes are X Y Z A B C U V W")
+    if len(joints) > 2:
+        raise TableError(f"{axis.name} has {len(joints)} joints", "The component takes two for an axis")
+
+
+def _knots(axis: Axis, own: Sequence[ErrorFunction]) -> Array:
+    """Return the union of the knots of all curves of an axis, m or rad, ends of the travel included."""
+    both = np.sort(np.concatenate([np.array(axis.travel), *(f.basis.knots for f in own if f.kind != "location")]))
+    knots = both[np.r_[True, np.diff(both) > _APART * axis.length]]
+    if len(knots) > KNOTS:
+        what = f"the curves of {axis.name} have {len(knots)} knots together, the component holds {KNOTS}"
+        raise TableError(what, "describe them with fewer, or with the same knots, and evaluate the readings again")
+    return knots
+
+
+def _cubics(functions: Sequence[ErrorFunction], mean: Array, knots: Array, sense: int, at: float) -> Array:
+    """Return a b c d (n - 1, 6, 4) from each knot on, by position.  at : units of position in a metre or radian
+
+    Value and derivatives in the middle give a cubic: no rounding of a knot leads to its neighbour there. An axis that
+    counts the other way is mirrored.
+    """
+    middle, half = (knots[1:] + knots[:-1]) / 2, np.diff(knots) / 2
+    total = np.zeros((len(middle), MOTIONS, 4))
+    for function in functions:
+        control = mean[function.columns]
+        f, f1, f2, f3 = (
+            sense**order * function.basis.rows(middle, order) @ control / factorial
+            for order, factorial in enumerate((1.0, 1.0, 2.0, 6.0))
+        )
+        h = -half
+        total[:, function.component] += np.stack(
+            [f + h * (f1 + h * (f2 + h * f3)), f1 + h * (2 * f2 + 3 * h * f3), f2 + 3 * h * f3, f3], axis=1
+        )
+    return (total if sense > 0 else total[::-1]) / at ** np.arange(4)
+
+
+def anchored(axes: Sequence[VcompAxis], constant: Array) -> tuple[VcompAxis, ...]:
+    """Return the axes with a constant deviation (3,) taken off, as a displacement of the last one."""
+    last = axes[-1]
+    place = last.place.copy()
+    place[:3] -= last.side * constant
+    return *axes[:-1], replace(last, place=place)
+
+
+def joints_of(machine_joints: Mapping[str, tuple[int, ...]], axes: Sequence[Axis]) -> Mapping[str, tuple[int, ...]]:
+    """Return the joints; raises TableError when their numbers have a gap."""
+    numbers = sorted(number for axis in axes for number in machine_joints[axis.name])
+    if numbers != list(range(len(numbers))):
+        known = ", ".join(f"{axis.name}={n}" for axis in axes for n in machine_joints[axis.name])
+        raise TableError(
+            f"the numbers of the joints ({known}) have a gap",
+            "The component corrects the whole chain: describe every joint of the machine, and number them from 0",
+        )
+    return machine_joints

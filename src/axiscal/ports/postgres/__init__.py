@@ -1,0 +1,1 @@
+"""Events on a PostgreSQL server that laptops share; loaded only for a store."""

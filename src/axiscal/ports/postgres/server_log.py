@@ -1,0 +1,329 @@
+"""The log of one campaign on a server: what `store.Record` is in a file.
+
+The next number of a campaign is the primary key, so of two writers that know the same last event one wins. A branch
+holds what was measured elsewhere behind an event of another campaign: its log begins with that one's, up to there.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NamedTuple, Self
+
+from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
+from axiscal.ports.postgres.database import Database, lock_number, not_known, opened_database, refuse_newer
+from axiscal.record.events import Created
+from axiscal.record.line_form import DamageError, EventText, chained
+from axiscal.record.log import (
+    EMPTY,
+    STORED,
+    ChainedText,
+    EventLog,
+    campaign_of,
+    chained_texts,
+    refuse_overtaken,
+    rows_of,
+)
+
+_THERE = """
+SELECT CAST(c.id AS text), c.name, CAST(c.branch_of AS text), c.branch_at, e.number, e.digest
+FROM axiscal.campaigns AS c LEFT JOIN LATERAL (
+    SELECT number, digest FROM axiscal.events WHERE campaign = c.id ORDER BY number DESC LIMIT 1) AS e ON true
+ORDER BY c.name, c.id
+"""
+
+_FEWEST = 8
+"""Digits of an id by which a campaign may be named, too."""
+_SHOWN = 13
+"""Digits of an id that are shown: enough to tell any two campaigns."""
+_ENTRIES = "SELECT CAST(id AS text), name, CAST(branch_of AS text), branch_at FROM axiscal.campaigns"
+
+_INSERT = """
+WITH held AS MATERIALIZED (SELECT pg_advisory_xact_lock(CAST(:held AS bigint)))
+INSERT INTO axiscal.events (campaign, number, kind, payload, at, digest)
+SELECT CAST(:id AS uuid), CAST(:last AS bigint) + e.n, e.kind, e.payload, e.at, e.digest
+FROM held, unnest(CAST(:kinds AS text[]), CAST(:payloads AS text[]), CAST(:times AS text[]), CAST(:digests AS text[]))
+    WITH ORDINALITY AS e (kind, payload, at, digest, n) ORDER BY e.n
+"""
+"""Behind the lock of its campaign, as everything that is written: a statement of its own waits for others, too."""
+
+
+class Entry(NamedTuple):
+    """A campaign on the server: its id, the name people gave it, and where it branches off another one."""
+
+    id: str
+    name: str
+    branch_of: str | None
+    branch_at: int | None
+
+    @property
+    def called(self) -> str:
+        """What people type for it: its name, or the id of a branch, whose name is that of another campaign."""
+        return self.name if self.branch_of is None else self.id[:_SHOWN]
+
+
+class ServerLog(EventLog):
+    """The open log of one campaign on a server; a context manager. Every failure is a RecordError.
+
+    path : "store:NAME", as people name it, and "store:ID" for a branch
+    """
+
+    def __init__(self, database: Database, entry: Entry, *, write: bool = True) -> None:
+        super().__init__(Path(f"{STORED}{entry.called}"))
+        self.entry, self._database, self._write = entry, database, write
+        self._texts = list[ChainedText]()
+        self._sources = [entry, *_ancestors(database, entry)]
+
+    @classmethod
+    def create(cls, database: Database, name: str, created: Created) -> Self:
+        """Return a new campaign that holds the event `created`; raises RecordError where there is one of this name."""
+        first = chained_texts(rows_of([created]))[0]
+        entry = Entry(campaign_of(first), name, None, None)
+        with _closed_at_a_fault(database):
+            refuse_newer(database)
+            with database.transaction(f"name {name}"):
+                if entries(database, name):
+                    remedy = "Go on with it by `axiscal next`, or give the campaign another name"
+                    raise RecordError("The store has a campaign of this name already", remedy, f"{STORED}{name}")
+                enter(database, entry)
+                insert(database, entry.id, 0, [first])
+            log = cls(database, entry)
+            log.last()
+        return log
+
+    @classmethod
+    def open(cls, database: Database, name: str, *, write: bool = True) -> Self:
+        """Return the log of a campaign, by its name or the beginning of its id, checked; raises RecordError."""
+        with _closed_at_a_fault(database):
+            refuse_newer(database)
+            log = cls(database, _only(name, entries(database, name)), write=write)
+            log.last()
+        return log
+
+    @property
+    def name(self) -> str:
+        """The name of what it holds: a hash chained over the contents of its events, 64 hex digits."""
+        return self._texts[-1].chain if self._texts else EMPTY
+
+    def extend(self, rows: Sequence[EventText], after: int | None = None) -> int:
+        """Keep events as they were written elsewhere, in one transaction; else as `append`."""
+        if not self._write:
+            raise RecordError("The record was opened to be read", "Open it to write", self.path)
+        return self._kept_at_once(rows, after) or self._kept_after_a_look(rows, after)
+
+    def _kept_after_a_look(
+        self, rows: Sequence[EventText], after: int | None, asked: Sequence[ChainedText] = ()
+    ) -> int:
+        """Keep events behind what is there by now and return the number of the last one.
+
+        asked : the same, as the server went away with them: behind the lock they are there by now or never
+        """
+        known = len(self._texts)
+        with self._database.transaction(self.entry.id):
+            self._catch_up()
+            there = self._texts[known : known + len(asked)]
+            if asked and [(each.row.at, each.chain) for each in there] == [(e.row.at, e.chain) for e in asked]:
+                return known + len(asked)
+            refuse_overtaken(len(self._texts), after, self.path)
+            story = self._story.then(rows, self.path)
+            texts = self._behind(rows)
+            insert(self._database, self.entry.id, len(self._texts), texts)
+        self._texts += texts
+        self._story = story
+        return len(self._texts)
+
+    def _behind(self, rows: Sequence[EventText]) -> list[ChainedText]:
+        return chained_texts((row._replace(closes=True) for row in rows), self.name)
+
+    def _kept_at_once(self, rows: Sequence[EventText], after: int | None) -> int | None:
+        """Keep events in one question to the server and return the number of the last one.
+
+        The server takes them only behind the last event that is known here: None where that is no longer the last, or
+        the question was not asked.
+        """
+        known = len(self._texts)
+        if not rows or not known or after not in (None, known):
+            return None
+        try:
+            story, texts = self._story.then(rows, self.path), self._behind(rows)
+        except RecordError:  # it may follow what has been written since
+            return None
+        try:
+            if not insert_at_once(self._database, self.entry.id, known, texts):
+                return None
+        except OvertakenError:
+            return None
+        except UnreachableError as failure:
+            try:
+                return self._kept_after_a_look(rows, after, texts)
+            except UnreachableError:
+                raise not_known(failure) from None
+        except RecordError:
+            self._catch_up()  # where the store is damaged that is what is said
+            raise
+        self._texts += texts
+        self._story = story
+        return known + len(texts)
+
+    def last(self) -> int:
+        """Return the number of the last event."""
+        self._catch_up()
+        return len(self._texts)
+
+    def texts(self) -> tuple[ChainedText, ...]:
+        """Return all events as they were written."""
+        self._catch_up()
+        return tuple(self._texts)
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._database.close()
+
+    def _catch_up(self) -> None:
+        """Take over what has been written since the last look; raises RecordError where it does not follow."""
+        try:
+            for number, text in self._new():
+                self._take(number, text)
+        except DamageError as error:
+            remedy = "Tell whoever keeps the store, to restore it from a backup; nothing was changed"
+            raise RecordError(f"The campaign in the store is damaged: {error}", remedy, self.path) from error
+
+    def _new(self) -> list[tuple[int, ChainedText]]:
+        """Return the events behind those that are known, and the last one that is."""
+        known, found = len(self._texts), list[tuple[int, ChainedText]]()
+        until: int | None = None
+        for source in self._sources:
+            rows = self._database.rows(
+                "SELECT number, at, kind, payload, digest FROM axiscal.events "
+                "WHERE campaign = CAST(:id AS uuid) AND number >= :first AND number <= :until ORDER BY number",
+                id=source.id,
+                first=known,
+                until=2**62 if until is None else until,
+            )
+            found = [
+                (number, ChainedText(EventText(at, kind, payload), chain)) for number, at, kind, payload, chain in rows
+            ] + found
+            until = source.branch_at
+        if known and (not found or found[0][0] != known):
+            raise DamageError("an older state of the store has been put in its place")
+        return found
+
+    def _take(self, number: int, text: ChainedText) -> None:
+        if number == len(self._texts):
+            if text.chain != self.name:
+                raise DamageError("another campaign has been put in its place")
+            return
+        if number != len(self._texts) + 1 or chained(self.name, text.row) != text.chain:
+            raise DamageError(f"event {number} does not follow from the events before it")
+        self._story.happened(number, text.row)
+        self._texts.append(text)
+
+
+@contextmanager
+def _closed_at_a_fault(database: Database) -> Iterator[None]:
+    try:
+        yield
+    except BaseException:
+        database.close()
+        raise
+
+
+def entries(database: Database, name: str | None = None) -> list[Entry]:
+    """Return the campaigns of a store: all, or those of a name or an id that begins so."""
+    rows = database.rows(
+        f"{_ENTRIES} WHERE CAST(:name AS text) IS NULL OR name = :name "
+        "OR (length(:name) >= :few AND starts_with(CAST(id AS text), :name)) "
+        "ORDER BY name, id",
+        name=name,
+        few=_FEWEST,
+    )
+    return [Entry(*row) for row in rows]
+
+
+def entry_of(database: Database, campaign: str) -> Entry | None:
+    """Return the campaign of an id, None if the store has none."""
+    rows = database.rows(f"{_ENTRIES} WHERE id = CAST(:id AS uuid)", id=campaign)
+    return Entry(*rows[0]) if rows else None
+
+
+def enter(database: Database, entry: Entry) -> None:
+    """Add a campaign to a store; nothing where it is there."""
+    database.rows(
+        "INSERT INTO axiscal.campaigns (id, name, branch_of, branch_at) "
+        "VALUES (CAST(:id AS uuid), :name, CAST(:branch_of AS uuid), :branch_at) ON CONFLICT (id) DO NOTHING",
+        **entry._asdict(),
+    )
+
+
+def insert(database: Database, campaign: str, last: int, texts: Sequence[ChainedText]) -> None:
+    """Add events behind the last one of a campaign, within a transaction."""
+    if texts:
+        database.rows(_INSERT, **_inserted(campaign, last, texts))
+
+
+def insert_at_once(database: Database, campaign: str, last: int, texts: Sequence[ChainedText]) -> bool:
+    """Do the same in one transaction if the connection is ready, and return whether; as `Database.at_once`."""
+    return database.at_once(_INSERT, **_inserted(campaign, last, texts))
+
+
+def _inserted(campaign: str, last: int, texts: Sequence[ChainedText]) -> dict[str, object]:
+    columns = zip(*((t.row.kind, t.row.payload, t.row.at, t.chain) for t in texts), strict=True)
+    lists = dict(zip(("kinds", "payloads", "times", "digests"), map(list, columns), strict=True))
+    return {"id": campaign, "held": lock_number(campaign), "last": last, **lists}
+
+
+def _ancestors(database: Database, entry: Entry) -> list[Entry]:
+    """Return the campaigns that a branch begins with, the nearest first."""
+    found, above = list[Entry](), entry.branch_of
+    while above is not None and (nearest := entry_of(database, above)) is not None:
+        found.append(nearest)
+        above = nearest.branch_of
+    return found
+
+
+def _only(name: str, found: Sequence[Entry]) -> Entry:
+    path, found = Path(f"{STORED}{name}"), [each for each in found if each.called == name or each.id.startswith(name)]
+    if not found:
+        raise RecordError("The store has no such campaign", "Look at its name, or send it there: axiscal sync", path)
+    if len(found) > 1:
+        ids = ", ".join(entry.id[:_SHOWN] for entry in found)
+        raise RecordError(f"The store has {len(found)} campaigns of this name", f"Name one by its id: {ids}", path)
+    return found[0]
+
+
+class CampaignThere(NamedTuple):
+    """A campaign of a store.
+
+    path : by which it is asked for, "store:NAME", or "store:ID" of a branch, or where the name is no single one
+    last, digest : of its last event; 0 and "" where it has none
+    """
+
+    path: Path
+    last: int
+    digest: str
+
+
+def campaigns_there(database: Database) -> list[CampaignThere]:
+    """Return the campaigns of a store by their names; raises RecordError."""
+    refuse_newer(database)
+    rows = [(Entry(*row[:4]), row[4], row[5]) for row in database.rows(_THERE)]
+    called = Counter(entry.called for entry, _, _ in rows)
+    return [CampaignThere(_path(entry, called[entry.called] == 1), last or 0, end or "") for entry, last, end in rows]
+
+
+def all_there() -> list[CampaignThere]:
+    """Return the campaigns of the store that AXISCAL_STORE names; raises RecordError."""
+    database = opened_database()
+    try:
+        return campaigns_there(database)
+    finally:
+        database.close()
+
+
+def _path(entry: Entry, alone: bool) -> Path:
+    by_name = Path(f"{STORED}{entry.called}")
+    if alone and by_name.name == f"{STORED}{entry.called}":  # a name such as a/b is one of a folder and a file
+        return by_name
+    return Path(f"{STORED}{entry.id[:_SHOWN]}")

@@ -1,0 +1,133 @@
+"""Klipper: a `bed_mesh` profile in the saved block of printer.cfg, and `SET_SKEW` with a skew profile."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+from axiscal.measurement.readers.bed_map import is_mesh
+from axiscal.measurement.readers.bed_map import mesh as saved_mesh
+from axiscal.measurement.readers.text import TextFile
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import MapFormat, Written
+from axiscal.tables.loaded import Loaded
+from axiscal.tables.old_files import OldFile
+from axiscal.tables.surface import Mesh, Skew, height_seen, held_words, mesh_of, mesh_of_nodes, skew_of
+from axiscal.units import from_unit, to_unit
+
+_SAVED = "#*# "
+_HEADER = """
+#*# <---------------------- SAVE_CONFIG ---------------------->
+#*# DO NOT EDIT THIS BLOCK OR BELOW. The contents are auto-generated.
+#*#
+"""
+"""Klipper looks for these lines, the line break before them too (configfile.py, AUTOSAVE_HEADER)."""
+_SIDE = 1000.0
+"""mm; the skew depends on the ratios of the lengths alone."""
+_MESH, _SKEW = "bed_mesh.cfg", "skew.gcode"
+_SAVED_SKEW = re.compile(r"^(?:#\*# )?(xy|xz|yz)_skew\s*=\s*(\S+)", re.MULTILINE)
+_PLANE = re.compile(r"(XY|XZ|YZ)=([\d.]+),([\d.]+),([\d.]+)")
+
+
+class Klipper(MapFormat):
+    """A mesh profile and a skew profile."""
+
+    left_out = "positioning errors, straightness in the plane, reversal, and what the height does over z."
+
+    def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
+        """Return the map and the skew that were seen."""
+        meshes = (options.old.under_mesh(mesh_of(estimate, options.mesh)),) if height_seen(estimate) else ()
+        return Loaded(meshes=meshes, skew=options.old.under_skew(skew_of(estimate)))
+
+    def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:
+        """Return a file for each of them."""
+        name, skew = options.name, content.skew
+        files, notes = dict[str, str](), tuple[str, ...]()
+        for mesh in content.meshes:
+            files[_MESH], notes = write_mesh(mesh, name), _mesh_notes(mesh, name)
+        if skew.seen:
+            files[_SKEW], notes = write_skew(skew, name), notes + _skew_notes(skew, name)
+        steps = {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}
+        return Written(files, steps, notes, f"{held_words(_MESH in files, skew.seen)}.")
+
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+        """Return what a printer.cfg has saved, or G-code sets; raises ReadingError, TableError."""
+        meshes, skew = list[Mesh](), Skew()
+        for file in files:
+            text = TextFile(file.name, tuple(file.text.splitlines()))
+            meshes += [mesh_of_nodes(saved_mesh(text))] if is_mesh(text) else []
+            found = {plane.lower(): float(value) for plane, value in _SAVED_SKEW.findall(file.text)}
+            skew = Skew(**found) if found else read_skew(file.text) if _PLANE.search(file.text) else skew
+            if not found and not _PLANE.search(file.text) and not is_mesh(text):
+                remedy = "give the printer.cfg with its saved block"
+                raise TableError("no mesh and no skew is saved here", remedy, file.name)
+        return Loaded(meshes=tuple(meshes), skew=skew)
+
+
+def _mesh_notes(mesh: Mesh, name: str) -> tuple[str, ...]:
+    low_x, high_x, low_y, high_y = (
+        f"{to_unit(float(end), 'mm'):g}" for end in (mesh.x[0], mesh.x[-1], mesh.y[0], mesh.y[-1])
+    )
+    return (
+        f"Paste {_MESH} at the end of a printer.cfg that has no SAVE_CONFIG block yet; where there is one, paste the "
+        f"lines from [bed_mesh {name}] on at its end. Restart, then BED_MESH_PROFILE LOAD={name}.",
+        "Above the block printer.cfg needs a section [bed_mesh]; in a fresh one write [bed_mesh], mesh_min: "
+        f"{low_x}, {low_y} and mesh_max: {high_x}, {high_y}, each on a line of its own.",
+        f"The mesh has {len(mesh.x)} x {len(mesh.y)} points; export with --mesh for another number a side. Its values "
+        "are added to Z: positive where the bed is high.",
+        "No fade: the mesh acts at all heights, as long as fade_start and fade_end are not set in [bed_mesh].",
+        "Clear the mesh before measuring again: BED_MESH_CLEAR.",
+    )
+
+
+def _skew_notes(skew: Skew, name: str) -> tuple[str, ...]:
+    return (
+        f"[skew_correction] must be in printer.cfg; send {_SKEW} once, then SAVE_CONFIG; load it by SKEW_PROFILE "
+        f"LOAD={name}. It sets {', '.join(skew.seen)}: no reading has seen another plane.",
+        "Clear the skew before measuring again: SET_SKEW CLEAR=1.",
+    )
+
+
+def write_mesh(mesh: Mesh, name: str) -> str:
+    """Return the saved block of the profile with the lines that Klipper knows it by; heights in mm, rows by y."""
+    x, y, z = (to_unit(values, "mm") for values in (mesh.x, mesh.y, mesh.added))
+    rows = ["\t  " + ", ".join(f"{value:.6f}" for value in row) for row in np.round(z, 6) + 0.0]
+    keys = {"x_count": len(x), "y_count": len(y), "mesh_x_pps": 0, "mesh_y_pps": 0, "algo": "direct", "tension": 0.2}
+    ends = {"min_x": x[0], "max_x": x[-1], "min_y": y[0], "max_y": y[-1]}
+    lines = [f"[bed_mesh {name}]", "version = 1", "points =", *rows, *(f"{k} = {v}" for k, v in keys.items())]
+    lines += [f"{key} = {round(float(value), 6)}" for key, value in ends.items()]
+    return _HEADER + "".join(f"{_SAVED}{line}\n" for line in lines)
+
+
+def plain_profile(saved: str) -> str:
+    """Return a saved block as a file that printer.cfg may include."""
+    return saved.removeprefix(_HEADER).replace(f"\n{_SAVED}", "\n").removeprefix(_SAVED)
+
+
+def write_skew(skew: Skew, name: str) -> str:
+    """Return the G-code: diagonals AC, BD and side AD of a square that leans by the skew."""
+    words = " ".join(f"{plane}={_lengths(tangent)}" for plane, tangent in skew.seen.items())
+    return f"SET_SKEW {words}\nSKEW_PROFILE SAVE={name}\n"
+
+
+def read_skew(text: str) -> Skew:
+    """Return the skew that skew_correction.py makes of `SET_SKEW`: all sides follow from the diagonals and AD."""
+    found = {}
+    for plane, *lengths in _PLANE.findall(text):
+        ac, bd, ad = map(float, lengths)
+        side = math.sqrt(2 * ac * ac + 2 * bd * bd - 4 * ad * ad) / 2
+        angle = math.acos((ac * ac - side * side - ad * ad) / (2 * side * ad))
+        found[plane.lower()] = math.tan(math.pi / 2 - angle)
+    return Skew(**found)
+
+
+def _lengths(tangent: float) -> str:
+    lean = math.sin(math.atan(tangent))
+    ac, bd = (_SIDE * math.sqrt(2 * (1 + sign * lean)) for sign in (1, -1))
+    return f"{ac:.9f},{bd:.9f},{_SIDE:.9f}"

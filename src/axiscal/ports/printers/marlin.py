@@ -1,0 +1,176 @@
+"""Marlin: G-code with `M852` (skew), `M425` (backlash) and `M421` (bed mesh), saved by `M500`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+from axiscal.numerics import Array
+from axiscal.tables.effect import Control
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import MapFormat, Written, summed
+from axiscal.tables.loaded import Loaded, Lookup, both_ways
+from axiscal.tables.old_files import OldFile
+from axiscal.tables.sampling import axis_tables
+from axiscal.tables.surface import Mesh, Skew, height_seen, held_words, mesh_of, plane_axes, skew_of
+from axiscal.units import from_unit, to_unit
+
+_FILE = "axiscal.gcode"
+_COMMAND = re.compile(r"M(?:421|425|852) .*")
+_NODE = re.compile(r"M421 I(\d+) J(\d+)")
+_WORD = re.compile(r"([A-Z])(-?[\d.]+)")
+_SKEW = {"XY": "I", "XZ": "J", "YZ": "K"}
+_STEP = float(from_unit(1e-4, "mm"))
+"""The last decimal that is written, m."""
+
+
+class Marlin(MapFormat):
+    """Commands for the height, the skew, and one backlash of each axis."""
+
+    left_out = (
+        "positioning errors, straightness in the plane, reversal that changes along an axis or runs ahead, and what "
+        "the height does over z."
+    )
+
+    def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
+        """Return the map and the skew that were seen, and the lost motion with what was made up for already."""
+        old = options.old
+        meshes = (old.under_mesh(mesh_of(estimate, _points(options))),) if height_seen(estimate) else ()
+        play = summed([*backlash(estimate).items(), *play_of(old).items()])
+        return Loaded(_lookups(estimate.machine, play), meshes, old.under_skew(skew_of(estimate)))
+
+    def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:
+        """Return the file; the firmware has to be built with the points of its map."""
+        mesh, skew, play = next(iter(content.meshes), None), content.skew, play_of(content)
+        reach = max(abs(end) for axis in machine.axes for end in axis.travel)
+        steps = {"X": _STEP + 2e-7 * reach, "Y": _STEP + 2e-7 * reach, "Z": 2 * _STEP}
+        files = {_FILE: text_of(content)} if mesh or skew.seen or play else {}
+        backlashes = f"one backlash for {', '.join(play)}" if play else ""
+        holds = "; ".join(part for part in (held_words(mesh is not None, skew.seen), backlashes) if part)
+        return Written(files, steps, _notes(mesh, skew, play), f"{holds}.", built=mesh)
+
+    def held(self, written: Written, machine: Machine, options: ExportOptions) -> Control:
+        """Return what the firmware does that has the points of its map where they are."""
+        return read("".join(written.files.values()), written.built, machine).control(machine)
+
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+        """Return what commands made active: a report of M503 or the file of an earlier export; raises TableError.
+
+        Where a mesh has its points is built into the firmware: they are taken to span the travels of X and Y.
+        """
+        meshes, skew, play = tuple[Mesh, ...](), Skew(), dict[str, float]()
+        for file in files:
+            commands = "\n".join(_COMMAND.findall(file.text))
+            found = read(commands, _built(commands, machine), machine)
+            if not found.meshes and not found.skew.seen and not found.lookups:
+                what = "there is no M421, M425 or M852 in this file"
+                raise TableError(what, "send M503, and save what Marlin answers", file.name)
+            meshes, skew = (*meshes, *found.meshes), found.skew if found.skew.seen else skew
+            play |= play_of(found)
+        return Loaded(_lookups(machine, play), meshes, skew)
+
+
+def play_of(content: Loaded) -> dict[str, float]:
+    """Return the lost motion that tables make up for, half of it to each side, m."""
+    return summed((one.axis, one.direction * float(one.added[0])) for one in content.lookups)
+
+
+def _lookups(machine: Machine, play: Mapping[str, float]) -> tuple[Lookup, ...]:
+    half = {axis: np.full(2, value / 2) for axis, value in play.items()}
+    ends = {axis: np.array(machine.axis(axis).travel) for axis in play}
+    return tuple(one for axis in play for one in both_ways(axis, axis, ends[axis], half[axis], -half[axis]))
+
+
+def _built(text: str, machine: Machine) -> Mesh | None:
+    """Return the points that commands fill, over the travels; raises TableError for a mesh with holes."""
+    nodes = {(int(i), int(j)) for i, j in _NODE.findall(text)}
+    if not nodes:
+        return None
+    wide, high = (max(node[side] for node in nodes) + 1 for side in (0, 1))
+    if len(nodes) < wide * high or min(wide, high) < 2:
+        what = f"the mesh of {wide} x {high} points has {len(nodes)} values"
+        raise TableError(what, "give the whole answer to M503, or send M420 S1 first")
+    x, y, _ = plane_axes(machine)
+    across, along = (np.linspace(*machine.axes[axis].travel, count) for axis, count in ((x, wide), (y, high)))
+    return Mesh(across, along, np.zeros((high, wide)))
+
+
+def _points(options: ExportOptions) -> int | None:
+    """Return the points of a mesh along each side: the firmware was built for those of an old one."""
+    for mesh in options.old.meshes if options.mesh is None else ():
+        if len(mesh.x) == len(mesh.y):
+            return len(mesh.x)
+    return options.mesh
+
+
+def _notes(mesh: Mesh | None, skew: Skew, play: Mapping[str, float]) -> tuple[str, ...]:
+    needs = [name for name, used in (("SKEW_CORRECTION", skew.seen), ("BACKLASH_COMPENSATION", play)) if used]
+    needs += ["SKEW_CORRECTION_FOR_Z"] if {"XZ", "YZ"} & skew.seen.keys() else []
+    back = [code for code, used in (("M425 F0", play), ("M852 I0 J0 K0", skew.seen), ("M420 S0", mesh)) if used]
+    notes = [f"The firmware needs {', '.join(needs)}."] if needs else []
+    if mesh is not None:
+        notes.append(
+            f"The firmware needs a mesh of {len(mesh.x)} x {len(mesh.y)} points (GRID_MAX_POINTS_X, _Y) from "
+            f"X{_mm(mesh.x)} and Y{_mm(mesh.y)}; export with --mesh for another size. M420 S1 Z0 switches it on, "
+            "without fading. Its values are added to Z: positive where the bed is high."
+        )
+    if skew.seen:
+        notes.append(f"M852 sets {', '.join(skew.seen)}: no reading has seen another plane.")
+    return (
+        *notes,
+        f"Send {_FILE} once; it ends with M500.",
+        f"Before measuring again take it off: {', '.join(back)}.",
+    )
+
+
+def backlash(estimate: Estimate) -> dict[str, float]:
+    """Return the lost motion of each axis, m: by how much it arrives short when it comes from the other side."""
+    found = {}
+    for table in axis_tables(estimate):
+        low, high = estimate.box[estimate.machine.index(table.axis)]
+        at = np.linspace(low, high, 1001)
+        found[table.axis] = max(0.0, float(np.mean(table.deviation(at, -1) - table.deviation(at, 1))))
+    return {axis: value for axis, value in found.items() if value > 0}
+
+
+def text_of(content: Loaded) -> str:
+    """Return the G-code, mm."""
+    tangents = " ".join(f"{_SKEW[plane]}{tangent:.7f}" for plane, tangent in content.skew.seen.items())
+    lines = [f"M852 {tangents}"] if tangents else []
+    if play := play_of(content):
+        words = " ".join(f"{axis}{to_unit(value, 'mm'):.4f}" for axis, value in play.items())
+        lines.append(f"M425 {words} F1 S0")
+    for mesh in content.meshes:
+        heights = np.round(np.asarray(to_unit(mesh.added, "mm")), 4) + 0.0
+        lines += [f"M421 I{i} J{j} Z{value:.4f}" for j, row in enumerate(heights) for i, value in enumerate(row)]
+    return "\n".join([*lines, "M500"]) + "\n"
+
+
+def read(text: str, built: Mesh | None, machine: Machine) -> Loaded:
+    """Return what Marlin makes of the commands; built : has the points that the firmware was built with."""
+    heights = None if built is None else np.zeros(built.added.shape)
+    skew, play = Skew(), dict[str, float]()
+    for line in text.splitlines():
+        command, *words = line.split()
+        values = {m[1]: float(m[2]) for word in words if (m := _WORD.fullmatch(word))}
+        if command == "M852":
+            skew = Skew(*(values.get(letter) for letter in _SKEW.values()))
+        elif command == "M425":
+            share = values.pop("F", 1.0)
+            play = {axis: share * float(from_unit(v, "mm")) for axis, v in values.items() if axis != "S"}
+        elif command == "M421" and heights is not None:
+            if not values.keys() >= set("IJZ"):
+                raise TableError(f"{line[:40]!r} says no height of a point", "write it as in M421 I0 J0 Z0.05")
+            heights[int(values["J"]), int(values["I"])] = values["Z"]
+    meshes = () if built is None or heights is None else (Mesh(built.x, built.y, from_unit(heights, "mm")),)
+    return Loaded(_lookups(machine, play), meshes, skew)
+
+
+def _mm(places: Array) -> str:
+    low, high = (to_unit(float(places[end]), "mm") for end in (0, -1))
+    return f" {low:g} to {high:g}"

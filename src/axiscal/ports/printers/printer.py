@@ -1,0 +1,289 @@
+"""`moonraker:HOST` and `duet:HOST`: a 3D printer that probes its own bed at the planned points.
+
+A reading is minus the height at which the probe meets the bed: over a high bed the tool is too low by as much.
+Written from the protocols that Moonraker and RepRapFirmware document. Tried against small servers that speak them,
+never on a printer.
+"""
+
+from __future__ import annotations
+
+import http.client
+import json
+import math
+import re
+import time
+import urllib.error
+import urllib.parse
+import urllib.request
+from abc import ABC, abstractmethod
+from typing import Any
+
+from axiscal.campaign.sources.source import Answer, Request, Skip
+from axiscal.exceptions import SourceError
+from axiscal.units import from_unit, to_unit
+
+TIMEOUT = 60.0
+"""s for one answer: a probe on a slow printer takes some."""
+_HOST = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9.-]{0,251}[A-Za-z0-9])?(?::[0-9]{1,5})?")
+_MOST = 2_000_000
+"""Bytes of an answer; an object model has a hundred thousand."""
+_REFUSED, _ABSENT = 300, 404
+"""Codes of HTTP from here on say that a request was not done, and this one that there is no such file."""
+_CLEAR, _LIFT, _TRAVEL = 5.0, 600, 3000
+"""mm over the bed on the way, mm/min up and across: gentle on any printer."""
+_FARTHEST = 5.0
+"""mm off the bed's zero; a probe that triggers farther away has met something else, or nothing."""
+_FOUND = re.compile(r"[Ss]topped at height (-?\d+(?:\.\d+)?) ?mm")
+_AMISS = re.compile(r"^\s*Error:?\s*(.+)$", re.MULTILINE)
+"""How RepRapFirmware begins the reply to a line that it did not execute."""
+_POLL = 0.1
+"""s between two looks for a reply."""
+
+
+class PrinterSource:
+    """A printer over the network, looked at before the first reading.
+
+    Raises SourceError for a printer that is not ready, not homed, prints, or has a mesh or skew in force.
+    """
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        printer.refuse_unready()
+
+    def read(self, request: Request) -> Answer | Skip:
+        """Go over the point, from the side of the request, and probe; raises SourceError."""
+        self._refuse_others(request)
+        self._printer.refuse_unready()  # somebody may have started a print since
+        at = {axis.name: float(to_unit(value, "mm")) for axis, value in zip(request.axes, request.pose, strict=True)}
+        side = {axis.name: sign for axis, sign in zip(request.axes, request.approach, strict=True)}
+        overrun = {axis.name: float(to_unit(axis.overrun, "mm")) for axis in request.axes}
+        beside = {name: at[name] - overrun[name] * side[name] for name in "XY"}
+        codes = ["G21", "G90", f"G1 Z{_CLEAR:.3f} F{_LIFT}"]
+        if any(side[name] for name in "XY"):
+            codes.append(f"G1 X{beside['X']:.3f} Y{beside['Y']:.3f} F{_TRAVEL}")
+        codes += [f"G1 X{at['X']:.3f} Y{at['Y']:.3f} F{_TRAVEL}", "M400"]
+        height = self._printer.probed(codes)
+        if not abs(height) <= _FARTHEST:
+            what = f"the probe met something {height:.3f} mm off the bed's zero"
+            raise SourceError(what, f"Look at the probe and its offset; beyond {_FARTHEST:g} mm nothing is believed")
+        return Answer(-float(from_unit(height, "mm")), live=True)
+
+    def close(self) -> None:
+        """There is nothing to let go of: the tool stays where it is, over the bed."""
+
+    @staticmethod
+    def _refuse_others(request: Request) -> None:
+        setup, names = request.setup, {axis.name for axis in request.axes}
+        upright = abs(setup.direction[2]) > 1 - 1e-9 and setup.direction[2] > 0
+        if setup.instrument != "probe" or not upright or not {"X", "Y"} <= names:
+            what = f"a printer cannot take the readings of the set-up {setup.name}"
+            raise SourceError(what, 'It probes its bed: instrument = "probe", direction = "z", moves = ["X", "Y"]')
+
+
+def reached(kind: str, host: str) -> PrinterSource:
+    """Return the printer behind a web server; raises SourceError.  kind : of `open_source`"""
+    return PrinterSource({"moonraker": Moonraker, "duet": Duet}[kind](host))
+
+
+class Printer(ABC):
+    """A printer behind its web server.  host : name or address, with :PORT where it is another than usual"""
+
+    _again = "Mend it, then go on with --resume"
+    """What is to be done after a fault."""
+
+    def __init__(self, host: str) -> None:
+        if not _HOST.fullmatch(host):
+            raise SourceError(
+                f"{host[:60]!r} is no name of a printer", "Write moonraker:voron.local or duet:192.168.1.7"
+            )
+        self._host = host
+
+    @abstractmethod
+    def refuse_unready(self) -> None:
+        """Raise SourceError where the printer is not ready to be measured."""
+
+    @abstractmethod
+    def probed(self, codes: list[str]) -> float:
+        """Execute lines, probe, and return the height of the bed there, mm."""
+
+    def _ask(
+        self,
+        path: str,
+        query: dict[str, str] | None = None,
+        body: bytes | None = None,
+        method: str | None = None,
+        kind: str | None = None,
+    ) -> bytes:
+        """Return an answer; raises SourceError.  kind : of what is sent, where it is another than usual"""
+        return self._done(path, *self._answered(path, query, body, method, kind))
+
+    def _held(self, path: str, query: dict[str, str] | None = None) -> bytes | None:
+        """Return a file, None where the printer says that there is none; raises SourceError."""
+        code, data = self._answered(path, query)
+        return None if code == _ABSENT else self._done(path, code, data)
+
+    def _done(self, path: str, code: int, data: bytes) -> bytes:
+        if code >= _REFUSED:
+            said = data[:2000].decode(errors="replace")
+            raise self._failed(f"refused {path} ({code}): {' '.join(said.split())[:200]}")
+        return data
+
+    def _answered(
+        self,
+        path: str,
+        query: dict[str, str] | None = None,
+        body: bytes | None = None,
+        method: str | None = None,
+        kind: str | None = None,
+    ) -> tuple[int, bytes]:
+        """Return the status of HTTP and what was said, refusals too; raises SourceError where nothing is."""
+        url = f"http://{self._host}{path}" + (f"?{urllib.parse.urlencode(query)}" if query else "")
+        headers = {} if kind is None else {"Content-Type": kind}
+        try:
+            code, data = _exchanged(urllib.request.Request(url, body, headers, method=method))
+        except (OSError, ValueError, http.client.HTTPException) as fault:
+            raise self._failed(f"does not answer {path}: {' '.join(str(fault).split())[:200]}") from None
+        if len(data) > _MOST:
+            raise self._failed(f"answers {path} with more than {_MOST} bytes")
+        return code, data
+
+    def _document(self, path: str, query: dict[str, str] | None = None) -> dict[str, Any]:
+        try:
+            found = json.loads(self._ask(path, query))
+        except (ValueError, RecursionError):
+            found = None
+        if not isinstance(found, dict):
+            raise self._failed(f"answers {path} with something that is no JSON object")
+        return found
+
+    def _failed(self, what: str) -> SourceError:
+        return SourceError(f"the printer {self._host} {what}", self._again)
+
+    def _not_ready(self, what: str, remedy: str) -> SourceError:
+        return SourceError(f"the printer {self._host} {what}", remedy)
+
+    def _height(self, value: object) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise self._failed(f"answers {value!r} where the height of the bed was expected")
+        return float(value)
+
+
+class Moonraker(Printer):
+    """Klipper behind Moonraker: `/printer/gcode/script` answers when the lines are done."""
+
+    def refuse_unready(self) -> None:
+        """Ask for state, homing, mesh and skew."""
+        self.refuse_busy()
+        found = self._status("toolhead", "bed_mesh")
+        if not set("xyz") <= set(str(found_at(found, "toolhead", "homed_axes") or "")):
+            raise self._not_ready("is not homed", "Send G28 first")
+        if found_at(found, "bed_mesh", "profile_name"):
+            raise self._not_ready("has a bed mesh in force", "Send BED_MESH_CLEAR first")
+
+    def refuse_busy(self) -> None:
+        """Raise SourceError where it is not ready, or prints."""
+        found = self._status("webhooks", "print_stats")
+        if found_at(found, "webhooks", "state") != "ready":
+            raise self._not_ready(f"is {found_at(found, 'webhooks', 'state')!r}, not ready", "Restart it")
+        if found_at(found, "print_stats", "state") in ("printing", "paused"):
+            raise self._not_ready("prints", "Wait until it has ended")
+
+    def probed(self, codes: list[str]) -> float:
+        """Send the lines and PROBE; `last_z_result` is where it met the bed."""
+        self._script("\n".join([*codes, "PROBE"]))
+        return self._height(found_at(self._status("probe"), "probe", "last_z_result"))
+
+    def _script(self, script: str) -> None:
+        self._ask("/printer/gcode/script", {"script": script}, body=b"")
+
+    def _status(self, *objects: str) -> dict[str, Any]:
+        found = self._document("/printer/objects/query", dict.fromkeys(objects, ""))
+        status = found_at(found, "result", "status")
+        if not isinstance(status, dict):
+            raise self._failed("answers no status")
+        return status
+
+
+class Duet(Printer):
+    """RepRapFirmware: `/machine/code` of a Duet with a computer beside it, `rr_gcode` of one that stands alone."""
+
+    def __init__(self, host: str) -> None:
+        super().__init__(host)
+        self._alone = False
+
+    def refuse_unready(self) -> None:
+        """Ask the object model for state, homing and compensation."""
+        found = self.refuse_busy()
+        axes = found_at(found, "move", "axes")
+        homed = [axis.get("homed") for axis in axes if isinstance(axis, dict)] if isinstance(axes, list) else []
+        if len(homed) < 3 or not all(each is True for each in homed[:3]):
+            raise self._not_ready("is not homed", "Send G28 first")
+        if _compensation(found) != "none":
+            raise self._not_ready("has a height map in force", "Send G29 S2 first")
+
+    def refuse_busy(self) -> dict[str, Any]:
+        """Return its object model; raises SourceError where it does anything."""
+        found = self._model()
+        if found_at(found, "state", "status") != "idle":
+            raise self._not_ready(f"is {found_at(found, 'state', 'status')!r}, not idle", "Wait, or end what it does")
+        return found
+
+    def compensation(self) -> str:
+        """Return the kind of compensation in force."""
+        return _compensation(self._model())
+
+    def _model(self) -> dict[str, Any]:
+        if not self._alone:
+            try:
+                return self._document("/machine/model")
+            except SourceError:
+                self._alone = True
+        self._document("/rr_connect", {"password": ""})
+        return {key: self._document("/rr_model", {"key": key}).get("result") for key in ("state", "move")}
+
+    def probed(self, codes: list[str]) -> float:
+        """Send the lines and G30 S-1, which probes and only says at which height."""
+        for code in codes:
+            self._run(code)
+        found = _FOUND.search(said := self._run("G30 S-1", wait=True))
+        if found is None:
+            raise self._failed(f"answers {said.strip()[:200]!r} to G30 S-1")
+        return self._height(float(found[1]))
+
+    def _run(self, code: str, wait: bool = False) -> str:
+        """Execute a line and return its reply; raises SourceError where that is an error."""
+        return self._sound(code, self._reply(code, wait))
+
+    def _sound(self, code: str, said: str) -> str:
+        if (amiss := _AMISS.search(said)) is not None:
+            raise self._failed(f"answers {amiss[1].strip()[:200]!r} to {code}")
+        return said
+
+    def _reply(self, code: str, wait: bool) -> str:
+        if not self._alone:
+            return self._ask("/machine/code", body=code.encode()).decode(errors="replace")
+        self._ask("/rr_gcode", {"gcode": code})
+        end = time.monotonic() + (TIMEOUT if wait else 0.0)
+        while not (said := self._ask("/rr_reply").decode(errors="replace")).strip() and time.monotonic() < end:
+            time.sleep(_POLL)
+        return said
+
+
+def _exchanged(asked: urllib.request.Request) -> tuple[int, bytes]:
+    """Return the status of HTTP and what was said."""
+    try:
+        with urllib.request.urlopen(asked, timeout=TIMEOUT) as answer:
+            return answer.status, answer.read(_MOST + 1)
+    except urllib.error.HTTPError as refusal:
+        return refusal.code, refusal.read(_MOST + 1)
+
+
+def _compensation(model: dict[str, Any]) -> str:
+    return str(found_at(model, "move", "compensation", "type") or "none").lower()
+
+
+def found_at(found: Any, *keys: str) -> Any:
+    """Return what stands under keys in an answer, None where nothing does."""
+    for key in keys:
+        found = found.get(key) if isinstance(found, dict) else None
+    return found

@@ -1,0 +1,326 @@
+"""Ways of measuring compared on the same virtual machines: what each gives, and what one choice changes.
+
+A difference is taken machine by machine and then averaged, d̄ ± 2 s/√n: what machines have in common falls out of it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from axiscal.ports.study.study_case import FIGURES, Stop, canonical, key_of
+from axiscal.ports.study.study_file import SETUPS, TIMES, Study
+from axiscal.ports.study.work import Done
+from axiscal.present.sentences import figure
+
+_REACHES = 0.5
+"""Share of the machines on which a way has to reach the target for its time to count."""
+_WORDS = {"U": "U", "rms": "the promised RMS", "true_rms": "the true RMS"}
+
+Unit = tuple[int, int]
+"""Draw and machine: what is measured in every way."""
+_SURE = 2.0
+"""Standard errors on either side: nineteen of twenty."""
+NOTHING = 0.05
+"""Minutes or readings, of which nobody takes notice."""
+_ROUNDING = 1e-9
+"""Share of the values below which they are all the same."""
+ACCURACIES, COSTS = ("U", "rms", "true_rms"), ("minutes", "readings")
+"""By what ways are compared, the first one that is kept."""
+
+
+class Quartiles(NamedTuple):
+    """Median and quartiles."""
+
+    middle: float
+    low: float
+    high: float
+
+
+class Mean(NamedTuple):
+    """A mean over so many machines, and two standard errors of it."""
+
+    value: float
+    error: float
+    machines: int
+
+    @property
+    def sure(self) -> bool:
+        """Whether it is surely not nothing."""
+        return abs(self.value) > self.error
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MeasuringWay:
+    """One way of measuring, and what came of it.
+
+    name : in words; choices : values of the grid; figures : by name and machine; failed : of cases
+    """
+
+    name: str
+    choices: Mapping[str, Any]
+    figures: Mapping[str, Mapping[Unit, float]]
+    failed: int
+
+    def spread(self, figure: str) -> Quartiles | None:
+        """Return median and quartiles of a figure; None where there is none."""
+        values = list(self.figures.get(figure, {}).values())
+        return Quartiles(*map(float, np.percentile(values, (50, 25, 75)))) if values else None
+
+    def mean(self, figure: str) -> Mean | None:
+        """Return the mean of a figure; None where there is none."""
+        return mean_of(list(self.figures.get(figure, {}).values()))
+
+
+class ChoiceChange(NamedTuple):
+    """Effect of one choice compared with another, all else being the same: the differences of figures, by name.
+
+    words : what is done instead of what; key : of the grid
+    """
+
+    words: str
+    key: str
+    figures: Mapping[str, Mean]
+
+
+def mean_of(values: Sequence[float]) -> Mean | None:
+    """Return a mean with two standard errors; of one value alone nobody knows how sure it is."""
+    if not values:
+        return None
+    many = np.array(values, dtype=float)
+    if len(many) == 1:
+        return Mean(float(many[0]), math.inf, 1)
+    spread = float(many.std(ddof=1))
+    rounding = _ROUNDING * float(np.abs(many).max())
+    return Mean(float(many.mean()), _SURE * spread / math.sqrt(len(many)) if spread > rounding else 0.0, len(many))
+
+
+def ways_of(study: Study, found: Mapping[str, Done]) -> list[MeasuringWay]:
+    """Return every combination of the grid with what came of it, in the order of the study."""
+    ways = dict[str, MeasuringWay]()
+    for choices, draw in study.ways():
+        name = way_name(study, choices)
+        figures: dict[str, dict[Unit, float]] = {each: {} for each in study.keep}
+        way = ways.setdefault(canonical(choices), MeasuringWay(name, choices, figures, 0))
+        failed = way.failed
+        for machine in range(study.machines):
+            done = found.get(key_of(choices, draw, machine))
+            if done is None or done.result is None:
+                failed += done is not None
+                continue
+            _enter(way.figures, (draw, machine), done.result)
+        ways[canonical(choices)] = MeasuringWay(name, choices, way.figures, failed)
+    return list(ways.values())
+
+
+def _enter(figures: Any, unit: Unit, result: Mapping[str, Any]) -> None:
+    for name, of in figures.items():
+        value = result.get(FIGURES[name].column)
+        if isinstance(value, bool | int | float):
+            of[unit] = float(value)
+
+
+def way_name(study: Study, choices: Mapping[str, Any]) -> str:
+    """Return the choices of a way in words."""
+    return "; ".join(choice_words(key, value) for key, value in choices.items()) or study.source.stem
+
+
+def choice_words(key: str, value: Any) -> str:
+    """Return one choice in words."""
+    if key == SETUPS:
+        return "all set-ups" if value == "all" else " + ".join(value)
+    if key == TIMES:
+        return f"stated std × {value:g}"
+    return f"{key} = {value if isinstance(value, str | int | float) else canonical(value)}"
+
+
+def best_kept(study: Study, among: Iterable[str]) -> str | None:
+    """Return the first of some figures that is kept."""
+    return next((name for name in among if name in study.keep), None)
+
+
+def unbeaten(ways: Sequence[MeasuringWay], cost: str, accuracy: str) -> list[MeasuringWay]:
+    """Return the ways of which no other is both as cheap and as good, the cheapest first."""
+    known = [(c.middle, a.value, way) for way in ways if (c := way.spread(cost)) and (a := way.mean(accuracy))]
+    return [
+        way
+        for spent, left, way in sorted(known, key=lambda each: each[:2])
+        if not any((c <= spent + NOTHING and a < left) or (c < spent - NOTHING and a <= left) for c, a, _ in known)
+    ]
+
+
+def changes(study: Study, ways: Sequence[MeasuringWay]) -> list[ChoiceChange]:
+    """Return what each choice changes beside the first value of its key; of set-ups, what each one more brings."""
+    found = list[ChoiceChange]()
+    for key, values in study.grid.items():
+        for words, before, after in _steps(key, values, study):
+            pairs = list(_alike(ways, key, before, after))
+            means = {name: mean for name in study.keep if (mean := _difference(pairs, name)) is not None}
+            if means:
+                found.append(ChoiceChange(words, key, means))
+    return found
+
+
+def _steps(key: str, values: Sequence[Any], study: Study) -> Iterator[tuple[str, Any, Any]]:
+    """Yield which value comes instead of which, and in words."""
+    if key != SETUPS:
+        for value in values[1:]:
+            yield f"{choice_words(key, value)} instead of {choice_words(key, values[0])}", values[0], value
+        return
+    every = [setup.name for setup in study.described.setups]
+    used = {canonical(value): frozenset(every if value == "all" else value) for value in values}
+    for before in values:
+        for after in values:
+            more = used[canonical(after)] - used[canonical(before)]
+            if len(more) == 1 and used[canonical(before)] < used[canonical(after)]:
+                yield f"{next(iter(more))} besides {choice_words(key, before)}", before, after
+
+
+def _alike(
+    ways: Sequence[MeasuringWay], key: str, before: Any, after: Any
+) -> Iterator[tuple[MeasuringWay, MeasuringWay]]:
+    """Yield pairs of ways that differ in one choice only."""
+    others = {canonical(_without(way, key)): way for way in ways if way.choices[key] == before}
+    for way in ways:
+        if way.choices[key] == after and (other := others.get(canonical(_without(way, key)))) is not None:
+            yield other, way
+
+
+def _without(way: MeasuringWay, key: str) -> dict[str, Any]:
+    return {name: value for name, value in way.choices.items() if name != key}
+
+
+def _difference(pairs: Sequence[tuple[MeasuringWay, MeasuringWay]], name: str) -> Mean | None:
+    """Return the mean difference of a figure over machines, each of which counts once, however many ways it is in."""
+    of = dict[Unit, list[float]]()
+    for before, after in pairs:
+        first, second = before.figures[name], after.figures[name]
+        for unit in first.keys() & second.keys():
+            of.setdefault(unit, []).append(second[unit] - first[unit])
+    return mean_of([float(np.mean(of[unit])) for unit in sorted(of)])
+
+
+def verdicts(study: Study, ways: Sequence[MeasuringWay]) -> list[str]:
+    """Return what the study has shown, the answer first."""
+    cost, accuracy = best_kept(study, COSTS), best_kept(study, ACCURACIES)
+    said = list[str]()
+    if cost is not None and accuracy is not None:
+        said += _soonest_of_targets(ways, cost) if study.stop == Stop() else []
+        said += _front(ways, cost, accuracy)
+        said += [sentence for change in changes(study, ways) if (sentence := _change_words(change, cost, accuracy))]
+    machines = study.machines * study.draws
+    of = f"{_counted(len(ways), 'way')} of measuring, each on the same {_counted(machines, 'virtual machine')}"
+    said.append(
+        f"{of}, drawn from the errors as {study.described.machine_source} states them: for other machines it may be "
+        "otherwise. What follows ± is two standard errors over the machines."
+    )
+    return said
+
+
+def _soonest_of_targets(ways: Sequence[MeasuringWay], cost: str) -> Iterator[str]:
+    for target, own in _by_target(ways):
+        shares = [(way, share.value) for way in own if (share := way.mean("reached")) is not None]
+        good = [way for way, share in shares if share >= _REACHES]
+        if shares and not good:
+            yield f"{target}: no way reaches it on half of the machines."
+        if good:
+            yield f"{target}: {_soonest(good, cost)}"
+
+
+def _front(ways: Sequence[MeasuringWay], cost: str, accuracy: str) -> Iterator[str]:
+    front = unbeaten(ways, cost, accuracy)
+    if len(ways) > 1 and front:
+        each = "; ".join(f"{way.name} ({_at(way, cost, accuracy)})" for way in front)
+        yield (
+            f"No other way is both quicker and better than: {each}."
+            if len(front) < len(ways)
+            else (f"Each way buys accuracy with time: {each}.")
+        )
+
+
+def _by_target(ways: Sequence[MeasuringWay]) -> list[tuple[str, list[MeasuringWay]]]:
+    """Return the ways that have the same target, with what that is: only these are compared by when they reach it."""
+    found = dict[str, list[MeasuringWay]]()
+    for way in ways:
+        own = [choice_words(key, value) for key, value in way.choices.items() if key.startswith("target.")]
+        found.setdefault("; ".join(own) or "Target of the campaign", []).append(way)
+    return list(found.items())
+
+
+def _soonest(good: Sequence[MeasuringWay], cost: str) -> str:
+    """Return which way reaches the target soonest, and by how much."""
+    ranked = sorted((spread.middle, number, way) for number, way in enumerate(good) if (spread := way.spread(cost)))
+    best = ranked[0][2]
+    said = f"reached soonest by {best.name}, in {_amount(ranked[0][0], cost)}"
+    if len(ranked) == 1:
+        return f"{said}."
+    other = ranked[1][2]
+    both = sorted(best.figures[cost].keys() & other.figures[cost].keys())
+    saved = mean_of([other.figures[cost][unit] - best.figures[cost][unit] for unit in both])
+    if saved is None or not saved.sure:
+        return f"{said}; {other.name} takes {_amount(ranked[1][0], cost)}, which is not surely more."
+    return f"{said}, {_plus_minus(saved, cost)} less than {other.name}."
+
+
+def _change_words(change: ChoiceChange, cost: str, accuracy: str) -> str:
+    spent, gained = change.figures.get(cost), change.figures.get(accuracy)
+    if spent is None or gained is None:
+        return ""
+    return f"{change.words}: {_more(spent, cost)}, and {_smaller(gained, accuracy)}. {_pays(spent, gained)}"
+
+
+def _pays(spent: Mean, gained: Mean) -> str:
+    """Return whether a choice pays: better for no more, or no worse for less."""
+    better, worse = gained.sure and gained.value < 0, gained.sure and gained.value > 0
+    less, more = _counts(spent) and spent.value < 0, _counts(spent) and spent.value > 0
+    if math.isinf(spent.error):
+        return "One machine does not tell whether it pays."
+    if (better and not more) or (less and not worse):
+        return "It pays."
+    if (more and not better) or (worse and not less):
+        return "It does not pay."
+    return "Accuracy for time." if better or worse else "It makes no difference that these machines show."
+
+
+def _more(found: Mean, cost: str) -> str:
+    word = "more" if found.value > 0 else "less"
+    return f"{_plus_minus(found, cost)} {word}" if _counts(found) else f"as many {cost}"
+
+
+def _counts(spent: Mean) -> bool:
+    """Return whether a difference of minutes or readings is one, surely."""
+    return spent.sure and abs(spent.value) > NOTHING
+
+
+def _smaller(found: Mean, accuracy: str) -> str:
+    word = "larger" if found.value > 0 else "smaller"
+    said = _plus_minus(found, accuracy)
+    return f"{_WORDS[accuracy]} {said} {word}" if found.sure else f"{_WORDS[accuracy]} the same ({said})"
+
+
+def _plus_minus(found: Mean, name: str) -> str:
+    error = f" ± {figure(found.error)}" if 0 < found.error < math.inf else ""
+    return f"{figure(abs(found.value))}{error} {_unit(name)}"
+
+
+def _amount(value: float, name: str) -> str:
+    return f"{figure(value)} {_unit(name)}"
+
+
+def _at(way: MeasuringWay, cost: str, accuracy: str) -> str:
+    spread, mean = way.spread(cost), way.mean(accuracy)
+    assert spread is not None
+    assert mean is not None
+    return f"{_amount(spread.middle, cost)}, {_WORDS[accuracy]} {_amount(mean.value, accuracy)}"
+
+
+def _unit(name: str) -> str:
+    return FIGURES[name].unit or name
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"

@@ -1,0 +1,371 @@
+"""What one case of a study comes to: a pure function of the case, that reads no file and no clock."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from axiscal.answers.digits import number
+from axiscal.campaign.default_planner import plan_ahead
+from axiscal.campaign.ending import FUTILE, count_reached, out_of_reach, reaches, standing
+from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.campaign.sources.source import Request
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.wants import Want
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.accuracy.expanded import BAND
+from axiscal.estimation.accuracy.yardstick import Accuracy
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.estimation import Estimation, as_standard, expanded_uncertainty
+from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.prediction import tcp_prediction
+from axiscal.estimation.timed import Timed, elapsed, timed
+from axiscal.exceptions import StudyError
+from axiscal.machine.description import Machine, machine_from_text
+from axiscal.measurement.candidates import spread
+from axiscal.measurement.place import Place, Places
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine
+from axiscal.numerics import Array
+from axiscal.numerics.remembered import Memo
+from axiscal.numerics.threads import one_thread
+from axiscal.planning.next_readings import posed, with_rooms
+from axiscal.planning.plan.order import arriving, in_order
+from axiscal.planning.plan.plain_designs import evenly_spaced
+from axiscal.planning.plan.task import Limits
+from axiscal.planning.plan_basis import plan_basis
+from axiscal.planning.promise import promised
+from axiscal.planning.proposal import proposed
+from axiscal.ports.study.study_case import FIGURES, Method, Stop, StudyCase, Variant
+from axiscal.present.findings import findings
+from axiscal.units import to_unit
+
+_ANYWHERE = 4000
+"""Places among which those are drawn that are read anywhere: many more than are read."""
+_MOST = 2000
+"""Readings after which a design that needs no thought has not reached its target."""
+
+_POSES = 80
+"""Where the tool point is looked at in each machine; the error over many machines is that of their number."""
+_PREPARED = Memo(4)
+"""By variants: cases come one variant after the other."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Prepared:
+    """What all machines of a variant have in common.
+
+    simulator : makes the machines, with every set-up of the campaign, so that what a set-up does not know of itself is
+    the same whichever others are used; places : None where each machine has its own
+    """
+
+    case: Case
+    limits: Limits
+    simulator: Simulator
+    places: tuple[Place, ...] | None
+
+
+def prepared(variant: Variant) -> Prepared:
+    """Return what all machines of a variant have in common; raises InputError where it cannot be measured."""
+    return _PREPARED.answer(variant, lambda: _found(variant))
+
+
+def _found(variant: Variant) -> Prepared:
+    names = variant.names
+    described = campaign_from_texts(variant.campaign, names[0], variant.machine, names[1], prior_text=variant.prior)
+    simulator = Simulator(_true_machine(described.machine, variant), described.setups)
+    case = case_of(_stated(described, variant))
+    limits = limits_of(case, variant.stop)
+    own = variant.method in ("random", "replanned")
+    places = None if own else places_read(case, variant.method, limits, np.random.default_rng(0))
+    return Prepared(case, limits, simulator, places)
+
+
+def _true_machine(machine: Machine, variant: Variant) -> Machine:
+    """Return the machine of a variant with the errors as the study's machine.toml has them."""
+    truth = machine_from_text(variant.truth, variant.names[1])
+    return replace(machine, errors=truth.errors, planes=truth.planes)
+
+
+def _stated(described: CampaignDescription, variant: Variant) -> CampaignDescription:
+    """Return the campaign with the set-ups of a variant, and with `times` the true std of its errors."""
+    if variant.setups is not None:
+        chosen = tuple(setup for setup in described.setups if setup.name in variant.setups)
+        described = replace(described, setups=chosen)
+    if variant.times == 1:
+        return described
+    machine, times = described.machine, variant.times
+    errors = tuple(
+        replace(entry, std=times * entry.std, rest=None if entry.rest is None else times * entry.rest)
+        for entry in machine.errors
+    )
+    planes = tuple(
+        replace(plane, std=times * plane.std, rest=None if plane.rest is None else times * plane.rest)
+        for plane in machine.planes
+    )
+    return replace(described, machine=replace(machine, errors=errors, planes=planes))
+
+
+@one_thread()
+def outcome(question: StudyCase) -> dict[str, Any]:
+    """Return the figures of a case, by their columns.  Raises InputError where it cannot be measured."""
+    ready = prepared(question.variant)
+    truth = ready.simulator.drawn(_number(question.seed, question.machine))
+    readings = _read(ready, truth, question)
+    known = concluded(ready.case, readings)
+    found = _figures(known, truth, question)
+    return {FIGURES[name].column: _rounded(found[name], name) for name in question.variant.keep}
+
+
+def _read(ready: Prepared, truth: VirtualMachine, question: StudyCase) -> tuple[Reading, ...]:
+    """Return what is read of one machine."""
+    variant, number = question.variant, _number(question.seed, question.machine)
+    if variant.method == "replanned":
+        return replanned(ready.case, variant.stop, truth, number)
+    places = ready.places
+    if places is None:
+        rng = np.random.default_rng((number, 7))
+        places = places_read(ready.case, variant.method, ready.limits, rng)
+    return taken(ready.case, truth, places, number)
+
+
+def _rounded(value: Any, name: str) -> Any:
+    """Return a figure as any processor gives it; whatever is no number as it is."""
+    return number(value, name) if isinstance(value, float) else value
+
+
+def _number(seed: int, machine: int) -> int:
+    """Return what everything by chance in one machine begins with: the same in every variant."""
+    digest = hashlib.sha256(f"{seed} {machine}".encode()).digest()
+    return int.from_bytes(digest[:7], "big")
+
+
+def taken(case: Case, truth: VirtualMachine, places: tuple[Place, ...], number: int) -> tuple[Reading, ...]:
+    """Return what a virtual machine shows at places, one after the other; zeros drift with the time of the plan."""
+    reader, readings = Reader(case, SimulatedSource(truth, number)), tuple[Reading, ...]()
+    for place in places:
+        readings = reader.taken(readings, place)
+    return readings
+
+
+def _figures(known: Estimation, truth: VirtualMachine, question: StudyCase) -> dict[str, Any]:
+    expanded, accuracy = expanded_uncertainty(known), known.accuracy
+    size = np.linalg.norm(left_over(known, truth), axis=1)
+    low, high = np.array(known.case.description.target.volume).T
+    rng = np.random.default_rng((_number(question.seed, question.machine), 8))
+    poses = rng.uniform(low, high, (_POSES, len(low)))
+    ways = rng.choice([-1.0, 1.0], poses.shape)
+    said = sorted({finding.code for finding in findings(known)} - {"unobservable"})
+    return {
+        "readings": len(known.readings),
+        "minutes": to_unit(known.seconds, "min"),
+        "rms": to_unit(accuracy.rms, "um"),
+        "worst": to_unit(accuracy.worst, "um"),
+        "U": to_unit(expanded.space, "um"),
+        "true_rms": to_unit(float(np.sqrt(np.mean(size**2))), "um"),
+        "true_worst": to_unit(float(size.max()), "um"),
+        "within_U": float(np.mean(size <= expanded.space)),
+        "coverage_curves": curves_held(known, truth),
+        "coverage_tcp": tcp_held(known, truth, poses, ways),
+        "agreement": "contradict" if known.agreement.contradicts else "agree",
+        "said": " ".join(said),
+        "reached": reaches(known.case.description.target, known),
+    }
+
+
+def left_over(known: Estimation, truth: VirtualMachine) -> Array:
+    """Return what the estimate misses of the TCP deviation over the volume, (m, 3) m.
+
+    As in the promised figures, it leaves out a shift that no set-up sees, the rigid motion of a probed part, or
+    directions that do not count.
+    """
+    yardstick, errors = known.case.yardstick, ErrorModel(truth.model.machine)
+    poses = yardstick.places[yardstick.evenly[: len(yardstick.places)]]
+    sides = (1.0, -1.0) if errors.reversing else (1.0,)
+    parts = list[Array]()
+    for side in sides:
+        ways = np.full_like(poses, side)
+        left = truth.deviation(poses, ways) - known.estimate().deviation(poses, ways)
+        parts.append(left if yardstick.alignment is None else yardstick.alignment.left(poses, left))
+    whole: Array = np.concatenate(parts)
+    shift: Array = whole.mean(axis=0) * np.array(yardstick.zeroed, dtype=float)
+    counted: Array = (whole - shift) * np.array(yardstick.counted, dtype=float)
+    return counted
+
+
+_POSITIONS = 101
+"""Of each curve; any number that is finer than its knots would do."""
+
+
+def curves_held(estimation: Estimation, machine: VirtualMachine) -> float:
+    """Return the share of all error curves, at 101 positions each, that lies in their 95 % bands."""
+    names = [term.name for term in machine.model.terms]
+    inside = [
+        _curve(estimation, name, machine.curves[names.index(name)])
+        for name in estimation.banded.case.errors.names
+        if name in names
+    ]
+    return float(np.mean(np.concatenate(inside)))
+
+
+def _curve(estimation: Estimation, name: str, truth: Curve) -> Array:
+    function = estimation.banded.case.errors.names[name]
+    positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], _POSITIONS)
+    mean, std = estimation.estimate().curve(name, positions)
+    held: Array = (np.abs(truth(positions) - mean) <= BAND * std).astype(float)
+    return held
+
+
+def tcp_held(estimation: Estimation, machine: VirtualMachine, poses: Array, approaches: Array) -> float:
+    """Return the share of the TCP deviations along x, y, z at poses (m, q) that lies in their 95 % bands."""
+    mean, std = tcp_prediction(estimation, poses, approaches)
+    moves = std > 0
+    inside = np.abs(machine.deviation(poses, approaches) - mean)[moves] <= BAND * std[moves]
+    return float(inside.mean())
+
+
+@dataclass(frozen=True, slots=True)
+class Reader:
+    """Takes readings of a virtual machine one after the other; zeros drift with the time that they take.
+
+    case : says how long they take
+    """
+
+    case: Case
+    source: SimulatedSource
+
+    def until(self, readings: Sequence[Reading], place: Place) -> float:
+        """Return what readings and one more take, s."""
+        return elapsed(self.case, timed(self.case, readings), [place])
+
+    def taken(self, readings: tuple[Reading, ...], place: Place) -> tuple[Reading, ...]:
+        """Return readings and one more."""
+        described = self.case.description
+        setup, axes = described.setup(place.setup), described.machine.axes
+        seconds = self.until(readings, place)
+        answer = self.source.read(Request(len(readings) + 1, setup, axes, place.pose, place.approach, seconds))
+        return *readings, Reading(place.setup, place.pose, place.approach, answer.value, others=answer.others)
+
+
+def replanned(case: Case, stop: Stop, truth: VirtualMachine, number: int) -> tuple[Reading, ...]:
+    """Return what a campaign reads that plans anew with what it has read, until it ends.
+
+    stop : when; with neither of both at the target of the campaign, or where none is to be reached
+    """
+    case = replace(case, description=_ending_so(case.description, stop))
+    reader, target = Reader(case, SimulatedSource(truth, number)), case.description.target
+    path, plan, basis = list[Accuracy](), tuple[Place, ...](), ""
+    readings = tuple[Reading, ...]()
+    while True:
+        known = estimated(case, readings)
+        path.append(known.accuracy)
+        reached = target.accurate and standing(target, known) is not None
+        hopeless = out_of_reach(target, path, partial(estimated, case, readings[:-FUTILE]), known)
+        if reached or hopeless or count_reached(target, len(readings)):
+            return readings
+        now = plan_basis(known.case, known.readings, known.outliers)
+        if not plan or now != basis:
+            plan = plan_ahead(known.case, known.to_plan_by, known.readings, known.outliers, (), plan)
+            basis = now
+        if not plan or (target.budget is not None and reader.until(readings, plan[0]) > target.budget):
+            return readings
+        readings = reader.taken(readings, plan[0])
+        plan = plan[1:]
+
+
+def _ending_so(described: CampaignDescription, stop: Stop) -> CampaignDescription:
+    target = described.target
+    if stop.readings is not None or stop.budget is not None:
+        wants = tuple(Want(want.row) for want in target.wants)
+        target = replace(target, readings=stop.readings, budget=stop.budget, rms=None, worst=None, expanded=None)
+        target = replace(target, wants=wants)
+    return replace(described, target=target)
+
+
+def limits_of(case: Case, stop: Stop) -> Limits:
+    """Return when a case ends: what the study says, else the target of the campaign."""
+    if stop.readings is not None or stop.budget is not None:
+        return Limits(stop.readings, budget=stop.budget)
+    target = case.description.target
+    rms = target.rms
+    if target.expanded is not None:
+        rms = max(rms or 0.0, as_standard(case, case.knowledge, target.expanded))
+    return Limits(target.readings, rms, target.worst, target.budget)
+
+
+def places_read(case: Case, method: Method, limits: Limits, rng: np.random.Generator) -> tuple[Place, ...]:
+    """Return where is read, in order; raises PlanError, StudyError where a target is not reached.
+
+    rng : of the case, for places anywhere
+    """
+    if method == "planned":
+        return with_rooms(case, proposed(case, limits, bounded=False).plan.places)
+    return _enough(case, _drawing(case, method, rng), limits)
+
+
+def _drawing(case: Case, method: Method, rng: np.random.Generator) -> Callable[[int], Places]:
+    """Return what gives so many places; those anywhere are the first ones of one row, whatever their number."""
+    task, setups = posed(case, case.knowledge), case.description.setups
+    if method == "even":
+        return lambda count: evenly_spaced(task, _shared(count, len(setups)))
+    anywhere = [
+        Places.of_setup(index, part.poses, part.approaches).within(rng.permutation(len(part)))
+        for index, part in enumerate(spread(case.description.machine, (setup,), _ANYWHERE) for setup in setups)
+    ]
+
+    def drawn(count: int) -> Places:
+        return Places.joined(
+            [
+                anywhere[index].within(np.arange(min(of, len(anywhere[index]))))
+                for index, of in _shared(count, len(setups))
+            ]
+        )
+
+    return drawn
+
+
+def _shared(count: int, setups: int) -> list[tuple[int, int]]:
+    """Return how many of so many readings each set-up takes: as many as the others, the first ones one more."""
+    shares = [(index, count // setups + (index < count % setups)) for index in range(setups)]
+    return [(index, share) for index, share in shares if share]
+
+
+def _enough(case: Case, drawing: Callable[[int], Places], limits: Limits) -> tuple[Place, ...]:
+    """Return the fewest places at which the first limit is reached, by doubling and halving; within a budget."""
+    task = posed(case, case.knowledge)
+
+    def ordered(count: int) -> tuple[Place, ...]:
+        order = in_order(task, drawing(count))
+        return with_rooms(case, replace(order, approaches=arriving(task, order)))
+
+    def ended(count: int) -> bool:
+        places = ordered(count)
+        if limits.budget is not None and elapsed(case, Timed(), places) > limits.budget:
+            return True
+        return limits.accurate and limits.met(promised(case, case.knowledge, places))
+
+    most = _MOST if limits.readings is None else limits.readings
+    if limits.budget is None and not limits.accurate:
+        return ordered(most)
+    short, enough = 0, 1
+    while enough < most and not ended(enough):
+        short, enough = enough, min(2 * enough, most)
+    if not ended(enough):
+        if limits.readings is None:
+            raise StudyError(f"{_MOST} such readings do not reach the target", "Let a plan choose, or widen the target")
+        return ordered(enough)
+    while enough - short > 1:
+        middle = (short + enough) // 2
+        short, enough = (short, middle) if ended(middle) else (middle, enough)
+    places = ordered(enough)
+    over = limits.budget is not None and elapsed(case, Timed(), places) > limits.budget
+    if over and short == 0:
+        raise StudyError(f"{(limits.budget or math.nan) / 60:.3g} min is too short for one reading", "Allow more time")
+    return ordered(short) if over else places

@@ -1,0 +1,307 @@
+"""study.toml -> Study: which machines are measured in which ways, when each ends, and what is kept of it."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.campaign_schema import MOST_READINGS, CampaignTable
+from axiscal.document import Document, meant, read_model, shown
+from axiscal.document.toml_text import toml_document
+from axiscal.exceptions import InputError, StudyError
+from axiscal.machine.machine_schema import MachineFile
+from axiscal.ports.fleet.type_learning import campaign_with_sisters
+from axiscal.ports.study.key_paths import Drawn, changed, drawn_key, parts_of
+from axiscal.ports.study.study_case import FIGURES, Method, Stop, StudyCase, Variant, canonical
+from axiscal.units import parse_quantity
+
+MOST_MACHINES = 1_000_000
+"""More is a slip of the finger."""
+
+
+class _KnownKeys(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class StudyTable(_KnownKeys):
+    """[study]: what every case begins with."""
+
+    campaign: str = Field(examples=['"campaign.toml"'])
+    seed: int = Field(1, ge=0, le=2**63, examples=["1"])
+    machines: int = Field(100, ge=1, le=MOST_MACHINES, examples=["200"])
+    stop: str | dict[str, Any] = Field("target", examples=['"target"', "{ readings = 30 }"])
+    method: Literal["planned", "replanned", "even", "random"] = Field("planned", examples=['"planned"'])
+
+
+class ResultsTable(_KnownKeys):
+    """[results]: what is kept of every case."""
+
+    keep: list[str] = Field(default=list(FIGURES), min_length=1, examples=['["minutes", "U"]'])
+
+
+class StudyFile(_KnownKeys):
+    """The whole file."""
+
+    study: StudyTable = Field(examples=['{ campaign = "campaign.toml" }'])
+    grid: dict[str, list[Any]] = Field(default={}, examples=['{ "target.rms" = ["4 um", "8 um"] }'])
+    random: dict[str, Any] = Field(default={}, examples=["{ draws = 100 }"])
+    results: ResultsTable = Field(default_factory=ResultsTable)
+
+
+SETUPS, TIMES = "setups", "prior.times"
+"""Keys with a meaning of their own: which set-ups are used, and how many times the true std is stated."""
+_FIXED = ("machine", "prior", "sisters")
+_STOP = 'Write "target", { readings = 30 } or { budget = "90 min" }'
+_MOST_TIMES = 1000.0
+"""Nobody's tolerances are wrong by more."""
+MOST_CASES = 10_000_000
+"""Years of work; whoever says more has slipped."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Study:
+    """A study as described by its owner.
+
+    described : the campaign that every case begins with; grid : the values of each key
+    draws : how often the keys of `drawn` are drawn, at least 1
+    """
+
+    source: Path
+    text: str
+    described: CampaignDescription
+    seed: int
+    machines: int
+    stop: Stop
+    method: Method
+    keep: tuple[str, ...]
+    grid: Mapping[str, tuple[Any, ...]]
+    drawn: tuple[Drawn, ...]
+    draws: int
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the texts that every case is a function of."""
+        texts = self.text, self.described.text, self.described.machine.text, self.described.prior_text
+        return hashlib.sha256("\0".join(texts).encode()).hexdigest()
+
+    @property
+    def count(self) -> int:
+        """How many cases there are."""
+        ways = self.draws
+        for values in self.grid.values():
+            ways *= len(values)
+        return ways * self.machines
+
+    def ways(self) -> Iterator[tuple[dict[str, Any], int]]:
+        """Yield all ways of measuring: every combination of the grid, and of each the number of every draw."""
+        for values in product(*self.grid.values()):
+            for draw in range(self.draws):
+                yield dict(zip(self.grid, values, strict=True)), draw
+
+    def variant(self, choices: Mapping[str, Any], draw: int) -> Variant:
+        """Return one way of measuring; raises StudyError for a key that is none.  choices : of the grid, by key"""
+        described = self.described
+        documents = {
+            "campaign": Document.parse(described.text, described.source).data,
+            "machine": Document.parse(described.machine.text, described.machine_source).data,
+        }
+        for key, value in {**choices, **self.drawn_values(draw)}.items():
+            if key not in (SETUPS, TIMES):
+                of = _document_of(key)
+                documents[of] = changed(documents[of], key, value)
+        used = choices.get(SETUPS, "all")
+        return Variant(
+            choices=canonical(dict(choices)),
+            draw=draw,
+            campaign=toml_document(documents["campaign"]),
+            machine=toml_document(documents["machine"]),
+            truth=described.machine.text,
+            names=(described.source, described.machine_source),
+            prior=described.prior_text,
+            setups=None if used == "all" else tuple(used),
+            times=float(choices.get(TIMES, 1.0)),
+            stop=self.stop,
+            method=self.method,
+            keep=self.keep,
+        )
+
+    def drawn_values(self, draw: int) -> dict[str, Any]:
+        """Return the values of a draw, by key."""
+        return {each.key: each.value(self.seed, draw) for each in self.drawn}
+
+    def cases(self) -> Iterator[StudyCase]:
+        """Yield all cases, one way of measuring after the other."""
+        for way in self.ways():
+            variant = self.variant(*way)
+            for machine in range(self.machines):
+                yield StudyCase(variant, self.seed, machine)
+
+
+def read_study(path: str | Path) -> Study:
+    """Return the study in a file; every value of its grid has been tried on the campaign.
+
+    Raises StudyError or DescriptionError with file, line, value and remedy.
+    """
+    document = Document.read(path)
+    table = read_model(document, StudyFile, StudyError)
+    described = campaign_with_sisters(document.path.parent / table.study.campaign, target_needed=False)
+    draws, drawn = _random(table.random, document)
+    study = Study(
+        source=document.path,
+        text=document.text,
+        described=described,
+        seed=table.study.seed,
+        machines=table.study.machines,
+        stop=_stop(table.study.stop, described, document),
+        method=table.study.method,
+        keep=_kept(table.results.keep, document),
+        grid=MappingProxyType({key: _values(key, values, document) for key, values in table.grid.items()}),
+        drawn=drawn,
+        draws=draws,
+    )
+    _refuse_twice(study, document)
+    _try_values(study, document)
+    if study.count > MOST_CASES:
+        what = f"these are {study.count:,} cases, more than {MOST_CASES:,}"
+        raise document.fault(StudyError(what, "Give fewer values, draws or machines"), "grid")
+    return study
+
+
+def _document_of(key: str) -> str:
+    """Return which file a key stands in; raises StudyError for one that stands in none."""
+    first = parts_of(key)[0].name
+    if first in _FIXED:
+        what = f'"{first}" cannot vary within a study'
+        raise StudyError(what, "Make a study of each; prior.times says how many times the true std is stated")
+    if first in CampaignTable.model_fields:
+        return "campaign"
+    if first in MachineFile.model_fields:
+        return "machine"
+    remedy = meant(
+        first,
+        [*CampaignTable.model_fields, *MachineFile.model_fields],
+        'Write paths such as "target.rms" or "errors.EXX.std"',
+    )
+    raise StudyError(f'there is no key "{first}" in campaign.toml or machine.toml', remedy)
+
+
+def _stop(given: str | dict[str, Any], described: CampaignDescription, document: Document) -> Stop:
+    def fault(what: str, remedy: str = _STOP) -> InputError:
+        return document.fault(StudyError(what, remedy), "study", "stop")
+
+    if given == "target":
+        if described.target.empty:
+            raise fault("the campaign has no target to stop at", "Give it one, or write stop = { readings = 30 }")
+        return Stop()
+    if not isinstance(given, dict) or len(given) != 1 or not given.keys() <= {"readings", "budget"}:
+        raise fault(f"{shown(given)} is not possible here")
+    if "budget" in given:
+        try:
+            seconds = parse_quantity(str(given["budget"]), "time")
+        except InputError as wrong:
+            raise fault(wrong.what, wrong.remedy) from None
+        if seconds <= 0:
+            raise fault(f"{shown(given['budget'])} is no time to measure in")
+        return Stop(budget=seconds)
+    count = given["readings"]
+    if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= MOST_READINGS:
+        raise fault(f"{shown(count)} is no number of readings")
+    return Stop(readings=count)
+
+
+def _kept(names: list[str], document: Document) -> tuple[str, ...]:
+    for index, name in enumerate(names):
+        if name not in FIGURES:
+            remedy = meant(name, FIGURES)
+            fault = StudyError(f"{shown(name)} is nothing that can be kept", remedy)
+            raise document.fault(fault, "results", "keep", index)
+    return tuple(name for name in FIGURES if name in names)
+
+
+def _random(table: dict[str, Any], document: Document) -> tuple[int, tuple[Drawn, ...]]:
+    if not table:
+        return 1, ()
+    draws = table.get("draws")
+    if not isinstance(draws, int) or isinstance(draws, bool) or draws < 1:
+        fault = StudyError(f"draws = {shown(draws)} is no number of draws", "Write a whole number, such as draws = 100")
+        raise document.fault(fault, "random", "draws")
+    found = list[Drawn]()
+    for key, how in table.items():
+        if key == "draws":
+            continue
+        with document.placed("random", key):
+            found.append(drawn_key(key, how))
+    return draws, tuple(found)
+
+
+def _values(key: str, values: list[Any], document: Document) -> tuple[Any, ...]:
+    if not values:
+        raise document.fault(StudyError("there is no value", "Give at least one"), "grid", key)
+    for index, value in enumerate(values):
+        if value in values[:index]:
+            fault = StudyError(f"{shown(value)} is there twice", "Give each value once")
+            raise document.fault(fault, "grid", key, index)
+    return tuple(values)
+
+
+def _refuse_twice(study: Study, document: Document) -> None:
+    for each in study.drawn:
+        if each.key in study.grid:
+            fault = StudyError("this key is in [grid] as well", "Leave one of them out")
+            raise document.fault(fault, "random", each.key)
+        if each.key in (SETUPS, TIMES):
+            raise document.fault(StudyError("this key is not drawn", "Put it under [grid]"), "random", each.key)
+
+
+def _try_values(study: Study, document: Document) -> None:
+    """Raise the fault of the first value that campaign or machine cannot have, at its line."""
+    alone, first = replace(study, drawn=()), {key: values[0] for key, values in study.grid.items()}
+    for key, values in study.grid.items():
+        for index, value in enumerate(values):
+            fault = _fault_of(alone, {key: value})
+            if fault is not None and _fault_of(alone, {**first, key: value}) is not None:
+                raise _of_study(fault, key, value).at(document.path, document.line("grid", key, index))
+    for drawn in study.drawn:
+        fault = _fault_of(replace(study, drawn=(drawn,)), {})
+        if fault is not None:
+            raise _of_study(fault, drawn.key, drawn.value(study.seed, 0)).at(
+                document.path, document.line("random", drawn.key)
+            )
+
+
+def _fault_of(study: Study, choices: Mapping[str, Any]) -> InputError | None:
+    try:
+        _try(study, choices)
+    except InputError as wrong:
+        return wrong
+    return None
+
+
+def _of_study(wrong: InputError, key: str, value: Any) -> InputError:
+    own = isinstance(wrong, StudyError)
+    return StudyError(wrong.what if own else f"{key} = {shown(value)}: {wrong.what}", wrong.remedy)
+
+
+def _try(study: Study, choices: Mapping[str, Any]) -> None:
+    used = choices.get(SETUPS, "all")
+    if used != "all":
+        if not isinstance(used, list) or not used:
+            remedy = 'Write "all", or a list of names of set-ups'
+            raise StudyError(f"{shown(used)} names no set-ups", remedy)
+        for name in used:
+            study.described.setup(name)
+    times = choices.get(TIMES, 1.0)
+    if not isinstance(times, int | float) or isinstance(times, bool) or not 1 / _MOST_TIMES <= times <= _MOST_TIMES:
+        remedy = f"Write a number from {1 / _MOST_TIMES:g} to {_MOST_TIMES:g}; 1 states what is true"
+        raise StudyError(f"{shown(times)} is no factor of the stated std", remedy)
+    variant = study.variant(choices, 0)
+    names = variant.names
+    campaign_from_texts(variant.campaign, names[0], variant.machine, names[1], prior_text=variant.prior)

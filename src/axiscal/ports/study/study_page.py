@@ -1,0 +1,169 @@
+"""The page of a study: which set-up pays, in words first; then accuracy against time, and every way in a table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+from axiscal.answers.digits import number
+from axiscal.ports.study.comparing import (
+    ACCURACIES,
+    COSTS,
+    ChoiceChange,
+    Mean,
+    MeasuringWay,
+    Quartiles,
+    best_kept,
+    changes,
+    unbeaten,
+    verdicts,
+    ways_of,
+)
+from axiscal.ports.study.study_case import FIGURES
+from axiscal.ports.study.study_file import Study
+from axiscal.ports.study.work import Done
+from axiscal.present.drawing.shown import shown
+from axiscal.present.drawing.svg_picture import Figure
+from axiscal.present.figures import SYMBOLS, axis_style, colour, layout, line_trace, mark_trace
+from axiscal.present.sentences import figure, short
+from axiscal.present.standalone import page_of
+
+_HEIGHT = 360
+"""Pixels; a matter of taste."""
+_MOST_FAILED = 50
+"""Failed cases that the page names; the table has all."""
+_SPREADS = ("readings", "minutes")
+_SHARES = ("within_U", "coverage_curves", "coverage_tcp", "reached")
+
+
+def render(study: Study, found: Mapping[str, Done]) -> str:
+    """Return the page as self-contained HTML.  found : what came of the cases, by their keys"""
+    ways = ways_of(study, found)
+    cost, accuracy = best_kept(study, COSTS), best_kept(study, ACCURACIES)
+    pictures = list[dict[str, object]]()
+    if cost is not None and accuracy is not None:
+        title = f"{FIGURES[accuracy].words} against {FIGURES[cost].words}"
+        pictures.append({"title": title, "svg": shown(against(ways, cost, accuracy), title)})
+        pictures += _drawn_pictures(study, ways, accuracy)
+    failed = [(key, done.error) for key, done in sorted(found.items()) if done.result is None]
+    return page_of(
+        "axiscal.ports.study",
+        "study.html",
+        title=f"Which set-up pays: {study.source.stem}",
+        sentences=verdicts(study, ways),
+        pictures=pictures,
+        legend=[{"name": way.name, "colour": colour(index)} for index, way in enumerate(ways)],
+        columns=[_short_heading(name) for name in _tabled(study)],
+        rows=[[way.name, *(_cell(way, name) for name in _tabled(study))] for way in ways],
+        changed=[_short_heading(name) for name in study.keep if name in (*_SPREADS, *ACCURACIES)],
+        changes=[_change_row(change, study) for change in changes(study, ways)],
+        failed=failed[:_MOST_FAILED],
+        more=max(0, len(failed) - _MOST_FAILED),
+        missing=study.count - len(found),
+    )
+
+
+def against(ways: Sequence[MeasuringWay], cost: str, accuracy: str) -> Figure:
+    """Return one mark for each way: median of the cost, mean and quartiles of the accuracy."""
+    front = unbeaten(ways, cost, accuracy)
+    joined = sorted((_at(way, cost, accuracy) for way in front), key=lambda at: at[0])
+    traces = [line_trace([x for x, _ in joined], [y for _, y in joined], "var(--rule)", 1.5, "dot")]
+    for index, way in enumerate(ways):
+        spread = way.spread(accuracy)
+        if spread is None or way.spread(cost) is None:
+            continue
+        x, y = _at(way, cost, accuracy)
+        ends = [number(spread.low, accuracy), number(spread.high, accuracy)]
+        traces.append(line_trace([x, x], ends, colour(index), 1.2))
+        marker = {"color": colour(index), "symbol": SYMBOLS[index % len(SYMBOLS)], "size": 9}
+        points = {"x": [x], "y": [y], "text": [f"{way.name}\n{figure(x)}, {figure(y)}"]}
+        traces.append({"type": "scatter", "mode": "markers", **points, "marker": marker})
+    x_axis, y_axis = (axis_style(_heading(name), rangemode="tozero") for name in (cost, accuracy))
+    return {"data": traces, "layout": layout(x_axis, y_axis, _HEIGHT, margin=_MARGIN), "wide": True}
+
+
+_MARGIN = {"l": 56, "r": 16, "t": 12, "b": 46}
+"""Pixels; a matter of taste."""
+
+
+def _at(way: MeasuringWay, cost: str, accuracy: str) -> tuple[float, float]:
+    spread, mean = way.spread(cost), way.mean(accuracy)
+    assert spread is not None
+    assert mean is not None
+    return number(spread.middle, cost), number(mean.value, accuracy)
+
+
+def _drawn_pictures(study: Study, ways: Sequence[MeasuringWay], accuracy: str) -> Iterator[dict[str, object]]:
+    """Yield for each key that was drawn the accuracy against what was drawn, one mark for each machine."""
+    for drawn in study.drawn:
+        values = [drawn.value(study.seed, draw) for draw in range(study.draws)]
+        numbers = [_number_in(value) for value in values]
+        if any(math.isnan(each) for each in numbers):
+            continue
+        traces = [_drawn_trace(way, numbers, accuracy, colour(index)) for index, way in enumerate(ways)]
+        x = axis_style(f"{drawn.key}{f', {drawn.unit}' if drawn.unit else ''}")
+        y = axis_style(_heading(accuracy), rangemode="tozero")
+        title = f"{FIGURES[accuracy].words} against {drawn.key}"
+        drawing = {"data": traces, "layout": layout(x, y, _HEIGHT, margin=_MARGIN), "wide": True}
+        yield {"title": title, "svg": shown(drawing, title)}
+
+
+def _drawn_trace(way: MeasuringWay, numbers: Sequence[float], accuracy: str, shade: str) -> Figure:
+    found = sorted(way.figures[accuracy].items())
+    x, y = [numbers[draw] for (draw, _), _ in found], [number(value, accuracy) for _, value in found]
+    return mark_trace(x, y, shade, 5)
+
+
+def _number_in(value: object) -> float:
+    """Return the number of a quantity; nan of anything else."""
+    try:
+        return float(str(value).split()[0])
+    except (ValueError, IndexError):
+        return math.nan
+
+
+def _tabled(study: Study) -> list[str]:
+    """Return the figures that a table of ways can show: numbers."""
+    return [name for name in study.keep if name not in ("agreement", "said")]
+
+
+def _heading(name: str) -> str:
+    known = FIGURES[name]
+    return f"{known.words}, {known.unit}" if known.unit else known.words
+
+
+def _short_heading(name: str) -> str:
+    unit = FIGURES[name].unit
+    return f"{name.replace('_', ' ')}, {unit}" if unit else name.replace("_", " ")
+
+
+def _cell(way: MeasuringWay, name: str) -> str:
+    if name in _SPREADS:
+        return _spread_text(way.spread(name))
+    mean = way.mean(name)
+    if mean is None:
+        return "–"
+    if name in _SHARES:
+        return f"{100 * mean.value:.1f}{_error(mean, 100)} %"
+    return f"{figure(mean.value)}{_error(mean)}"
+
+
+def _error(mean: Mean, times: float = 1.0) -> str:
+    return f" ± {figure(times * mean.error)}" if 0 < mean.error < math.inf else ""
+
+
+def _spread_text(spread: Quartiles | None) -> str:
+    if spread is None:
+        return "–"
+    quartiles = f" ({short(spread.low)} to {short(spread.high)})" if spread.low < spread.high else ""
+    return f"{short(spread.middle)}{quartiles}"
+
+
+def _change_row(change: ChoiceChange, study: Study) -> list[str]:
+    wanted = [name for name in study.keep if name in (*_SPREADS, *ACCURACIES)]
+    cells = [change.figures.get(name) for name in wanted]
+    return [change.words, *("–" if each is None else _signed(each) for each in cells)]
+
+
+def _signed(mean: Mean) -> str:
+    return f"{'+' if mean.value > 0 else ''}{figure(mean.value)}{_error(mean)}"

@@ -1,0 +1,169 @@
+"""Readings of a ball bar on their circle, enlarged: as they were read, and what tables leave of the machine's share.
+
+picture = circle_picture(circle, 340)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.description.campaign import CampaignDescription
+from axiscal.estimation.estimation import Estimation
+from axiscal.language.spoken import said
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal.present.drawing.labels import text, text_width
+from axiscal.present.drawing.scene import page
+from axiscal.present.drawing.strokes import Point, dots, line, short_number, way
+from axiscal.tables.effect import Control, left_by
+from axiscal.units import to_unit
+
+_FEWEST = 8
+"""Readings on a circle before it has a shape."""
+_LEVEL = 0.25
+"""By how much of the bar readings may lie off one plane, and an arc may miss of a whole turn."""
+_SHARE = 0.35
+"""Of the radius, that the largest deviation has at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class BallBarCircle:
+    """One circle in a plane, its readings by rising angle; the centre and the length that fit best are taken off.
+
+    plane : names of both directions, such as "xy"; angle : deg
+    read, found : um along the bar, as read and as estimated
+    left : with the tables of `controller`, None where there are none
+    """
+
+    setup: str
+    plane: str
+    angle: Sequence[float]
+    read: Sequence[float]
+    found: Sequence[float]
+    left: Sequence[float] | None
+    controller: str = ""
+
+
+def ball_bar_circles(
+    description: CampaignDescription,
+    readings: Sequence[Reading],
+    estimation: Estimation,
+    controller: str = "",
+    control: Control | None = None,
+) -> list[BallBarCircle]:
+    """Return the circles of all ball-bar set-ups whose readings lie in a plane, and go round.
+
+    control : what the tables of `controller` do, None where there are none
+    """
+    refused = {doubt.reading for doubt in estimation.outliers if doubt.rejected}
+    kept = [reading for n, reading in enumerate(readings) if n not in refused]
+    found = []
+    for setup in description.setups:
+        mine = [reading for reading in kept if reading.setup == setup.name]
+        if setup.instrument == "ballbar" and len(setup.standing) == 1 and len(mine) >= _FEWEST:
+            found += _circle(estimation, setup, mine, controller, control)
+    return found
+
+
+def _circle(
+    estimation: Estimation, setup: Setup, readings: Sequence[Reading], controller: str, control: Control | None
+) -> list[BallBarCircle]:
+    estimate = estimation.estimate()
+    poses, sides = (np.array([getattr(r, name) for r in readings], dtype=float) for name in ("pose", "approach"))
+    bars = frames(estimate.machine, poses).tcp - np.array(setup.standing[0])
+    across = int(np.argmin(np.ptp(bars, axis=0)))
+    first, second = (k for k in range(3) if k != across)
+    turns = np.mod(np.arctan2(bars[:, second], bars[:, first]), math.tau)
+    order = np.argsort(turns)
+    turns, length = turns[order], float(np.linalg.norm(bars, axis=1).mean())
+    gaps = np.diff([*turns, turns[0] + math.tau])
+    if np.ptp(bars[:, across]) > _LEVEL * length or gaps.max() > 2 * math.pi * _LEVEL:
+        return []
+    along = (bars / np.linalg.norm(bars, axis=1)[:, None])[order]
+    poses, sides = poses[order], sides[order]
+
+    def shape(values: Array) -> list[float]:
+        shaped: list[float] = np.asarray(to_unit(_without_centre(turns, values), "um")).tolist()
+        return shaped
+
+    left = None
+    if control is not None:
+        after = left_by(estimate.machine, estimate.deviation, control, poses, sides)
+        left = shape(np.sum(along * after, axis=1))
+    return [
+        BallBarCircle(
+            setup.name,
+            "xyz"[first] + "xyz"[second],
+            np.degrees(turns).tolist(),
+            shape(np.array([reading.value for reading in readings])[order]),
+            shape(np.sum(along * estimate.deviation(poses, sides), axis=1)),
+            left,
+            controller,
+        )
+    ]
+
+
+def _without_centre(turns: Array, values: Array) -> Array:
+    """Return values round a circle without the centre and the length that fit them best (ISO 230-4)."""
+    columns = np.stack([np.ones_like(turns), np.cos(turns), np.sin(turns)], axis=1)
+    left: Array = values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0]
+    return left
+
+
+def circle_picture(circle: BallBarCircle, width: float) -> str:
+    """Return the circle as an SVG element of a page: dots as read, lines as found and left.  width : pixels"""
+    middle, radius, step = width / 2, 0.32 * width, division(circle)
+    scale = _SHARE * radius / (5 * step)
+    rings = "".join(_ring(middle, radius + k * step * scale, k) for k in range(-5, 6))
+    spokes = "".join(_spoke(middle, 1.4 * radius, name, k) for k, name in enumerate(circle.plane))
+    shown = [(circle.found, "var(--truth)"), *([] if circle.left is None else [(circle.left, "var(--read)")])]
+    turns = np.linspace(0.0, 360.0, 181)
+    lines = "".join(
+        line(way(_points(turns, _between(circle, values, turns), middle, radius, scale), closed=True), colour, 2.0)
+        for values, colour in shown
+    )
+    read = _points(np.array(circle.angle), np.array(circle.read), middle, radius, scale)
+    marks = dots(read, "var(--ink)", 6.0)
+    words = said("one division: {size} µm", size=f"{step:g}")
+    return page(width, width + 16, rings + spokes + lines + marks + text(middle, width + 8, words, "soft", "middle"),
+                said("Ball bar: {setup}", setup=circle.setup))  # fmt: skip
+
+
+def division(circle: BallBarCircle) -> float:
+    """Return how much lies between two rings, um: 1, 2 or 5 times a power of ten; five hold all."""
+    every = [*circle.read, *circle.found, *(circle.left or ())]
+    least = max(max(abs(value) for value in every), 1e-3) / 5
+    power = 10.0 ** math.floor(math.log10(least))
+    return float(next(factor for factor in (1, 2, 5, 10) if factor * power >= least * (1 - 1e-9))) * power
+
+
+def _ring(middle: float, radius: float, number: int) -> str:
+    colour, wide = ("var(--soft)", 1.4) if number == 0 else ("var(--grid)", 1.0)
+    at, r = short_number(middle), short_number(radius)
+    return f'<circle cx="{at}" cy="{at}" r="{r}" fill="none" stroke="{colour}" stroke-width="{wide:g}"/>'
+
+
+def _spoke(middle: float, reach: float, name: str, number: int) -> str:
+    """Return one of the two directions of the plane with its name at its end."""
+    across, down = (1.0, 0.0) if number == 0 else (0.0, -1.0)
+    ends = [(middle - reach * across, middle - reach * down), (middle + reach * across, middle + reach * down)]
+    at = middle + (reach - text_width(name)) * across + 8 * (1 - across), middle + reach * down + 12 - 18 * across
+    return line(way(ends), "var(--rule)", 1.0) + text(at[0], at[1], name, "axis")
+
+
+def _between(circle: BallBarCircle, values: Sequence[float], turns: Array) -> Array:
+    """Return values at other angles, deg, evenly from one reading to the next."""
+    between: Array = np.interp(turns, circle.angle, values, period=360.0)
+    return between
+
+
+def _points(turns: Array, values: Array, middle: float, radius: float, scale: float) -> list[Point]:
+    """Return where values stand.  turns : deg; values : um; scale : pixels for one of them"""
+    far, at = radius + scale * values, np.radians(turns)
+    return list(zip((middle + far * np.cos(at)).tolist(), (middle - far * np.sin(at)).tolist(), strict=True))

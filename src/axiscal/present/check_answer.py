@@ -1,0 +1,282 @@
+"""The document of a check, `axiscal-verify/1`: codes and numbers, um; and its words for people."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+
+from axiscal.answers.answer import AnswerDocument, TablesChecked
+from axiscal.evaluation.acceptance.check import Check
+from axiscal.evaluation.acceptance.datums import GUARD
+from axiscal.evaluation.acceptance.judgement import Judgement, Verdict
+from axiscal.evaluation.acceptance.table_checks import WORKS, Share
+from axiscal.measurement.place import Places
+from axiscal.measurement.place_texts import approach_text, place_text, shown_pose
+from axiscal.numerics import Array
+from axiscal.units import to_unit
+
+_NEAR = 0.3
+"""Of the change that tables should make: this near to all, none or the opposite, it is called that."""
+
+_ROUNDING = 1e-6
+"""A figure below a picometre, in um."""
+
+
+class CheckedValue(AnswerDocument):
+    """One value of a reading: without the tables, with them, and the standard uncertainty of the latter."""
+
+    found_um: float
+    left_um: float
+    std_um: float
+
+
+class TableShare(AnswerDocument):
+    """How much of a table the readings show, None where they cannot tell; size : what it corrects at most, as text."""
+
+    table: str
+    share: float | None
+    share_std: float | None
+    checked: bool
+    works: bool
+    size: str
+
+
+class SetupOff(AnswerDocument):
+    """A set-up and the unknown of it that is farther off than stated."""
+
+    setup: str
+    unknown: str
+
+
+class CheckAnswer(AnswerDocument):
+    """What a check says; fields as of `evaluation.acceptance.judgement.Judgement`.
+
+    places : how many were read, each without the tables and with them
+    found_rms_um, left_rms_um : over the places, in space where a reading has three values
+    """
+
+    kind: Literal["axiscal-verify/1"] = Field("axiscal-verify/1", alias="schema")
+    verdict: Verdict
+    tolerance_um: float
+    guard_band_um: float
+    places: int
+    found_rms_um: float
+    left_rms_um: float
+    readings: Sequence[CheckedValue]
+    agreement_p: float
+    estimate_believed: bool
+    change_p: float
+    change_share: float | None
+    tables_loaded: bool
+    against_own_line: Sequence[str]
+    against_own_tool: Sequence[str]
+    set_up_still: Sequence[str]
+    tables: Sequence[TableShare]
+    not_checked: Sequence[str]
+    axes_not_checked: Sequence[str]
+    set_up_off: Sequence[SetupOff]
+
+    @property
+    def faulty(self) -> list[TableShare]:
+        """The tables that are missing, or loaded with the wrong sign."""
+        return [each for each in self.tables if each.checked and not each.works]
+
+    @property
+    def summary(self) -> TablesChecked:
+        """What the last screen of a campaign says of it."""
+        return TablesChecked(
+            places=self.places,
+            found=self.found_rms_um,
+            left=self.left_rms_um,
+            tolerance=self.tolerance_um,
+            verdict=self.verdict,
+        )
+
+
+def check_answer(judgement: Judgement, places: int) -> CheckAnswer:
+    """Return what was judged as a document.  places : that were read each way"""
+    figures = (judgement.found, judgement.left, judgement.std)
+    found, left, std = (plain(to_unit(values, "um")) for values in figures)
+    rows = zip(found.tolist(), left.tolist(), std.tolist(), strict=True)
+    return CheckAnswer(
+        verdict=judgement.verdict,
+        tolerance_um=to_unit(judgement.tolerance, "um"),
+        guard_band_um=GUARD * float(std.max()),
+        places=places,
+        found_rms_um=float(np.sqrt(np.sum(found**2) / places)),
+        left_rms_um=float(np.sqrt(np.sum(left**2) / places)),
+        readings=[CheckedValue(found_um=f, left_um=after, std_um=s) for f, after, s in rows],
+        agreement_p=judgement.agrees,
+        estimate_believed=judgement.believed,
+        change_p=judgement.changed,
+        change_share=judgement.share,
+        tables_loaded=judgement.loaded,
+        against_own_line=judgement.lines,
+        against_own_tool=judgement.tools,
+        set_up_still=judgement.still,
+        tables=[_share(share) for share in judgement.shares],
+        not_checked=judgement.unchecked,
+        axes_not_checked=judgement.idle,
+        set_up_off=[SetupOff(setup=datum.setup, unknown=datum.unknown) for datum in judgement.strained],
+    )
+
+
+def _share(share: Share) -> TableShare:
+    return TableShare(
+        table=share.name,
+        share=_or_none(share.value),
+        share_std=_or_none(share.std),
+        checked=share.checked,
+        works=share.works,
+        size=share.size,
+    )
+
+
+def _or_none(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+def plain(micrometres: Array) -> Array:
+    """Return figures with mere rounding as 0 (and never as −0)."""
+    return np.where(np.abs(micrometres) < _ROUNDING, 0.0, micrometres)
+
+
+def plan_rows(check: Check, places: Places) -> list[dict[str, object]]:
+    """Return each place with what it is expected to show; three figures where a reading has three values."""
+    setups, axes = check.description.setups, check.description.machine.axes
+    before, after = ([_figures(values) for values in each] for each in check.predicted(places))
+    columns = (places.setups.tolist(), places.poses.tolist(), places.approaches.tolist())
+    return [
+        {
+            "setup": setups[s].name,
+            "place": place_text(axes, tuple(pose), setups[s].moves),
+            "position": shown_pose(axes, pose),
+            "approach": approach_text(axes, approach),
+            "found_um": before[i],
+            "left_um": after[i],
+        }
+        for i, (s, pose, approach) in enumerate(zip(*columns, strict=True))
+    ]
+
+
+def plan_lines(rows: Sequence[dict[str, object]]) -> list[str]:
+    """Return the rows of a plan in words."""
+    return [
+        f"{row['setup']}: {row['place']}  from {row['approach'] or 'any side'}  "
+        f"predicted: as found {_micrometres(row['found_um'])}, as left {_micrometres(row['left_um'])}"
+        for row in rows
+    ]
+
+
+def _figures(values: Array) -> float | list[float]:
+    shown = [float(value) for value in plain(to_unit(values, "um"))]
+    return shown[0] if len(shown) == 1 else shown
+
+
+def _micrometres(figures: object) -> str:
+    if isinstance(figures, list):
+        return "(" + ", ".join(f"{figure:z.1f}" for figure in figures) + ") um"
+    return f"{figures:z.1f} um"
+
+
+def check_text(answer: CheckAnswer) -> str:
+    """Return what was judged in words, the verdict first."""
+    tolerance, guard = (f"{value:.3g} um" for value in (answer.tolerance_um, answer.guard_band_um))
+    found = [value.found_um for value in answer.readings]
+    left = [value.left_um for value in answer.readings]
+    verdict = f"{answer.verdict.upper()} at {tolerance}, guard band {guard}{_holds_for(answer)}: {_why(answer)}."
+    return "\n".join(
+        [verdict, f"As found: {_sizes(found)}", f"As left:  {_sizes(left)}", _agreement(answer), *_warnings(answer)]
+    )
+
+
+def _sizes(values: Sequence[float]) -> str:
+    sizes = np.abs(values)
+    return f"largest {float(sizes.max()):.3g} um, RMS {float(np.sqrt(np.mean(sizes**2))):.3g} um"
+
+
+def _holds_for(answer: CheckAnswer) -> str:
+    """Return which tables the verdict is about; axes and tables that were not checked are named beside it."""
+    others = [f"axis {name} (not moved through its volume and read along)" for name in answer.axes_not_checked]
+    others += [f"table {each.table} (corrects {each.size} at most)" for each in answer.tables if not each.checked]
+    if not others:
+        return ""
+    checked = ", ".join(each.table for each in answer.tables if each.checked)
+    return f", for {checked or 'what was read'} only - NOT CHECKED: {', '.join(others)}"
+
+
+def _why(answer: CheckAnswer) -> str:
+    if answer.faulty:
+        return f"not as exported: {', '.join(each.table for each in answer.faulty)}"
+    if answer.verdict == "undecided" and (answer.set_up_off or answer.set_up_still or not answer.tables_loaded):
+        return "the readings contradict what is said of the tables or the set-ups: see the warning, and read again"
+    return {
+        "pass": "every deviation lies inside, with its uncertainty",
+        "fail": "a deviation lies outside, with all of its uncertainty",
+        "undecided": "a deviation lies so near to the tolerance that the readings cannot decide: read again, or better",
+    }[answer.verdict]
+
+
+def _agreement(answer: CheckAnswer) -> str:
+    if answer.estimate_believed:
+        return "The as-left readings agree with the estimate."
+    return (
+        "WARNING: the readings do not agree with the estimate and its uncertainty "
+        f"(p = {answer.agreement_p:.2g}): the machine has changed, or the tables are not what was loaded."
+    )
+
+
+def _warnings(answer: CheckAnswer) -> list[str]:
+    lines = [
+        f'"{name}" is judged against its own line: its slope is not known to the tolerance.'
+        for name in answer.against_own_line
+    ]
+    lines += [
+        f'"{name}" is judged with its tool where the readings put it: nobody knows to the tolerance where it sits, and '
+        "what looks like a tool that sits elsewhere is not judged."
+        for name in answer.against_own_tool
+    ]
+    lines += [
+        f"WARNING: of the table {each.table} the readings show {each.share or 0.0:.2f} ({each.share_std or 0.0:.2f}) "
+        f"times what it takes away: {_loaded(each)}."
+        for each in answer.faulty
+    ]
+    if not answer.tables_loaded:
+        found = answer.change_share
+        share = "" if found is None else f", they changed by {found:.2f} times that"
+        lines.append(
+            "WARNING: as found minus as left is not what the tables take away "
+            f"(p = {answer.change_p:.2g}{share}): {_cause(found)}."
+        )
+    lines += [
+        f'WARNING: the {datum.unknown} of "{datum.setup}" would have to be far larger than its std says: '
+        "the set-up moved, or the machine has an error that looks like it."
+        for datum in answer.set_up_off
+    ]
+    lines += [
+        f'WARNING: all as-left readings of "{name}" are one and the same number: the instrument does not move, or its '
+        "resolution is coarser than its noise."
+        for name in answer.set_up_still
+    ]
+    return lines
+
+
+def _loaded(share: TableShare) -> str:
+    wrong = share.share is not None and share.share < -WORKS
+    return "it was loaded with the wrong sign" if wrong else "it was not loaded"
+
+
+def _cause(share: float | None) -> str:
+    """Return the most probable cause.  share : change of the readings divided by what the tables take away"""
+    if share is None:
+        return "the tables hold nothing here, and yet the readings changed"
+    if abs(share + 1) < _NEAR:
+        return "the tables were loaded with the wrong sign"
+    if abs(share) < _NEAR:
+        return "the tables were not loaded, or it is another machine"
+    if abs(share - 1) < _NEAR:
+        return "the machine or a set-up moved between the two, or single values are wrong"
+    return "the tables were not loaded, loaded with the wrong sign or unit, or it is another machine"

@@ -1,0 +1,230 @@
+"""Every error of the machine as the belief knows it: curves with their bands and readings, and constants."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from axiscal.errors.iso230 import words
+from axiscal.errors.model import ErrorFunction
+from axiscal.estimation.estimation import Banded, Estimation
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.zero_drift import paths
+from axiscal.language.spoken import later, said
+from axiscal.measurement.place_texts import reading_unit, value_names
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import seen
+from axiscal.measurement.simulation import VirtualMachine
+from axiscal.numerics import Array
+from axiscal.present.summary import ConstantSummary, CurvePoint, CurveSummary
+from axiscal.units import said_quantity, to_unit
+
+_POSITIONS = 101
+"""Points of a drawn curve."""
+_BEARS_ON = 0.1
+"""Share of a reading's sight of an error, from which the reading is drawn at its curve."""
+_SEEN = 0.5
+_UNKNOWNS = {
+    "growth": later("growth"),
+    "lag": later("lag"),
+    "place": later("place"),
+    "scale": later("scale"),
+    "slope": later("slope"),
+    "square": later("turn of the square"),
+    "station": later("station"),
+    "tool": later("tool"),
+    "turn": later("turn"),
+    "zero": later("zero"),
+}
+
+
+def curves(estimation: Estimation, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[CurveSummary]:
+    """Return every error that is a function of position."""
+    wide, estimate = estimation.banded, estimation.estimate()
+    parts = _partial_residuals(estimation, readings)
+    drawn = [function for function in wide.case.errors.functions if function.basis.size > 1]
+    return [_curve(wide, estimate, function, parts, truth) for function in drawn]
+
+
+def value_unit(function: ErrorFunction) -> str:
+    """Return the unit in which values of an error are shown."""
+    return "urad" if function.angular else "um"
+
+
+def _curve(
+    wide: Banded, estimate: Estimate, function: ErrorFunction, parts: list[_Part], truth: VirtualMachine | None
+) -> CurveSummary:
+    axis = wide.case.errors.machine.axes[function.axis]
+    positions = np.linspace(*axis.travel, _POSITIONS)
+    rows = function.basis.rows(positions)
+    unit, position_unit = value_unit(function), axis.unit
+    now, seen = estimate.curve(function.name, positions), _seen_std(wide, function, rows)
+    prior = replace(estimate, belief=wide.case.prior).curve(function.name, positions).std
+    shown = to_unit(positions, position_unit).tolist()
+    return CurveSummary(
+        name=function.name,
+        axis=axis.name,
+        caption=words(function.name),
+        position=shown,
+        mean=to_unit(now.mean, unit).tolist(),
+        std=to_unit(now.std, unit).tolist(),
+        std_seen=to_unit(seen, unit).tolist(),
+        prior_std=to_unit(prior, unit).tolist(),
+        position_unit=position_unit,
+        value_unit=unit,
+        truth=None if truth is None else (shown, to_unit(_truth(truth, function, positions), unit).tolist()),
+        from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(prior**2), 0.0, 1.0)),
+        points=[part.point(wide, function) for part in parts if part.bears_on(function)],
+    )
+
+
+def _seen_std(wide: Banded, function: ErrorFunction, rows: Array) -> Array:
+    """Return the standard deviation without what no allowed reading sees."""
+    known = np.sum((rows @ wide.knowledge.belief.factor[function.columns]) ** 2, axis=1)
+    hidden = np.sum((rows @ wide.case.yardstick.unseen[function.columns]) ** 2, axis=1)
+    std: Array = np.sqrt(np.maximum(known - hidden, 0.0) + function.rest**2)
+    return std
+
+
+def _truth(truth: VirtualMachine, function: ErrorFunction, positions: Array) -> Array:
+    for own, curve in zip(truth.model.terms, truth.curves, strict=True):
+        if own.name == function.name:
+            return curve(positions)
+    return np.zeros_like(positions)
+
+
+def constants(estimation: Estimation) -> list[ConstantSummary]:
+    """Return location errors, constant reversals, and the unknowns of the set-ups."""
+    wide = estimation.banded
+    own = [_constant(wide, f) for f in wide.case.errors.functions if f.basis.size == 1]
+    return own + _setup_unknowns(wide) + _drifts(estimation)
+
+
+def _constant(wide: Banded, function: ErrorFunction) -> ConstantSummary:
+    column, unit = function.columns.start, value_unit(function)
+    std = float(np.linalg.norm(wide.knowledge.belief.factor[column]))
+    prior = float(np.sqrt(function.covariance[0, 0]))
+    hidden = float(np.linalg.norm(wide.case.yardstick.unseen[column]))
+    return ConstantSummary(
+        name=function.name,
+        words=words(function.name),
+        mean=to_unit(float(wide.knowledge.belief.mean[column]), unit),
+        std=to_unit(std, unit),
+        prior_std=to_unit(prior, unit),
+        unit=unit,
+        seen=hidden**2 < _SEEN * prior**2,
+    )
+
+
+def _setup_unknowns(wide: Banded) -> list[ConstantSummary]:
+    result = []
+    for index, setup in enumerate(wide.case.description.setups):
+        columns = wide.knowledge.observation.unknowns_of(index)
+        for column, unknown in zip(columns, setup.unknowns, strict=True):
+            unit = wide.case.unit_of(setup, unknown)
+            result.append(
+                ConstantSummary(
+                    name=f"{setup.name}: {unknown.name}",
+                    words=_unknown_words(unknown.name),
+                    mean=to_unit(float(wide.knowledge.belief.mean[column]), unit),
+                    std=to_unit(float(np.linalg.norm(wide.knowledge.belief.factor[column])), unit),
+                    prior_std=to_unit(unknown.std, unit),
+                    unit=unit,
+                )
+            )
+    return result
+
+
+def _unknown_words(name: str) -> str:
+    """Return what an unknown of a set-up is, such as "station_x", or "low_x" of its ball "low"."""
+    stem, _, way = name.rpartition("_") if name[-2:] in ("_x", "_y", "_z") else (name, "", "")
+    if stem not in _UNKNOWNS:
+        known = said("place of the ball {ball}, {way}", ball=stem, way=way)
+        return known if way else said("{unknown} of the set-up", unknown=name)
+    unknown = said(_UNKNOWNS[stem])
+    whole = said("{unknown} of the set-up", unknown=unknown)
+    return said("{unknown} of the set-up, {way}", unknown=unknown, way=way) if way else whole
+
+
+def _drifts(estimation: Estimation) -> list[ConstantSummary]:
+    """Return how far the zeros that may wander have come from the first reading of their set-up to the last."""
+    result = []
+    for setup in estimation.case.description.setups:
+        unit = reading_unit(setup)
+        for number, path in enumerate(paths(estimation, setup)):
+            name = f"{setup.name}: drift" + (f"_{value_names(setup)[number]}" if value_names(setup)[number] else "")
+            first, last = path.times[0], path.times[-1]
+            result.append(
+                ConstantSummary(
+                    name=name,
+                    words=said("how far its zero came in {time}", time=said_quantity(last - first, "min")),
+                    mean=to_unit(float(path.mean[-1]), unit),
+                    std=to_unit(float(path.std[-1]), unit),
+                    prior_std=to_unit(float(path.prior[-1]), unit),
+                    unit=unit,
+                )
+            )
+    return result
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Part:
+    """One reading, with what the whole model leaves of it.
+
+    moves : axes that its set-up moves; row : (size,) of its first number
+    left : that number less what is expected of it; std : of its noise, m or rad
+    whole : variance that the priors of all errors give it together
+    """
+
+    number: int
+    reading: Reading
+    moves: Sequence[int]
+    row: Array
+    left: float
+    std: float
+    whole: float
+    rejected: bool
+
+    def bears_on(self, function: ErrorFunction) -> bool:
+        """Return whether its set-up moves the axis and the model predicts a noticeable effect of this error on it."""
+        return function.axis in self.moves and _share(self.row, function) > _BEARS_ON * self.whole
+
+    def point(self, wide: Banded, function: ErrorFunction) -> CurvePoint:
+        """Return the reading as this curve sees it: less what the rest of the model says, per unit of the lever."""
+        position = self.reading.pose[function.axis]
+        basis = function.basis.rows(np.array([position]))[0]
+        lever = float(self.row[function.columns] @ basis / (basis @ basis))
+        value = float(basis @ wide.knowledge.belief.mean[function.columns]) + self.left / lever
+        unit, axis = value_unit(function), wide.case.errors.machine.axes[function.axis]
+        return CurvePoint(
+            position=to_unit(position, axis.unit),
+            value=to_unit(value, unit),
+            std=to_unit(self.std / abs(lever), unit),
+            setup=self.reading.setup,
+            reading=self.number,
+            rejected=self.rejected,
+        )
+
+
+def _partial_residuals(estimation: Estimation, readings: Sequence[Reading]) -> list[_Part]:
+    wide = estimation.banded
+    functions, mean = wide.case.errors.functions, wide.knowledge.belief.mean
+    refused = {doubt.reading for doubt in estimation.outliers if doubt.rejected}
+    moves = {setup.name: setup.moves for setup in wide.case.description.setups}
+    parts = []
+    numbers = seen(wide.knowledge.observation, readings)
+    firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
+    for index, (reading, first) in enumerate(zip(readings, firsts, strict=True)):
+        row, std = numbers.rows[first], float(np.sqrt(numbers.variances[first]))
+        left, whole = float(numbers.values[first] - row @ mean), sum(_share(row, function) for function in functions)
+        moved = moves[reading.setup]
+        parts.append(_Part(reading.numbered(index), reading, moved, row, left, std, whole, index in refused))
+    return parts
+
+
+def _share(row: Array, function: ErrorFunction) -> float:
+    """Return the variance that the prior of one error gives to a reading."""
+    own = row[function.columns]
+    return float(own @ function.covariance @ own)

@@ -1,0 +1,236 @@
+"""What a finished campaign leaves in a folder: tables, `result.json`, `report.html`, `report.pdf`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.answers.answer_of_campaign import answer_of
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.versions import versions
+from axiscal.description.particulars import Particulars
+from axiscal.document.durable import write_whole, written
+from axiscal.errors.volume import Box
+from axiscal.estimation.accuracy.yardstick import Yardstick
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import ReadingError, TableError
+from axiscal.language.spoken import said, speaking, spoken_now
+from axiscal.numerics import Array
+from axiscal.numerics.spread import even_points
+from axiscal.numerics.stages import stage
+from axiscal.numerics.threads import one_thread
+from axiscal.present.ball_bar_circles import ball_bar_circles
+from axiscal.present.calibration_certificate import certificate
+from axiscal.present.data_files import data_files
+from axiscal.present.positioning_curves import positioning_curves
+from axiscal.present.result_document import result_json
+from axiscal.present.result_set import RECORD, result_set, write_manifest
+from axiscal.present.statement import NOT_KNOWN
+from axiscal.present.summarising import Extras, record_state, summarise
+from axiscal.present.summary import RecordState, Summary, TableEffect, TableOffer
+from axiscal.present.volume_error import bent_volume, volume_error
+from axiscal.present.whose_language import named_language
+from axiscal.tables import registry
+from axiscal.tables.effect import Deviation, rms, tour
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.offer import Export, effect_sentence
+from axiscal.tables.on_top import informed
+from axiscal.units import to_unit
+
+_ALWAYS = "csv"
+"""What every finished campaign gets beside the files for its own controls; `axiscal export` makes others."""
+_POSES = 2000
+"""Poses over which an RMS is taken: it is known to two percent of itself."""
+
+
+@one_thread()
+def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extras) -> Summary:
+    """Write record, tables, result and report of a campaign as a set, and return what they say.  Raises OSError.
+
+    A table that a control cannot hold is not written; the report says why.
+    The report is in the language of the campaign, else of the person who ends it, all other files are in English.
+    """
+    language = language_of_report(campaign.description.particulars)
+    with speaking("en"):
+        return _delivered(campaign, estimation, out, summarise(campaign, estimation, extras), language, extras.anyway)
+
+
+def _delivered(
+    campaign: Campaign, estimation: Estimation, out: Path, summary: Summary, language: str, anyway: bool
+) -> Summary:
+    home = out / RECORD
+    live = home if home.exists() and campaign.path.exists() and home.samefile(campaign.path) else None
+    with result_set(out, live=live) as folder:
+        if live is None:
+            campaign.copy(folder / RECORD)
+        wanted = dict.fromkeys((*campaign.description.controls, _ALWAYS))
+        with stage("tables", 1, 3):
+            written_for = [_tables(estimation, name, folder / "tables", summary) for name in wanted]
+        summary = replace(summary, tables=[offer for offers, _ in written_for for offer in offers])
+        offered = [found for _, found in written_for if found]
+        summary = _as_left(campaign, estimation, summary, offered)
+        controls = {
+            each.controller: each.control for each in offered if each.controller in campaign.description.controls
+        }
+        answer = answer_of(campaign, estimation, controls, written=True, anyway=anyway)
+        summary = replace(summary, answer=answer.model_copy(update={"checked": summary.answer.checked}))
+        document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
+        written(folder / "result.json", f"{document}\n".encode())
+        with stage("the report as a page", 2, 3):
+            write_report(summary, folder / "report.html", language)
+        with stage("the report on paper", 3, 3):
+            write_report(summary, folder / "report.pdf", language)
+        write_whole(folder / "certificate.xml", certificate(summary))
+        (folder / "data").mkdir()
+        for name, content in data_files(summary).items():
+            write_whole(folder / "data" / name, content)
+        write_manifest(folder, record_state(campaign), summary.versions)
+    return summary
+
+
+def deliver_export(offered: Export, out: Path, record: RecordState) -> None:
+    """Write the files of an export into a folder as a set, with its manifest; raises OSError."""
+    manifest = f"manifest-{offered.controller}.json"
+    with result_set(out, manifest) as folder:
+        write_files(offered, folder)
+        write_manifest(folder, record, versions(), manifest)
+
+
+def language_of_report(particulars: Particulars, wanted: str | None = None) -> str:
+    """Return the language of a report: wanted or AXISCAL_LANGUAGE, else of campaign.toml, else that is spoken now.
+
+    That of the computer does not count: the same command gives the same bytes everywhere.
+    """
+    return named_language(wanted) or particulars.language or spoken_now()
+
+
+def write_report(summary: Summary, path: Path, language: str | None = None) -> None:
+    """Write the report, as certificate, as PDF or as a page, by the name of its file; raises OSError.
+
+    language : that somebody wants the page or the PDF in; the certificate is in English
+    """
+    with speaking("en" if path.suffix.lower() == ".xml" else language_of_report(summary.particulars, language)):
+        _write(summary, path)
+
+
+def _write(summary: Summary, path: Path) -> None:
+    if path.suffix.lower() == ".xml":
+        write_whole(path, certificate(summary))
+        return
+    if path.suffix.lower() == ".pdf":
+        from axiscal.present.printed import pdf
+
+        write_whole(path, pdf(summary))
+        return
+    from axiscal.present.page import render
+
+    write_whole(path, render(summary).encode())
+
+
+def _tables(
+    estimation: Estimation, controller: str, folder: Path, summary: Summary
+) -> tuple[list[TableOffer], Export | None]:
+    """Write the files for one control and return what they hold and leave, or why there are none, and the files."""
+    if summary.answer.withheld:
+        return [TableOffer("none written", controller, "", said(NOT_KNOWN))], None
+    warnings = [warning.text for warning in summary.warnings]
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        options = informed(ExportOptions(), estimation.case.description, controller)
+        offered = registry.export(estimation.estimate(), controller, options)
+    except (TableError, ReadingError) as refusal:
+        return [TableOffer("none written", controller, "", str(refusal))], None
+    whole = introduced(offered, summary.expanded.factor, warnings, summary.agreement.words, summary.record)
+    write_files(whole, folder / controller)
+    left, effect = left_out(offered), effect_of(offered)
+    axes = {name: name.partition(".")[0].replace("_", " ") for name in offered.files}
+    rows = [TableOffer(f"tables/{controller}/{name}", controller, axis, left, effect) for name, axis in axes.items()]
+    return rows, offered
+
+
+def _as_left(campaign: Campaign, estimation: Estimation, summary: Summary, offered: Sequence[Export]) -> Summary:
+    """Return the summary with the errors as the tables that leave least leave them."""
+    if summary.volume is None or not offered:
+        return summary
+    best = min(offered, key=lambda each: each.expected)
+    left_by = best.controller, best.control
+    read = campaign.description, campaign.state.readings, estimation
+    return replace(
+        summary,
+        volume=volume_error(estimation, *left_by),
+        bent=bent_volume(estimation, *left_by),
+        positioning=positioning_curves(*read, *left_by),
+        circles=ball_bar_circles(*read, *left_by),
+    )
+
+
+def effect_of(offered: Export) -> TableEffect:
+    """Return what the files do to the tool point, um."""
+    return TableEffect(*(to_unit(each, "um") for each in (*offered.effect, offered.expected)))
+
+
+def introduced(
+    offered: Export, factor: float, warnings: Sequence[str], agreement: str, record: RecordState | None
+) -> Export:
+    """Return an export whose README.txt says where it comes from, what to expect of it, and last what is doubtful.
+
+    factor : k of the expanded uncertainty; agreement : whether the readings agree, "" before the first
+    """
+    expected = f"{effect_words(offered.controller, effect_of(offered), factor)} (95 %)"
+    if agreement:
+        expected = f"{agreement}.\n{expected}"
+    text = offered.readme.replace("\nThese files hold ", f"\n{expected}\nThese files hold ", 1)
+    if record is not None:
+        origin = f"From the record {record.file} at event {record.event}: {record.hash}"
+        text = text.replace("\nThese files hold ", f"\n{origin}\nThese files hold ", 1)
+    if warnings:
+        text = f"{text.rstrip()}\n\nMind, before the files are loaded:\n" + "".join(f"- {each}\n" for each in warnings)
+    return replace(offered, readme=text)
+
+
+def effect_words(controller: str, effect: TableEffect, factor: float) -> str:
+    """Return what is to be expected with all files of a control loaded.  factor : k"""
+    return said(
+        "With the files for {controller} U = {expanded:.3g} um is to be expected: of {before:.3g} um RMS as estimated "
+        "they leave {after:.3g} um.",
+        controller=controller,
+        expanded=factor * effect.expected,
+        before=effect.before,
+        after=effect.after,
+    )
+
+
+def write_files(offered: Export, folder: Path) -> None:
+    """Write the files of an export with their README.txt; raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in {**offered.files, "README.txt": offered.readme}.items():
+        write_whole(folder / name, text.encode())
+
+
+def reached(yardstick: Yardstick, estimate: Estimate, truth: Deviation) -> float:
+    """Return the RMS over the volume of the true deviation less the estimated one, m.
+
+    Its constant part is taken off, and where parts are aligned a turn of them, too.
+    """
+    places = _poses(estimate.box) if yardstick.sample is None else yardstick.sample[:_POSES]
+    poses, approaches = tour(places, estimate.box)
+    missed = truth(poses, approaches) - estimate.deviation(poses, approaches)
+    left = missed if yardstick.alignment is None else yardstick.alignment.left(poses, missed)
+    return rms(left, yardstick.counted)
+
+
+def left_out(offered: Export) -> str:
+    """Say what the files leave of the deviation."""
+    return effect_sentence(said("All files together"), offered.effect, offered.unknown)
+
+
+def _poses(box: Box) -> Array:
+    """Return poses spread evenly over a volume, (m, q)."""
+    low, high = np.array(box).T
+    poses: Array = low + (high - low) * even_points(_POSES, len(low))
+    return poses

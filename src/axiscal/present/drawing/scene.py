@@ -1,0 +1,243 @@
+"""A scene of solids, lines, arrows and words in metres, drawn as SVG from the front, the right and above."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from axiscal.numerics import Array
+from axiscal.present.drawing.labels import FONT, Label, placed, text_width
+from axiscal.present.drawing.solids import Face, Solid, far_to_near
+from axiscal.present.drawing.strokes import Point, short_number, text_safe
+
+_TURN, _LIFT = np.radians(33.0), np.radians(27.0)
+"""How far who looks stands to the right of the front, and above the floor, rad; a matter of taste."""
+RIGHT: Array = np.array([np.cos(_TURN), np.sin(_TURN), 0.0])
+"""Unit vector of the scene that runs to the right in the picture."""
+UP: Array = np.array([-np.sin(_TURN) * np.sin(_LIFT), np.cos(_TURN) * np.sin(_LIFT), np.cos(_LIFT)])
+"""Unit vector of the scene that runs up in the picture."""
+EYE: Array = np.cross(RIGHT, UP)
+"""Unit vector towards who looks."""
+_DARK = {(0, 1): 0.16, (0, -1): 0.1, (1, 1): 0.12, (1, -1): 0.07, (2, 1): 0.0, (2, -1): 0.22}
+"""Share of black on faces that look along a direction, and against it; a matter of taste."""
+_HEAD, _HALF_HEAD = 11.0, 4.5
+"""Pixels of the head of an arrow; a matter of taste."""
+_MARGIN = 14.0
+"""Pixels around what is drawn, for the names of arrows."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Stroke:
+    """A line over all solids.  points : (n, 3) m; width : pixels; filled : colour of what it encloses, "" for none"""
+
+    points: Array
+    colour: str
+    width: float = 1.5
+    dash: str = ""
+    opacity: float = 1.0
+    filled: str = ""
+
+    def moved(self, motion: Array) -> Stroke:
+        """Return the line moved by a rigid motion, (4, 4)."""
+        return replace(self, points=_moved(self.points, motion))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RoundMark:
+    """A ball over all solids.  centre : (3,) m; radius : m; least : radius in pixels below which it does not shrink"""
+
+    centre: Array
+    radius: float
+    colour: str
+    least: float = 2.6
+
+    @property
+    def points(self) -> Array:
+        """Its centre, (1, 3) m."""
+        return self.centre[None]
+
+    def moved(self, motion: Array) -> RoundMark:
+        """Return the ball moved by a rigid motion, (4, 4)."""
+        return replace(self, centre=_moved(self.centre[None], motion)[0])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Arrow:
+    """A way with a head at its end and a name there.  points : (n, 3) m, straight where there are two"""
+
+    points: Array
+    name: str
+    colour: str = "ink"
+
+    def moved(self, motion: Array) -> Arrow:
+        """Return the arrow moved by a rigid motion, (4, 4)."""
+        return replace(self, points=_moved(self.points, motion))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Caption:
+    """Words beside a place.  at : (3,) m"""
+
+    at: Array
+    words: str
+
+    @property
+    def points(self) -> Array:
+        """Its place, (1, 3) m."""
+        return self.at[None]
+
+    def moved(self, motion: Array) -> Caption:
+        """Return the words beside the place where a rigid motion, (4, 4), takes theirs."""
+        return replace(self, at=_moved(self.at[None], motion)[0])
+
+
+Part = Solid | Stroke | RoundMark | Arrow | Caption
+Mark = Stroke | RoundMark | Arrow
+
+
+@dataclass(frozen=True, slots=True)
+class Viewport:
+    """Frame of a scene, pixels."""
+
+    left: float
+    top: float
+    width: float
+    height: float
+
+
+def flat(points: Array) -> Array:
+    """Return points of a scene as seen, (n, 2) m, right and down.  points : (n, 3) m"""
+    seen: Array = np.stack([points @ RIGHT, -(points @ UP)], axis=1)
+    return seen
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Fit:
+    """How a scene lies in its frame: pixel = scale · seen + shift."""
+
+    scale: float
+    shift: Array
+    frame: Viewport
+
+    @classmethod
+    def of(cls, points: Array, frame: Viewport) -> Fit:
+        """Return the largest way to fit points, (n, 3) m, into a frame."""
+        seen = flat(points)
+        low, high = seen.min(axis=0), seen.max(axis=0)
+        size, room = np.maximum(high - low, 1e-12), np.array([frame.width, frame.height]) - 2 * _MARGIN
+        scale = float((room / size).min())
+        middle = np.array([frame.left + frame.width / 2, frame.top + frame.height / 2])
+        return cls(scale, middle - scale * (low + high) / 2, frame)
+
+    def pixels(self, points: Array) -> Array:
+        """Return where points (n, 3) m stand, (n, 2)."""
+        at: Array = flat(points) * self.scale + self.shift
+        return at
+
+
+def points_of(parts: Sequence[Part]) -> Array:
+    """Return all points of parts, (n, 3) m."""
+    return np.vstack([part.points for part in parts])
+
+
+def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -> str:
+    """Return a scene as SVG elements, as large as its frame allows; what lies outside of the frame is cut off.
+
+    within : points that fill the frame, (n, 3) m, in place of those of the parts; several scenes get one scale by it
+    """
+    fitted = Fit.of(points_of(parts) if within is None else within, frame)
+    solids = far_to_near([part for part in parts if isinstance(part, Solid)], EYE)
+    marks = [part for part in parts if isinstance(part, (Stroke, RoundMark, Arrow))]
+    labels = [_label(part, fitted) for part in parts if isinstance(part, (Arrow, Caption))]
+    shown = placed(labels, (frame.left, frame.top, frame.left + frame.width, frame.top + frame.height))
+    inside = [*(_solid(each, fitted) for each in solids), *(_mark(each, fitted) for each in marks)]
+    return _cut("".join(inside), frame) + "".join(label.svg() for label in shown)
+
+
+def _cut(inside: str, frame: Viewport) -> str:
+    x, y, width, height = (short_number(each) for each in (frame.left, frame.top, frame.width, frame.height))
+    view = f'x="{x}" y="{y}" width="{width}" height="{height}" viewBox="{x} {y} {width} {height}"'
+    return f"<svg {view}>{inside}</svg>"
+
+
+def _moved(points: Array, motion: Array) -> Array:
+    there: Array = points @ motion[:3, :3].T + motion[:3, 3]
+    return there
+
+
+def _solid(solid: Solid, fitted: Fit) -> str:
+    """Return the faces that are seen, and their shades over all of them: strips of a round side leave no seams."""
+    facing = [(_way(fitted.pixels(face.points)) + "z", face) for face in solid.faces if face.normal @ EYE > 1e-9]
+    inside = "".join([*(_face(d, face, solid.paint) for d, face in facing), *(_shade(d, face) for d, face in facing)])
+    return inside if solid.opacity == 1 else f'<g opacity="{solid.opacity:g}">{inside}</g>'
+
+
+def _face(d: str, face: Face, paint: str) -> str:
+    edge = "edge" if face.edged else paint
+    return f'<path d="{d}" fill="var(--{paint})" stroke="var(--{edge})" stroke-width=".9" stroke-linejoin="round"/>'
+
+
+def _shade(d: str, face: Face) -> str:
+    dark = _darkness(face.normal)
+    return f'<path d="{d}" fill="#000000" fill-opacity="{dark:.3f}"/>' if dark > 5e-3 else ""
+
+
+def _darkness(normal: Array) -> float:
+    """Return how much black lies on a face: a mixture of the sides of the room that it looks to."""
+    return sum(float(part) ** 2 * _DARK[k, 1 if part > 0 else -1] for k, part in enumerate(normal))
+
+
+def _mark(mark: Mark, fitted: Fit) -> str:
+    colour, at = f"var(--{mark.colour})", fitted.pixels(mark.points)
+    if isinstance(mark, RoundMark):
+        radius = max(mark.radius * fitted.scale, mark.least)
+        return (
+            f'<circle cx="{short_number(at[0, 0])}" cy="{short_number(at[0, 1])}" r="{short_number(radius)}" '
+            f'fill="{colour}" stroke="var(--paper)" stroke-width="1"/>'
+        )
+    if isinstance(mark, Arrow):
+        return _arrow(at, colour)
+    dash = f' stroke-dasharray="{mark.dash}"' if mark.dash else ""
+    faint = f' stroke-opacity="{mark.opacity:g}"' if mark.opacity != 1 else ""
+    inside = f'"var(--{mark.filled})" fill-opacity=".35"' if mark.filled else '"none"'
+    return (
+        f'<path d="{_way(at)}" fill={inside} stroke="{colour}" stroke-width="{mark.width:g}"{dash}{faint} '
+        'stroke-linejoin="round" stroke-linecap="round"/>'
+    )
+
+
+def _arrow(at: Array, colour: str) -> str:
+    tip, along = at[-1], at[-1] - at[-2]
+    along = along / max(float(np.hypot(*along)), 1e-9)
+    across, neck = np.array([-along[1], along[0]]), tip - _HEAD * along
+    shaft = np.vstack([at[:-1][np.hypot(*(at[:-1] - tip).T) > _HEAD], neck])
+    head = _way(np.array([tip, neck + _HALF_HEAD * across, neck - _HALF_HEAD * across])) + "z"
+    return (
+        f'<path d="{_way(shaft)}" fill="none" stroke="{colour}" stroke-width="2.4"/><path d="{head}" fill="{colour}"/>'
+    )
+
+
+def _way(points: Array) -> str:
+    return "M" + "L".join(f"{short_number(x)} {short_number(y)}" for x, y in points.tolist())
+
+
+def _label(part: Arrow | Caption, fitted: Fit) -> Label:
+    at = fitted.pixels(part.points)
+    if isinstance(part, Caption):
+        return Label(part.words, _point(at[0]), "soft")
+    along = at[-1] - at[-2]
+    along = along / max(float(np.hypot(*along)), 1e-9)
+    reach = 6.0 + abs(along[0]) * text_width(part.name, FONT + 2) / 2 + abs(along[1]) * FONT / 2
+    return Label(part.name, _point(at[-1]), "axis", FONT + 2, first=_point(at[-1] + reach * along))
+
+
+def _point(at: Array) -> Point:
+    return float(at[0]), float(at[1])
+
+
+def page(width: float, height: float, body: str, label: str) -> str:
+    """Return an SVG element of a page; its colours are variables of the page.  label : for people who hear it"""
+    size = f'viewBox="0 0 {width:g} {height:g}" width="{width:g}" height="{height:g}"'
+    return f'<svg class="picture scene" {size} role="img" aria-label="{text_safe(label)}">{body}</svg>'

@@ -1,0 +1,317 @@
+"""A figure as SVG: axes with ticks, lines, bands, marks with whiskers, maps, labels.
+
+A figure is a plain dict: `data`, a list of traces, and `layout`. The names in both are those of plotly's schema; the
+code below reads a part of it. Colours are CSS variables, which the page or `on_paper` resolves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from axiscal.language.spoken import decimals
+from axiscal.present.drawing.colours import map_image
+from axiscal.present.drawing.strokes import Point, dots, line, mark, short_number, text_safe, title, way, words
+
+_SLACK = 1e-9
+"""Share of a step by which a tick may lie outside through rounding."""
+_WIDE_DECADES = 1.6
+"""From so many decades on, ticks stand at 1 alone."""
+_FINE_DECADES = 0.5
+"""Up to so many decades ticks stand as on a linear axis: 1, 2 and 5 would leave one or two."""
+
+Figure = dict[str, Any]
+
+_POINTED_AT = 60
+"""Up to so many marks of a trace say what they are to a pointer; more would make the page heavy."""
+_TICK_SIZE, _TITLE_SIZE = 10.5, 11.5
+"""Pixels; a matter of taste."""
+_BAR = 9.0
+"""Pixels; a matter of taste."""
+_APART = {"x": 46.0, "y": 26.0}
+"""Pixels between two ticks at least: a number has to fit between them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """Where the axes of a picture run."""
+
+    x: PixelScale
+    y: PixelScale
+
+    def at(self, x: float, y: float) -> Point:
+        """Return a point of the picture."""
+        return self.x.pixel(x), self.y.pixel(y)
+
+
+def picture(figure: Figure, width: int, label: str = "") -> str:
+    """Return a figure as an SVG element of a width in pixels, which its page may stretch."""
+    layout, height = figure["layout"], figure["layout"]["height"]
+    frame = _frame(figure, width, height)
+    left, top = frame.x.start, frame.y.end
+    span = f'x="{short_number(left)}" y="{short_number(top)}" width="{short_number(frame.x.end - left)}"'
+    within = [trace for trace in figure["data"] if trace.get("cliponaxis", True)]
+    beyond = [trace for trace in figure["data"] if not trace.get("cliponaxis", True)]
+    parts = [
+        f'<svg class="picture" viewBox="0 0 {width} {height}" width="{width}" height="{height}" role="img" ',
+        f'aria-label="{text_safe(label)}">',
+        *(_shape(shape, frame) for shape in layout.get("shapes", [])),
+        *_axes(layout, frame),
+        f'<svg {span} height="{short_number(frame.y.start - top)}" ',
+        f'viewBox="{short_number(left)} {short_number(top)} {short_number(frame.x.end - left)} ',
+        f'{short_number(frame.y.start - top)}"><g class="data">',
+        *(part for trace in within for part in _trace(trace, frame)),
+        "</g></svg>",
+        *(part for trace in beyond for part in _trace(trace, frame)),
+        *(part for trace in figure["data"] if "colorbar" in trace for part in _colour_bar(trace, frame)),
+        *(_annotation(each, frame) for each in layout.get("annotations", [])),
+        "</svg>",
+    ]
+    return "".join(parts)
+
+
+def _frame(figure: Figure, width: int, height: int) -> Frame:
+    layout = figure["layout"]
+    margin, bar = layout["margin"], 44 if any("colorbar" in trace for trace in figure["data"]) else 0
+    left, right = float(margin["l"]), float(width - margin["r"] - bar)
+    top, bottom = float(margin["t"]), float(height - margin["b"])
+    x = _scale(figure, "x", left, right)
+    y = _scale(figure, "y", bottom, top)
+    return Frame(x, y)
+
+
+def _scale(figure: Figure, name: str, start: float, end: float) -> PixelScale:
+    axis = figure["layout"][f"{name}axis"]
+    logarithmic = axis.get("type") == "log"
+    if "range" in axis:
+        return PixelScale(axis["range"][0], axis["range"][1], start, end, logarithmic)
+    values = [value for trace in figure["data"] for value in trace[name] if value is not None]
+    probe = PixelScale(0.0, 1.0, 0.0, 1.0, logarithmic)
+    low, high = spread_of([probe.pixel(value) for value in values], axis.get("rangemode") == "tozero")
+    return PixelScale(low, high, start, end, logarithmic)
+
+
+def _axes(layout: Figure, frame: Frame) -> Iterator[str]:
+    yield from _upright(layout["yaxis"], frame.x, frame.y)
+    x, foot = layout["xaxis"], frame.y.start
+    for at, text in frame.x.ticks(_room(frame.x, "x", x), x.get("dtick") if frame.x.logarithmic is False else None):
+        if x.get("showgrid", True):
+            yield line(way([(at, frame.y.end), (at, foot)]), x["gridcolor"], 1)
+        yield words(text, (at, foot + 14), _TICK_SIZE, "var(--soft)", "middle")
+    yield line(way([(frame.x.start, foot), (frame.x.end, foot)]), x["linecolor"], 1)
+    middle = (frame.x.start + frame.x.end) / 2
+    yield words(x["title"]["text"], (middle, foot + 32), _TITLE_SIZE, "var(--soft)", "middle")
+
+
+def _upright(y: Figure, across: PixelScale, scale: PixelScale) -> Iterator[str]:
+    left, right = across.start, across.end
+    for at, text in scale.ticks(_room(scale, "y", y), None if scale.logarithmic else y.get("dtick")):
+        if y.get("showgrid", True):
+            yield line(way([(left, at), (right, at)]), y["gridcolor"], 1)
+        yield words(text, (left - 6, at + 3.5), _TICK_SIZE, "var(--soft)", "end")
+    if y.get("zeroline") and scale.low < 0 < scale.high:
+        yield line(way([(left, scale.pixel(0.0)), (right, scale.pixel(0.0))]), y["zerolinecolor"], 1.2)
+    yield line(way([(left, scale.start), (left, scale.end)]), y["linecolor"], 1)
+    middle = (scale.start + scale.end) / 2
+    turned = f' transform="rotate(-90 12 {short_number(middle)})"'
+    yield words(y["title"]["text"], (12, middle), _TITLE_SIZE, "var(--soft)", "middle", turned)
+
+
+def _room(scale: PixelScale, name: str, axis: Figure) -> int:
+    wanted: int = axis.get("nticks", 10)
+    return min(wanted, max(1, int(abs(scale.end - scale.start) / _APART[name])))
+
+
+def _shape(shape: Figure, frame: Frame) -> str:
+    x0, x1 = _place(frame.x, shape, "x", 0), _place(frame.x, shape, "x", 1)
+    y0, y1 = _place(frame.y, shape, "y", 0), _place(frame.y, shape, "y", 1)
+    if shape["type"] == "line":
+        look = shape["line"]
+        return line(way([(x0, y0), (x1, y1)]), look["color"], look["width"], look.get("dash", ""))
+    sizes = (min(x0, x1), min(y0, y1), abs(x1 - x0), abs(y1 - y0))
+    x, y, across, up = (short_number(size) for size in sizes)
+    return f'<rect x="{x}" y="{y}" width="{across}" height="{up}" fill="{shape["fillcolor"]}"/>'
+
+
+def _place(scale: PixelScale, shape: Figure, name: str, end: int) -> float:
+    value: float = shape[f"{name}{end}"]
+    if shape.get(f"{name}ref") == "paper":
+        return scale.start + value * (scale.end - scale.start)
+    return scale.pixel(value)
+
+
+def _annotation(label: Figure, frame: Frame) -> str:
+    x = frame.x.start + label["x"] * (frame.x.end - frame.x.start) + label.get("xshift", 0)
+    y = frame.y.of_range(label["y"]) - label.get("yshift", 0)
+    y += 4 if label["yanchor"] == "middle" else -4
+    return words(label["text"], (x, y), label["font"]["size"], label["font"]["color"])
+
+
+def _trace(trace: Figure, frame: Frame) -> Iterator[str]:
+    if trace["type"] == "heatmap":
+        yield _map(trace, frame)
+        return
+    pairs = zip(trace["x"], trace["y"], strict=True)
+    points = [None if y is None else frame.at(x, y) for x, y in pairs]
+    mode = trace["mode"]
+    if trace.get("fill"):
+        yield f'<path d="{way([p for p in points if p], closed=True)}" fill="{trace["fillcolor"]}"/>'
+        return
+    if "lines" in mode:
+        look = trace["line"]
+        for stretch in _stretches(points):
+            yield line(way(stretch), look["color"], look.get("width", 1.5), look.get("dash", ""))
+    if "error_y" in trace:
+        yield _whiskers(trace, points, frame)
+    if "markers" in mode:
+        yield from _marks(trace, points)
+
+
+def _stretches(points: Sequence[Point | None]) -> Iterator[list[Point]]:
+    found: list[Point] = []
+    for point in (*points, None):
+        if point is not None:
+            found.append(point)
+        elif found:
+            yield found
+            found = []
+
+
+def _whiskers(trace: Figure, points: Sequence[Point | None], frame: Frame) -> str:
+    bars, d = trace["error_y"], []
+    for point, y, half in zip(points, trace["y"], bars["array"], strict=True):
+        if point is not None:
+            low, high = (short_number(_edge(frame, y + sign * half)) for sign in (-1, 1))
+            d.append(f"M{short_number(point[0])} {low}V{high}")
+    return line("".join(dict.fromkeys(d)), bars["color"], bars.get("thickness", 1))
+
+
+def _edge(frame: Frame, value: float) -> float:
+    """Return where a whisker ends; on a logarithmic axis one that goes below 0 ends at the foot."""
+    return frame.y.start if frame.y.logarithmic and value <= 0 else frame.y.pixel(value)
+
+
+def _marks(trace: Figure, points: Sequence[Point | None]) -> Iterator[str]:
+    marker, texts = trace["marker"], trace.get("text")
+    count = len(points)
+    symbols, colours = _each(marker.get("symbol", "circle"), count), _each(marker["color"], count)
+    edge = marker.get("line", {})
+    pointed = texts is not None and count <= _POINTED_AT
+    if marker.get("round"):
+        yield from _dots([point for point in points if point], marker)
+    for number, point in enumerate(points):
+        if point is None:
+            continue
+        size = marker["size"]
+        drawn = "" if marker.get("round") else mark(
+            symbols[number], point, size, colours[number], edge.get("color", colours[number]), edge.get("width", 0)
+        )  # fmt: skip
+        if pointed and texts:
+            ground = mark("circle", point, max(size, 10.0), "transparent", "", 0) if marker.get("round") else drawn
+            yield f"<g>{title(texts[number])}{ground}</g>"
+        elif drawn:
+            yield drawn
+
+
+def _dots(points: Sequence[Point], marker: Figure) -> Iterator[str]:
+    yield dots(points, marker["line"]["color"], marker["size"] + 2 * marker["line"]["width"])
+    yield dots(points, marker["color"], marker["size"])
+    if marker["symbol"].endswith("-open"):
+        yield dots(points, marker["line"]["color"], marker["size"] - 3)
+
+
+def _each(value: Any, count: int) -> Sequence[Any]:
+    return value if isinstance(value, list) else [value] * count
+
+
+def _map(trace: Figure, frame: Frame) -> str:
+    x, y = (scale.pixel(at) for scale, at in ((frame.x, trace["x"][0]), (frame.y, trace["y"][-1])))
+    across, up = frame.x.pixel(trace["x"][-1]) - x, frame.y.pixel(trace["y"][0]) - y
+    image = map_image(trace["z"], trace["colorscale"], trace["zmin"], trace["zmax"])
+    size = f'width="{short_number(across)}" height="{short_number(up)}" preserveAspectRatio="none"'
+    return f'<image x="{short_number(x)}" y="{short_number(y)}" {size} href="{image}"/>'
+
+
+def _colour_bar(trace: Figure, frame: Frame) -> Iterator[str]:
+    low, high, left = trace["zmin"], trace["zmax"], frame.x.end + 10
+    scale = PixelScale(low, high, frame.y.start, frame.y.end)
+    steps = [[low + (high - low) * k / 16] * 2 for k in range(17)]
+    image = map_image(steps, trace["colorscale"], low, high)
+    place = f'x="{short_number(left)}" y="{short_number(frame.y.end)}"'
+    size = f'width="{_BAR:g}" height="{short_number(frame.y.start - frame.y.end)}" preserveAspectRatio="none"'
+    yield f'<image {place} {size} href="{image}"/>'
+    for at, text in scale.ticks(6):
+        yield words(text, (left + _BAR + 4, at + 3.5), _TICK_SIZE - 1, "var(--soft)")
+
+
+@dataclass(frozen=True, slots=True)
+class PixelScale:
+    """low, high : range, logarithms to base ten where `logarithmic`; start, end : pixels"""
+
+    low: float
+    high: float
+    start: float
+    end: float
+    logarithmic: bool = False
+
+    def pixel(self, value: float) -> float:
+        """Return where a value stands."""
+        return self.of_range(math.log10(value) if self.logarithmic else value)
+
+    def of_range(self, place: float) -> float:
+        """Return where a place of the range stands: a value, or its logarithm."""
+        return self.start + (place - self.low) / (self.high - self.low) * (self.end - self.start)
+
+    def ticks(self, count: int, step: float | None = None) -> list[tuple[float, str]]:
+        """Return about so many ticks as (pixel, text).  step : between two of them, where it is given"""
+        values = self._decades(count) if self.logarithmic else _even(self.low, self.high, count, step)
+        return [(self.pixel(value), tick_text(value)) for value in values]
+
+    def _decades(self, count: int) -> list[float]:
+        if self.high - self.low < _FINE_DECADES:
+            return [value for value in _even(10**self.low, 10**self.high, count, None) if value > 0]
+        factors = (1,) if self.high - self.low > _WIDE_DECADES and count < _MANY else (1, 2, 5)
+        powers = range(math.floor(self.low), math.ceil(self.high) + 1)
+        values = [factor * 10.0**power for power in powers for factor in factors]
+        return [value for value in values if self.low <= math.log10(value) <= self.high]
+
+
+_FEWEST = 2
+"""Ticks without which a picture has no scale."""
+_MANY = 5
+"""Ticks from which there is room for 1, 2 and 5 of several decades."""
+
+
+def tick_text(value: float) -> str:
+    """Return the text of a tick."""
+    text = f"{value:.6g}"
+    return "0" if text in ("0", "-0") else decimals(text).replace("-", "−")
+
+
+def _even(low: float, high: float, count: int, step: float | None) -> list[float]:
+    size = step or _round((high - low) / max(count, 1))
+    found = _multiples(low, high, size)
+    while len(found) < _FEWEST and step is None and high > low:
+        size = _round(size / 3)  # 5, 2, 1: the next round step down
+        found = _multiples(low, high, size)
+    return found
+
+
+def _multiples(low: float, high: float, size: float) -> list[float]:
+    first, last = math.ceil(low / size - _SLACK), math.floor(high / size + _SLACK)
+    return [float(f"{number * size:.9g}") for number in range(first, last + 1)]
+
+
+def _round(size: float) -> float:
+    """Return the smallest of 1, 2, 5 times a power of ten that is not below size."""
+    power = 10.0 ** math.floor(math.log10(size))
+    return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= size * (1 - _SLACK))
+
+
+def spread_of(values: Sequence[float], from_nought: bool) -> tuple[float, float]:
+    """Return the range of an axis that nobody has chosen: all values with a margin.  from_nought : it begins there"""
+    low, high = min(values, default=0.0), max(values, default=1.0)
+    margin = 0.05 * (high - low) or max(abs(high), 1.0) * 0.05
+    return (min(0.0, low) if from_nought else low - margin), high + margin

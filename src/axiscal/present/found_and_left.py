@@ -1,0 +1,201 @@
+"""The picture that a report begins with: the machine's errors as bent axes, found beside left, enlarged on one scale.
+
+    picture = found_and_left(volume, 1110)
+
+Thin lines are machines that the readings still allow: without them what is left would look like a perfect box.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from markupsafe import Markup
+
+from axiscal.language.spoken import said
+from axiscal.numerics import Array
+from axiscal.present.drawing.labels import text, wrapped
+from axiscal.present.drawing.scene import EYE, Arrow, Fit, Part, Stroke, Viewport, drawn, page, points_of
+from axiscal.present.drawing.shown import WIDTHS, Drawing
+from axiscal.present.drawing.solids import Solid
+from axiscal.present.drawing.strokes import short_number
+from axiscal.present.machine_drawing.machine_scene import machine_parts
+from axiscal.present.machine_drawing.standing_machine import StandingMachine
+from axiscal.present.volume_error import MACHINES, BentVolume, sides_of
+
+_SHARE = 0.1
+"""Of the shortest side, that the largest deviation has."""
+_GHOST = 0.22
+"""Opacity of the machine behind its errors; a matter of taste."""
+_LINE, _SIDE = 20.0, 12.0
+"""Pixels of a line of words, and between the picture and its edge."""
+_BESIDE = 700.0
+"""Pixels from which on both are beside each other, and below which one is under the other."""
+_BAR = 60.0
+"""Pixels of the bar that shows the scale, at most."""
+
+
+def found_and_left(volume: BentVolume, width: float, found: str = "", left: str = "") -> str:
+    """Return the picture as an SVG element of a page.
+
+    width : pixels; found, left : figures under the titles, such as "27 µm"
+    """
+    whole = found_and_left_drawing(volume, width, found, left)
+    return page(whole.width, whole.height, whole.body, said("The error of the volume"))
+
+
+def found_and_left_shown(volume: BentVolume, found: str = "", left: str = "") -> Markup:
+    """Return the picture as markup: one for each width of screen, of which the page shows one."""
+    return Markup("".join(
+        f'<div class="at-{name}">{found_and_left(volume, width, found, left)}</div>'
+        for name, width in WIDTHS.items()
+    ))  # fmt: skip
+
+
+def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", left: str = "") -> Drawing:
+    """Return the picture for a width, as `found_and_left`."""
+    times, room = magnification(volume), StandingMachine(volume.machine, _home(volume))
+    panels = [(said("found"), found, volume.found, "beam")]
+    if volume.left is not None:
+        title = said("left with the tables for {controller}", controller=volume.controller)
+        panels.append((title, left, volume.left, "read"))
+    beside = width >= _BESIDE
+    across = width / len(panels) if beside else width
+    high = round(across * (0.72 if len(panels) > 1 or not beside else 0.5))
+    around = _around(volume, room, times)
+    heads = [[*wrapped(title, across - 2 * _SIDE), *([words] if words else [])] for title, words, _, _ in panels]
+    body, head = "", _LINE * max(map(len, heads)) + 10
+    for n, (_, words, values, colour) in enumerate(panels):
+        x, y = (n * across, 0.0) if beside else (0.0, n * (high + head))
+        for line, each in enumerate(heads[n]):
+            body += text(x + _SIDE, y + 18 + _LINE * line, each, "soft" if each == words else "title")
+        frame = Viewport(x + _SIDE, y + head, across - 2 * _SIDE, high)
+        body += drawn(
+            [*_ghost(room), *_bent(volume, room, values, times, colour), *_triad(volume, room)], frame, around
+        )
+    scale = Fit.of(around, Viewport(0, 0, across - 2 * _SIDE, high)).scale
+    top = (high + head) * (1 if beside else len(panels))
+    lines = wrapped(_legend(volume, times), width - 2 * _SIDE)
+    bar, length = _scale_bar(scale * times, top + 8)
+    body += bar + "".join(text(_SIDE + (length if n == 0 else 0), top + 17 + _LINE * n, each, "soft")
+                          for n, each in enumerate(_beside_bar(lines, width, length)))  # fmt: skip
+    return Drawing(width, top + 12 + _LINE * len(_beside_bar(lines, width, length)), body)
+
+
+def magnification(volume: BentVolume) -> float:
+    """Return by how many times deviations are enlarged: the nearest 1, 2 or 5 times a power of ten.
+
+    The largest of all that are drawn is then about a tenth of the shortest side.
+    """
+    drawn_ones = [each + volume.allowed for each in _of_all(volume)] + [each[None] for each in _of_all(volume)]
+    largest = max(float(np.linalg.norm(each, axis=-1).max()) for each in drawn_ones)
+    shortest = min(sides_of(volume.tcp), default=1.0)
+    wanted = math.log10(_SHARE * shortest / max(largest, 1e-12))
+    powers = range(math.floor(wanted) - 1, math.floor(wanted) + 2)
+    steps = [factor * 10.0**power for power in powers for factor in (1, 2, 5)]
+    return min(steps, key=lambda step: abs(math.log10(step) - wanted))
+
+
+def _of_all(volume: BentVolume) -> list[Array]:
+    return [volume.found] if volume.left is None else [volume.found, volume.left]
+
+
+def _home(volume: BentVolume) -> Array:
+    return np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in volume.machine.axes])
+
+
+def _ghost(room: StandingMachine) -> list[Part]:
+    """Return the machine, hardly seen."""
+    solids = (part for part in machine_parts(room) if isinstance(part, Solid))
+    return [replace(solid, opacity=_GHOST * solid.opacity) for solid in solids]
+
+
+def _in_room(room: StandingMachine, grid: Array) -> Array:
+    return room.on_table(grid.reshape(-1, 3), turned=False).reshape(grid.shape)
+
+
+def _around(volume: BentVolume, room: StandingMachine, times: float) -> Array:
+    """Return all that any of the panels shows, (n, 3) m: both have one scale by it."""
+    moved = [volume.tcp + times * (each + one) for each in _of_all(volume) for one in (*volume.allowed, 0.0)]
+    arrows = points_of(list(_triad(volume, room)))
+    return np.vstack([*(_in_room(room, each).reshape(-1, 3) for each in moved), arrows])
+
+
+def _bent(volume: BentVolume, room: StandingMachine, values: Array, times: float, colour: str) -> Iterator[Part]:
+    """Yield the volume as drawn, machines that the readings allow, and the bent one over them."""
+    nominal = _in_room(room, volume.tcp)
+    yield from (Stroke(each, "soft", 1.0, "4 4", 0.9) for each in _lines(nominal, nominal, edges=True))
+    for one in volume.allowed:
+        bent = _in_room(room, volume.tcp + times * (values + one))
+        yield from (Stroke(each, colour, 1.0, opacity=0.5) for each in _lines(nominal, bent, edges=True))
+    bent = _in_room(room, volume.tcp + times * values)
+    yield from (Stroke(each, colour, 0.8, opacity=0.8) for each in _lines(nominal, bent, edges=False))
+    yield from (Stroke(each, colour, 1.9) for each in _lines(nominal, bent, edges=True))
+
+
+def _lines(nominal: Array, grid: Array, edges: bool) -> Iterator[Array]:
+    """Yield the lines of a grid, (a, b, c, 3) m: its edges, or those between them on the faces that are seen into.
+
+    nominal : the grid before it is bent, which says what lies behind
+    """
+    counts = grid.shape[:3]
+    for along in range(3):
+        if counts[along] < 2:
+            continue
+        u, v = (k for k in range(3) if k != along)
+        for i, j in itertools.product(range(counts[u]), range(counts[v])):
+            outer = [i in (0, counts[u] - 1), j in (0, counts[v] - 1)]
+            far = [i == _behind(nominal, u), j == _behind(nominal, v)]
+            if all(outer) if edges else any(far) and not all(outer):
+                at: list[int | slice] = [slice(None)] * 3
+                at[u], at[v] = i, j
+                yield grid[tuple(at)]
+
+
+def _behind(grid: Array, way: int) -> int:
+    """Return the index of the end of a grid along one of its directions that lies away from who looks."""
+    near, far = (grid.take(end, axis=way).reshape(-1, 3).mean(axis=0) @ EYE for end in (0, -1))
+    return 0 if near <= far else grid.shape[way] - 1
+
+
+def _triad(volume: BentVolume, room: StandingMachine) -> Iterator[Arrow]:
+    """Yield x, y and z of the workpiece beside the front corner on the left."""
+    size = max(sides_of(volume.tcp), default=1.0)
+    low = volume.tcp.reshape(-1, 3).min(axis=0)
+    ends = _in_room(room, np.array([low, *(low + 0.12 * size * np.eye(3))]))
+    away = size * np.array([-0.24, -0.06, 0.0])
+    for name, end in zip("xyz", ends[1:], strict=True):
+        yield Arrow(np.array([ends[0], end]) + away, name)
+
+
+def _legend(volume: BentVolume, times: float) -> str:
+    parts = [said("errors × {times}", times=f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}")]
+    if volume.aligned:
+        parts.append(said("part aligned"))
+    parts += [said("dashed: without errors"), said("thin: {count} machines that the readings allow", count=MACHINES)]
+    return " · ".join(parts)
+
+
+def _beside_bar(lines: Sequence[str], width: float, length: float) -> list[str]:
+    """Return lines of which the first is shorter by the bar."""
+    first, *_ = wrapped(lines[0], width - 2 * _SIDE - length) if lines else [""]
+    rest = " ".join(lines)[len(first) :].strip()
+    return [first, *(wrapped(rest, width - 2 * _SIDE) if rest else [])]
+
+
+def _scale_bar(per_metre: float, y: float) -> tuple[str, float]:
+    """Return a bar of a round length with that length, and how far right both reach, pixels.
+
+    per_metre : pixels for a metre of deviation
+    """
+    most = _BAR / per_metre * 1e6
+    power = 10.0 ** math.floor(math.log10(most))
+    size = max(factor for factor in (1, 2, 5) if factor * power <= most) * power
+    pixels = size * 1e-6 * per_metre
+    d = f"M{short_number(_SIDE)} {short_number(y)}v8h{short_number(pixels)}v-8"
+    words = f"{size:g} µm"
+    bar = f'<path d="{d}" fill="none" stroke="var(--ink)" stroke-width="1.6"/>'
+    return bar + text(_SIDE + pixels + 8, y + 9, words), pixels + 30 + 8.5 * len(words)

@@ -1,0 +1,1 @@
+"""Machines drawn from their descriptions, with the instrument that stands on them."""

@@ -1,0 +1,247 @@
+"""The effect of a plan as the document `axiscal-plan/1`: codes and numbers, um, urad, mm, deg, minutes; no sentence."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from axiscal.answers.answer import Aim, AnswerDocument, NextStep, PlannedRow
+from axiscal.answers.answer_of_campaign import aim_of, aim_of_volume, all_reached, known_figures, unreachable
+from axiscal.estimation.accuracy.expanded import expanded
+from axiscal.estimation.case import Case
+from axiscal.estimation.functionals.known import KnownRow, known_rows
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.place import Place
+from axiscal.measurement.place_texts import shown_approach, shown_pose
+from axiscal.measurement.reading_rows import blank_readings
+from axiscal.numerics.threads import one_thread
+from axiscal.planning.helping import Helping, helping_setups
+from axiscal.planning.next_readings import placed
+from axiscal.planning.plan.plan import Plan
+from axiscal.planning.plan.task import Limits
+from axiscal.planning.promise import asked, expected, reachable_rms
+from axiscal.planning.proposal import Proposal
+from axiscal.units import to_unit
+
+PlanVerdict = Literal["planned", "reached", "short", "unreachable"]
+"""Nothing is asked for; it is reached; more readings would; none of these set-ups would."""
+
+
+class PlanPoint(AnswerDocument):
+    """A reading: where, from which sides, and what is known and has passed after it.
+
+    tcp : the tool point, mm in the workpiece frame; artefact, ball : that it is at, on a chart
+    """
+
+    setup: str
+    position: Mapping[str, float]
+    direction: Sequence[float]
+    approach: Mapping[str, str]
+    tcp: Sequence[float]
+    artefact: str | None = Field(None, exclude_if=lambda name: name is None)
+    ball: str | None = Field(None, exclude_if=lambda name: name is None)
+    rms_um: float
+    worst_um: float
+    minutes: float
+
+
+class PlannedSetup(AnswerDocument):
+    """A set-up as it is mounted: the axes that move, its readings, and the minutes that passed after the last."""
+
+    setup: str
+    instrument: str
+    moves: Sequence[str]
+    readings: int
+    minutes: float
+
+
+class ReachAnswer(AnswerDocument):
+    """Accuracies that endless readings would miss, and the change that would help; None if nothing usual would."""
+
+    missed: Sequence[Aim]
+    helps: Helping | None
+
+
+class PlanAnswer(AnswerDocument):
+    """A plan, and what is known after it.
+
+    rows, aims : after its readings, with all that a result counts; `points`, `J`, `rms_um`, `worst_um` and `ratio`
+    leave out what no reading shows, such as the error of a wavelength
+    setups : in the order in which they are mounted; units : of the axes; allowed : readings, None for any number
+    ratio : of the mean variances that the two RMS figures are the roots of; of J where the criterion is another one
+    """
+
+    kind: Literal["axiscal-plan/1"] = Field("axiscal-plan/1", alias="schema")
+    verdict: PlanVerdict
+    rows: Sequence[PlannedRow]
+    aims: Sequence[Aim]
+    reach: ReachAnswer | None
+    setups: Sequence[PlannedSetup]
+    steps: Sequence[NextStep]
+    criterion: str
+    points: Sequence[PlanPoint]
+    units: Mapping[str, str]
+    readings: int
+    allowed: int | None
+    minutes: float
+    budget_minutes: float | None
+    rms_um: float
+    worst_um: float
+    before_rms_um: float
+    unseen_rms_um: float
+    reachable_rms_um: float
+    target_met: bool
+    J: float
+    bound_J: float | None  # noqa: N815 as outsiders know it
+    bound_rms_um: float | None
+    ratio: float | None
+    percent_from_best: float | None
+    bound_holds_for: str | None
+    proof_gap_percent: float | None
+
+
+@one_thread()
+def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = True) -> PlanAnswer:
+    """Return the document of a plan that was made within limits.  ends : whether the campaign says when it ends"""
+    plan, axes = proposal.plan, case.description.machine.axes
+    places = placed(case, plan)
+    readings = blank_readings(case.description.setups, places)
+    known = expected(case, readings)
+    rows = known_rows(case, known, readings)
+    volume, lines = _aims(case, known, rows)
+    bound = bound_rms_um(case, plan)
+    ratio = _ratio(plan, bound)
+    reached = all_reached(volume, lines)
+    verdict: PlanVerdict = "planned" if not (volume or lines) else "reached" if reached else "short"
+    reach = None if reached else _reach(case, unreachable(volume, lines))
+    return PlanAnswer(
+        verdict=verdict if reach is None else "unreachable",
+        rows=[PlannedRow(**known_figures(row)) for row in rows],
+        aims=[*volume, *lines],
+        reach=reach,
+        setups=list(_setups(case, places, plan)),
+        steps=[*([] if ends else [NextStep(code="target")]), NextStep(code="start")],
+        criterion=case.description.target.criterion,
+        points=list(_points(case, places, plan)),
+        units={axis.name: axis.unit for axis in axes},
+        readings=len(places),
+        allowed=limits.readings,
+        minutes=to_unit(plan.seconds, "min"),
+        budget_minutes=None if limits.budget is None else to_unit(limits.budget, "min"),
+        rms_um=to_unit(plan.accuracy.rms, "um"),
+        worst_um=to_unit(plan.accuracy.worst, "um"),
+        before_rms_um=to_unit(plan.before.rms, "um"),
+        unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
+        reachable_rms_um=to_unit(reachable_rms(case), "um"),
+        target_met=verdict == "reached",
+        J=plan.value,
+        bound_J=None if plan.bound is None else plan.bound.value,
+        bound_rms_um=bound,
+        ratio=_finite(ratio),
+        percent_from_best=_finite(100 * ((ratio if bound is None else ratio**0.5) - 1)),
+        bound_holds_for=_holds_for(proposal),
+        proof_gap_percent=None if proposal.gap is None else _finite(_gap_percent(case, proposal)),
+    )
+
+
+@one_thread()
+def reach_answer(case: Case) -> ReachAnswer | None:
+    """Return why no reading of these set-ups can reach the target, and what would help; None where readings can."""
+    rows = known_rows(case, case.knowledge, ()) if case.description.target.lines else ()
+    return _reach(case, unreachable(*_aims(case, case.knowledge, rows)))
+
+
+def _reach(case: Case, missed: Sequence[Aim]) -> ReachAnswer | None:
+    return ReachAnswer(missed=missed, helps=helping_setups(case, case.description.target)) if missed else None
+
+
+def _aims(case: Case, known: Knowledge, rows: Sequence[KnownRow]) -> tuple[list[Aim], list[Aim]]:
+    """Return the wanted accuracies of the volume, and those of all other rows."""
+    accuracy = case.yardstick.measure(known.belief)
+    now = {"rms": accuracy.rms, "worst": accuracy.worst, "U": expanded(case.yardstick, known.belief).space}
+    volume = [aim_of_volume(each, now[each.name]) for each in asked(case.description.target, case.yardstick)]
+    return volume, [aim_of(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
+
+
+def _setups(case: Case, places: Sequence[Place], plan: Plan) -> Iterator[PlannedSetup]:
+    axes, names = case.description.machine.axes, [place.setup for place in places]
+    for name in dict.fromkeys(names):
+        setup, last = case.description.setup(name), len(names) - 1 - names[::-1].index(name)
+        yield PlannedSetup(
+            setup=name,
+            instrument=setup.instrument,
+            moves=[axes[k].name for k in setup.moves],
+            readings=names.count(name),
+            minutes=to_unit(plan.readings[last].seconds, "min"),
+        )
+
+
+def _points(case: Case, places: Sequence[Place], plan: Plan) -> Iterator[PlanPoint]:
+    axes = case.description.machine.axes
+    for place, reading in zip(places, plan.readings, strict=True):
+        yield PlanPoint(
+            setup=place.setup,
+            position=shown_pose(axes, place.pose),
+            direction=list(case.description.setup(place.setup).direction),
+            approach=shown_approach(axes, place.approach),
+            **_touched(case, place),
+            rms_um=to_unit(reading.accuracy.rms, "um"),
+            worst_um=to_unit(reading.accuracy.worst, "um"),
+            minutes=to_unit(reading.seconds, "min"),
+        )
+
+
+def _touched(case: Case, place: Place) -> dict[str, Any]:
+    """Return where the tool point is, and the artefact and the ball that it is at."""
+    setup, at = case.description.setup(place.setup), np.array([place.pose])
+    tips = frames(case.description.machine, at).tcp
+    found: dict[str, Any] = {"tcp": [round(to_unit(float(value), "mm"), 9) + 0.0 for value in tips[0]]}
+    if setup.artefact is not None:
+        ball = int(setup.artefact.nearest(tips, setup.balls)[0])
+        found |= {"artefact": setup.artefact.name, "ball": setup.artefact.balls[ball].name}
+    return found
+
+
+def bound_rms_um(case: Case, plan: Plan) -> float | None:
+    """Return the RMS that no plan can beat, um; None without a bound, or where the criterion is not the volume's."""
+    if plan.bound is None or case.description.target.criterion != "volume":
+        return None
+    return to_unit(case.yardstick.rms_of(plan.bound.value), "um")
+
+
+def _ratio(plan: Plan, bound: float | None) -> float:
+    """Return how many times the mean variance over the volume (else J) is what no plan can beat; inf without a bound.
+
+    Rests and what no set-up sees are in both, a constant shift that is not counted in neither: as printed.
+    """
+    if bound is None:
+        return plan.ratio
+    return (to_unit(plan.accuracy.rms, "um") / bound) ** 2 if bound > 0 else math.inf
+
+
+def _holds_for(proposal: Proposal) -> str | None:
+    """Return which plans the bound is about."""
+    if proposal.plan.bound is None:
+        return None
+    if proposal.gap is not None:
+        return "every position in the travel"
+    everywhere = "any readings whatever"
+    return everywhere if proposal.plan.bound.everywhere else f"lattice of {proposal.plan.candidates:,} candidates"
+
+
+def _gap_percent(case: Case, proposal: Proposal) -> float:
+    """Return the gap at which the proof stopped, of the RMS (else of J)."""
+    gap, bound = proposal.gap or 0.0, proposal.plan.bound
+    if bound is None or bound_rms_um(case, proposal.plan) is None or not math.isfinite(gap):
+        return 100 * gap
+    low, high = (case.yardstick.rms_of(value) for value in (bound.value, bound.value * (1 + gap)))
+    return 100 * (high / low - 1) if low > 0 else math.inf
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

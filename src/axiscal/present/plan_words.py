@@ -1,0 +1,163 @@
+"""A plan in words, in the language that is spoken: a screen of at most 16 lines, and the list of its readings."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Sequence
+
+from axiscal.answers.answer import PlannedRow
+from axiscal.answers.answer_words import (
+    FirstLine,
+    aim_text,
+    aims_text,
+    by_kind,
+    columns,
+    digits,
+    ending,
+    first_lines,
+    known_text,
+    row_names,
+    wrapped,
+)
+from axiscal.language.spoken import counted, listed, put, said
+from axiscal.planning.helping import helping_words
+from axiscal.present.plan_answer import PlanAnswer, ReachAnswer
+
+LINES = 16
+"""Of a terminal that nobody scrolls."""
+_MUCH = 0.5
+"""Share of the bound from which it is worth a sentence."""
+
+
+def plan_screen(answer: PlanAnswer, campaign: str, files: Sequence[str] = ()) -> str:
+    """Return the screen of a plan.  campaign : its file; files : that were written"""
+    above = first_lines(_first(answer))
+    sentences = [_mounted(answer), _fewer(answer), "" if answer.reach is None else reach_text(answer.reach)]
+    below = [line for sentence in sentences for line in wrapped(sentence, 3)]
+    below += ending({said("Written"): files, said("Next"): list(_commands(answer, campaign))})
+    room = LINES - len(above) - len(below) - 1
+    groups = [[row] for row in answer.rows] if len(answer.rows) <= room else by_kind(answer.rows)
+    return "\n".join([*above, *_table(groups, room), *below])
+
+
+def reach_text(reach: ReachAnswer) -> str:
+    """Return what cannot be reached with these set-ups, and which would help."""
+    missed = listed(", ", [aim_text(aim.model_copy(update={"now": aim.floor})) for aim in reach.missed])
+    text = said("Out of reach: endless readings leave {missed}.", missed=missed)
+    return text if reach.helps is None else put("{text} {helps}", text=text, helps=helping_words(reach.helps))
+
+
+def _first(answer: PlanAnswer) -> FirstLine:
+    minutes = put("{minutes:.0f}", minutes=answer.minutes)
+    if answer.verdict == "unreachable":
+        readings = counted("{count} reading", "{count} readings", answer.readings)
+        time = said("{minutes} min", minutes=minutes)
+        spent = put("{readings}, {time}", readings=readings, time=time)
+        return FirstLine(said("CANNOT BE REACHED WITH THESE SET-UPS"), aims_text(answer.aims), spent)
+    plan = counted(
+        "{count} READING, {minutes} MIN", "{count} READINGS, {minutes} MIN", answer.readings, minutes=minutes
+    )
+    if answer.verdict == "planned":
+        return FirstLine(plan, "", "")
+    reached = answer.verdict == "reached"
+    verdict = said("REACHED BY {plan}", plan=plan) if reached else said("NOT REACHED BY {plan}", plan=plan)
+    return FirstLine(verdict, aims_text(answer.aims), "")
+
+
+def _table(groups: Sequence[Sequence[PlannedRow]], room: int) -> list[str]:
+    shown = [*groups[: room - 1], groups[-1]] if len(groups) > room else groups  # the volume stays
+    lines = [[row_names(rows), _before(rows), _after(rows)] for rows in shown]
+    return columns([["", said("before"), said("then known to")], *lines])
+
+
+def _before(rows: Sequence[PlannedRow]) -> str:
+    worst = max(rows, key=lambda row: row.known_before)
+    return put("± {known} {unit}", known=digits(worst.known_before), unit=worst.unit)
+
+
+def _after(rows: Sequence[PlannedRow]) -> str:
+    return known_text(rows) if all(row.measured for row in rows) else said("not measured")
+
+
+def _mounted(answer: PlanAnswer) -> str:
+    """Return the set-ups in the order in which they are mounted."""
+    if not answer.setups:
+        return ""
+    first, *others = answer.setups
+    begin = counted('"{setup}" ({count} reading)', '"{setup}" ({count} readings)', first.readings, setup=first.setup)
+    parts = [begin, *(put('"{setup}" ({count})', setup=each.setup, count=each.readings) for each in others)]
+    return said("Mount in turn: {setups}.", setups=listed(", ", parts))
+
+
+def _fewer(answer: PlanAnswer) -> str:
+    """Return why a plan has fewer readings than it may have; "" where it has not."""
+    if answer.allowed is None or answer.readings >= answer.allowed or answer.verdict == "unreachable":
+        return ""
+    if answer.verdict == "reached":
+        why = said("they reach the limits")
+    elif answer.budget_minutes is not None:
+        why = said("more do not fit into {minutes} min", minutes=put("{minutes:.4g}", minutes=answer.budget_minutes))
+    else:
+        why = said("no other reading is worth its time")
+    return said("{planned} of {allowed} readings: {why}.", planned=answer.readings, allowed=answer.allowed, why=why)
+
+
+def _commands(answer: PlanAnswer, campaign: str) -> Iterator[str]:
+    for step in answer.steps:
+        if step.code == "target":
+            line = f"readings = {max(answer.readings, 1)}"
+            yield said('write "{line}" below [target] in {campaign}, then', line=line, campaign=campaign)
+        else:
+            yield f"axiscal step start {shlex.quote(campaign)}"
+
+
+def plan_list(answer: PlanAnswer) -> Iterator[str]:
+    """Yield a line for each mounting and for each reading, and how far the plan is from the best one."""
+    moves, mounted = {each.setup: each.moves for each in answer.setups}, ""
+    where = [
+        ", ".join(f"{axis} = {point.position[axis]:.9g} {answer.units[axis]}" for axis in moves[point.setup])
+        for point in answer.points
+    ]
+    come = [" ".join(axis + side for axis, side in point.approach.items()) for point in answer.points]
+    wide, beside = (max((len(text) for text in texts), default=0) for texts in (where, come))
+    for number, point in enumerate(answer.points):
+        if point.setup != mounted:
+            mounted = point.setup
+            yield f'{said("Set-up")} "{mounted}"'
+        after = f"RMS {_micrometres(point.rms_um):>8}, {point.minutes:6.1f} min"
+        yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}"
+    yield bound_sentence(answer)
+
+
+def bound_sentence(answer: PlanAnswer) -> str:
+    """Return how far from the best possible plan this one is."""
+    if answer.bound_J is None or answer.bound_holds_for is None:
+        return "No bound was asked for."
+    bound = answer.bound_rms_um
+    readings = f"{answer.readings} reading{'' if answer.readings == 1 else 's'}"
+    best = f"make J smaller than {answer.bound_J:.4g}" if bound is None else f"be better than {bound:.3g} um"
+    own = f"{answer.J:.4g}" if bound is None else f"{answer.rms_um:.3g} um"
+    text = f"No plan of {readings} {_where(answer.bound_holds_for)} can {best}; this one gives {own}: "
+    text += f"{_percent(answer.percent_from_best)} from the best possible"
+    if answer.proof_gap_percent is not None:
+        text += f"; search stopped at a gap of {_percent(answer.proof_gap_percent)}"
+    if bound is None or answer.reachable_rms_um < _MUCH * bound:
+        return f"{text}."
+    return f"{text}. Of both, {answer.reachable_rms_um:.3g} um is what endless readings leave."
+
+
+def _where(holds_for: str) -> str:
+    """Return of which plans a bound holds."""
+    wheres = {
+        "every position in the travel": "anywhere in the travel",
+        "any readings whatever": "wherever they are taken",
+    }
+    return wheres.get(holds_for, f"from these {holds_for.removeprefix('lattice of ')}")
+
+
+def _percent(value: float | None) -> str:
+    return "unknown" if value is None else f"{value:.2g} %" if value < 100 else f"{value:.0f} %"
+
+
+def _micrometres(value: float) -> str:
+    return f"{value:.3g} um" if value < 1000 else f"{value:.0f} um"

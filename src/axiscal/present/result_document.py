@@ -1,0 +1,152 @@
+"""`result.json`: what a summary says, as the document `axiscal-result/1`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from axiscal.answers.answer import ReadingAgreement, ResultAnswer
+from axiscal.answers.digits import coordinate, number, numbers
+from axiscal.estimation.accuracy.expanded import LEVEL
+from axiscal.present.plane_summary import PlaneSummary
+from axiscal.present.summary import (
+    CurveSummary,
+    HistoryRow,
+    Linear,
+    Position,
+    Rejection,
+    Summary,
+    TableOffer,
+)
+
+_CURVE = "axis position mean std position_unit value_unit std_seen prior_std from_readings"
+_PLANE = "axes position mean std position_unit value_unit prior_std whole_mean whole_std from_readings"
+_VOLUME = "axes parked tcp_mm found_um half_um left_um controller"
+
+
+def result_json(summary: Summary) -> dict[str, Any]:
+    """Return the document `axiscal-result/1`; raises SummaryError for a number that is not finite."""
+    return {
+        "schema": "axiscal-result/1",
+        **_kept(summary, "machine readings minutes stopped_because"),
+        "agreement": _agreement(summary.agreement),
+        **_expanded(summary),
+        **_kept(summary, "unseen_rms_um"),
+        "budget": [_kept(row, "rms_um share", source=row.words) for row in summary.budget],
+        **_linear(summary.linear),
+        **_targets(summary),
+        "history": [_history(row) for row in summary.history],
+        "errors": {curve.name: _curve(curve) for curve in (*summary.curves, *summary.reversals)},
+        "plane_errors": {plane.name: _plane(plane) for plane in summary.planes},
+        "volume": None if summary.volume is None else _kept(summary.volume, _VOLUME),
+        "constants": {each.name: _kept(each, "mean std unit prior_std seen") for each in summary.constants},
+        "observability": list(summary.observability),
+        "rejected": [_rejection(rejection) for rejection in summary.rejected],
+        "warnings": [_kept(each, "code error text") for each in summary.warnings],
+        "answer": _answer(summary.answer),
+        "rows": [row.model_dump(mode="json") for row in summary.answer.rows],
+        "tables": [_table(offer, summary) for offer in summary.tables],
+        "versions": dict(sorted(summary.versions.items())),
+        **({"record": {"event": summary.record.event, "hash": summary.record.hash}} if summary.record else {}),
+    }
+
+
+def _kept(what: object, fields: str, **named: Any) -> dict[str, Any]:
+    """Return fields of a summary by their names, figures as they are written.  named : whose name is another"""
+    found = {name: getattr(what, name) for name in fields.split()} | named
+    whose = getattr(what, "name", type(what).__name__)
+    return {name: _figures(value, f"{name} of {whose}") for name, value in found.items()}
+
+
+def _figures(value: Any, what: str) -> Any:
+    """Return a value of a summary as JSON has it; raises SummaryError for a figure that is not finite."""
+    if isinstance(value, float):
+        return number(value, what)
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [_figures(each, what) for each in value]
+    return value
+
+
+def _curve(curve: CurveSummary) -> dict[str, Any]:
+    for name in ("mean", "std", "std_seen", "prior_std"):
+        numbers(getattr(curve, name), f"{name} of {curve.name}", len(curve.position))
+    return _kept(curve, _CURVE)
+
+
+def _plane(plane: PlaneSummary) -> dict[str, Any]:
+    for name in ("mean", "std", "prior_std", "whole_mean", "whole_std"):
+        for row in getattr(plane, name):
+            numbers(row, f"{name} of {plane.name}", len(plane.position[1]))
+    return _kept(plane, _PLANE)
+
+
+def _position(position: Position | None) -> dict[str, float] | None:
+    if position is None:
+        return None
+    return {axis: coordinate(value, f"position of {axis}") for axis, value in position.items()}
+
+
+def _targets(summary: Summary) -> dict[str, Any]:
+    found = _kept(
+        summary, "target_rms_um target_worst_um", target_U_um=summary.target_u_um, target_reached=summary.target_reached
+    )
+    truth = "" if summary.truth is None else "promised_rms_um reached_rms_um"
+    return found | _kept(summary.truth, truth)
+
+
+def _agreement(found: ReadingAgreement) -> dict[str, Any]:
+    explained = [_kept(each, "mistake odds setups", text=each.words) for each in found.explained]
+    return _kept(found, "count agreeing c2 p contradict") | {"explained": explained, "text": found.words}
+
+
+def _linear(found: Linear | None) -> dict[str, Any]:
+    if found is None:
+        return {"linear_to_um": None, "nonlinearity": None}
+    return _kept(found, "", linear_to_um=found.bound_um, nonlinearity=found.index)
+
+
+def _expanded(summary: Summary) -> dict[str, Any]:
+    if summary.answer.withheld:
+        return dict.fromkeys(("U_um", "U_axis_um", "U_worst_um", "U_level", "k", "U_holds_for", "rms_um", "worst_um"))
+    found = summary.expanded
+    x, y, z = numbers(found.axes, "U_axis_um", 3)
+    of_u = _kept(found, "", U_um=found.space, U_worst_um=found.worst, U_level=LEVEL, k=found.factor)
+    return {
+        **of_u,
+        "U_axis_um": {"x": x, "y": y, "z": z},
+        "U_holds_for": found.conditions,
+        **_kept(summary, "rms_um worst_um"),
+    }
+
+
+def _history(row: HistoryRow) -> dict[str, Any]:
+    return _kept(
+        row,
+        "reading setup others rms_um worst_um minutes rejected",
+        value=row.value_um,
+        unit=None if row.value_um is None else row.unit,
+    ) | {"position": _position(row.position)}
+
+
+def _answer(answer: ResultAnswer) -> dict[str, Any]:
+    """Return the answer beside its rows."""
+    found = answer.model_dump(mode="json", exclude={"rows", "aims"})
+    return found | {"aims": [aim.model_dump(mode="json") | _kept(aim, "now limit floor") for aim in answer.aims]}
+
+
+def _table(offer: TableOffer, summary: Summary) -> dict[str, Any]:
+    found, factor = offer.effect, summary.expanded.factor
+    return _kept(
+        offer,
+        "controller axis left_out",
+        file=offer.file if found is not None else None,
+        before_um=None if found is None else found.before,
+        after_um=None if found is None else found.after,
+        expected_um=None if found is None else found.expected,
+        U_um=None if found is None or summary.answer.withheld else factor * found.expected,
+    )
+
+
+def _rejection(rejection: Rejection) -> dict[str, Any]:
+    found = _kept(rejection, "reading setup unit reason", value=rejection.value_um)
+    return found | {"position": _position(rejection.position)}

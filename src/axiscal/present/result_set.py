@@ -1,0 +1,216 @@
+"""Results as a set: whoever looks into their folder finds the earlier ones or the new ones, all of them, never some.
+
+New results are written into a folder beside, with a manifest as the last file, and waited for. The two folders change
+places in one step if the old one holds nothing else. If it holds other things as well, or is another disk, the old
+manifest goes first. Then one result after another takes its place, and the new manifest comes last. Without a manifest
+there is no set, and the next writer completes it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import hashlib
+import json
+import os
+import re
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path, PurePosixPath, PureWindowsPath
+
+from axiscal.document.durable import exchanged, is_running, sync_folder, written
+from axiscal.present.summary import RecordState
+
+RECORD = "campaign.axiscal"
+MANIFEST = "manifest.json"
+_RESULTS = {RECORD, MANIFEST, "result.json", "report.html", "report.pdf", "data", "certificate.xml", "tables"}
+_BEFORE = "before.json"
+_SCHEMA = "axiscal-manifest/1"
+_STAGING = re.compile(r"\.(?P<name>.+)\.(?P<process>\d+)\.(?P<kind>new|old)")
+
+
+@contextmanager
+def result_set(folder: Path, manifest: str = MANIFEST, live: Path | None = None) -> Iterator[Path]:
+    """Yield a folder to write into, `manifest` by `write_manifest` as the last; then it takes the place of `folder`.
+
+    live : a record in `folder` that is still written to, which stays where it is
+    Where the block raises, everything is as before.  Raises OSError.
+    """
+    mend(folder)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    staging = _beside(folder, live) if _holds_nothing_else(folder, manifest) else None
+    whole = staging is not None
+    if staging is None:
+        staging = _within(folder)
+        staging.mkdir()
+    try:
+        yield staging
+        if not whole:
+            _refuse_what_blocks(staging, folder)
+        _sync_all(staging)
+    except BaseException:
+        shutil.rmtree(staging, ignore_errors=True)
+        raise
+    if whole:
+        _swap(staging, folder)
+    else:
+        _bring(staging, folder, manifest)
+
+
+def mend(folder: Path) -> None:
+    """Bring to its end, or remove, what a writer that is gone has left of results in this folder; raises OSError."""
+    with contextlib.suppress(FileNotFoundError):
+        for path in sorted(folder.parent.iterdir()):
+            found = _STAGING.fullmatch(path.name)
+            if found and found["name"] == folder.name and path.is_dir() and not is_running(int(found["process"])):
+                _put_back(path, folder) if found["kind"] == "old" else shutil.rmtree(path)
+        for path in sorted(folder.iterdir()):
+            found = _STAGING.fullmatch(path.name)
+            if found and found["name"] == "results" and path.is_dir() and not is_running(int(found["process"])):
+                _go_on(path, folder)
+            elif path.name in {f".{name}.part" for name in _RESULTS}:
+                path.unlink()
+
+
+def write_manifest(folder: Path, record: RecordState, versions: Mapping[str, str], name: str = MANIFEST) -> None:
+    """Write what a set consists of: state of the record, programs, the SHA-256 of every file; raises OSError."""
+    every = (path for path in folder.rglob("*") if path.is_file())
+    files = sorted(path for path in every if path.suffix != ".axiscal")
+    document = {
+        "schema": _SCHEMA,
+        "record": {"file": record.file, "event": record.event, "hash": record.hash},
+        "versions": dict(sorted(versions.items())),
+        "files": {path.relative_to(folder).as_posix(): _hash(path) for path in files},
+    }
+    written(folder / name, (json.dumps(document, indent=2, ensure_ascii=False) + "\n").encode())
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _holds_nothing_else(folder: Path, manifest: str) -> bool:
+    """Whether a folder can change places with another: nothing in it is anybody else's, nobody stands in it."""
+    if not folder.exists():
+        return True
+    real, here = folder.resolve(), Path.cwd()
+    if folder.is_symlink() or os.path.ismount(real) or real == here or real in here.parents:
+        return False
+    own = _listed(folder / manifest) | {manifest} | ({RECORD} if manifest == MANIFEST else set())
+    first = {PurePosixPath(name).parts[0] for name in own}
+    alone = all(path.name in first for path in folder.iterdir()) and set(_files(folder)) <= own
+    return alone and os.access(real.parent, os.W_OK)
+
+
+def _files(folder: Path) -> list[str]:
+    """Return the names of all files below a folder, links to folders among them."""
+    found = (path for path in folder.rglob("*") if path.is_symlink() or not path.is_dir())
+    return sorted(path.relative_to(folder).as_posix() for path in found)
+
+
+def _listed(manifest: Path) -> set[str]:
+    """Return the files of a set by its manifest; none where it is no manifest of ours.
+
+    What it names outside of its folder is nobody's result: whoever believed that would remove other people's files.
+    """
+    try:
+        document = json.loads(manifest.read_bytes())
+        return {name for name in document["files"] if _inside(name)} if document["schema"] == _SCHEMA else set()
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return set()
+
+
+def _inside(name: str) -> bool:
+    """Whether a name can be that of a file in a set: below its folder, and no record, which no manifest names."""
+    path = PureWindowsPath(name)  # to which both / and \\ part folders
+    within = bool(path.parts) and not path.anchor and ".." not in path.parts
+    return within and path.suffix != ".axiscal" and name.isprintable()
+
+
+def _beside(folder: Path, live: Path | None) -> Path | None:
+    """Return a new folder beside, with the record that is written to in both; None where a file cannot be in two."""
+    staging = folder.parent / f".{folder.name}.{os.getpid()}.new"
+    staging.mkdir()
+    if live is not None:
+        try:
+            os.link(live, staging / live.name)
+        except OSError:
+            shutil.rmtree(staging)
+            return None
+    return staging
+
+
+def _within(folder: Path) -> Path:
+    return folder / f".results.{os.getpid()}.new"
+
+
+def _sync_all(folder: Path) -> None:
+    for path in (folder, *(each for each in folder.rglob("*") if each.is_dir())):
+        sync_folder(path)
+
+
+def _swap(staging: Path, folder: Path) -> None:
+    if not folder.exists():
+        os.rename(staging, folder)
+        sync_folder(folder.parent)
+        return
+    staging.chmod(folder.stat().st_mode & 0o7777)
+    if not exchanged(staging, folder):
+        old = folder.parent / f".{folder.name}.{os.getpid()}.old"
+        os.rename(folder, old)
+        os.rename(staging, folder)
+        staging = old
+    sync_folder(folder.parent)
+    shutil.rmtree(staging, ignore_errors=True)  # the earlier set; what stays of it goes at the next start
+
+
+def _put_back(old: Path, folder: Path) -> None:
+    if folder.exists():
+        shutil.rmtree(old)
+    else:
+        os.rename(old, folder)
+
+
+def _bring(staging: Path, folder: Path, manifest: str) -> None:
+    """Move a set that is whole into a folder that holds other things as well."""
+    if (folder / manifest).exists():
+        os.replace(folder / manifest, staging / _BEFORE)
+        sync_folder(folder)
+    _go_on(staging, folder)
+
+
+def _refuse_what_blocks(staging: Path, folder: Path) -> None:
+    """Raise OSError where a folder stands in the place of a file, or something else in the place of its folder."""
+    for name in _files(staging):
+        if (folder / name).is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(folder / name))
+        for parent in (folder / part for part in PurePosixPath(name).parents):
+            if parent.exists() and not parent.is_dir():
+                raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(parent))
+
+
+def _go_on(staging: Path, folder: Path) -> None:
+    manifests = [path for path in staging.iterdir() if path.name.startswith("manifest")]
+    if manifests and not (folder / manifests[0].name).exists():  # else it was whole, and nothing of it has been brought
+        for old in sorted(_listed(staging / _BEFORE) - _listed(manifests[0])):
+            _remove(folder, old)
+        for name in _files(staging):
+            if staging / name not in (*manifests, staging / _BEFORE):
+                (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                os.replace(staging / name, folder / name)
+        for part in {parent for name in _listed(manifests[0]) for parent in PurePosixPath(name).parents}:
+            sync_folder(folder / part)
+        for path in manifests:
+            os.replace(path, folder / path.name)
+    sync_folder(folder)
+    shutil.rmtree(staging)
+
+
+def _remove(folder: Path, name: str) -> None:
+    """Remove a file of a set that is over, and the folders that held nothing else."""
+    with contextlib.suppress(FileNotFoundError, NotADirectoryError, IsADirectoryError):
+        (folder / name).unlink()
+    with contextlib.suppress(OSError):
+        for parent in list(PurePosixPath(name).parents)[:-1]:
+            (folder / parent).rmdir()

@@ -1,0 +1,304 @@
+"""Figures and sentences of the report as text; nothing here is markup."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from axiscal.description.particulars import Equipment
+from axiscal.estimation.accuracy.expanded import BAND
+from axiscal.language.spoken import counted, decimals, joined, later, said
+from axiscal.present.summary import ConstantSummary, CurveSummary, HistoryRow, Iso230, Position, Summary, TableOffer
+
+UNSAID = later("not stated")
+
+_WORDS = (
+    (
+        later("Tool point"),
+        later(
+            "where the tool cuts, relative to the workpiece. Errors and uncertainties are those of this point "
+            "over the volume that is stated."
+        ),
+    ),
+    (
+        later("U"),
+        later(
+            "expanded uncertainty: with 95 % the error that is left after correcting by the estimate is not "
+            "larger, over the volume. In space it is a length, along an axis a ±. k is U over the standard "
+            "uncertainty."
+        ),
+    ),
+    (
+        later("RMS"),
+        later("root of the mean square over the volume."),
+    ),
+    (
+        later("Band, ±"),
+        later("95 %, with what the model cannot follow."),
+    ),
+    (
+        later("EXX, EYX, ECX …"),
+        later(
+            "errors after ISO 230-1: E, the direction of the error (X, Y, Z along, A, B, C about an axis), the "
+            "axis that moves. C0Y: how far Y is out of square about C. A reversal is what an error differs by "
+            "between both sides from which an axis comes."
+        ),
+    ),
+    (
+        later("Before measuring"),
+        later("what was stated of the machine before any reading: how large each error may be."),
+    ),
+    (
+        later("Surprise"),
+        later("a reading less what was expected of it just before, in standard deviations of that difference."),
+    ),
+)
+
+UNITS = {"um": "µm", "urad": "µrad", "arcsec": "″", "deg": "°", "mm": "mm", "min": "min"}
+_SHOWN = {"um": "µm", "urad": "µrad", "degC": "°C"}
+_UNIT = re.compile(r"(?<=[0-9])[ \u00a0](?:(um|urad|degC)\b|%)")
+_LONG = 1e6
+"""From here on a number is written with an exponent."""
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_NARROW_SPACE = "\u202f"
+_NO_BREAK = "\u00a0"
+
+
+def unit_text(unit: str) -> str:
+    """Return a unit as people write it: um -> µm."""
+    return UNITS.get(unit, unit)
+
+
+def spelt(text: str) -> str:
+    """Return a sentence with the units of its numbers as people write them; "um" is a word in other languages."""
+    return _UNIT.sub(lambda found: _NO_BREAK + _SHOWN.get(found[1], "%"), text)
+
+
+def percent(share: float) -> str:
+    """Return a share as "12.3 %"."""
+    return f"{decimals(f'{100 * share:.1f}')} %"
+
+
+def figure(value: float) -> str:
+    """Return value with three significant digits, without an exponent where a person would write none."""
+    size = abs(value)
+    if size == 0:
+        return "0"
+    if not 1e-3 <= float(f"{size:.3g}") < _LONG:
+        mantissa, exponent = f"{value:.2e}".split("e")
+        return _minus(decimals(f"{mantissa} × 10{str(int(exponent)).translate(_SUPERSCRIPT)}"))
+    digits = max(0, 2 - math.floor(math.log10(float(f"{size:.3g}"))))
+    return to_decimals(value, digits)
+
+
+def short(value: float) -> str:
+    """Return a value that a person chose, such as a target, without trailing zeros."""
+    text, point = figure(value), decimals(".")
+    return text.rstrip("0").rstrip(point) if point in text and "×" not in text else text
+
+
+def quantity(value: float, unit: str) -> str:
+    """Return value and unit with a space that does not break (none before degree and second signs)."""
+    sign = unit_text(unit)
+    return f"{figure(value)}{sign if sign in '°″' else _NO_BREAK + sign}"
+
+
+def values_text(values: Sequence[float], unit: str) -> str:
+    """Return the numbers of one reading as "1.20 / 0.30 / -0.40 um", its unit once; "" where there is none."""
+    return "" if not values else f"{' / '.join(map(as_read, values))}{_NO_BREAK}{unit_text(unit)}"
+
+
+def as_read(value: float) -> str:
+    """Return a number that was read: to a hundredth, finer than which hardly an instrument reads."""
+    return figure(value) if abs(value) >= _LONG else to_decimals(value, 2)
+
+
+def to_decimals(value: float, digits: int) -> str:
+    """Return value with so many decimals."""
+    shown = f"{value:,.{digits}f}".replace(",", _NARROW_SPACE)
+    return _minus(decimals(shown.removeprefix("-") if float(f"{value:.{digits}f}") == 0 else shown))
+
+
+def volume_words(summary: Summary) -> str:
+    """Return over what travel the error of the volume is drawn, "" where it is not."""
+    volume = summary.volume
+    if volume is None:
+        return ""
+    told = {"axes": ", ".join(volume.axes), "parked": volume.parked.replace(" deg", "°")}
+    parked = "The paths of the tool instead of straight lines, over the travel of {axes} with {parked}."
+    alone = "The paths of the tool instead of straight lines, over the travel of {axes}."
+    return said(parked if volume.parked else alone, **told)
+
+
+def first_number_words(summary: Summary) -> list[str]:
+    """Return which number of a reading with several is compared, where there is such a reading."""
+    several = any(row.others for row in summary.history)
+    return [said("A reading with several numbers shows the first, along x.")] if several else []
+
+
+def left_out_words(block: Iso230) -> str:
+    """Return which readings a test after ISO 230-2 does without, "" where it has all."""
+    if not block.left_out:
+        return ""
+    numbers = joined([str(number) for number in block.left_out])
+    return counted(
+        "Without the run of reading {numbers}, which was not believed.",
+        "Without the runs of readings {numbers}, which were not believed.",
+        len(block.left_out),
+        numbers=numbers,
+    )
+
+
+def curve_note(curve: CurveSummary) -> str:
+    """Return in a line how well a curve is known now, 95 %, was before, and how much of that the readings did."""
+    now, before = BAND * _rms(curve.std), BAND * _rms(curve.prior_std)
+    if not curve.position:
+        return said("no positions")
+    size = quantity(now, curve.value_unit)
+    if now > 0.95 * before:
+        return said("±{now}, hardly touched by the readings", now=size)
+    known = "±{now}, was ±{before}; {share:.0%} from readings"
+    return said(known, now=size, before=figure(before), share=float(curve.from_readings))
+
+
+def constant_note(constant: ConstantSummary) -> str:
+    """Return a constant as "12.10 ± 2.21 µrad" (95 %): as many decimals as its uncertainty has."""
+    half = BAND * constant.std
+    shown, point = figure(half), decimals(".")
+    if half == 0 or "×" in shown or abs(constant.mean) >= _LONG:
+        return f"{figure(constant.mean)} ± {quantity(half, constant.unit)}"
+    return f"{to_decimals(constant.mean, len(shown.partition(point)[2]))} ± {quantity(half, constant.unit)}"
+
+
+def constant_rows(summary: Summary) -> list[list[str]]:
+    """Return name, words, estimate and band before measuring of each constant.
+
+    Constants of set-ups in which nothing was read are left out, where anything was.
+    """
+    silent = tuple(f"{use.name}: " for use in summary.setups if summary.readings and not use.readings)
+    return [
+        [each.name, spelt(each.words), constant_note(each), f"± {quantity(BAND * each.prior_std, each.unit)}"]
+        for each in summary.constants
+        if not each.name.startswith(silent)
+    ]
+
+
+def approach_words(row: HistoryRow) -> str:
+    """Return from which sides a place was come to: "X+ Y−"."""
+    return _minus(row.approach)
+
+
+def position_text(position: Position | None) -> str:
+    """Return {"X": 120.0, "B": 30.0} as "X 120 · B 30"."""
+    return "–" if position is None else " · ".join(f"{axis} {coordinate(v)}" for axis, v in position.items())
+
+
+def position_heading(rows: Iterable[HistoryRow]) -> str:
+    """Return what stands above positions, with the units that occur: of linear axes, of rotary ones or of both."""
+    units = {axis_unit(axis) for row in rows for axis in row.position or ()}
+    if units == {"deg"}:
+        return said("position, °")
+    return said("position, mm and °") if "deg" in units else said("position, mm")
+
+
+def coordinate(value: float) -> str:
+    """Return a coordinate to a thousandth, without trailing zeros."""
+    text = f"{value:.3f}".rstrip("0").rstrip(".") if abs(value) < 1e9 else f"{value:.4g}"
+    return _minus("0" if text == "-0" else decimals(text))
+
+
+def standardised(row: HistoryRow) -> float | None:
+    """Return a reading's innovation over its standard deviation, where both are known."""
+    if row.innovation is None or row.innovation_std is None or row.innovation_std <= 0:
+        return None
+    return row.innovation / row.innovation_std
+
+
+def iso_name(name: str) -> str:
+    """Return the sign of an ISO 230-2 figure: A_up -> A↑."""
+    return name.replace("_up", "↑").replace("_down", "↓").replace("_mean", f" {said('mean')}")
+
+
+def axis_unit(axis: str) -> str:
+    """Return the display unit of an axis' coordinate: A, B and C turn (ISO 841)."""
+    return "deg" if axis[:1] in "ABC" else "mm"
+
+
+def _mean_square(values: Sequence[float]) -> float:
+    largest = max((abs(value) for value in values), default=0.0)
+    return 0.0 if largest == 0 else largest**2 * sum((value / largest) ** 2 for value in values) / len(values)
+
+
+def _rms(values: Sequence[float]) -> float:
+    return math.sqrt(_mean_square(values))
+
+
+def _minus(text: str) -> str:
+    return text.replace("-", "−")
+
+
+class FilesOfControl(NamedTuple):
+    """The files of one control, and what they leave, in a sentence."""
+
+    controller: str
+    sentence: str
+    files: Sequence[str]
+
+
+def files_of_controls(offers: Sequence[TableOffer]) -> list[FilesOfControl]:
+    """Return the files of each control under one sentence."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for offer in offers:
+        found.setdefault((offer.controller, offer.left_out), []).append(offer.file)
+    return [FilesOfControl(name, left or said("They leave nothing."), files) for (name, left), files in found.items()]
+
+
+def words() -> list[tuple[str, str]]:
+    """Return each word with what it means."""
+    return [(said(word), said(meaning)) for word, meaning in _WORDS]
+
+
+def pairs(summary: Summary) -> list[tuple[str, str]]:
+    """Return the facts on machine and people that somebody stated, each with its name."""
+    known, measured = summary.particulars, summary.date
+    if summary.ended and summary.ended != summary.date:
+        measured = said("{begun} to {ended}", begun=summary.date, ended=summary.ended)
+    rows = [
+        (said("Machine"), ", ".join(each for each in (summary.machine, known.maker) if each)),
+        (said("Serial number"), known.serial),
+        (said("Chain of axes"), summary.chain),
+        (said("Customer"), known.customer),
+        (said("Laboratory"), known.laboratory),
+        (said("Place"), known.place),
+        (said("Operator"), known.operator),
+        (said("Responsible"), known.responsible),
+        (said("Temperature"), spelt(known.temperature)),
+        (said("Measured"), measured),
+        (said("Remarks"), known.remarks),
+    ]
+    artefacts = [(said("Artefact {name}", name=name), _equipment(each)) for name, each in known.artefacts.items()]
+    return [(name, text) for name, text in (*rows, *artefacts) if text]
+
+
+def _equipment(each: Equipment) -> str:
+    certificate = said("certificate {number}", number=each.certificate) if each.certificate else ""
+    return ", ".join(part for part in (each.serial, certificate) if part)
+
+
+def setup_rows(summary: Summary) -> list[list[str]]:
+    """Return a row for each set-up: name, instrument, serial number, certificate, along, moves, noise, readings."""
+    return [
+        [
+            use.name,
+            use.instrument,
+            use.serial or said(UNSAID),
+            use.certificate or said(UNSAID),
+            use.direction,
+            " ".join(use.moves),
+            spelt(use.noise),
+            str(use.readings),
+        ]
+        for use in summary.setups
+    ]

@@ -1,0 +1,236 @@
+"""The statement of uncertainty: what U holds for and what it is made of, so that a metrologist can redo it by hand.
+
+u = √(Σ u_i²),    U = k u
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from axiscal.answers.answer import AnswerLine
+from axiscal.answers.answer_words import AnswerText, answer_text, digits, row_name
+from axiscal.estimation.accuracy.expanded import BAND, LEVEL
+from axiscal.estimation.case import Case
+from axiscal.language.spoken import counted, later, listed, put, said
+from axiscal.measurement.place_texts import reading_unit
+from axiscal.measurement.setup import SaidOfDrift, Setup
+from axiscal.present.plane_summary import PlaneSummary
+from axiscal.present.result_set import RECORD
+from axiscal.present.sentences import coordinate, figure, percent, quantity, spelt
+from axiscal.present.summary import BudgetRow, ConstantSummary, CurveSummary, Summary, Uncertainty
+from axiscal.units import said_quantity, to_unit
+
+_HOUR, _MANY = 3600.0, 3
+"""s; and names in a clause, a matter of taste."""
+
+NOT_KNOWN = later("Not known: the readings contradict each other")
+
+
+class Statement(NamedTuple):
+    """Texts and cells: what U holds for, its figures, each source of u, their sum, each error, and each row.
+
+    sources : in words, type A or B, distribution, u, share of u²
+    errors : in words, code, ± before the first reading, ± now
+    rows : row, where it holds, places read, found at most, ± before, ± at best
+    """
+
+    conditions: list[tuple[str, str]]
+    figures: list[tuple[str, str]]
+    sources: list[list[str]]
+    sum: str
+    errors: list[list[str]]
+    rows: list[list[str]]
+
+    @property
+    def lines(self) -> Iterator[str]:
+        """The statement for a terminal, a line for each, with units as terminals have them."""
+        pairs = (f"{name}: {text}" for name, text in (*self.conditions, *self.figures))
+        tables = ("  ".join(part for part in cells if part) for cells in (*self.rows, *self.errors, *self.sources))
+        for line in (*pairs, *tables, *([self.sum] if self.sum else [])):
+            yield line.replace("µ", "u").replace("\xa0", " ")
+
+
+def statement(summary: Summary) -> Statement:
+    """Return the statement in the language that is spoken; where uncertainty is withheld only what it is about."""
+    found = summary.expanded
+    conditions = [
+        (said("Quantity"), said("length of the tool's deviation less the estimated one")),
+        (said("Holds"), _without_names(found.conditions)),
+        (said("Agreement"), summary.agreement.words),
+        (said("Ended"), summary.stopped_because),
+    ]
+    named = [(name, spelt(text)) for name, text in conditions if text]
+    if summary.answer.withheld:
+        return Statement(named, [], [], "", [], [])
+    errors = [
+        *map(_curve, (*summary.curves, *summary.reversals)),
+        *map(_plane, summary.planes),
+        *map(_constant, _of_the_machine(summary)),
+    ]
+    sources = [_source(row) for row in summary.budget]
+    total = _sum(summary) if sources else ""
+    return Statement(named, list(_figures(summary)), sources, total, errors, list(_rows(summary)))
+
+
+def _source(row: BudgetRow) -> list[str]:
+    distribution = said(row.distribution) if row.distribution else ""
+    return [spelt(row.words), row.kind, distribution, quantity(row.rms_um, "um"), percent(row.share)]
+
+
+def answered(summary: Summary) -> AnswerText:
+    """Return the answer of a report in words."""
+    record = RECORD if summary.record is None else summary.record.file
+    return answer_text(summary.answer, summary.agreement.words, record)
+
+
+def _without_names(conditions: str) -> str:
+    """Return conditions without the codes of the errors, which the list of errors has."""
+    return conditions.rpartition(" (")[0] or conditions
+
+
+def _figures(summary: Summary) -> Iterator[tuple[str, str]]:
+    """Yield each figure with its name."""
+    found, where = summary.expanded, in_space(summary.expanded)
+    yield said("Standard uncertainty u, RMS over the volume"), quantity(summary.rms_um, "um")
+    yield said("the same at the worst place"), quantity(summary.worst_um, "um")
+    k = said("{k}: {level:.0%} of all draws and places lie within k u", k=figure(found.factor), level=LEVEL)
+    yield said("Factor k"), spelt(k)
+    yield said("Expanded uncertainty U {where}", where=where), quantity(found.space, "um")
+    for axis, value in zip("xyz", found.axes, strict=True):
+        yield said("U along {way}", way=axis), put("± {size}", size=quantity(value, "um"))
+    yield said("U {where}, worst place", where=where), quantity(found.worst, "um")
+    if summary.unseen_rms_um > 0:
+        yield said("part of u that stays open with any reading"), quantity(summary.unseen_rms_um, "um")
+    if summary.linear is not None:
+        yield said("Linear, at the tool"), said("to {size}", size=quantity(summary.linear.bound_um, "um"))
+        yield said("largest second order of a reading over its noise"), figure(summary.linear.index)
+    if summary.truth is not None:
+        truth = summary.truth
+        promised, reached = (quantity(each, "um") for each in (truth.promised_rms_um, truth.reached_rms_um))
+        text = said("{reached} RMS are left where u promised {promised}", reached=reached, promised=promised)
+        yield said("True errors, known here"), text
+
+
+def _sum(summary: Summary) -> str:
+    """Return how u and U follow from the sources."""
+    u, found = summary.rms_um, summary.expanded
+    return said(
+        "u = √(sum of squares) = {u}. U = k u = {k} · {u} = {expanded}.",
+        u=quantity(u, "um"),
+        k=figure(found.factor),
+        expanded=quantity(found.space, "um"),
+    )
+
+
+def _of_the_machine(summary: Summary) -> list[ConstantSummary]:
+    """Return the constants without those of set-ups."""
+    return [each for each in summary.constants if ": " not in each.name]
+
+
+def _curve(curve: CurveSummary) -> list[str]:
+    before, now = (_rms(each) for each in (curve.prior_std, curve.std))
+    unit = curve.value_unit
+    return [curve.caption, curve.name, f"± {quantity(BAND * before, unit)}", f"± {quantity(BAND * now, unit)}"]
+
+
+def _plane(plane: PlaneSummary) -> list[str]:
+    before, now = (_rms([value for row in each for value in row]) for each in (plane.prior_std, plane.std))
+    unit = plane.value_unit
+    return [plane.caption, plane.name, f"± {quantity(BAND * before, unit)}", f"± {quantity(BAND * now, unit)}"]
+
+
+def _constant(constant: ConstantSummary) -> list[str]:
+    sizes = (quantity(BAND * each, constant.unit) for each in (constant.prior_std, constant.std))
+    return [spelt(constant.words), constant.name, *(f"± {size}" for size in sizes)]
+
+
+def _rms(values: Sequence[float]) -> float:
+    return math.sqrt(sum(value**2 for value in values) / max(len(values), 1))
+
+
+def _rows(summary: Summary) -> Iterator[list[str]]:
+    """Yield where each row holds, how it was read, and how well it was known and can be."""
+    for row in summary.answer.rows:
+        sizes = [spelt(f"{digits(size)} {row.unit}") for size in (row.largest, row.known_before, row.floor)]
+        where = "; ".join(_where(line) for line in row.lines)
+        places = said(" and ").join(_places(line) for line in row.lines)
+        yield [row_name(row.kind, [row.axes]), where, places, sizes[0], f"± {sizes[1]}", f"± {sizes[2]}"]
+
+
+def _where(line: AnswerLine) -> str:
+    """Return the ends of a line and where the other axes stand."""
+    low, high = map(coordinate, line.ends)
+    others = ", ".join(f"{axis} {coordinate(value)}" for axis, value in line.at.items())
+    along = said("{axis} {low} to {high}", axis=line.axis, low=low, high=high)
+    return said("{along} at {others}", along=along, others=others) if others else along
+
+
+def _places(line: AnswerLine) -> str:
+    both = line.places["both"]
+    if both:
+        return counted("{count} place, {both} from both sides", "{count} places, {both} from both sides", line.read,
+                       both=both)  # fmt: skip
+    return counted("{count} place", "{count} places", line.read)
+
+
+def conditions(case: Case) -> str:
+    """Return what an expanded uncertainty holds for: tool, volume, temperature, and the errors that are described."""
+    machine, setups = case.description.machine, case.description.setups
+    volume = said("the part") if case.description.target.part is not None else said("the volume")
+    along = counted_along(case)
+    alone = [] if along == "xyz" else [said("counted along {way} alone", way=listed(" ", list(along)))]
+    at_20 = case.description.target.refers_to == "20 degC"
+    warm = said("at 20 degC") if at_20 else said("as warm as when it was read")
+    return counted(
+        "for a tool of {tool}, over {volume}, {assumed}, of the one error that is described ({names})",
+        "for a tool of {tool}, over {volume}, {assumed}, of the {count} errors that are described ({names})",
+        len(machine.error_names),
+        tool=said_quantity(machine.tool, "mm", 4),
+        volume=volume,
+        assumed=listed(", ", [*alone, warm, *drift_words(setups)]),
+        names=" ".join(machine.error_names),
+    )
+
+
+def counted_along(case: Case) -> str:
+    """Return the directions in which deviations of the tool point count, such as "xyz", or "z" of a bed."""
+    return "".join(way for way, counts in zip("xyz", case.description.target.counted, strict=True) if counts)
+
+
+def in_space(found: Uncertainty) -> str:
+    """Return in words of which distance U is."""
+    return said("in space") if found.along == "xyz" else said("along {way} alone", way=listed(" ", list(found.along)))
+
+
+def drift_words(setups: Sequence[Setup]) -> list[str]:
+    """Return clauses: which zeros wander as is usual, or as stated, and where it was said that nothing drifts."""
+    if all(setup.drift_said == "denied" for setup in setups):
+        return [said("as if nothing drifted: you said that nothing drifts")]
+    known: dict[SaidOfDrift, str] = {
+        "usual": later("with zeros that wander as is usual, {these}"),
+        "stated": later("with zeros that wander as stated, {these}"),
+        "denied": later("as if the zero of {these} did not drift: you said that it does not"),
+    }
+    found = []
+    for kind, words in known.items():
+        mine = [setup for setup in setups if setup.drift_said == kind]
+        if mine:
+            found.append(said(words, these=_named(mine) if kind == "denied" else _rates(mine)))
+    return found
+
+
+def _named(setups: Sequence[Setup]) -> str:
+    if len(setups) > _MANY:
+        return said("{count} set-ups", count=len(setups))
+    return listed(said(" and "), [f'"{setup.name}"' for setup in setups])
+
+
+def _rates(setups: Sequence[Setup]) -> str:
+    return listed(said(" and "), list(dict.fromkeys(map(_rate, setups))))
+
+
+def _rate(setup: Setup) -> str:
+    unit = reading_unit(setup)
+    return put("{rate:.3g} {unit}/h", rate=float(to_unit(setup.drift * _HOUR, unit)), unit=unit)

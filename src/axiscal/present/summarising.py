@@ -1,0 +1,349 @@
+"""From a campaign to its summary, the base of `result.json` and the report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
+from hashlib import sha256
+from pathlib import Path
+
+from axiscal.answers.answer import ResultAnswer, TablesChecked
+from axiscal.answers.answer_of_campaign import agreement_of, answer_of
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ended_words import because_text
+from axiscal.campaign.ending import reaches
+from axiscal.campaign.versions import versions
+from axiscal.description.campaign import CampaignDescription
+from axiscal.description.particulars import Equipment
+from axiscal.description.type_b import Distribution
+from axiscal.estimation.accepting import change_words
+from axiscal.estimation.budget import BudgetShare, budget
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimation import Estimation, expanded_uncertainty
+from axiscal.estimation.history import Moment, path
+from axiscal.estimation.linearity import Linearity, linearity
+from axiscal.estimation.type_prior import is_type_text
+from axiscal.language.spoken import later, resaid, said, speaking
+from axiscal.machine.questions import questions, which_way
+from axiscal.measurement.instrument import values_of
+from axiscal.measurement.place_texts import approach_text, direction_text, reading_unit, shown_pose, value_names
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.measurement.simulation import VirtualMachine
+from axiscal.numerics.stages import stage
+from axiscal.planning.what_if import traditional
+from axiscal.present.ball_bar_circles import ball_bar_circles
+from axiscal.present.curves import constants, curves
+from axiscal.present.findings import findings, observability
+from axiscal.present.plane_summary import planes
+from axiscal.present.positioning_curves import positioning_curves
+from axiscal.present.standard import iso230_blocks
+from axiscal.present.statement import conditions, counted_along
+from axiscal.present.summary import (
+    BudgetRow,
+    CurveSummary,
+    Finding,
+    HistoryRow,
+    Iso230,
+    Linear,
+    RecordState,
+    Rejection,
+    SetupUse,
+    Summary,
+    TableOffer,
+    TruthCheck,
+    Uncertainty,
+)
+from axiscal.present.volume_error import bent_volume, volume_error
+from axiscal.units import said_quantity, to_unit
+
+_WORDS = {
+    "set-up": later("Set-ups: zeros, slopes and places of the instruments, which are estimated along with the machine"),
+    "drift": later("Drift: zeros that wander while it is read"),
+    "temperature": later("Temperature of the measured material and its expansion"),
+    "artefact": later("Artefacts: calibrated lengths, and where they stand"),
+    "detail": later("Detail of the machine that the curves do not follow"),
+    "prior": later("The machine's errors as far as these readings leave them open, at the stated sizes"),
+    "unseen": later("What no reading with the allowed set-ups can see"),
+    "sizes": later("Sizes learnt from the readings, and a model that may be wrong"),
+}
+_TYPE_B = {
+    "scale": later("Scale of the {owner}"),
+    "air": later("Refraction of air"),
+    "cosine": later("Beam aslant"),
+    "dead_path": later("Dead path in air"),
+    "temperature": later("Temperature of the measured material"),
+    "expansion": later("Expansion of the measured material"),
+    "length": later("Length of the ball bar"),
+    "square": later("Angle of the straightedge as a square"),
+    "bow": later("Bow of the straightedge"),
+    "gain": later("Gain of the {owner}"),
+    "radius": later("Radius of ball and stylus"),
+    "pre_travel": later("Pre-travel of the probe"),
+}
+"""What no reading shows, by name; see `description.type_b`."""
+_DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangular": later("rectangular")}
+_WORTH = 5e-4
+"""Shares below are left out: they show as nought."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Extras:
+    """What a campaign itself does not know: tables that were written, a known truth, a finished standard
+    test.
+
+    compared : whether the traditional way, with as many readings, is drawn beside the accuracy
+    warnings : about what was given, besides those of the estimate
+    anyway : tables and uncertainties are written although readings contradict each other; each page says that they do
+    checked : what a check of the tables on the machine found
+    """
+
+    tables: Sequence[TableOffer] = ()
+    truth: VirtualMachine | None = None
+    truth_check: TruthCheck | None = None
+    iso230: Sequence[Iso230] = ()
+    files: Sequence[str] = ()
+    compared: bool = False
+    warnings: Sequence[Finding] = ()
+    anyway: bool = False
+    checked: TablesChecked | None = None
+
+
+@stage("the summary")
+def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summary:
+    """Return the summary of a campaign, in English; `resaid` says it in another language.
+
+    estimation : after all its readings
+    """
+    with speaking("en"):
+        return resaid(_summary(campaign, estimation, extras))
+
+
+def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summary:
+    case, description = estimation.case, campaign.description
+    rows = _history(campaign, estimation)
+    if extras.compared:
+        usual = traditional(case, len(campaign.state.readings)).rms
+        pairs = zip(rows, usual, strict=False)  # the usual way may have no place for as many readings
+        beside = [replace(row, traditional_rms_um=to_unit(rms, "um")) for row, rms in pairs]
+        rows = [*beside, *rows[len(beside) :]]
+    linear, expanded = linearity(estimation), _expanded(estimation)
+    target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
+    return Summary(
+        title=said("Calibration of {machine}", machine=description.machine.name),
+        machine=description.machine.name,
+        chain=description.machine.chain,
+        campaign_file=description.source,
+        date=campaign.begun[:10],
+        setups=[_setup_use(setup, campaign) for setup in description.setups],
+        stopped_because=because_text(campaign.state.finished or "not finished"),
+        readings=len(campaign.state.readings),
+        minutes=rows[-1].minutes,
+        rms_um=rows[-1].rms_um,
+        worst_um=rows[-1].worst_um,
+        unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
+        history=rows,
+        expanded=expanded,
+        answer=_answer(campaign, estimation, extras),
+        curves=[curve for curve in drawn if not _reversal(curve)],
+        reversals=[curve for curve in drawn if _reversal(curve)],
+        constants=constants(estimation),
+        planes=planes(estimation),
+        observability=observability(case),
+        questions=open_questions(description),
+        rejected=_rejections(estimation, rows),
+        warnings=[*extras.warnings, *_accepted(campaign), *findings(estimation), *not_gaussian(linear)],
+        tables=extras.tables,
+        target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
+        target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
+        target_u_um=None if target.expanded is None else to_unit(target.expanded, "um"),
+        target_reached=reaches(target, estimation),
+        truth=extras.truth_check,
+        iso230=extras.iso230 or iso230_blocks(description, campaign.state.readings, _refused(estimation)),
+        versions=versions(),
+        files=extras.files,
+        record=record_state(campaign),
+        agreement=agreement_of(estimation),
+        volume=volume_error(estimation) if campaign.state.readings else None,
+        bent=bent_volume(estimation) if campaign.state.readings else None,
+        positioning=positioning_curves(description, campaign.state.readings, estimation),
+        circles=ball_bar_circles(description, campaign.state.readings, estimation),
+        budget=budget_rows(estimation),
+        particulars=description.particulars,
+        checksums=_checksums(campaign),
+        ended=_ended(campaign),
+        linear=linear_of(linear),
+    )
+
+
+def _answer(campaign: Campaign, estimation: Estimation, extras: Extras) -> ResultAnswer:
+    """Return the answer as far as it is known before tables are made."""
+    return answer_of(campaign, estimation, {}, anyway=extras.anyway).model_copy(update={"checked": extras.checked})
+
+
+def _checksums(campaign: Campaign) -> dict[str, str]:
+    """Return the SHA-256 of what the campaign was described by, and the hash of its record."""
+    described = campaign.description
+    taught, earlier = said("what its type has taught"), said("the earlier campaign")
+    before = taught if is_type_text(described.prior_text) else earlier
+    texts = {
+        Path(described.source).name: described.text,
+        Path(described.machine_source).name: described.machine.text,
+        before: described.prior_text,
+    }
+    sums = {name: sha256(text.encode("utf-8", "surrogateescape")).hexdigest() for name, text in texts.items() if text}
+    return sums | {campaign.path.name: campaign.state.name}
+
+
+def _ended(campaign: Campaign) -> str:
+    """Return the day of the last reading whose time is known, else the day on which the record was begun."""
+    times = [reading.time for reading in campaign.state.readings if reading.time is not None]
+    last = datetime.fromisoformat(campaign.begun) + timedelta(seconds=max(times, default=0.0))
+    return last.date().isoformat()
+
+
+def open_questions(description: CampaignDescription) -> list[str]:
+    """Return what the machine's description leaves open and the figures take for granted."""
+    return [*questions(description.machine), *which_way(description.machine)]
+
+
+def _expanded(estimation: Estimation) -> Uncertainty:
+    """Return the expanded uncertainties of the headline."""
+    found = expanded_uncertainty(estimation)
+    x, y, z = (to_unit(each, "um") for each in found.axes)
+    factor = found.factor(estimation.accuracy.rms)
+    space, worst = to_unit(found.space, "um"), to_unit(found.worst, "um")
+    along = counted_along(estimation.stated)
+    return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated), along)
+
+
+def _accepted(campaign: Campaign) -> list[Finding]:
+    """Return what mistakes were accepted, whose readings are not as they were recorded."""
+    changes = [change_words(each) for each in campaign.state.accepted]
+    return [Finding("accepted", None, said("A person accepted: {change}.", change=change)) for change in changes]
+
+
+def record_state(campaign: Campaign) -> RecordState:
+    """Return from which state of which record figures and tables are made."""
+    return RecordState(campaign.path.name, campaign.state.last, campaign.state.name)
+
+
+def _reversal(curve: CurveSummary) -> bool:
+    return curve.name.endswith("_reversal")
+
+
+def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:
+    """Return how well the machine was known after each reading, and how much each surprised."""
+    refused = _refused(estimation)
+    first, *moments = path(estimation)
+    rows = [_row(estimation.case, None, 0, first)]
+    for index, (reading, moment) in enumerate(zip(campaign.state.readings, moments, strict=True)):
+        row = _row(estimation.case, reading, reading.numbered(index), moment)
+        rows.append(replace(row, rejected=index in refused))
+    return rows
+
+
+def _refused(estimation: Estimation) -> set[int]:
+    """Return the readings, counted from 0, that were not believed."""
+    return {doubt.reading for doubt in estimation.outliers if doubt.rejected}
+
+
+def _rejections(estimation: Estimation, rows: Sequence[HistoryRow]) -> list[Rejection]:
+    """Return the readings that were not believed."""
+    return [
+        Rejection(
+            row.reading,
+            row.setup or "",
+            row.position or {},
+            row.value_um or 0.0,
+            said("{away:.3g} standard deviations from what the other readings say", away=float(doubt.surprise)),
+            row.unit,
+        )
+        for doubt in estimation.outliers
+        if doubt.rejected and (row := rows[doubt.reading + 1])
+    ]
+
+
+def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> HistoryRow:
+    rms, worst = (to_unit(each, "um") for each in (moment.accuracy.rms, moment.accuracy.worst))
+    minutes, last = to_unit(moment.seconds, "min"), moment.innovations
+    if reading is None or last is None:
+        return HistoryRow(number, None, None, None, None, None, rms, worst, minutes)
+    description = case.description
+    unit, axes = reading_unit(description.setup(reading.setup)), description.machine.axes
+    return HistoryRow(
+        reading=number,
+        setup=reading.setup,
+        position=shown_pose(axes, reading.pose),
+        value_um=to_unit(reading.value, unit),
+        innovation=to_unit(float(last.value[0]), unit),
+        innovation_std=to_unit(float(last.std[0]), unit),
+        rms_um=rms,
+        worst_um=worst,
+        minutes=minutes,
+        unit=unit,
+        approach=approach_text(axes, reading.approach),
+        others=tuple(to_unit(each, unit) for each in reading.others),
+    )
+
+
+def _setup_use(setup: Setup, campaign: Campaign) -> SetupUse:
+    axes = campaign.description.machine.axes
+    count = sum(reading.setup == setup.name for reading in campaign.state.readings)
+    moves = [axes[k].name for k in setup.moves]
+    unit = reading_unit(setup)
+    noise = said_quantity(setup.noise, unit)
+    of = campaign.description.particulars.setups.get(setup.name, Equipment())
+    along = " ".join(value_names(setup)) if values_of(setup) > 1 else direction_text(setup)
+    along = along if setup.length is None else said("the bar")
+    own = setup.name, said(setup.instrument), along, moves, noise, count
+    return SetupUse(*own, of.serial, of.certificate, _temperature(setup))
+
+
+def _temperature(setup: Setup) -> str:
+    """Return how much the measured material has grown against 20 degC, where the set-up states its temperature."""
+    if not setup.growth:
+        return ""
+    return said("{growth:.3g} um/m against 20 degC", growth=float(setup.growth * 1e6))
+
+
+def linear_of(found: Linearity) -> Linear:
+    """Return the same in display units."""
+    return Linear(to_unit(found.bound, "um"), found.largest)
+
+
+def not_gaussian(found: Linearity) -> Iterator[Finding]:
+    """Yield a warning where a reading is so far from linear that the posterior is no Gaussian."""
+    if found.gaussian or found.reading is None:
+        return
+    text = (
+        "Reading {reading} is not linear within what is left open: its second order is {times:.2g} times its noise, "
+        "so the bands are only about right. State stations or location errors nearer to the truth, or read more."
+    )
+    yield Finding("not-gaussian", None, said(text, reading=found.reading, times=float(found.largest)))
+
+
+def budget_rows(known: Estimation) -> list[BudgetRow]:
+    """Return the sources of the standard uncertainty above 0, the largest first."""
+    shares = budget(known)
+    whole = sum(share.rms**2 for share in shares) or 1.0
+    rows = [BudgetRow(_words(share), to_unit(share.rms, "um"), share.rms**2 / whole, *_type(share)) for share in shares]
+    return sorted((row for row in rows if row.share >= _WORTH), key=lambda row: -row.share)
+
+
+def _type(share: BudgetShare) -> tuple[str, str]:
+    """Return the type of the evaluation, and the distribution of a source of type B, "" for type A."""
+    return ("A", "") if share.cause is None else ("B", _DISTRIBUTIONS[share.cause.row.distribution])
+
+
+def _words(share: BudgetShare) -> str:
+    if share.kind == "instrument":
+        return said('Instrument: noise of the readings of "{setup}"', setup=share.setup)
+    if share.cause is not None:
+        row, owner = share.cause.row, share.cause.owner
+        what = said(_TYPE_B[row.name], owner=said(owner) if owner else "")
+        if share.cause.stated:
+            return said("{what}, as stated", what=what)
+        return said("{what}, {size} as is usual", what=what, size=said_quantity(row.size, row.unit))
+    return said(_WORDS[share.kind])

@@ -1,0 +1,290 @@
+"""The result of a campaign as plain data in display units: the only source of the report and of `result.json`.
+
+Positions in mm and deg; deviations in um, urad or arcsec (the unit stands beside the value); time in minutes.
+Every `std`, `rms` and `worst` is one standard deviation; `expanded` and the bands that the report draws hold 95 %.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from axiscal.answers.answer import NOTHING_READ, ReadingAgreement, ResultAnswer
+from axiscal.description.particulars import NOTHING_SAID, Particulars
+from axiscal.present.ball_bar_circles import BallBarCircle
+from axiscal.present.plane_summary import PlaneSummary
+from axiscal.present.positioning_curves import PositioningCurve
+from axiscal.present.volume_error import BentVolume, VolumeError
+
+Position = Mapping[str, float]
+"""Axis name to coordinate, mm or deg."""
+
+
+@dataclass(frozen=True, slots=True)
+class SetupUse:
+    """A set-up, and how many readings were taken in it; `direction`, `noise` are text such as "x" and "0.3 um"."""
+
+    name: str
+    instrument: str
+    direction: str
+    moves: Sequence[str]
+    noise: str
+    readings: int
+    serial: str = ""
+    certificate: str = ""
+    temperature: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class HistoryRow:
+    """One reading and the accuracy after it; reading 0 is the prior and has no position, value or innovation.
+
+    unit : of `value_um`, `others`, `innovation`, `innovation_std`: "um" except for angle readings
+    others : the further numbers of a reading that has several, such as a sphere's along y and z
+    traditional_rms_um : RMS that the traditional plan has after as many readings, if it was computed
+    """
+
+    reading: int
+    setup: str | None
+    position: Position | None
+    value_um: float | None
+    innovation: float | None
+    innovation_std: float | None
+    rms_um: float
+    worst_um: float
+    minutes: float
+    rejected: bool = False
+    traditional_rms_um: float | None = None
+    unit: str = "um"
+    approach: str = ""
+    others: tuple[float, ...] = ()
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """All numbers of the reading, in its unit; none of the prior."""
+        return () if self.value_um is None else (self.value_um, *self.others)
+
+
+@dataclass(frozen=True, slots=True)
+class CurvePoint:
+    """A reading as one curve sees it: its value minus what the rest of the model says, and the std of that."""
+
+    position: float
+    value: float
+    std: float
+    setup: str
+    reading: int | None = None
+    rejected: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class CurveSummary:
+    """One error function over its axis; all sequences have the length of `position`.
+
+    std : whole standard deviation, unmodelled rest and unseen part included
+    std_seen : what the readings leave over, without the part that no allowed reading can see
+    prior_std : before any reading
+    truth : positions and values, where the truth is known
+    from_readings : share of the prior variance that the readings have taken away, 0 to 1; the rest is the prior
+    """
+
+    name: str
+    axis: str
+    caption: str
+    position: Sequence[float]
+    mean: Sequence[float]
+    std: Sequence[float]
+    std_seen: Sequence[float]
+    prior_std: Sequence[float]
+    position_unit: str
+    value_unit: str
+    truth: tuple[Sequence[float], Sequence[float]] | None = None
+    points: Sequence[CurvePoint] = ()
+    from_readings: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ConstantSummary:
+    """A location error, a constant reversal or a set-up's unknown; `seen`: an allowed reading bears on it."""
+
+    name: str
+    words: str
+    mean: float
+    std: float
+    prior_std: float
+    unit: str
+    seen: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A warning: `code` is one of accepted aliasing prior-misfit drift outlier unobservable copies …"""
+
+    code: str
+    error: str | None
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Rejection:
+    """A reading that was not believed, and why."""
+
+    reading: int
+    setup: str
+    position: Position
+    value_um: float
+    reason: str
+    unit: str = "um"
+
+
+@dataclass(frozen=True, slots=True)
+class TableOffer:
+    """A compensation file, and what it leaves uncorrected in words (empty: nothing).
+
+    effect : of all files of the control together; None where none is written
+    """
+
+    file: str
+    controller: str
+    axis: str
+    left_out: str = ""
+    effect: TableEffect | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class TableEffect:
+    """Effect of the files of one control on the tool point over the volume, RMS, um.
+
+    before, after : of the deviation as estimated; expected : with what is not known, a standard uncertainty
+    """
+
+    before: float
+    after: float
+    expected: float
+
+
+@dataclass(frozen=True, slots=True)
+class TruthCheck:
+    """RMS promised by the estimate against RMS reached, where the truth is known."""
+
+    promised_rms_um: float
+    reached_rms_um: float
+    before_rms_um: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Iso230:
+    """ISO 230-2 figures of one axis: A, E, R, B, M by name.
+
+    uncertainties : expanded (k = 2), for the figures whose uncertainty is known
+    left_out : readings that were not believed; the test is without their runs
+    """
+
+    axis: str
+    value_unit: str
+    figures: Mapping[str, float]
+    uncertainties: Mapping[str, float] = field(default_factory=dict)
+    left_out: Sequence[int] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class BudgetRow:
+    """One source of the uncertainty in words, its standard uncertainty over the volume, um, and share of the square.
+
+    kind : "A" or "B" (GUM 4.2, 4.3); distribution : of what no reading shows, "" of others
+    """
+
+    words: str
+    rms_um: float
+    share: float
+    kind: str = "A"
+    distribution: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RecordState:
+    """What all figures come from: a record's file, the number of its last event, the hash up to there."""
+
+    file: str
+    event: int
+    hash: str
+
+
+@dataclass(frozen=True, slots=True)
+class Uncertainty:
+    """Expanded uncertainties of the tool point over the volume, 95 %, um.
+
+    space : of the distance; axes : along x, y, z of the workpiece frame; worst : of the distance at the worst place
+    factor : k, `space` over the standard uncertainty; conditions : what it was evaluated for, in words
+    along : the directions whose distance `space` and `worst` are, such as "z" of a bed; all of them where it is "xyz"
+    """
+
+    space: float
+    axes: tuple[float, float, float]
+    worst: float
+    factor: float
+    conditions: str = ""
+    along: str = "xyz"
+
+
+@dataclass(frozen=True, slots=True)
+class Linear:
+    """How linear machine and readings are.
+
+    bound_um : no machine within the bands differs by more from its first order; index : the largest ν of a reading
+    """
+
+    bound_um: float
+    index: float
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """Everything the report shows.
+
+    answer : what is said first; without what tables leave until they are made
+    """
+
+    title: str
+    machine: str
+    chain: str
+    campaign_file: str
+    date: str
+    setups: Sequence[SetupUse]
+    stopped_because: str
+    readings: int
+    minutes: float
+    rms_um: float
+    worst_um: float
+    unseen_rms_um: float
+    history: Sequence[HistoryRow]
+    expanded: Uncertainty
+    answer: ResultAnswer
+    curves: Sequence[CurveSummary] = ()
+    reversals: Sequence[CurveSummary] = ()
+    constants: Sequence[ConstantSummary] = ()
+    planes: Sequence[PlaneSummary] = ()
+    observability: Sequence[str] = ()
+    questions: Sequence[str] = ()
+    rejected: Sequence[Rejection] = ()
+    warnings: Sequence[Finding] = ()
+    tables: Sequence[TableOffer] = ()
+    target_rms_um: float | None = None
+    target_worst_um: float | None = None
+    target_u_um: float | None = None
+    target_reached: bool | None = None
+    truth: TruthCheck | None = None
+    iso230: Sequence[Iso230] = ()
+    versions: Mapping[str, str] = field(default_factory=dict)
+    files: Sequence[str] = ()
+    record: RecordState | None = None
+    agreement: ReadingAgreement = NOTHING_READ
+    volume: VolumeError | None = None
+    bent: BentVolume | None = None
+    positioning: Sequence[PositioningCurve] = ()
+    circles: Sequence[BallBarCircle] = ()
+    budget: Sequence[BudgetRow] = ()
+    particulars: Particulars = NOTHING_SAID
+    checksums: Mapping[str, str] = field(default_factory=dict)
+    ended: str = ""
+    linear: Linear | None = None

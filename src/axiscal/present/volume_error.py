@@ -1,0 +1,193 @@
+"""The error of the volume: what the tool does at places spread over it, as found, as left, and how well it is known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.estimation.accuracy.expanded import BAND
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.language.spoken import listed, put
+from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import frames
+from axiscal.numerics import Array, rigid
+from axiscal.tables.effect import Control, Deviation, left_by
+from axiscal.units import said_quantity, to_unit
+
+MACHINES = 6
+"""Machines that the readings allow; a matter of taste."""
+_SEED = 4
+"""The same campaign gives the same picture."""
+_SMOOTH = {1: (33,), 2: (13, 9), 3: (9, 7, 7)}
+"""Places along the axes that move, the longest first: enough for a line to look smooth; a matter of taste."""
+
+_COUNTS = {1: (11,), 2: (7, 7), 3: (5, 5, 3)}
+"""Places along the axes that move, the longest first: enough to see a shape; a matter of taste."""
+
+Triple = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class VolumeError:
+    """Deviations of the tool point from the workpiece at places, one shift of all of them taken off.
+
+    axes : that move from place to place; parked : where the others stand, in words, "" where none does
+    tcp_mm : nominal places in the workpiece frame; found_um : as estimated; half_um : ± of it, 95 %, along x, y, z
+    left_um : with the tables of `controller` loaded, as estimated; empty where there are none
+    """
+
+    axes: Sequence[str]
+    parked: str
+    tcp_mm: Sequence[Triple]
+    found_um: Sequence[Triple]
+    half_um: Sequence[Triple]
+    left_um: Sequence[Triple] = ()
+    controller: str = ""
+
+
+def volume_error(estimation: Estimation, controller: str = "", control: Control | None = None) -> VolumeError:
+    """Return the error of the volume; both sides from which an axis may come count alike.
+
+    control : what the tables of `controller` do, None where there are none
+    """
+    estimate = estimation.estimate()
+    moving = moving_axes(estimate)
+    poses, _ = places_over(estimate, moving, _COUNTS)
+    found = _shifted(_either_way(estimate.deviation, poses))
+    left = () if control is None else _rows(_shifted(_left(estimate, control, poses)))
+    axes = estimate.machine.axes
+    still = [(axis, said_quantity(float(poses[0, k]), axis.unit, 4)) for k, axis in enumerate(axes) if k not in moving]
+    parked = listed(", ", [put("{axis} {at}", axis=axis.name, at=at) for axis, at in still])
+    places = [(x, y, z) for x, y, z in to_unit(frames(estimate.machine, poses).tcp, "mm").tolist()]
+    names = [axes[k].name for k in moving]
+    return VolumeError(names, parked, places, _rows(found), _rows(_half(estimate, poses)), left, controller)
+
+
+def moving_axes(estimate: Estimate) -> list[int]:
+    """Return the axes that span the picture: the linear ones, or else those that turn."""
+    spans = [high - low for low, high in estimate.box]
+    free = [k for k, span in enumerate(spans) if span > 0]
+    linear = [k for k in free if not estimate.machine.axes[k].rotary]
+    return sorted(sorted(linear or free, key=lambda k: -spans[k])[:3])
+
+
+def places_over(
+    estimate: Estimate, moving: Sequence[int], counts: Mapping[int, Sequence[int]]
+) -> tuple[Array, tuple[int, ...]]:
+    """Return a grid over the axes that move, (m, q), and its places along each of them.
+
+    counts : places by the number of axes that move, the longest first
+    Rotary axes that do not move stand as near to zero as the volume lets them.
+    """
+    box, axes = np.array(estimate.box), estimate.machine.axes
+    middle = np.where([axis.rotary for axis in axes], np.clip(0.0, box[:, 0], box[:, 1]), box.mean(axis=1))
+    spans = box[list(moving), 1] - box[list(moving), 0]
+    order = np.argsort(np.argsort(-spans, kind="stable"), kind="stable")
+    along = tuple(counts[len(moving)][rank] for rank in order) if moving else ()
+    lines = [np.linspace(box[k, 0], box[k, 1], count) for k, count in zip(moving, along, strict=True)]
+    poses = np.tile(middle, (int(np.prod(along)), 1))
+    for k, each in zip(moving, np.meshgrid(*lines, indexing="ij"), strict=True):
+        poses[:, k] = each.ravel()
+    return poses, along
+
+
+def _either_way(deviation: Deviation, poses: Array) -> Array:
+    """Return the mean of both sides from which an axis may come, (m, 3)."""
+    mean: Array = (deviation(poses, np.ones_like(poses)) + deviation(poses, -np.ones_like(poses))) / 2
+    return mean
+
+
+def _left(estimate: Estimate, control: Control, poses: Array) -> Array:
+    return _either_way(lambda p, s: left_by(estimate.machine, estimate.deviation, control, p, s), poses)
+
+
+def _shifted(mean: Array) -> Array:
+    """Return deviations less one shift of all places, (m, 3)."""
+    shifted: Array = mean - mean.mean(axis=0)
+    return shifted
+
+
+def _half(estimate: Estimate, poses: Array) -> Array:
+    """Return ± of the deviation along x, y and z, 95 %, one shift of all places taken off, (m, 3) m."""
+    rows = (estimate.model.rows(poses, np.ones_like(poses)) + estimate.model.rows(poses, -np.ones_like(poses))) / 2
+    spread = (rows - rows.mean(axis=0)) @ estimate.factor
+    rests = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, estimate.model.rests**2)
+    half: Array = BAND * np.sqrt(np.sum(spread**2, axis=2) + rests)
+    return half
+
+
+def _rows(metres: Array) -> list[Triple]:
+    return [(x, y, z) for x, y, z in to_unit(metres, "um").tolist()]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class BentVolume:
+    """Deviations of the tool point on a grid over the volume, m, the motion of the part that probing finds taken off.
+
+    tcp : (a, b, c, 3) nominal places in the workpiece frame, 1 for directions in which nothing moves
+    found : (a, b, c, 3) as estimated; left : with the tables of `controller`, None where there are none
+    allowed : (MACHINES, a, b, c, 3) what draws of the posterior add to both
+    aligned : whether turns of the part are taken off, too, and not its shift alone
+    """
+
+    machine: Machine
+    tcp: Array
+    found: Array
+    left: Array | None
+    allowed: Array
+    aligned: bool
+    controller: str = ""
+
+
+def bent_volume(estimation: Estimation, controller: str = "", control: Control | None = None) -> BentVolume:
+    """Return the bent volume; both sides from which an axis may come count alike.
+
+    control : what the tables of `controller` do, None where there are none
+    """
+    estimate = estimation.estimate()
+    moving = moving_axes(estimate)
+    poses, counts = places_over(estimate, moving, _SMOOTH)
+    shape = (*counts, *(1,) * (3 - len(counts)), 3)
+    tcp = frames(estimate.machine, poses).tcp
+    off = _Alignment(tcp, turned=estimate.alignment is not None)
+    found = off.left(_either_way(estimate.deviation, poses))
+    left = None
+    if control is not None:
+        left = off.left(_left(estimate, control, poses)).reshape(shape)
+    allowed = np.stack([off.left(each).reshape(shape) for each in _draws(estimate, poses)])
+    aligned = estimate.alignment is not None
+    return BentVolume(estimate.machine, tcp.reshape(shape), found.reshape(shape), left, allowed, aligned, controller)
+
+
+def _draws(estimate: Estimate, poses: Array) -> Array:
+    """Return what draws of the posterior add to the deviation that is expected, (MACHINES, m, 3)."""
+    model, sides = estimate.model, np.ones_like(poses)
+    rows = (model.rows(poses, sides) + model.rows(poses, -sides)) / 2
+    chances = np.random.default_rng(_SEED).standard_normal((MACHINES, estimate.factor.shape[1]))
+    drawn: Array = np.einsum("mij,nj->nmi", rows, chances @ estimate.factor.T)
+    return drawn
+
+
+class _Alignment:
+    """The motion of a part that probing takes off deviations at places, (m, 3) m.  turned : turns as well as shifts"""
+
+    def __init__(self, tcp: Array, turned: bool) -> None:
+        away = tcp - tcp.mean(axis=0)
+        shifts = np.broadcast_to(np.eye(3), (len(tcp), 3, 3))
+        motions = np.concatenate([shifts, -rigid.skew(away)], axis=2) if turned else shifts
+        self._motions = motions.reshape(3 * len(tcp), -1)
+
+    def left(self, deviations: Array) -> Array:
+        """Return deviations, (m, 3), without the motion of the part that fits them best."""
+        moved = np.linalg.lstsq(self._motions, deviations.ravel(), rcond=None)[0]
+        left: Array = (deviations.ravel() - self._motions @ moved).reshape(deviations.shape)
+        return left
+
+
+def sides_of(tcp: Array) -> Sequence[float]:
+    """Return the lengths of the grid along its directions that are not of one place alone, m.  tcp : (a, b, c, 3)"""
+    lengths = [np.linalg.norm(tcp.take(-1, axis=k) - tcp.take(0, axis=k), axis=-1).mean() for k in range(3)]
+    return [float(length) for length, count in zip(lengths, tcp.shape, strict=False) if count > 1 and length > 0]

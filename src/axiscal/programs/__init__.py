@@ -1,0 +1,9 @@
+"""Measuring programs: the planned readings as a program that the machine's own control runs."""
+
+from __future__ import annotations
+
+from axiscal.programs.dialect import controllers, dialect
+from axiscal.programs.plan_files import write_programs
+from axiscal.programs.program import Program, programs
+
+__all__ = ["Program", "controllers", "dialect", "programs", "write_programs"]

@@ -1,0 +1,206 @@
+"""A control's words for the few things that a measuring program does, as data: one writer fills them in.
+
+Blanks in braces are filled in: {to} axes with where they go, {feed} mm/min or deg/min. The fields below name every
+other one. Nothing that a person wrote is filled in but names of axes and of programs, which are plain words.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from axiscal.document import meant, shown
+from axiscal.document.ports import names, one_of, ours
+from axiscal.exceptions import ProgramError
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.programs.steps import Touched
+
+PORTS = "axiscal.dialects"
+"""Group of the entry points by which packages bring words of a control."""
+_DIALECTS = ("linuxcnc", "sinumerik", "heidenhain", "fanuc", "isg")
+
+LETTERS = "XYZABCUVW"
+Lines = tuple[str, ...]
+Words = Sequence[tuple[str, str]]
+"""Names of axes with where they go, as text in mm or deg."""
+
+
+def head(code: str) -> str:
+    """Return the first line of a log: lengths are in mm, the plan is that of the code."""
+    return f"AXISCAL LOG 1 PLAN {code} MM"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Log:
+    """How a control touches a sphere by itself and writes a log, which is written on at its end.
+
+    on, off : open it with its first line {head}, and write how many {readings} there were and close it; {code}
+    touch : meets one side from beside it, fast and slowly, writes it down and goes back, {away}; ends the program where
+    nothing is met. {into}, {back} : words; {x} {y} {z} : where the way ends; {all} : numbers of the touch in brackets;
+    {along} : unit steps, {reach} {backwards} : mm; {reading} {touch} {fast} {slow}
+    declared : lines before all others; proof, closing : those of the dialect where the log is open
+    files : that the control needs besides, {code} and {head} in names and texts; notes : what must be known
+    """
+
+    on: Lines
+    off: Lines
+    touch: Lines
+    notes: Lines
+    declared: Lines = ()
+    proof: str | None = None
+    closing: Lines | None = None
+    files: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dialect:
+    """One control's words.
+
+    title : its name for people; suffix : of its files; notes : what must be known of it
+    opening : puts the control into a known state, {name} {number} of the program, {axes} by commas; closing : ends it
+    move : a straight move in machine coordinates; dwell : a wait, {s} seconds or {ms} whole milliseconds
+    stop : halts until somebody presses start; proof : checked after it for each axis, from {first} and {second} on
+    pause : halts while the tool point is held; comment : a line of its own, of plain words {text}
+    tip_on : makes X Y Z those of the tool point on the workpiece, {tool} its length and {to} where it is
+    tip_off : makes them those of the machine again, {to} where its axes are; tip_move : moves the tool point straight,
+    rotary axes in step; tip_needs : which mode and zero that needs, for the head; tip_notes : what must be known of it
+    tip_decimals : of a place of the tool point, mm; from_zero : it takes the table as it stands when the mode begins
+    tip_tables : letters of the rotary axes that it has such a mode for, all where empty; tip_tables_said : in words
+    timed : makes F the number of moves a minute, and ends that; None where the control has nothing of the kind
+    axes : what an axis may be called; decimals : of a coordinate; longest_name : of a program
+    signed : coordinates have a plus; numbered : so have blocks a number
+    log : None where it writes none
+    """
+
+    title: str
+    suffix: str
+    notes: Lines
+    opening: Lines
+    closing: Lines
+    move: str
+    dwell: Lines
+    tip_on: Lines
+    tip_off: Lines
+    tip_move: str
+    tip_needs: Lines
+    tip_notes: Lines
+    tip_decimals: int = 4
+    tip_tables: Lines = ()
+    tip_tables_said: str = ""
+    from_zero: bool = False
+    stop: Lines = ("M0",)
+    proof: str | None = None
+    pause: Lines = ("M0",)
+    comment: str = "({text})"
+    timed: tuple[str, str] | None = ("G93", "G94")
+    axes: str = f"[{LETTERS}]"
+    decimals: int = 4
+    longest_name: int = 24
+    signed: bool = False
+    numbered: bool = False
+    log: Log | None = None
+
+    def check(self, axes: Iterable[Axis]) -> None:
+        """Raise ProgramError for an axis that the control has no name for."""
+        for axis in axes:
+            if not re.fullmatch(self.axes, axis.name):
+                what = f"{self.title} programs have no axis {axis.name}"
+                raise ProgramError(what, f"Name the axes of the machine by the letters {' '.join(LETTERS)}")
+
+    def refuse_no_tip(self, machine: Machine) -> None:
+        """Raise ProgramError where the control cannot hold the tool point of such a machine."""
+        rotary = [axis for axis in machine.axes if axis.rotary]
+        first = machine.axes[: len(rotary)]
+        table = "".join(axis.name for axis in first if axis.workpiece_side)
+        if self.tip_tables and (table not in self.tip_tables or len(table) < len(rotary)):
+            what = f"{self.title} has no kinematics for the chain {machine.chain}"
+            raise ProgramError(what, f"{self.tip_tables_said}; choose another control")
+        if not {"X", "Y", "Z"} <= {axis.name for axis in machine.axes}:
+            raise ProgramError("a tool point is held by X, Y and Z", "Name the linear axes of the machine so")
+
+    def logging(self) -> Log:
+        """Return how the control writes a log; raises ProgramError where it writes none."""
+        if self.log is None:
+            what = f"{self.title} programs write no log"
+            raise ProgramError(what, "Leave --log out: the program stops at each sphere for the control's own cycle")
+        return self.log
+
+    def framed(self, name: str, number: int, axes: Sequence[Axis], lines: Iterable[str], logs: bool) -> str:
+        """Return the whole text of a program; number : 1 for the first of a plan; logs : whether it writes a log."""
+        log = self.logging() if logs else None
+        closing = self.closing if log is None or log.closing is None else log.closing
+        given = {"name": name, "number": number, "axes": ",".join(axis.name for axis in axes)}
+        begun = [*(() if log is None else log.declared), *filled(self.opening, **given)]
+        blocks = [*begun, *lines, *filled(closing, **given)]
+        if self.numbered:
+            blocks = [f"{place} {block}" for place, block in enumerate(blocks)]
+        return "\n".join(blocks) + "\n"
+
+    def words(self, words: Words) -> str:
+        """Return axes with where they go; the name of an axis with a digit takes a =."""
+        plus = "+" if self.signed else ""
+        return " ".join(
+            axis + "=" * (len(axis) > 1) + ("" if value.startswith("-") else plus) + value for axis, value in words
+        )
+
+    def moved(self, words: Words, feed: int | str) -> str:
+        """Return a straight move in machine coordinates."""
+        return self.move.format(to=self.words(words), feed=feed)
+
+    def waited(self, seconds: float) -> list[str]:
+        """Return a wait, in the control's own unit of time."""
+        return filled(self.dwell, s=seconds, ms=round(seconds * 1000))
+
+    def stopped(self, axes: Sequence[Axis], logs: bool) -> list[str]:
+        """Return what halts the program, and proves afterwards that its coordinates are the machine's."""
+        proof = self.proof if not logs or self.logging().proof is None else self.logging().proof
+        return [*self.stop, *(proof.format(first=5021 + k, second=5041 + k) for k in range(len(axes)) if proof)]
+
+    def touched(self, code: str, touch: Touched) -> list[str]:
+        """Return what touches one side and writes it down; where nothing is met the program ends with a message."""
+        far = [float(into) - float(beside) for into, beside in zip(touch.into, touch.beside, strict=True)]
+        reach, numbers = math.hypot(*far), (touch.reading, touch.touch, *touch.into, *touch.back, *touch.beside)
+        steps = zip(touch.letters, far, strict=True)
+        return filled(
+            self.logging().touch,
+            code=code,
+            into=self.words(touch.words(touch.into)),
+            back=self.words(touch.words(touch.back)),
+            away=self.moved(touch.words(touch.beside), touch.travel),
+            along=" ".join(f"I{axis}{way / reach:+.6f}" for axis, way in steps),
+            reach=reach,
+            backwards=math.hypot(*map(float, touch.back)),
+            all=" ".join(f"[{number}]" for number in (*numbers, touch.fast, touch.slow, touch.travel)),
+            reading=touch.reading,
+            touch=touch.touch,
+            fast=touch.fast,
+            slow=touch.slow,
+            **dict(zip("xyz", touch.into, strict=True)),
+        )
+
+
+def filled(lines: Iterable[str], **values: object) -> list[str]:
+    """Return lines with their blanks filled in."""
+    return [line.format(**values) for line in lines]
+
+
+def controllers() -> tuple[str, ...]:
+    """Return the names of the controls that axiscal knows itself."""
+    return _DIALECTS
+
+
+def dialect(controller: str) -> Dialect:
+    """Return the words of a control; raises ProgramError for one that is not known."""
+    name = controller.casefold()
+    if name not in _DIALECTS:
+        if (brought := one_of(PORTS, controller)) is not None:
+            words: Dialect = brought
+            return words
+        known = (*_DIALECTS, *names(PORTS))
+        remedy = meant(controller, known, quoted="{}")
+        raise ProgramError(f"{shown(controller)} is not a controller that programs can be written for", remedy)
+    found: Dialect = ours(f"programs.dialects.{name}:{name.upper()}")
+    return found

@@ -1,0 +1,191 @@
+"""The way through readings in touch: the tool point stays at its ball, or on the circle of its bar.
+
+If rotary axes turn, the control itself must hold the tool point: then places are those of the workpiece. Rotary axes
+are at zero when that begins, with the tool drawn back from the ball. If none turns, the slides go together.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from axiscal.exceptions import ProgramError
+from axiscal.machine.description import Machine
+from axiscal.machine.inverse import drawn_back
+from axiscal.machine.motion import LARGEST_TURN
+from axiscal.measurement.charts.chart import KNOWN, Chart, begun
+from axiscal.measurement.charts.room import Room
+from axiscal.measurement.place import Place
+from axiscal.measurement.setup import Setup
+from axiscal.measurement.travel import sides_of
+from axiscal.numerics import Array
+from axiscal.programs.gliding import Driver
+from axiscal.programs.kept_out import KeptOut
+from axiscal.programs.scale import ReadingTarget
+from axiscal.programs.steps import Arrival, Halt, Remark, Step, dwells
+
+_BACK = (0.05, 0.02, 0.01, 0.005)
+"""m, how far the tool is drawn back before and after: as far as the travels allow."""
+_OUT = (0.1, 0.2, 0.3)
+"""m, how far where something is to be kept out, and none of those leads clear of it."""
+_SAG = 0.01
+"""Share of its stroke by which a bar may be shorter in the middle of a chord."""
+_TURN = math.radians(3.0)
+"""Of the axes where nothing is in touch: at half a metre the chord is 0.2 mm nearer."""
+_SLACK = 1e-9
+"""m or rad: rounding."""
+
+Entrance = tuple[Array, Array, Array]
+"""Poses from where the tool point begins to be held, (p, q); the last of them, drawn back; in touch, (q,)."""
+
+
+class InTouch:
+    """Goes through the readings of one set-up; raises ProgramError for what the machine cannot do in one piece."""
+
+    def __init__(self, setup: Setup, ways: Ways, driver: Driver) -> None:
+        self._setup, self._ways, self._driver = setup, ways, driver
+
+    def run_through(self, readings: Sequence[tuple[int, Place]], reading: float | None) -> Iterator[Step]:
+        """Yield the way through numbered readings; reading : s, None stops the program at each."""
+        poses, approaches = (np.array([getattr(place, key) for _, place in readings]) for key in ("pose", "approach"))
+        there = self._ways.chart.places(poses)
+        sides = sides_of(self._ways.chart, there, approaches)
+        standing = begun(self._ways.chart, there[:1], sides[:1])[0]
+        yield from self._start(standing)
+        for (number, place), at, side in zip(readings, there, sides, strict=True):
+            for stop in self._stops(standing, at, side):
+                yield from self._way(standing, stop)
+                standing = stop
+            yield Remark(f"READING {number}")
+            position = self._driver.written(np.array(place.pose))
+            yield Arrival(ReadingTarget(number, position, position, place.approach))
+            yield from dwells(self._setup.settle)
+            yield from [self._halt()] if reading is None else dwells(reading)
+        yield from self._apart(standing)
+        yield from self._driver.cleared()
+
+    def _start(self, start: Array) -> Iterator[Step]:
+        yield from (Remark("PRESS START WHEN THE WAY TO THE START IS CLEAR"), Halt())
+        yield from self._together(start)
+        yield from (Remark("MOUNT AND ZERO THE INSTRUMENT THEN PRESS START"), self._halt())
+
+    def _halt(self) -> Halt:
+        return Halt(self._driver.holding)
+
+    def _stops(self, standing: Array, there: Array, side: Array) -> list[Array]:
+        """Return over which places u a place is come to from its side."""
+        straight = self._ways.legs(standing, there)
+        if straight is not None and len(straight) == 2 and self._ways.comes_right(standing, there, side):
+            return [there]
+        return [begun(self._ways.chart, there[None], side[None])[0], there]
+
+    def _way(self, here: Array, there: Array) -> Iterator[Step]:
+        """Yield a way in touch; where there is none the tool goes off, and comes back."""
+        legs = self._ways.legs(here, there)
+        if legs is not None:
+            for start, stop in pairwise(legs):
+                yield from self._driver.along(self._ways.poses_along(start, stop))
+            return
+        bar = self._setup.length is not None
+        yield from (Remark("TAKE THE BAR OFF THEN PRESS START"), self._halt()) if bar else ()
+        yield from self._apart(here)
+        yield from self._together(there)
+        yield from (Remark("PUT THE BAR ON THEN PRESS START"), self._halt()) if bar else ()
+
+    def _together(self, place: Array) -> Iterator[Step]:
+        """Yield the way from anywhere to a place u: to the gate, then with the tool held to the place drawn back."""
+        gate, drawn, pose = self._ways.entrance(place)
+        yield from self._driver.begin(gate[0])
+        yield from self._driver.along(gate)
+        yield from self._driver.along(np.stack([drawn, pose]), gently=True)
+
+    def _apart(self, place: Array) -> Iterator[Step]:
+        gate, drawn, pose = self._ways.entrance(place)
+        yield from self._driver.along(np.stack([pose, drawn]), gently=True)
+        yield from self._driver.along(gate[::-1])
+        yield from self._driver.end()
+
+
+class Ways:
+    """The ways of one set-up.
+
+    from_zero : rotary axes must stand at zero when the control begins to hold the tool point
+    clear : index of the axis that goes clear before others turn, and where it is clear, m
+    """
+
+    def __init__(
+        self, machine: Machine, setup: Setup, chart: Chart, from_zero: bool, clear: tuple[int, float] | None
+    ) -> None:
+        self._machine, self._setup, self.chart, self._from_zero = machine, setup, chart, from_zero
+        self._clear = clear
+        self._room = Room.with_boxes(machine, () if setup.artefact is None else setup.artefact.keep_out)
+        self._kept = KeptOut(self._room)
+        self._ends = [chart.bounds(number) for number in range(chart.size)]
+
+    def comes_right(self, here: Array, there: Array, side: Array) -> bool:
+        """Return whether a straight way, and the axes that follow, come from the right side over the whole overrun.
+
+        These go by its slant: coming far along one coordinate and hardly along another a slide may come from elsewhere.
+        """
+        overrun, gone, asked = np.array([end.overrun for end in self._ends]), there - here, side != 0
+        if not np.all(~asked | (gone * side >= overrun - _SLACK)):
+            return False
+        last = float(np.max(overrun[asked] / np.abs(gone[asked]), initial=0.0))
+        start = begun(self.chart, there[None], side[None])
+        at, slanted, begin = self.chart.poses(np.vstack([there, there - last * gone, start]))
+        known = KNOWN * np.array([axis.overrun for axis in self._machine.axes])
+        return bool(np.all((np.abs(at - begin) < known) | ((at - slanted) * np.sign(at - begin) >= known)))
+
+    def legs(self, here: Array, there: Array) -> Array | None:
+        """Return over which places (k, size) a way goes in touch; None where there is none."""
+        return self.chart.between(here, there)
+
+    def poses_along(self, start: Array, stop: Array) -> Array:
+        """Return poses between which the control may go straight, both ends among them, (p, q)."""
+        count = max(1, math.ceil(float(np.max(np.abs(stop - start), initial=0.0)) / self._step - 1e-9))
+        return self.chart.poses(start + np.linspace(0.0, 1.0, count + 1)[:, None] * (stop - start))
+
+    @property
+    def _step(self) -> float:
+        """How far a coordinate goes in one move, rad: a long turn, or a chord that hardly leaves the circle."""
+        if self._setup.length is None:
+            return LARGEST_TURN
+        return math.sqrt(8 * _SAG * (self._setup.stroke or 1e-3) / self._setup.length)
+
+    def entrance(self, place: Array) -> Entrance:
+        """Return how a place u is come to from where nothing is in touch.  Raises ProgramError where it cannot be."""
+        pose = self.chart.poses(place[None])[0]
+        boxes = len(self._room.keep_out) > 0
+        for far in (*_BACK, *(_OUT if boxes else ())):
+            drawn = drawn_back(self._machine, pose[None], far)[0]
+            way = self._from_zeros(drawn) if self._from_zero else drawn[None]
+            if self._room.in_travel(way).all() and (not boxes or self._leads_out(way, pose)):
+                return way, drawn, pose
+        beside = ", beside what is to be kept out," if boxes else ""
+        what = f'"{self._setup.name}": the tool cannot be drawn back{beside} within the travels where its way begins or'
+        raise ProgramError(f"{what} ends", "Read nearer to the middle of the travels, or move the artefact")
+
+    def _leads_out(self, way: Array, pose: Array) -> bool:
+        """Return whether nothing is in the way from where it is clear to a pose in touch.  way : (p, q), as the gate"""
+        clear = way[0].copy()
+        if self._clear is not None:
+            clear[self._clear[0]] = self._clear[1]
+        pairs = all(self._kept.free_held(start, stop) for start, stop in pairwise([*way, pose]))
+        return pairs and self._kept.free(clear, way[0])
+
+    def _from_zeros(self, drawn: Array) -> Array:
+        """Return poses from rotary axes at zero to a pose, turning where it is clear, (p, q)."""
+        assert self._clear is not None  # a tool point is held by X, Y and Z, and Z goes clear unless another is said
+        above = drawn.copy()
+        above[self._clear[0]] = self._clear[1]
+        rotary = np.array([axis.rotary for axis in self._machine.axes])
+        turned = _between(np.where(rotary, 0.0, above), above)
+        return np.concatenate([turned, _between(above, drawn)[1:]])
+
+
+def _between(start: Array, stop: Array) -> Array:
+    count = max(1, math.ceil(float(np.abs(stop - start).max()) / _TURN))
+    return start + np.linspace(0.0, 1.0, count + 1)[:, None] * (stop - start)

@@ -1,0 +1,59 @@
+"""The readings of a program as tables: where and when each is taken, and the form for their values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from axiscal.machine.axis import Axis
+from axiscal.measurement.place_texts import approach_text, columns_of
+from axiscal.measurement.readers.csv_table import csv_text
+from axiscal.measurement.setup import Setup
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """A reading as the program has it: coordinates as written there, mm or deg.
+
+    number : in the plan; seconds : from the start at the first reading until the axes stand, stops not counted
+    """
+
+    number: int
+    seconds: float
+    setup: Setup
+    axes: tuple[Axis, ...]
+    coordinates: tuple[str, ...]
+    approach: tuple[int, ...]
+
+    @property
+    def sides(self) -> str:
+        """The approach as readings files write it: "X+ Y-"."""
+        return approach_text(self.axes, self.approach)
+
+
+def listing(readings: Sequence[Listed]) -> str:
+    """Return the list that goes with a program: number, time, set-up, every coordinate, approach."""
+    header = ["reading", "time_s", "setup", *_axis_columns(readings[0].axes), "approach"]
+    rows = [[str(r.number), f"{r.seconds:.1f}", r.setup.name, *r.coordinates, r.sides] for r in readings]
+    return csv_text([header, *rows])
+
+
+def form(readings: Sequence[Listed]) -> str:
+    """Return readings.csv, whose last columns are to be filled in for `axiscal estimate`; parked axes stay empty."""
+    values = columns_of([reading.setup for reading in readings])
+    header = ["reading", "setup", *_axis_columns(readings[0].axes), "approach", *values]
+    rows = [[str(r.number), r.setup.name, *_moving(r), _moving_sides(r), *[""] * len(values)] for r in readings]
+    return csv_text([header, *rows])
+
+
+def _moving(reading: Listed) -> list[str]:
+    return [text if k in reading.setup.moves else "" for k, text in enumerate(reading.coordinates)]
+
+
+def _moving_sides(reading: Listed) -> str:
+    moving = {reading.axes[k].name for k in reading.setup.moves}
+    return " ".join(side for side in reading.sides.split() if side[:-1] in moving)
+
+
+def _axis_columns(axes: Sequence[Axis]) -> list[str]:
+    return [f"{axis.name}_{axis.unit}" for axis in axes]

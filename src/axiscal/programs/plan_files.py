@@ -1,0 +1,75 @@
+"""The files of a plan: programs, their lists, the form for the values, and what must be known."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from pathlib import Path
+
+from axiscal.document import shown
+from axiscal.document.durable import write_whole
+from axiscal.exceptions import ProgramError
+from axiscal.machine.description import Machine
+from axiscal.measurement.place import Place
+from axiscal.measurement.readers.touch_log import LISTS, plan_code
+from axiscal.measurement.setup import Setup
+from axiscal.programs.dialect import dialect
+from axiscal.programs.listing import form
+from axiscal.programs.program import Program, programs
+
+
+def write_programs(
+    machine: Machine,
+    setups: Sequence[Setup],
+    places: Sequence[Place],
+    controller: str,
+    folder: str | Path,
+    log: bool = False,
+) -> list[Path]:
+    """Write the programs of a plan to a folder and return the files. These are a program and its list for each set-up,
+    then readings.csv and README.txt.  log : the programs touch the spheres themselves and write a log.
+    Raises ProgramError before the first file is touched, OSError.
+    """
+    made = programs(machine, setups, places, dialect(controller), log)
+    files = {name: text for program in made for name, text in _files(program).items()}
+    code = plan_code([program.listing for program in made])
+    _refuse_other_plan(Path(folder), LISTS.format(code), files)
+    if log:
+        files[LISTS.format(code)] = "".join(f"{program.name}.csv\n" for program in made)
+    files["readings.csv"] = form([reading for program in made for reading in program.readings])
+    files["README.txt"] = _readme(made, controller)
+    return [_written(Path(folder) / name, text) for name, text in files.items()]
+
+
+def _refuse_other_plan(folder: Path, own: str, files: Collection[str]) -> None:
+    """Raise ProgramError where lists of another plan would be overwritten: its logs could not be read any more."""
+    for other in sorted(folder.glob(LISTS.format("*"))):
+        lists = other.read_text(encoding="utf-8", errors="replace").split("\n")
+        if other.name != own and (taken := next((name for name in lists if name in files), None)):
+            what = f"{folder} holds {shown(taken)} of another plan, whose logs are read with it"
+            raise ProgramError(what, f"Write to another folder; or take out {other.name} if it was never run")
+
+
+def _files(program: Program) -> dict[str, str]:
+    return {program.file_name: program.text, f"{program.name}.csv": program.listing, **program.beside}
+
+
+def _readme(made: Sequence[Program], controller: str) -> str:
+    lines = [f"Measuring programs for {dialect(controller).title}", ""]
+    for program in made:
+        lines += [f"{program.file_name}: {len(program.readings)} readings, set-up {program.readings[0].setup.name}"]
+    lines += [
+        "",
+        "The .csv beside each program says which reading is where, and after how many seconds (stops not counted).",
+        "Write what was read into the last column of readings.csv, in um or urad: it is then a file for",
+        "axiscal estimate. Its rows are in the order of the programs. The number of a reading is the same there, in",
+        "the program, in the report and in messages. Take out the rows that were not read; numbers stay as they are.",
+        "",
+    ]
+    notes = dict.fromkeys(note for program in made for note in program.notes)
+    return "\n".join([*lines, *(f"- {note}" for note in notes)]) + "\n"
+
+
+def _written(path: Path, text: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(path, text.encode())
+    return path

@@ -1,0 +1,381 @@
+"""From planned readings to programs: one for each set-up, in the order of the plan."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from decimal import Decimal
+
+import numpy as np
+
+from axiscal.document import shown
+from axiscal.exceptions import ProgramError
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.machine.inverse import drawn_back
+from axiscal.measurement.charts.chart import Chart
+from axiscal.measurement.charts.room import Room
+from axiscal.measurement.place import Place
+from axiscal.measurement.readers.touch_log import plan_code
+from axiscal.measurement.setup import Setup
+from axiscal.programs.cycles import SphereCycle
+from axiscal.programs.dialect import Dialect, filled, head
+from axiscal.programs.gliding import GENTLE, SAG, Driver, SegmentDriver, SlideDriver, TipDriver
+from axiscal.programs.groups import Group, groups
+from axiscal.programs.in_touch import InTouch, Ways
+from axiscal.programs.kept_out import KeptOut, refuse_kept_out
+from axiscal.programs.listing import Listed, listing
+from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget, target
+from axiscal.programs.steps import (
+    Arrival,
+    Clearance,
+    Dwell,
+    Evenly,
+    Glide,
+    Halt,
+    Hold,
+    Move,
+    Pieces,
+    Release,
+    Remark,
+    Step,
+    Touched,
+    run_through,
+)
+from axiscal.units import format_quantity, to_unit
+
+LONGEST = 60
+"""Characters of a remark that every control shows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """The program of one set-up.
+
+    name, file_name : what the control calls it; text : ASCII; readings : its list, with where each is and when
+    notes : what whoever runs it must know; beside : files that the control needs as well, by name
+    """
+
+    name: str
+    file_name: str
+    text: str
+    readings: tuple[Listed, ...]
+    notes: tuple[str, ...]
+    beside: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def listing(self) -> str:
+        """The readings as CSV."""
+        return listing(self.readings)
+
+
+def programs(
+    machine: Machine,
+    setups: Sequence[Setup],
+    places: Sequence[Place],
+    dialect: Dialect,
+    log: bool = False,
+) -> tuple[Program, ...]:
+    """Return a program for each set-up, in the order in which the plan first uses them.
+
+    log : programs of spheres touch them by themselves and write a log, which says by a code of which plan it is.
+    Readings keep their number in the plan, from 1; set-ups say how they are driven to.  Raises ProgramError before
+    anything is written.
+    """
+    if not places:
+        raise ProgramError("the plan has no readings", "Plan at least one")
+    known = {setup.name: setup for setup in setups}
+    used = dict.fromkeys(place.setup for place in places)
+    numbered = list(enumerate(places, start=1))
+    writers = [_Writer(machine, dialect, _named(known, name), log) for name in used]
+    drafts = [writer.draft([each for each in numbered if each[1].setup == writer.name]) for writer in writers]
+    if log and not any(writer.touches for writer in writers):
+        what = "no set-up of this plan is one that a control reads by itself"
+        raise ProgramError(what, 'Leave --log out, or plan a set-up of instrument = "sphere"')
+    code = plan_code([listing(draft.readings) for draft in drafts])
+    return tuple(
+        writer.program(number, draft, code)
+        for number, (writer, draft) in enumerate(zip(writers, drafts, strict=True), start=1)
+    )
+
+
+def _named(known: Mapping[str, Setup], name: str) -> Setup:
+    if name not in known:
+        raise ProgramError(f"the plan has a set-up {shown(name)}", f"Known are {', '.join(map(shown, known))}")
+    return known[name]
+
+
+@dataclass(frozen=True, slots=True)
+class _Draft:
+    """The actions of a program, before it is written.  places : with the numbers of the readings"""
+
+    places: Sequence[tuple[int, Place]]
+    run: tuple[Step, ...]
+    readings: tuple[Listed, ...]
+
+
+class _Writer:
+    """Writes the program of one set-up in one dialect."""
+
+    def __init__(self, machine: Machine, dialect: Dialect, setup: Setup, log: bool) -> None:
+        dialect.check(machine.axes)
+        self._machine, self._dialect, self._setup = machine, dialect, setup
+        self._scales = tuple(AxisScale.of(axis, _decimals(axis, setup, dialect)) for axis in machine.axes)
+        self._groups = groups(machine, setup.driving)
+        self._clearance = clearance_of(machine, self._scales, setup)
+        self.name, self.touches = setup.name, log and setup.contact == "retracted" and setup.instrument == "sphere"
+
+    def draft(self, places: Sequence[tuple[int, Place]]) -> _Draft:
+        run, artefact = tuple(self._steps(places)), self._setup.artefact
+        if artefact is not None and artefact.keep_out:
+            kept = KeptOut(Room.with_boxes(self._machine, artefact.keep_out))
+            refuse_kept_out(kept, self._setup, self._scales, run)
+        return _Draft(places, run, tuple(self._listed(run, places)))
+
+    def program(self, number: int, draft: _Draft, code: str) -> Program:
+        setup, dialect = self._setup, self._dialect
+        name = program_name(number, setup.name, dialect.longest_name)
+        lines = [self._comment(text) for text in self._head(draft.places)]
+        told, log = {"code": code, "head": head(code)}, dialect.logging() if self.touches else None
+        lines += filled(log.on, **told) if log else []
+        lines += [line for step in draft.run for line in self._lines(step, code)]
+        lines += filled(log.off, readings=len(draft.readings), **told) if log else []
+        text = dialect.framed(name, number, self._machine.axes, lines, self.touches)
+        beside = {file.format(**told): each.format(**told) for file, each in (log.files if log else {}).items()}
+        return Program(name, f"{name}.{dialect.suffix}", text, draft.readings, self._notes(), beside)
+
+    def _steps(self, places: Sequence[tuple[int, Place]]) -> Iterator[Step]:
+        setup = self._setup
+        reading = setup.reading_time if setup.driving.dwell else None
+        if setup.chart is not None and setup.contact == "held":
+            yield from self._in_touch(setup.chart).run_through(places, reading)
+            return
+        poses = [self._stood_at(place) for _, place in places]
+        numbered = zip(places, poses, strict=True)
+        targets = [target(self._scales, setup.name, k, pose, place.approach) for (k, place), pose in numbered]
+        read = self._cycle(dict(places)) if self.touches else None
+        yield from run_through(targets, self._scales, self._groups, setup.settle, reading, self._clearance, read)
+
+    def _cycle(self, places: Mapping[int, Place]) -> Callable[[ReadingTarget], Iterator[Step]]:
+        cycle = SphereCycle(self._machine, self._setup, self._scales, self._groups)
+        return lambda reached: cycle.at(reached, places[reached.number])
+
+    def _in_touch(self, chart: Chart) -> InTouch:
+        """Return what drives a set-up in touch; raises ProgramError where the control cannot."""
+        setup, slides = self._setup, SlideDriver(self._scales, self._groups, self._clearance)
+        held = _turns(setup, self._machine)
+        driver: Driver = slides
+        if held and not setup.driving.tcp:
+            self._refuse_untimed()
+            driver = SegmentDriver(self._machine, slides, self._scales, SAG * (setup.stroke or 1e-3), self._gentle)
+        elif held:
+            self._dialect.refuse_no_tip(self._machine)
+            step = Decimal(1).scaleb(-self._dialect.tip_decimals)
+            driver = TipDriver(self._machine, slides, self._scales, step, self._gentle)
+        from_zero = self._holds and self._dialect.from_zero
+        ways = Ways(self._machine, setup, chart, from_zero, self._inside(self._clearance))
+        return InTouch(setup, ways, driver)
+
+    def _refuse_untimed(self) -> None:
+        """Raise ProgramError where moves cannot be given their time."""
+        if self._dialect.timed is None:
+            what = f"{self._dialect.title} programs have no feed by time, so linear and rotary axes cannot go in step"
+            raise ProgramError(what, "Leave --no-tcp out: the control holds the tool point itself")
+
+    @property
+    def _gentle(self) -> int:
+        """mm/min, into touch and out of it."""
+        return next((group.near for group in self._groups if group.near is not None), GENTLE)
+
+    def _inside(self, clearance: Clearance | None) -> tuple[int, float] | None:
+        """Return a clearance in m, a little within the travel: chords of a turn may rise."""
+        if clearance is None:
+            return None
+        axis = self._machine.axes[clearance[0]]
+        low, high = axis.travel
+        place = float(clearance[1]) / to_unit(1.0, axis.unit)
+        return clearance[0], min(max(place, low + axis.overrun), high - axis.overrun)
+
+    def _stood_at(self, place: Place) -> Sequence[float]:
+        """Return where the axes stand at a reading: off its ball, where the probe begins."""
+        setup = self._setup
+        if setup.contact != "retracted":
+            return place.pose
+        pose: list[float] = drawn_back(self._machine, np.array([place.pose]), setup.retract)[0].tolist()
+        return pose
+
+    def _head(self, places: Sequence[tuple[int, Place]]) -> list[str]:
+        return [
+            "AXISCAL MEASURING PROGRAM",
+            f"MACHINE {self._machine.name}",
+            f"SET-UP {self._setup.name}",
+            f"READINGS {places[0][0]} TO {places[-1][0]}",
+            "MACHINE COORDINATES IN MM AND DEG",
+            f"ORDER OF MOVES {order_text(self._groups)}",
+            *(self._dialect.tip_needs if self._holds else ()),
+            *(_BY_ITSELF if self.touches else _AT_BALL if self._setup.contact == "retracted" else ()),
+        ]
+
+    @property
+    def _holds(self) -> bool:
+        """Whether the control holds the tool point."""
+        return self._setup.contact == "held" and _turns(self._setup, self._machine) and self._setup.driving.tcp
+
+    def _lines(self, step: Step, code: str) -> list[str]:
+        match step:
+            case Touched():
+                return self._dialect.touched(code, step)
+            case Move():
+                words = [(self._machine.axes[k].name, self._scales[k].written(v)) for k, v in step.to.items()]
+                return [self._dialect.moved(words, step.feed)]
+            case Glide():
+                return [self._dialect.tip_move.format(to=self._dialect.words(step.to), feed=step.feed)]
+            case Hold():
+                return filled(self._dialect.tip_on, tool=self._tool(), to=self._dialect.words(step.at))
+            case Release():
+                return filled(self._dialect.tip_off, to=self._dialect.words(step.at))
+            case Pieces():
+                on, off = self._dialect.timed or ("", "")
+                return [on if step.begin else off]
+            case Evenly():
+                return [self._dialect.moved(step.to, f"{60 / step.seconds:.4f}")]
+            case Dwell():
+                return self._dialect.waited(step.seconds)
+            case Halt():
+                stop = self._dialect.stopped(self._machine.axes, self.touches)
+                return [*self._dialect.pause] if step.held else stop
+            case Remark():
+                return [self._comment(step.text)]
+        assert isinstance(step, Arrival)  # for the list of readings alone
+        return []
+
+    def _tool(self) -> str:
+        """Return the length of the tool, mm."""
+        return f"{to_unit(self._machine.tool, 'mm'):.{self._dialect.tip_decimals}f}"
+
+    def _comment(self, text: str) -> str:
+        """Return a comment; it begins with our own words, so that no name becomes a command such as (PROBEOPEN x)."""
+        return self._dialect.comment.format(text=plain(text))
+
+    def _listed(self, run: Sequence[Step], places: Sequence[tuple[int, Place]]) -> Iterator[Listed]:
+        """Yield the readings with the time from the start at the first one, stops not counted."""
+        seconds, asked = 0.0, dict(places)
+        for step in run:
+            if isinstance(step, Move | Glide | Evenly | Dwell | Touched):
+                seconds += step.seconds
+            elif isinstance(step, Arrival):
+                yield self._row(step.target, asked[step.target.number], seconds)
+
+    def _row(self, reached: ReadingTarget, asked: Place, seconds: float) -> Listed:
+        at = reached.position if self._setup.contact != "retracted" else self._at_ball(asked)
+        texts = [scale.written(value) for scale, value in zip(self._scales, at, strict=True)]
+        return Listed(reached.number, seconds, self._setup, self._machine.axes, tuple(texts), reached.approach)
+
+    def _at_ball(self, asked: Place) -> Decimals:
+        """Return the pose that is read, with the tool point at the ball, in the numbers of the program."""
+        numbers = (scale.nearest(value) for scale, value in zip(self._scales, asked.pose, strict=True))
+        return tuple(number for number in numbers if number is not None)
+
+    def _notes(self) -> tuple[str, ...]:
+        return (
+            *self._dialect.notes,
+            *(self._dialect.tip_notes if self._holds else ()),
+            *(self._dialect.logging().notes if self.touches else ()),
+            *(_LOGGED if self.touches else _TOUCHED if self._setup.contact == "retracted" else ()),
+            "Coordinates are those of the machine description; its zeros and signs must be the control's own.",
+            f"At every place the axes move in this order: {order_text(self._groups)}.{self._clear()}{self._slow()} "
+            "Nothing is known here of what stands in the way: watch the first run at reduced feed.",
+            f"Jog the axes only {_JOG if not self._holds else _JOG_HELD} At a reading nothing may be moved by hand.",
+            f"The longest overrun is {self._overruns()}; no coordinate leaves the travel.",
+        )
+
+    def _clear(self) -> str:
+        if self._clearance is None:
+            return ""
+        scale = self._scales[self._clearance[0]]
+        return f" {scale.axis.name} goes to {self._clearance[1]} {scale.unit} before others move, and at the end."
+
+    def _slow(self) -> str:
+        if self._holds:
+            return f" Into touch and out of it the tool goes at F{self._gentle} at most."
+        slow = [f"{' '.join(group.names)} at F{group.near}" for group in self._groups if group.near is not None]
+        return "" if not slow else f" The last {self._nearness()} to a place are slow, {', '.join(slow)} at most."
+
+    def _nearness(self) -> str:
+        found = dict.fromkeys(f"{scale.nearness.normalize():f} {scale.unit}" for scale in self._scales)
+        return " or ".join(found)
+
+    def _overruns(self) -> str:
+        def text(axis: Axis, step: Decimal, scale: AxisScale) -> str:
+            return f"{scale.above(axis.overrun).quantize(step).normalize():f} {scale.unit} on {axis.name}"
+
+        return ", ".join(text(scale.axis, scale.step, scale) for scale in self._scales)
+
+
+_AT_BALL = ("AT A READING THE TOOL IS DRAWN BACK FROM ITS BALL", "RUN THE SPHERE CYCLE THEN PRESS START")
+_TOUCHED = (
+    "At a reading the tool stands off its ball, drawn back along itself: run the control's own cycle for a sphere "
+    "there. What is read is where the centre is stated less where it was found, along x, y and z of the workpiece.",
+)
+_BY_ITSELF = ("THE PROGRAM TOUCHES EACH BALL AND WRITES A LOG", "PROBE IN THE SPINDLE - SPINDLE OFF")
+_LOGGED = (
+    "At a reading the program touches its ball: pole, four sides, pole again, fast and then slowly, and writes each "
+    "touch into the log. axiscal estimate --log and axiscal record --log read it with the lists beside the programs.",
+    "Try the probe by hand first: it must open and close. A ball is looked for within 4 mm of its stated place.",
+)
+
+_JOG = (
+    "at the first two stops, before and at the mounting of the instrument; from there the program goes to its start "
+    "again."
+)
+_JOG_HELD = "at the first stop: from the mounting on the control holds the tool point."
+
+
+def _decimals(axis: Axis, setup: Setup, dialect: Dialect) -> int:
+    """Return with how many decimals an axis is written: slides that hold what touches, as places of a tool point."""
+    fine = setup.contact == "held" and not axis.rotary
+    return max(dialect.decimals, dialect.tip_decimals) if fine else dialect.decimals
+
+
+def _turns(setup: Setup, machine: Machine) -> bool:
+    """Whether a rotary axis moves in a set-up."""
+    return any(machine.axes[k].rotary for k in setup.moves)
+
+
+def clearance_of(machine: Machine, scales: Sequence[AxisScale], setup: Setup) -> Clearance | None:
+    """Return the axis that goes clear and where; raises ProgramError for a place outside its travel.
+
+    For balls on the table that axis is Z at its upper end, unless another is stated.
+    """
+    if setup.driving.clearance is None:
+        high = {k: scales[k].last if axis.direction[2] > 0 else scales[k].first for k, axis in enumerate(machine.axes)}
+        over = (k for k, axis in enumerate(machine.axes) if axis.name == "Z" and setup.contact != "free")
+        return next(((k, high[k]) for k in over), None)
+    name, place = setup.driving.clearance
+    index = machine.index(name)
+    number = scales[index].nearest(place)
+    if number is None:
+        unit, travel = scales[index].unit, f"{scales[index].low} to {scales[index].high}"
+        what = f"{name} is to go clear at {format_quantity(place, unit)}, outside its travel"
+        raise ProgramError(what, f"Choose a place within {travel} {unit}")
+    return index, number
+
+
+def order_text(order: Sequence[Group]) -> str:
+    """Return the groups as words: "X Y Z then A C"."""
+    return " then ".join(" ".join(group.names) for group in order)
+
+
+def plain(text: str) -> str:
+    """Return at most 60 characters of A-Z 0-9 blank _ . + - ; any other character becomes _."""
+    bare = unicodedata.normalize("NFKD", text.upper()).upper()
+    ascii_only = "".join(c for c in bare if not unicodedata.combining(c))
+    return re.sub(r"[^A-Z0-9 _.+-]", "_", ascii_only)[:LONGEST].strip()
+
+
+def program_name(number: int, setup: str, longest: int) -> str:
+    """Return the name of a program, which is its file's too: letters, digits, single underscores."""
+    words = re.sub(r"[^A-Z0-9]+", "_", plain(setup)).strip("_")
+    return f"AXISCAL_{number:02d}_{words}"[:longest].rstrip("_")

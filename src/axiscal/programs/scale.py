@@ -1,0 +1,159 @@
+"""The numbers of one axis as a program writes them: mm or deg, multiples of one step, proven to lie in the travel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
+
+from axiscal.document import shown
+from axiscal.exceptions import ProgramError
+from axiscal.machine.axis import Axis
+from axiscal.machine.driving import near
+from axiscal.units import format_quantity, to_unit
+
+Decimals = tuple[Decimal, ...]
+_ROUNDED = 3
+"""Steps of the program's last decimal that rounding may take from an overrun."""
+
+_NOISE = 9
+"""Decimals in mm or deg beyond which a binary number is noise: 1e-12 m."""
+
+
+def exact(value: float) -> Decimal:
+    """Return a number in mm or deg as it was meant, without the noise of binary arithmetic."""
+    return Decimal(repr(round(float(value), _NOISE)))
+
+
+@dataclass(frozen=True, slots=True)
+class AxisScale:
+    """One axis in its written unit.
+
+    step : the last decimal; low, high : the travel; first, last : the multiples of the step next to its ends
+    """
+
+    axis: Axis
+    step: Decimal
+    low: Decimal
+    high: Decimal
+    first: Decimal
+    last: Decimal
+
+    @classmethod
+    def of(cls, axis: Axis, decimals: int) -> AxisScale:
+        """Return the scale of an axis; raises ProgramError when no number that can be written lies in its travel."""
+        step = Decimal(1).scaleb(-decimals)
+        low, high = (exact(to_unit(end, axis.unit)) for end in axis.travel)
+        first, last = low.quantize(step, ROUND_CEILING) + 0, high.quantize(step, ROUND_FLOOR) + 0
+        if first > last:
+            what = f"no number with {decimals} decimals lies in the travel of {axis.name}, {low} to {high}"
+            raise ProgramError(what, "Choose a controller with more decimals")
+        return cls(axis, step, low, high, first, last)
+
+    @property
+    def unit(self) -> str:
+        """mm or deg."""
+        return self.axis.unit
+
+    @property
+    def nearness(self) -> Decimal:
+        """How near to a reading moves may be slow, mm or deg."""
+        return self.above(near(self.axis))
+
+    @property
+    def turn(self) -> Decimal | None:
+        """One turn, for an axis whose ends are the same place."""
+        return Decimal(360) if self.axis.cyclic and self.last - self.first == 360 else None
+
+    def nearest(self, value: float) -> Decimal | None:
+        """Return the number next to a coordinate (m or rad) that lies in the travel; None for one outside of it."""
+        slack = 1e-9 * self.axis.length
+        if not (math.isfinite(value) and self.axis.travel[0] - slack <= value <= self.axis.travel[1] + slack):
+            return None
+        return min(max(exact(to_unit(value, self.unit)).quantize(self.step), self.first), self.last) + 0
+
+    def above(self, value: float) -> Decimal:
+        """Return the next multiple of the step that is no shorter than a distance in m or rad."""
+        return exact(to_unit(value, self.unit)).quantize(self.step, ROUND_CEILING)
+
+    def written(self, value: Decimal) -> str:
+        """Return the number as text; raises ProgramError unless it reads back as itself and lies in the travel."""
+        text = f"{value + 0:.{-int(self.step.as_tuple().exponent)}f}"
+        read = Decimal(text)
+        if read != value or not self.low <= read <= self.high:
+            what = f"{self.axis.name} would go to {text} {self.unit}, and its travel is {self.low} to {self.high}"
+            raise ProgramError(what, "Choose a smaller overrun, or a raster within the travel")
+        return text
+
+
+@dataclass(frozen=True, slots=True)
+class ReadingTarget:
+    """A reading: its number in the plan, where the axes stand, and how far off their way to it begins at least.
+
+    turning : the position, less the overrun where the side counts; approach : +1, −1, 0 per axis
+    """
+
+    number: int
+    position: Decimals
+    turning: Decimals
+    approach: tuple[int, ...]
+
+    def way_in(self, standing: Decimals) -> Decimals:
+        """Return where to turn on the way from where the axes stand: an axis that comes far enough does not turn."""
+        axes = zip(standing, self.position, self.turning, self.approach, strict=True)
+        return tuple(p if side == 0 or (p - s) * side >= abs(p - t) else t for s, p, t, side in axes)
+
+
+def target(
+    scales: Sequence[AxisScale],
+    setup: str,
+    number: int,
+    pose: Sequence[float],
+    approach: Sequence[int],
+) -> ReadingTarget:
+    """Return a reading in the numbers of a program; raises ProgramError for one outside the travel, or without room."""
+    label = f"reading {number} of the set-up {shown(setup)}"
+    if not len(pose) == len(approach) == len(scales) or any(side not in (-1, 0, 1) for side in approach):
+        raise ProgramError(f"{label} does not fit the machine's {len(scales)} axes", "Plan it for this machine")
+    placed = [_placed(s, label, v, int(a)) for s, v, a in zip(scales, pose, approach, strict=True)]
+    position, turning = zip(*placed, strict=True)
+    return ReadingTarget(number, position, turning, tuple(int(side) for side in approach))
+
+
+def _placed(scale: AxisScale, label: str, value: float, side: int) -> tuple[Decimal, Decimal]:
+    """Return position and turning point of one axis."""
+    number = scale.nearest(value)
+    if number is None:
+        what = f"{label}: {scale.axis.name} = {format_quantity(value, scale.unit, 9)} is outside the travel"
+        raise ProgramError(what, f"Plan within {scale.low} to {scale.high} {scale.unit}; a raster may lead beyond it")
+    if side == 0:
+        return number, number
+    sided = _sided(scale, number, side)
+    if sided is None:
+        raise _no_room(scale, label, number, side)
+    return sided
+
+
+def _sided(scale: AxisScale, number: Decimal, side: int) -> tuple[Decimal, Decimal] | None:
+    """Return a position and its turning point, at the other end of a turn where this one leaves no room for it.
+
+    None where no end leaves room; room lost by rounding to the numbers of the program is forgiven.
+    """
+    wanted = scale.above(scale.axis.overrun)
+    least = wanted - _ROUNDED * scale.step
+    for place in (number, *(() if scale.turn is None else (number + side * scale.turn,))):
+        room = place - scale.first if side > 0 else scale.last - place
+        if scale.first <= place <= scale.last and room >= least:
+            return place, place - side * min(wanted, room)
+    return None
+
+
+def _no_room(scale: AxisScale, label: str, number: Decimal, side: int) -> ProgramError:
+    sign, end = ("+", scale.low) if side > 0 else ("-", scale.high)
+    overrun = format_quantity(scale.axis.overrun, scale.unit, 3)
+    what = (
+        f"{label} is to be approached with {scale.axis.name}{sign} at {scale.axis.name} = {number} {scale.unit}, and "
+        f"the travel, which ends at {end} {scale.unit}, leaves less than the overrun of {overrun} to come from there"
+    )
+    return ProgramError(what, "Plan it further inside or from the other side, or give the axis a smaller overrun")

@@ -1,0 +1,247 @@
+"""What the parameters of a FANUC say of the points of an axis."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.exceptions import TableError
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.numerics import Array
+
+EXPECTED = (
+    "punch parameters and pitch data from the control: records like N10000P0; between % and %, with N3620 to N3624 for "
+    "each axis as N3620A1P100A2P200;"
+)
+_RECORD = re.compile(r"N0*(\d+)(Q\d+)?((?:[A-Z]\d*)?P-?[\d.]+(?:[A-Z]\d*P-?[\d.]+)*)(\s*;?)")
+_VALUE = re.compile(r"(?:A(\d+))?P(-?[\d.]+)")
+
+Records = dict[int, dict[int, str]]
+"""Number of the record -> axis number, 0 where there is none -> value."""
+
+DETECTION = {False: 1e-6, True: math.radians(1e-3)}
+"""Detection unit of increment system IS-B: of a linear axis, m, of a rotary one, rad."""
+DIRECTION, BOTH, NEGATIVE, APART = 1006, 3605, 3626, 3627
+"""Numbers of the parameters that hold the way to the reference point, the choice of two sets, and the second one."""
+_NEEDED = range(3620, 3625)
+"""By FANUC's manual: the parameters that say which points an axis has."""
+_BACKWARDS = 5
+"""Bit ZMI of parameter 1006."""
+
+
+_WIDEST = 1000.0
+"""m or rad, of an interval: longer than any travel, so that any near would do."""
+_DIGITS = 4
+"""Of a number of a point: those beyond have no entry, since 10000 and it name one."""
+
+
+@dataclass(frozen=True, slots=True)
+class PitchParameters:
+    """The points of one axis.
+
+    reference, first, last : numbers of points; magnification : multiplies each entry; interval : m or rad
+    negative : number of the first point of the set for travel downwards, None without one
+    downwards : whether the reference point is approached downwards
+    rotary : its coordinate is an angle; turn : it is a whole turn, whose end is its beginning
+
+    A point holds the section that ends at it: the first one begins an interval below it (B-63980EN, parameter 3620). On
+    a whole turn the first point is the reference point and has the same value as the last one.
+    """
+
+    reference: int
+    first: int
+    last: int
+    magnification: int
+    interval: float
+    negative: int | None = None
+    downwards: bool = False
+    rotary: bool = False
+    turn: bool = False
+
+    @property
+    def begin(self) -> int:
+        """Number of the point at which the first section begins."""
+        return self.first if self.turn else self.first - 1
+
+    @property
+    def positions(self) -> Array:
+        """The ends of the sections and the first beginning, m or rad; the reference point is the machine's zero."""
+        numbers = np.arange(self.begin, self.last + 1, dtype=float)
+        at: Array = (numbers - self.reference) * self.interval
+        return at
+
+    @property
+    def origin(self) -> int:
+        """Index of the reference point among the positions."""
+        return self.reference - self.begin
+
+    @property
+    def detection(self) -> float:
+        """The detection unit, m or rad."""
+        return DETECTION[self.rotary]
+
+    @property
+    def step(self) -> float:
+        """The motion that an entry of 1 makes, m or rad."""
+        return self.magnification * self.detection
+
+    @property
+    def numbers(self) -> tuple[range, ...]:
+        """Numbers of its points, of the second set too."""
+        count = self.last - self.first + 1
+        second = () if self.negative is None else (range(self.negative, self.negative + count),)
+        return (range(self.first, self.last + 1), *second)
+
+    def covering(self, low: float, high: float) -> tuple[int, int]:
+        """Return the numbers of the first and last point that a travel needs, by FANUC's formula."""
+        if self.turn:
+            return self.reference, self.reference + round(math.tau / self.interval)
+        below, above = np.floor(low / self.interval + 1e-6), np.ceil(high / self.interval - 1e-6)
+        return self.reference + int(below) + 1, self.reference + int(above)
+
+
+def read_plans(records: Records, file: str, machine: Machine, numbers: Mapping[str, int]) -> dict[str, PitchParameters]:
+    """Return what the parameters say; axes without a positive interval are left out.
+
+    So are rotary axes without parameters, and whole turns that do not begin at zero.
+    numbers : of the controlled axes by name.  Raises TableError.
+    """
+    axes = {name: machine.axis(name) for name in numbers}
+    known = [n for n, a in axes.items() if not a.rotary or (_has(records, numbers[n]) and _from_zero(a))]
+    found = {name: _plan(records, file, axes[name], numbers[name]) for name in known}
+    plans = {name: plan for name, plan in found.items() if plan is not None}
+    if not plans:
+        raise TableError("no axis has an interval of compensation (3624)", "set it on the control first", file)
+    _refuse_shared_points(plans, file)
+    return plans
+
+
+def _has(records: Records, number: int) -> bool:
+    return all(number in records.get(key, {}) for key in _NEEDED)
+
+
+def _from_zero(axis: Axis) -> bool:
+    return not axis.cyclic or abs(axis.travel[0]) < DETECTION[True]
+
+
+def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParameters | None:
+    name = axis.name
+    values = [records.get(key, {}).get(number) for key in _NEEDED]
+    missing = [key for key, value in zip(_NEEDED, values, strict=True) if value is None]
+    if missing:
+        shown = ", ".join(map(str, missing))
+        raise TableError(f"there are no parameters {shown} for {name} (axis {number})", EXPECTED, file)
+    reference, first, last, magnification, interval = (value or "0" for value in values)
+    _refuse_long(name, (reference, first, last, magnification), file)
+    width = float(interval) * DETECTION[axis.rotary] * (1e3 if "." in interval else 1.0)
+    if width <= 0:
+        return None
+    if width > _WIDEST:
+        what = f"the interval {interval[:20]} of {name} (axis {number}) is longer than any travel"
+        raise TableError(what, "parameter 3624 is in mm or deg where it has a point", file)
+    negative = _second_set(records, file, name, number)
+    downwards = _bit(records.get(DIRECTION, {}).get(number, "0"), _BACKWARDS)
+    kind = negative, downwards, axis.rotary, axis.cyclic
+    plan = PitchParameters(int(reference), int(first), int(last), max(1, int(magnification)), width, *kind)
+    _refuse_order(name, plan, file)
+    _refuse_part_of_a_turn(name, plan, file)
+    return plan
+
+
+def _second_set(records: Records, file: str, name: str, number: int) -> int | None:
+    """Return parameter 3626 where it counts: it is not 0, and 3605#0 does not say that one set serves both ways."""
+    said = records.get(NEGATIVE, {}).get(number, "0")
+    _refuse_long(name, (said,), file)
+    first = int(said)
+    if first == 0 or not _bit(records.get(BOTH, {}).get(number, "1"), 0):
+        return None
+    if number not in records.get(APART, {}):
+        raise TableError(f"{name} (axis {number}) has parameter 3626 without 3627", EXPECTED, file)
+    return first
+
+
+def _refuse_long(name: str, values: Iterable[str], file: str) -> None:
+    """Raise TableError for a number that no point has: as many points would not fit into a memory."""
+    long = next((value for value in values if len(value.lstrip("+-0")) > _DIGITS), None)
+    if long is not None:
+        what = f"{name} has the number {long[:20]} in its parameters 3620 to 3623 or 3626"
+        raise TableError(what, f"points and magnification have {_DIGITS} digits at most", file)
+
+
+def _bit(value: str, place: int) -> bool:
+    return value.rjust(8, "0")[-1 - place] == "1"
+
+
+def _refuse_order(name: str, plan: PitchParameters, file: str) -> None:
+    if not plan.begin <= plan.reference <= plan.last or plan.first == plan.last:
+        what = f"{name} has points {plan.first} to {plan.last} and the reference point {plan.reference}"
+        raise TableError(what, "the reference point lies between the others", file)
+
+
+def _refuse_part_of_a_turn(name: str, plan: PitchParameters, file: str) -> None:
+    """Raise TableError for points that are not those of a whole turn (B-63980EN: 3621 = 3620, 3622 a turn further)."""
+    first, last = plan.covering(0.0, math.tau)
+    whole = abs((last - first) * plan.interval - math.tau) < DETECTION[True]
+    if plan.turn and not (whole and (plan.first, plan.last) == (first, last)):
+        what = f"{name} is a whole turn and has points {plan.first} to {plan.last}"
+        remedy = f"3621 = 3620 = {first} and 3622 = {last} hold a turn, with an interval that divides 360 deg"
+        raise TableError(what, remedy, file)
+
+
+def _refuse_shared_points(plans: Mapping[str, PitchParameters], file: str) -> None:
+    owner: dict[int, str] = {}
+    for name, plan in plans.items():
+        for number in (number for points in plan.numbers for number in points):
+            if number in owner:
+                what = f"point {number} belongs to {owner[number]} and to {name}"
+                raise TableError(what, "give each set points of its own: 3620 to 3622 and 3626", file)
+            owner[number] = name
+
+
+def read_records(text: str, file: str) -> Records:
+    """Return the values of each record; raises TableError."""
+    body = text.strip()
+    if not (body.startswith("%") and body.endswith("%") and len(body) > 1):
+        raise TableError("this is not a punched file: it does not begin and end with %", EXPECTED, file)
+    found: Records = {}
+    for number, line in enumerate(text.splitlines(), 1):
+        plain = line.strip()
+        if not plain.startswith("N"):
+            continue
+        match = _RECORD.fullmatch(plain)
+        if match is None:
+            raise TableError(f"{plain[:40]!r} is not a record", EXPECTED, file, number)
+        found.setdefault(int(match[1]), {}).update({int(a or 0): v for a, v in _VALUE.findall(match[3])})
+    return found
+
+
+def replace_values(text: str, wanted: Mapping[tuple[int, int], int], file: str) -> str:
+    """Return the text with values replaced; all else stays.
+
+    wanted : (number of the record, axis number or 0) -> value
+    Raises TableError for a value that the file has no place for.
+    """
+    seen: set[tuple[int, int]] = set()
+
+    def replaced(record: re.Match[str]) -> str:
+        number, begin = int(record[1]), record.start(3) - record.start()
+
+        def value(found: re.Match[str]) -> str:
+            place = (number, int(found[1] or 0))
+            if place not in wanted:
+                return found[0]
+            seen.add(place)
+            return f"{found[0][: found.start(2) - found.start()]}{wanted[place]}"
+
+        return record[0][:begin] + _VALUE.sub(value, record[3]) + record[4]
+
+    filled = _RECORD.sub(replaced, text)
+    if missing := sorted(wanted.keys() - seen):
+        more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
+        raise TableError(f"there is no row N{missing[0][0]}{more}", EXPECTED, file)
+    return filled

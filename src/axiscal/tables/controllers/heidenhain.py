@@ -1,0 +1,192 @@
+"""HEIDENHAIN `.COM` tables, into a file that the user's own control has saved.
+
+One table for each axis: its positions, the backlash, and a column for each axis that is corrected at them. The layout
+is that of the template: head, column heads and widths, and end; only the rows are new.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.numerics import Array
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import TableFormat, Written
+from axiscal.tables.loaded import Loaded, Lookup
+from axiscal.tables.old_files import OldFile
+from axiscal.tables.table import CompensationTable
+from axiscal.units import from_unit, to_unit
+
+_NUMBER = r"[+-]?\d+(?:\.\d+)?"
+_EXPECTED = (
+    "it begins with BEGIN NAME .COM, then a line of column heads with AXISPOS, BACKLASH and axes, then rows of "
+    "numbers, and ends with [END]"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """The form of a `.COM` file.
+
+    first, header, last : its lines around the rows; heads : the names of its columns
+    edges : for each column where its values begin (with True) or end (False); decimals : of the values
+    """
+
+    first: str
+    header: str
+    heads: tuple[str, ...]
+    edges: tuple[tuple[int, bool], ...]
+    last: str
+    decimals: int
+
+    def text(self, name: str, columns: Mapping[str, Array]) -> str:
+        """Return a file with these columns, each value ending where the template's do; absent columns are zero."""
+        count = len(columns["AXISPOS"])
+        first = re.sub(r"(?<=BEGIN )\S+?(?=\s*\.COM)", name, self.first)
+        values = {**columns, "NR": np.arange(count)}
+        zero = np.zeros(count)
+        table = np.stack([values.get(head, zero) for head in self.heads], axis=1)
+        rows = [self._row(dict(zip(self.heads, row, strict=True))) for row in table.tolist()]
+        return "\n".join([first, self.header, *rows, self.last]) + "\n"
+
+    def _row(self, values: Mapping[str, float]) -> str:
+        line = ""
+        for head, (edge, left) in zip(self.heads, self.edges, strict=True):
+            decimals = 0 if head == "NR" else self.decimals
+            shown = f"{round(values[head], decimals) + 0.0:.{decimals}f}"
+            start = edge if left else edge - len(shown)
+            if start < len(line) + bool(line):
+                raise TableError(f"the columns of the template are too narrow for {shown}", f"widen them up to {head}")
+            line = line.ljust(start) + shown
+        return line
+
+
+class Heidenhain(TableFormat):
+    """`.COM` tables in the form of the template."""
+
+    holds = "for each axis its positioning error and reversal, and over linear axes the straightness and squareness."
+    left_out = "errors that depend on two axes at once, the reversal of straightness, and axes that have no column."
+    points = 256  # by HEIDENHAIN's manual: lines of a table
+    on_top = 0  # all columns of a file have the points of the new ones
+
+    def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
+        """Return the tables that the template has a column for, all of one file on the same points."""
+        layout, whole = _template(options), super().tables(estimate, options)
+        return tuple(_on_common_points([table for table in whole if table.axis in layout.heads]))
+
+    def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
+        """Return one file for each axis, in the form of the template."""
+        layout, sign = _template(options), _sign(options)
+        files = {
+            f"{axis}_AXIS.COM": _file(layout, axis, tables, sign) for axis in dict.fromkeys(t.over for t in tables)
+        }
+        step = 10.0**-layout.decimals
+        steps = {axis.name: 3 * float(from_unit(step, axis.unit)) for axis in machine.axes}
+        return Written(files, steps, _notes(layout, machine))
+
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+        """Return what tables do; raises TableError."""
+        return Loaded(tuple(one for file in files for one in _read(file, machine, _sign(options))))
+
+
+def _template(options: ExportOptions) -> Layout:
+    if options.template is None:
+        raise TableError("HEIDENHAIN files are made from one of your control", "give it: --template FILE")
+    return read_layout(options.template, options.template_name)
+
+
+def _sign(options: ExportOptions) -> float:
+    """Return +1 where a value is a deviation, which is taken away."""
+    return -1.0 if options.flip else 1.0
+
+
+def read_layout(text: str, file: str) -> Layout:
+    """Return the form of a template; raises TableError, with what was expected, for anything else."""
+    lines = [line.rstrip() for line in text.splitlines() if line.strip()]
+    if len(lines) < 4 or not re.match(r"BEGIN \S+?\s*\.COM\b", lines[0]) or not lines[-1].startswith("[END]"):
+        raise TableError("this is not a .COM table", _EXPECTED, file)
+    heads = tuple(lines[1].split())
+    if "AXISPOS" not in heads or "BACKLASH" not in heads or len(set(heads)) < len(heads):
+        raise TableError(f"the column heads are {lines[1].strip()[:60]!r}", _EXPECTED, file, 2)
+    for number, line in enumerate(lines[2:-1], 3):
+        if len(line.split()) != len(heads) or not all(re.fullmatch(_NUMBER, word) for word in line.split()):
+            raise TableError(f"{line.strip()[:60]!r} does not fit the column heads", _EXPECTED, file, number)
+    begun, ended = ([m.span()[side] for m in re.finditer(r"\S+", lines[2])] for side in (0, 1))
+    above = [match.start() for match in re.finditer(r"\S+", lines[1])]
+    edges = tuple((b, True) if a == b else (e, False) for a, b, e in zip(above, begun, ended, strict=True))
+    words = dict(zip(heads, lines[2].split(), strict=True))
+    decimals = max(len(word.partition(".")[2]) for head, word in words.items() if head != "NR")
+    if decimals < 3:
+        raise TableError(f"the values have {decimals} decimals", "save a table with values to 0.001 mm or finer", file)
+    return Layout(lines[0], lines[1], heads, edges, lines[-1], decimals)
+
+
+def _read(file: OldFile, machine: Machine, sign: float) -> list[Lookup]:
+    """Return what the control makes of one file: the axis that its name begins with is looked up, or the one named."""
+    read_layout(file.text, file.name)
+    first, header, *rows, _ = (line for line in file.text.splitlines() if line.strip())
+    over = machine.axis(file.axis or re.split(r"[_.]", first.split()[1])[0])
+    table = np.array([[float(word) for word in row.split()] for row in rows])
+    columns = dict(zip(header.split(), table.T, strict=True))
+    at = _inside(columns["AXISPOS"], over)
+    lookups = []
+    for axis in machine.axes:
+        if axis.name not in columns:
+            continue
+        lookups.append(Lookup(axis.name, over.name, at, -sign * _inside(columns[axis.name], axis)))
+        if axis.name == over.name:
+            lookups.append(Lookup(axis.name, over.name, at, -sign * _inside(columns["BACKLASH"], axis), -1))
+    return lookups
+
+
+def _on_common_points(tables: Sequence[CompensationTable]) -> list[CompensationTable]:
+    """Return tables on the points of the first over the same axis; an old column alone has others."""
+    common = dict[str, Array]()
+    return [_sampled(table, common.setdefault(table.over, table.positions)) for table in tables]
+
+
+def _sampled(table: CompensationTable, at: Array) -> CompensationTable:
+    if np.array_equal(at, table.positions):
+        return table
+    forward, reverse = (table.deviation(at, side) for side in (1, -1))
+    sides = ((forward, table.forward), (reverse, table.reverse))
+    away = max(float(np.max(np.abs(np.interp(table.positions, at, new) - old))) for new, old in sides)
+    std, silent = (np.interp(at, table.positions, values) for values in (table.std, table.prior_only.astype(float)))
+    held = replace(table, positions=at, forward=forward, reverse=reverse, std=std, prior_only=silent == 1)
+    return replace(held, departure=table.departure + away)
+
+
+def _file(layout: Layout, axis: str, tables: Sequence[CompensationTable], sign: float) -> str:
+    mine = [table for table in tables if table.over == axis]
+    columns = {"AXISPOS": np.asarray(to_unit(mine[0].positions, mine[0].unit))}
+    for table in mine:
+        unit = "deg" if table.rotary else "mm"
+        columns[table.axis] = sign * np.asarray(to_unit(table.forward, unit))
+        if table.axis == axis:
+            columns["BACKLASH"] = sign * np.asarray(to_unit(table.reverse - table.forward, unit))
+    return layout.text(f"{axis}_AXIS", columns)
+
+
+def _inside(values: Array, axis: Axis) -> Array:
+    return np.asarray(from_unit(values, axis.unit), dtype=float)
+
+
+def _notes(layout: Layout, machine: Machine) -> tuple[str, ...]:
+    missing = [axis.name for axis in machine.axes if axis.name not in layout.heads]
+    turning = [axis.name for axis in machine.axes if axis.cyclic and axis.name in layout.heads]
+    modulo = (f"{', '.join(turning)}: the table holds one turn; the axis must be a modulo axis, or stay within it.",)
+    absent = (f"Your template has no column for {', '.join(missing)}: left out.",) if missing else ()
+    return (
+        *absent,
+        *(modulo if turning else ()),
+        "Assign the files to their axes in the active line of the .CMA table; positions count from the machine datum.",
+        "Values are deviations, actual minus nominal, and BACKLASH is what comes on top when moving downwards. Check "
+        "one point with a dial gauge, and export with --flip if the axis goes the wrong way.",
+    )

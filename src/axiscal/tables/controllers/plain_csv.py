@@ -1,0 +1,91 @@
+"""A plain CSV table: `axis,position_mm,forward_um,reverse_um,std_um`, or `position_deg`, `forward_arcsec` ….
+
+A table over the position of another axis has a column `over` as well. The columns hold the deviation, actual minus
+nominal, not the correction: whoever loads it elsewhere subtracts it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, parse_table
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import TableFormat, Written, summed
+from axiscal.tables.loaded import Loaded, both_ways
+from axiscal.tables.old_files import OldFile
+from axiscal.tables.table import CompensationTable
+from axiscal.units import from_unit, to_unit
+
+_UNITS = LENGTHS + ANGLES
+_LAYOUT = {"axis": TEXT, "over": TEXT, "position": _UNITS, "forward": _UNITS, "reverse": _UNITS, "std": _UNITS}
+_STEP = 0.5e-4  # of the deviations' unit, by their four decimals
+
+
+class PlainCsv(TableFormat):
+    """Deviations for people and other programs: one file for each axis, and for each axis over another."""
+
+    holds = "the deviation of every axis over its own position and of linear axes over the others, in both directions."
+    left_out = "errors that depend on two axes at once, and the orientation of the tool."
+    tried = True
+    points = 2000  # four an interval are rarely more than a hundred
+    both_ways, even = True, False
+
+    def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
+        """Return one file for each table."""
+        files = {f"{_stem(table)}.csv": text_of(table) for table in tables}
+        steps = summed((table.axis, float(from_unit(2 * _STEP, table.fine_unit))) for table in tables)
+        turning = [axis.name for axis in machine.axes if axis.cyclic]
+        notes = dict.fromkeys(note for table in tables for note in _notes(table))
+        turns = (f"Tables of {', '.join(turning)} hold one turn and repeat after it.",) if turning else ()
+        return Written(files, steps, (*notes, *turns))
+
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+        """Return what somebody does who takes the deviations of these tables away; raises ReadingError, TableError."""
+        tables = [parse(file.text, file.name) for file in files]
+        return Loaded(
+            tuple(one for t in tables for one in both_ways(t.axis, t.over, t.positions, -t.forward, -t.reverse))
+        )
+
+
+def text_of(table: CompensationTable) -> str:
+    """Return the text of the table."""
+    fine = table.fine_unit
+    cross = table.over != table.axis
+    header = f"axis,{'over,' if cross else ''}position_{table.unit},forward_{fine},reverse_{fine},std_{fine}\n"
+    name = f"{table.axis},{table.over}" if cross else table.axis
+    columns = [np.round(to_unit(table.positions, table.unit), 7) + 0.0]
+    columns += [np.round(to_unit(values, fine), 4) + 0.0 for values in (table.forward, table.reverse, table.std)]
+    return header + "".join("{},{:.7f},{:.4f},{:.4f},{:.4f}\n".format(name, *row) for row in zip(*columns, strict=True))
+
+
+def parse(text: str, file: str = "table.csv") -> CompensationTable:
+    """Return the table of a text; raises ReadingError or TableError."""
+    source = parse_table(text, file)
+    axis, *found = source.needed(_LAYOUT, "axis", "position_mm", "forward_mm", "reverse_mm", "std_mm")
+    names = {row.text(axis) for row in source.rows}
+    if len(names) > 1:
+        raise TableError(f"the file holds the axes {', '.join(sorted(names))}", "write one file for each axis", file)
+    over = {row.text(column) for column in source.all_of("over") for row in source.rows}
+    if len(over) > 1:
+        raise TableError("the file holds several tables", "write one file for each", file)
+    if not over and len({column.dimension for column in found}) > 1:
+        raise TableError("the columns mix lengths and angles", "a table of one axis holds one kind", file, source.line)
+    at, forward, reverse, std = (np.array([row.quantity(column) for row in source.rows]) for column in found)
+    rotary = found[1].dimension == "angle"
+    return CompensationTable(names.pop(), rotary, at, forward, reverse, std, over.pop() if over else "")
+
+
+def _notes(table: CompensationTable) -> tuple[str, ...]:
+    return (
+        "The columns hold the deviation, actual minus nominal, of the tool relative to the workpiece: subtract it.",
+        f"The column std_{table.fine_unit} is the standard deviation of the value as it stands, counted from where the "
+        "table is zero. The shape of the curve is known better, as said below.",
+    )
+
+
+def _stem(table: CompensationTable) -> str:
+    return table.axis if table.over == table.axis else f"{table.axis}_over_{table.over}"

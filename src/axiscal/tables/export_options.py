@@ -1,0 +1,117 @@
+"""What a person may choose for an export."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from axiscal.document import shown
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+from axiscal.tables.loaded import Loaded
+from axiscal.tables.old_files import OldFile
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
+
+_HASH = re.compile(r"[0-9a-f]{0,128}")
+_LARGEST_MESH = 50
+"""Points a side; more is a slip, for no probe of a printer takes them."""
+_MOST_POINTS = 5000
+"""More points than any control holds are a slip."""
+_USUAL = "XYZABCUVWPQR"
+
+
+@dataclass(frozen=True, slots=True)
+class ExportOptions:
+    """Choices; a controller ignores those that it has no use for.
+
+    spacing : distance of the points of linear axes, m, or of some axes by name, m or rad
+    unit : of the machine, mm or in
+    numbers : of the joints or of the machine axis of each axis, where the order of the letters is not theirs
+    template : text of a file that the control saved, template_name : how it is called
+    name : of a mesh or profile; mesh : points of a height map along each side, as many as the map that was read or the
+    curves have where nobody says
+    pivots : put location errors of rotary axes into the kinematics (linuxcnc) instead of the tables
+    points : the most of a table, where the control's memory is set by its owner; encoder : measuring system, 1 or 2
+    flip : the control takes the values with the other sign, as a check at one point has shown
+    old_files : of the compensation that was active while measuring; old : what they say, once they are read
+    active : whether one was, None where nobody said; origin : hash of the record, "" where there is none
+    Raises TableError for a name that is more than letters, digits, _ and -.
+    """
+
+    spacing: float | Mapping[str, float] | None = None
+    unit: str = "mm"
+    numbers: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    template: str | None = None
+    template_name: str = "the template"
+    name: str = "axiscal"
+    mesh: int | None = None
+    flip: bool = False
+    pivots: bool = False
+    points: int | None = None
+    encoder: int = 1
+    old_files: tuple[OldFile, ...] = ()
+    old: Loaded = field(default_factory=Loaded)
+    active: bool | None = None
+    origin: str = ""
+
+    def numbered(self, machine: Machine, first: int = 1) -> dict[str, int]:
+        """Return the number of each axis in the control: from `first` in the order X Y Z A B C … unless chosen.
+
+        Raises TableError as `joints`, and for an axis that was given several numbers.
+        """
+        found = self.joints(machine, first)
+        for name, numbers in found.items():
+            if len(numbers) > 1:
+                several = " and ".join(map(str, numbers))
+                raise TableError(f"{name} is given the numbers {several}", "This control takes one for each axis")
+        return {name: numbers[0] for name, numbers in found.items()}
+
+    def joints(self, machine: Machine, first: int = 0) -> dict[str, tuple[int, ...]]:
+        """Return the numbers of the joints of each axis, as in `coordinates = XYYZ`.
+
+        An axis without a given number has the place behind those before it, in the order X Y Z A B C and so on.
+        Raises TableError for a number that is there twice, and for an axis that the machine does not have.
+        """
+        for name in self.numbers:
+            machine.index(name)
+        found, place = dict[str, tuple[int, ...]](), first
+        for name in sorted((a.name for a in machine.axes), key=lambda name: (_USUAL.index(name[0]), name)):
+            found[name] = self.numbers.get(name, (place,))
+            place += len(found[name])
+        _refuse_twice(found)
+        return found
+
+    def __post_init__(self) -> None:
+        if not _NAME.fullmatch(self.name):
+            raise TableError(
+                f"{shown(self.name)} is not a name for a table", "Take letters, digits, _ and -, 31 at most"
+            )
+        if not _HASH.fullmatch(self.origin):
+            raise TableError(f"{shown(self.origin)} is not the hash of a record", "Leave it out")
+        if self.unit not in ("mm", "in"):
+            raise TableError(f"{shown(self.unit)} is not the unit of a machine", "It can be mm or in")
+        if self.mesh is not None and not 2 <= self.mesh <= _LARGEST_MESH:
+            raise TableError(f"a mesh of {self.mesh} points a side", f"Take 2 to {_LARGEST_MESH}")
+        if self.encoder not in (1, 2):
+            raise TableError(f"measuring system {self.encoder}", "An axis has measuring systems 1 and 2")
+        if self.points is not None and not 2 <= self.points <= _MOST_POINTS:
+            raise TableError(f"a table of {self.points} points", f"Take 2 to {_MOST_POINTS}")
+        if any(number < 0 for numbers in self.numbers.values() for number in numbers):
+            raise TableError("numbers of axes are negative", "Count from 0 or 1 as the control does")
+
+
+def _refuse_twice(found: Mapping[str, tuple[int, ...]]) -> None:
+    """Raise TableError when two axes have the same number, or one has it twice."""
+    owner = dict[int, str]()
+    for name, numbers in found.items():
+        for number in numbers:
+            if number in owner:
+                who = f"{owner[number]} and {name} have" if owner[number] != name else f"{name} is given twice"
+                known = ", ".join(f"{axis}={each}" for axis, own in found.items() for each in own)
+                what = f"{who} the same number {number} (numbers are {known})"
+                raise TableError(
+                    what, "Give each axis its own: --number X=0; an axis of two joints --number Y=1 --number Y=2"
+                )
+            owner[number] = name

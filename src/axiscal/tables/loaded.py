@@ -1,0 +1,159 @@
+"""Compensation that was active on the control during the measurement, and new tables on top of it.
+
+Readings with an active compensation show the residual error. So the full correction is the old one plus the new one.
+The new one alone would bring back all that the old one took away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from axiscal.errors.model import ErrorModel
+from axiscal.machine.description import Machine
+from axiscal.numerics import Array
+from axiscal.tables.effect import Control
+from axiscal.tables.surface import Mesh, Skew, mesh_control, skew_control, sum_of
+from axiscal.tables.table import CompensationTable
+from axiscal.tables.volumetric import SampledError, tip_control
+
+_APART = 1e-9
+"""m or rad: positions nearer than this are one, by their decimals."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Lookup:
+    """A table as a control has understood it.
+
+    axis : that is moved; over : whose position is looked up
+    positions : (n,) increasing, added : (n,) what is added to the command of `axis`, m or rad
+    direction : 0 for both, else only after moving upwards (+1) or downwards (-1)
+    """
+
+    axis: str
+    over: str
+    positions: Array
+    added: Array
+    direction: int = 0
+
+    def at(self, position: Array, approach: Array) -> Array:
+        """Return what is added at positions (m,) of `over` that were approached from a side, (m,).
+
+        Where no side is known (0) tables of both directions add half each: their mean.
+        """
+        value = np.interp(position, self.positions, self.added)
+        share: Array = 0.5 * (1.0 + self.direction * np.sign(approach))
+        return value * share if self.direction else value
+
+
+def both_ways(axis: str, over: str, positions: Array, forward: Array, reverse: Array) -> tuple[Lookup, Lookup]:
+    """Return the tables of an axis for both directions.  forward, reverse : (n,) what is added, m or rad"""
+    return Lookup(axis, over, positions, forward, 1), Lookup(axis, over, positions, reverse, -1)
+
+
+def lookup_control(machine: Machine, lookups: Sequence[Lookup]) -> Control:
+    """Return the control that adds all of them."""
+
+    def control(poses: Array, approaches: Array) -> Array:
+        added = np.zeros_like(poses)
+        for each in lookups:
+            over = machine.index(each.over)
+            added[:, machine.index(each.axis)] += each.at(poses[:, over], approaches[:, over])
+        return added
+
+    return control
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Loaded:
+    """An old compensation as its control understood it.
+
+    lookups : tables; meshes : height maps; skew : tangents by plane, as set; errors : by name, to a control that knows
+    the chain; others : what does more than that
+    """
+
+    lookups: tuple[Lookup, ...] = ()
+    meshes: tuple[Mesh, ...] = ()
+    skew: Skew = field(default_factory=Skew)
+    errors: Mapping[str, SampledError] = field(default_factory=dict)
+    others: tuple[Control, ...] = ()
+
+    def control(self, machine: Machine) -> Control:
+        """Return what it adds to commands."""
+        parts = [lookup_control(machine, self.lookups), *self.others]
+        parts += [mesh_control(machine, mesh) for mesh in self.meshes]
+        parts += [tip_control(ErrorModel(machine), self.errors)] if self.errors else []
+        return sum_of(*parts, *([skew_control(machine, self.skew)] if self.skew.seen else []))
+
+    def within(self) -> Loaded:
+        """Return the tables of axes over themselves alone."""
+        return Loaded(tuple(one for one in self.lookups if one.axis == one.over))
+
+    def across(self) -> Loaded:
+        """Return the tables of axes over others alone."""
+        return Loaded(tuple(one for one in self.lookups if one.axis != one.over))
+
+    def under_tables(
+        self, tables: Sequence[CompensationTable], machine: Machine, most: int, *, even: bool = False
+    ) -> tuple[CompensationTable, ...]:
+        """Return tables with the old ones added; old ones of other axes follow as they are.
+
+        most : points that fit; even : the points of a table stay evenly spaced
+        """
+        kinds = list(dict.fromkeys([(t.axis, t.over) for t in tables] + [(one.axis, one.over) for one in self.lookups]))
+        new = {(table.axis, table.over): table for table in tables}
+        return tuple(self._summed(kind, new.get(kind), machine, most, even) for kind in kinds)
+
+    def under_mesh(self, mesh: Mesh) -> Mesh:
+        """Return a mesh with the old heights added at its points."""
+        x, y = (grid.ravel() for grid in np.meshgrid(mesh.x, mesh.y))
+        old = np.sum([each.at(x, y) for each in self.meshes], axis=0) if self.meshes else np.zeros(len(x))
+        return replace(mesh, added=mesh.added + old.reshape(mesh.added.shape))
+
+    def under_skew(self, skew: Skew) -> Skew:
+        """Return the tangents with the old ones added, for the planes that were seen."""
+        old = self.skew.seen
+        return Skew(**{plane.lower(): tangent + old.get(plane, 0.0) for plane, tangent in skew.seen.items()})
+
+    def _summed(
+        self, kind: tuple[str, str], table: CompensationTable | None, machine: Machine, most: int, even: bool
+    ) -> CompensationTable:
+        mine = [one for one in self.lookups if (one.axis, one.over) == kind]
+        base = _nothing(kind, mine, machine) if table is None else table
+        if not mine:
+            return base
+        at = _positions(base, mine, most, even=even or machine.axis(base.axis).cyclic)
+        sides = (base.deviation(at, side) - _added(mine, at, side) for side in (1, -1))
+        forward, reverse = sides
+        silent = np.interp(at, base.positions, base.prior_only.astype(float)) > 1 - _APART
+        std = np.interp(at, base.positions, base.std)
+        return replace(base, positions=at, forward=forward, reverse=reverse, std=std, prior_only=silent)
+
+
+def _added(old: Sequence[Lookup], at: Array, side: int) -> Array:
+    ways = np.full(len(at), float(side))
+    total: Array = np.sum([one.at(at, ways) for one in old], axis=0)
+    return total
+
+
+def _nothing(kind: tuple[str, str], old: Sequence[Lookup], machine: Machine) -> CompensationTable:
+    """Return a table that says nothing, on the points of the finest old one."""
+    axis, over = kind
+    at = max((one.positions for one in old), key=len)
+    at = at if len(at) > 1 else np.array(machine.axis(over).travel)
+    zero = np.zeros(len(at))
+    return CompensationTable(axis, machine.axis(axis).rotary, at, zero, zero, zero, over)
+
+
+def _positions(table: CompensationTable, old: Sequence[Lookup], most: int, *, even: bool) -> Array:
+    """Return the points of the sum: all that either has, or those of the finer one where they have to stay even."""
+    points = [one.positions for one in old if len(one.positions) > 1]
+    if even:
+        whole = [p for p in points if p[0] <= table.positions[0] + _APART and p[-1] >= table.positions[-1] - _APART]
+        finest = max([table.positions, *whole], key=len)
+        return finest if len(finest) <= most else table.positions
+    union = np.unique(np.concatenate([table.positions, *points]))
+    union = union[np.r_[True, np.diff(union) > _APART]]
+    return union if len(union) <= most else table.positions

@@ -1,0 +1,260 @@
+"""From files that were written to files that are offered: read back, applied in a simulated control, compared."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.language.spoken import said
+from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import frames
+from axiscal.machine.questions import uncounted
+from axiscal.numerics import Array
+from axiscal.numerics.remembered import remembered
+from axiscal.tables.effect import Control, Effect, effect_of_control, planes_left, tour
+from axiscal.tables.table import CompensationTable
+from axiscal.units import format_quantity, said_quantity, to_unit
+
+POSES = 1000
+"""Poses at which a file is tried: a file that adds the wrong thing does so at almost every pose."""
+_DEFECT = "do not load it: this is a defect of axiscal, please report it"
+_WORTH = 1e-9
+"""m: a correction below a nanometre is none."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Draft:
+    """Files for a controller, before they are tried.
+
+    files : name -> text; control : what the control does with them, as they are read back
+    wanted : what they are meant to do; resolution : per axis by which both may differ, m or rad
+    tables : what the files hold, for the figures; holds : what this controller can hold, in a sentence
+    left_out : what it cannot; notes : how to load the files; tried : whether a real control of this kind has been seen
+    to take them; about : the estimate they were made of, where it is not the one that was given
+    first : what whoever loads them reads before anything else
+    """
+
+    files: Mapping[str, str]
+    control: Control
+    wanted: Control
+    resolution: Mapping[str, float]
+    tables: tuple[CompensationTable, ...]
+    holds: str
+    left_out: str
+    notes: tuple[str, ...]
+    tried: bool
+    about: Estimate | None = None
+    first: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Export:
+    """Files that may be loaded.
+
+    effect : of the estimated deviation over the volume; readme : the text that goes beside them
+    unknown : RMS over the volume of what the estimate may be wrong by, m, one shift of everything taken off, or the
+    motion of an aligned part
+    """
+
+    controller: str
+    files: Mapping[str, str]
+    tables: tuple[CompensationTable, ...]
+    control: Control
+    effect: Effect
+    unknown: float
+    readme: str
+
+    @property
+    def expected(self) -> float:
+        """RMS of the TCP deviation that is to be expected with the files, m: what they leave, and what is not known."""
+        return float(np.hypot(self.effect.after, self.unknown))
+
+
+def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
+    """Return the files with what they do; raises TableError when they would not do it."""
+    if not draft.files:
+        raise TableError("there is no deviation that these files could hold", _nothing_held(estimate))
+    estimate = draft.about or estimate
+    poses, approaches = spread_poses(estimate)
+    _refuse_differences(estimate, draft, poses, approaches)
+    effect, meant = (
+        effect_of_control(estimate.machine, estimate.deviation, control, poses, estimate.box, counted=estimate.counted)
+        for control in (draft.control, draft.wanted)
+    )
+    slack = _WORTH + sum(_reach(estimate, name) * step for name, step in draft.resolution.items())
+    if effect.after > min(meant.after, effect.before) + slack:
+        before, after = (format_quantity(value, "um", 3) for value in effect)
+        raise TableError(f"these files would take the error from {before} to {after}", _DEFECT)
+    together = planes_left(estimate, draft.control, poses, approaches)
+    if estimate.sample is not None:
+        poses, _ = tour(estimate.sample[:POSES], estimate.box)
+        tried = estimate.machine, estimate.deviation, draft.control, poses, estimate.box
+        effect = effect_of_control(*tried, estimate.alignment, estimate.counted)
+    unknown = _unknown(estimate)
+    said = replace(draft, left_out=" ".join(part for part in (draft.left_out, together) if part))
+    readme = _readme(controller, said, effect, unknown, (*draft.first, *foreword(estimate, draft.control)))
+    return Export(controller, draft.files, draft.tables, draft.control, effect, unknown, readme)
+
+
+def _nothing_held(estimate: Estimate) -> str:
+    """Return what to do when a controller can hold nothing of what is known."""
+    poses, approaches = spread_poses(estimate)
+    if float(np.max(np.abs(estimate.deviation(poses, approaches)), initial=0.0)) <= _WORTH:
+        return "take readings first"
+    return (
+        "what the readings show is along no axis that such files move; the bed of a printer goes as a height map to "
+        "klipper, marlin or reprapfirmware"
+    )
+
+
+@remembered
+def _unknown(estimate: Estimate) -> float:
+    """Return what is not known over the part, or over the volume, m: the same whatever control files are for."""
+    sample = estimate.sample
+    tried = spread_poses(estimate) if sample is None else tour(sample[:POSES], estimate.box)
+    return unknown_rms(estimate, *tried)
+
+
+def unknown_rms(estimate: Estimate, poses: Array, approaches: Array) -> float:
+    """Return the RMS of the standard deviation of the TCP at poses (m, q), less the terms that do not count, m.
+
+    Its square is the mean of trace((H - E[H]) C (H - E[H])ᵀ) and of the share of the rests. For an aligned part the
+    alignment replaces E[H].
+    """
+    rows = estimate.model.rows(poses, approaches)
+    off = rows.mean(axis=0) if estimate.alignment is None else estimate.alignment.taken_off(poses)
+    spread = (rows - off)[:, list(estimate.counted)] @ estimate.factor
+    levers = estimate.model.levers(poses)[:, :, list(estimate.counted)]
+    rest = np.einsum("fmc,f->mc", levers**2, estimate.model.rests**2)
+    return float(np.sqrt((np.sum(spread**2) + np.sum(rest)) / len(poses)))
+
+
+def effect_sentence(files: str, effect: Effect, unknown: float) -> str:
+    """Say what files leave of the deviation as it is estimated, and what is to be expected with what is not known."""
+    before, after, expected = (
+        said_quantity(value, "um") for value in (*effect, float(np.hypot(effect.after, unknown)))
+    )
+    return said(
+        "{files} take the estimated TCP deviation over the volume from {before} RMS to {after}. With what is not "
+        "known, {expected} RMS is to be expected.",
+        files=files,
+        before=before,
+        after=after,
+        expected=expected,
+    )
+
+
+def _refuse_differences(estimate: Estimate, draft: Draft, poses: Array, approaches: Array) -> None:
+    apart = np.max(np.abs(draft.control(poses, approaches) - draft.wanted(poses, approaches)), axis=0)
+    for axis, worst in zip(estimate.machine.axes, apart, strict=True):
+        if not worst <= draft.resolution.get(axis.name, 0.0) + 1e-12:
+            shown = format_quantity(float(worst), "arcsec" if axis.rotary else "um", 3)
+            raise TableError(f"read back, the files move {axis.name} by {shown} more or less than they should", _DEFECT)
+
+
+def _reach(estimate: Estimate, name: str) -> float:
+    """Return the lever, m/rad, by which a rotary axis moves the TCP at most; 1 for a linear axis."""
+    if not estimate.machine.axis(name).rotary:
+        return 1.0
+    return 2 * float(sum(max(abs(b) for b in bounds) for bounds in estimate.box)) + estimate.machine.tool
+
+
+def spread_poses(estimate: Estimate) -> tuple[Array, Array]:
+    """Return the poses (m, q) and approaches at which files are tried."""
+    return tour(_poses(estimate), estimate.box)
+
+
+def _poses(estimate: Estimate) -> Array:
+    """Return poses spread evenly over the volume: multiples of irrational steps, (POSES, q)."""
+    low, high = np.array(estimate.box).T
+    primes = np.sqrt([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37])[: len(low)]
+    spread: Array = low + (high - low) * np.mod(np.outer(np.arange(1, POSES + 1), primes), 1.0)
+    return spread
+
+
+def _readme(controller: str, draft: Draft, effect: Effect, unknown: float, first: Sequence[str]) -> str:
+    lines = [
+        f"Compensation for {controller}, made by axiscal.",
+        *first,
+        "" if draft.tried else "NOT VERIFIED ON A CONTROL: the files were read back and tried in simulation only.",
+        f"These files hold {draft.holds}",
+        effect_sentence("They", effect, unknown),
+        f"Left out: {draft.left_out}" if draft.left_out else "",
+        "",
+        *(f"- {note}" for note in draft.notes),
+        *(f"- {note}" for table in draft.tables for note in _table_notes(table)),
+        "",
+        *(_said(table) for table in draft.tables),
+    ]
+    return "\n".join(line for i, line in enumerate(lines) if line or i > 4 + len(first)) + "\n"
+
+
+def _table_notes(table: CompensationTable) -> list[str]:
+    silent = table.positions[table.prior_only]
+    if not silent.size:
+        return []
+    first, last = (format_quantity(float(p), table.unit, 4) for p in silent[[0, -1]])
+    return [f"{_title(table)}: no reading says anything at {silent.size} points from {first} to {last}."]
+
+
+def _said(table: CompensationTable) -> str:
+    return (
+        f"{_title(table)}: {len(table.positions)} points, the line within {table.shown(table.departure)} of the curve, "
+        f"whose shape, its mean over the table taken off, is known to {table.shown(table.shape_std)} "
+        "(standard deviation)."
+    )
+
+
+def _title(table: CompensationTable) -> str:
+    return table.axis if table.over == table.axis else f"{table.axis} over {table.over}"
+
+
+def foreword(estimate: Estimate, control: Control) -> tuple[str, ...]:
+    """Return the first lines of README.txt: what loading the files moves, and what was taken for granted.
+
+    control : what the files do. Without rotary axes they add nothing at machine zero, every axis at 0 or at the end of
+    its travel nearest to it. Rotary axes have a place: files then hold the constant that puts the tool right to them.
+    """
+    machine = estimate.machine
+    places = np.stack([np.array(machine.zero), np.mean(np.array(estimate.box), axis=1)])
+    moved = to_unit(shifts(machine, control, places), "um")
+    at_zero, in_the_middle = (f"{_place(machine, p)} by {_shown(m)}" for p, m in zip(places, moved, strict=True))
+    return (
+        "ZERO WORK OFFSETS, TOOL SETTER AND PROBE ANEW after loading. The files move the tool relative to the "
+        f"workpiece: at machine zero, {at_zero}; in the middle of the volume, {in_the_middle} (both directions' mean).",
+        *_unsaid(machine),
+    )
+
+
+def shifts(machine: Machine, control: Control, poses: Array) -> Array:
+    """Return how a control moves the tool on the workpiece at poses (m, q), the mean of both directions, (m, 3), m."""
+    ways = [np.full(poses.shape, side) for side in (1.0, -1.0)]
+    sent = [frames(machine, poses + control(poses, way)).tcp for way in ways]
+    moved: Array = (sent[0] + sent[1]) / 2 - frames(machine, poses).tcp
+    return moved
+
+
+def _place(machine: Machine, pose: Array) -> str:
+    at = zip(machine.axes, pose, strict=True)
+    return " ".join(f"{axis.name} {format_quantity(float(value) + 0.0, axis.unit)}" for axis, value in at)
+
+
+def _shown(moved: Array) -> str:
+    parts = (f"{name} {round(float(value), 1) + 0.0:+.1f}" for name, value in zip("xyz", moved, strict=True))
+    return f"{', '.join(parts)} um"
+
+
+def _unsaid(machine: Machine) -> tuple[str, ...]:
+    them = uncounted(machine)
+    if not them:
+        return ()
+    return (
+        f"WHICH WAY DO {them} COUNT? machine.toml does not say, and ISO 841 was supposed: counting up, the tool turns "
+        "by the right hand about it relative to the workpiece, a table the other way. Turn them by hand and look: "
+        "where it is against that (as LinuxCNC's xyzac- and xyzbc-trt-kins are), write in its table direction = "
+        '"reversed", else "iso", and evaluate the readings again: with the wrong direction these files make it worse.',
+    )

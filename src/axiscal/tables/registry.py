@@ -1,0 +1,89 @@
+"""The controllers that tables can be made for, by the names that `axiscal export --to` takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from axiscal.document import meant, shown
+from axiscal.document.ports import names, one_of, ours
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import AxiscalError, TableError
+from axiscal.machine.description import Machine
+from axiscal.numerics.stages import stage
+from axiscal.numerics.threads import one_thread
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import Exporter
+from axiscal.tables.loaded import Loaded
+from axiscal.tables.offer import Export, tried_out
+from axiscal.tables.on_top import asked_about, on_top
+
+_ABSURD = 1.0
+"""m or rad: no compensation is as large; any value above what a machine can be off by would do."""
+CONTROLLERS = {
+    "csv": "tables.controllers.plain_csv:PlainCsv",
+    "fanuc": "tables.controllers.fanuc.exporting:Fanuc",
+    "heidenhain": "tables.controllers.heidenhain:Heidenhain",
+    "isg": "tables.controllers.isg.exporting:Isg",
+    "isg-etalon": "tables.controllers.isg.exporting:IsgEtalon",
+    "klipper": "ports.printers.klipper:Klipper",
+    "linuxcnc": "ports.linuxcnc.tables.exporting:Linuxcnc",
+    "linuxcnc-volumetric": "ports.linuxcnc.volumetric.exporting:LinuxcncVolumetric",
+    "marlin": "ports.printers.marlin:Marlin",
+    "reprapfirmware": "ports.printers.reprapfirmware:RepRapFirmware",
+    "sinumerik": "tables.controllers.sinumerik.exporting:Sinumerik",
+}
+"""Name -> place of its class."""
+PORTS = "axiscal.exporters"
+"""Group of the entry points by which packages bring controls."""
+
+
+@one_thread()
+@stage("tables")
+def export(estimate: Estimate, controller: str, options: ExportOptions) -> Export:
+    """Return the files for one controller, tried out; raises TableError for an unknown one, or what it cannot hold."""
+    name = next((known for known in CONTROLLERS if known == controller.casefold()), controller)
+    make = exporter(name).make
+    for axis in options.spacing if isinstance(options.spacing, Mapping) else ():
+        estimate.machine.index(axis)
+    if not options.old_files:
+        return tried_out(name, estimate, asked_about(name, make(estimate, options), options))
+    old = loaded(name, estimate.machine, options)
+    return tried_out(name, estimate, on_top(estimate, make(estimate, replace(options, old=old)), old, options))
+
+
+def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
+    """Return what the old files of a control did; raises TableError, ReadingError."""
+    load = exporter(controller).load
+    named = ", ".join(dict.fromkeys(file.name for file in options.old_files))
+    try:
+        found = load(options.old_files, machine, options)
+    except AxiscalError:
+        raise
+    except (LookupError, ArithmeticError, ValueError) as fault:
+        what = f"a number that {controller} needs is missing, or is none ({fault})"
+        raise TableError(what, "give the files as the control saved them", named) from fault
+    for table in found.lookups:
+        if not np.all(np.abs(table.added) < _ABSURD):
+            what = f"the table of {table.axis} over {table.over} moves it by a metre, or a radian, or more"
+            raise TableError(what, "give the files as the control saved them, and the unit of the machine", named)
+    return found
+
+
+def controllers() -> tuple[str, ...]:
+    """Return the names of all controls, those last that installed packages bring."""
+    return (*CONTROLLERS, *names(PORTS))
+
+
+def exporter(controller: str) -> Exporter:
+    """Return what writes for a control and reads its files; raises TableError for one that is not known."""
+    if controller not in CONTROLLERS:
+        if (brought := one_of(PORTS, controller)) is not None:
+            made: Exporter = brought()
+            return made
+        remedy = meant(controller, controllers(), quoted="{}")
+        raise TableError(f"{shown(controller)} is not a controller that tables can be made for", remedy)
+    found: type[Exporter] = ours(CONTROLLERS[controller])
+    return found()

@@ -1,0 +1,46 @@
+"""The harness for any control: a machine is drawn and known, its files are written, tried, and read once more.
+
+Whoever writes for a control tests it with this, as axiscal tests its own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import whole_travel
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import Exporter
+from axiscal.tables.offer import Export, spread_poses, tried_out
+from axiscal.tables.old_files import OldFile
+
+_SURE = 1e-20
+"""Variance of every control value of a machine that is known, m² or rad²."""
+
+
+def drawn_and_known(machine: Machine, seed: int = 1) -> Estimate:
+    """Return what somebody believes who knows a machine that was drawn from its description."""
+    model = ErrorModel(machine)
+    drawn = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(seed).standard_normal(model.size)
+    return Estimate(model, Belief(drawn, _SURE * np.eye(model.size)), whole_travel(model))
+
+
+def round_trip(control: Exporter, estimate: Estimate, options: ExportOptions | None = None) -> Export:
+    """Return the files of a control, tried out and read back as files that are active in it.
+
+    Raises TableError where they would not correct the machine, or where `load` makes something else of them.
+    """
+    options = options or ExportOptions()
+    made = tried_out(type(control).__name__, estimate, control.make(estimate, options))
+    files = [OldFile(name, text) for name, text in made.files.items()]
+    loaded = control.load(files, estimate.machine, options).control(estimate.machine)
+    poses, ways = spread_poses(estimate)
+    apart = float(np.max(np.abs(loaded(poses, ways) - made.control(poses, ways))))
+    if not apart <= 1e-9:
+        what = f"loaded as files that were active, they move an axis by {apart:.3g} m or rad more or less"
+        raise TableError(what, "let load read all that write writes")
+    return made

@@ -1,0 +1,370 @@
+"""From the belief to tables: what a correction along one axis, over one axis, can take away.
+
+A carriage that is told to go c(t) less far moves the TCP by −c(t) along the axis. The best c(t), in least squares over
+the volume, is the mean deviation along the axis at t over all positions of the others. It holds the positioning error
+of the axis and, through the mean lever arm, its angular errors. Over the position of *another* axis the same mean holds
+straightness and squareness. A table is not that curve but a line between points, so its values are the ones whose line
+is nearest to the curve.
+
+The deviation is the posterior mean: a part that the readings did not show shrinks to zero and gets no correction. A
+point in a cell that was read takes the rest of the cell as well. So a table leaves only the scatter at the targets of a
+test.
+
+The points of a table whose line is near the curve, for a control that takes them anywhere.
+
+A line between two points is off by about h² |f''| / 8: points belong where the curve bends. They are set one by one
+where the line is farthest from the curve. They begin with the ends, or with the knots of the errors: only there the
+bend of a spline differs on both sides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.axis import Axis
+from axiscal.numerics import Array
+from axiscal.tables.conditional import from_the_other_side, mean_along, turned
+from axiscal.tables.hats import Hats
+from axiscal.tables.table import CompensationTable
+from axiscal.units import format_quantity
+
+_SAMPLES = 1025
+"""Places at which curve and line are compared; a table has some tens of points."""
+_DECIMALS, _APART = 9, 1e-6
+"""m or rad: knots nearer than rounding are one, and one that is as near to an end is that end."""
+_NOT_APART = 1e-10
+"""m or rad: nearer than this no point is needed."""
+
+_POINTS_PER_INTERVAL = 4
+MOST_POINTS = 129
+"""So that no one has to leaf through a table; four an interval are rarely more than a hundred."""
+_NOTHING = 1e-12
+"""m or rad: rounding."""
+_EDGE = 1e-6
+"""Share of a cell: just inside its edge."""
+_SILENT, _DIFFERENCE = 0.95, 0.65
+_OPEN = 0.2  # where the prior was this narrow by construction, next to the table's zero, nothing is said
+
+Spacing = float | Mapping[str, float] | None
+"""Distance of the points: of all linear axes, m, or of some axes by name, m or rad."""
+Multiples = tuple[float | None, float | None]
+
+
+def axis_tables(
+    estimate: Estimate,
+    spacing: Spacing = None,
+    most: int = MOST_POINTS,
+    multiples: Multiples = (None, None),
+) -> tuple[CompensationTable, ...]:
+    """Return a table for every axis whose positioning deviation the belief knows.
+
+    spacing, most : as for `points`; multiples : the multiple of a linear axis, m, and of a rotary one, rad
+    Raises TableError for a spacing that does not divide a travel, or needs more points than fit.
+    """
+    model = estimate.model
+    axes = [(k, axis.rotary) for k, axis in enumerate(estimate.machine.axes) if _has_errors(model, k)]
+    grids = ((k, points(model, k, spacing, most, multiples[rotary])) for k, rotary in axes)
+    tables = (own_table(estimate, k, positions) for k, positions in grids)
+    return tuple(table for table in tables if _says_something(table))
+
+
+def cross_tables(
+    estimate: Estimate,
+    spacing: Spacing = None,
+    most: int = MOST_POINTS,
+    multiple: float | None = None,
+    uneven: bool = False,
+) -> tuple[CompensationTable, ...]:
+    """Return tables of linear axes over the positions of the other linear axes: straightness, sag and squareness.
+
+    Where no reading has seen how one moves over another there is no table.  Arguments and failures as for `points`.
+    uneven : points may stand anywhere, and stand where the line is nearest to the curve
+    """
+    axes = [k for k, axis in enumerate(estimate.machine.axes) if not axis.rotary]
+    tables: list[CompensationTable] = []
+    for over in axes:
+        at = points(estimate.model, over, spacing, most, multiple)
+        moved = [k for k in axes if k != over]
+        tables += _tables(estimate, moved, over, at, uneven)
+    return tuple(table for table in tables if _says_something(table))
+
+
+def own_table(estimate: Estimate, axis: int, positions: Array, uneven: bool = False) -> CompensationTable:
+    """Return the table of an axis over its own position.
+
+    positions : (n,) m or rad, increasing; uneven : as many may stand elsewhere between the first and the last
+    """
+    hats = hats_along(estimate, axis, positions)
+    if estimate.machine.axes[axis].rotary:
+        sides = _sides(estimate, axis)
+        rows = np.stack([turned(estimate.model, estimate.box, axis, hats.nodes, sign) for sign in sides])
+    else:
+        (rows,) = _along(estimate, [axis], axis, hats)
+    return (_nearest if uneven else _fitted)(estimate, axis, axis, hats, rows)
+
+
+def points(
+    model: ErrorModel, axis: int, spacing: Spacing = None, most: int = MOST_POINTS, multiple: float | None = None
+) -> Array:
+    """Return evenly spaced positions that cover the travel of an axis.
+
+    spacing : their distance, on linear axes unless an axis is named; most : how many fit
+    multiple : the distance shall be a multiple of this, m or rad; the last point may then lie beyond the travel
+    Raises TableError for a spacing that does not divide the travel, or needs more points than fit.
+    """
+    own = model.machine.axes[axis]
+    start, stop = own.travel
+    chosen = spacing.get(own.name) if isinstance(spacing, Mapping) else None if own.rotary else spacing
+    if chosen is not None:
+        return _spaced(own, chosen, most)
+    intervals = max((len(f.basis.knots) - 1 for f in model.functions if f.axis == axis), default=1)
+    count = max(min(_POINTS_PER_INTERVAL * intervals, most - 1), 1)
+    if multiple is None:
+        return np.linspace(start, stop, count + 1)
+    steps = (stop - start) / multiple
+    if own.cyclic:
+        count = max(n for n in range(1, count + 1) if abs(steps / n - round(steps / n)) < 1e-6)
+        return np.linspace(start, stop, count + 1)
+    first = np.floor(start / multiple + 1e-6) * multiple
+    step = np.ceil((stop - first) / count / multiple - 1e-6) * multiple
+    spread: Array = first + step * np.arange(int(np.ceil((stop - first) / step - 1e-6)) + 1)
+    return spread
+
+
+def _spaced(axis: Axis, spacing: float, most: int) -> Array:
+    (start, stop), name = axis.travel, axis.name
+    count = round((stop - start) / spacing)
+    shown, travel = format_quantity(spacing, axis.unit), format_quantity(stop - start, axis.unit)
+    if count < 1 or abs(count * spacing - (stop - start)) > 1e-9:
+        near = format_quantity((stop - start) / max(count, 1), axis.unit)
+        raise TableError(f"{shown} does not divide the {travel} of {name}", f"{near} would, or leave the spacing out")
+    if count + 1 > most:
+        fits = format_quantity((stop - start) / (most - 1), axis.unit, 4)
+        what = f"every {shown} makes {count + 1} points of {name}, this control holds {most}"
+        raise TableError(what, f"{most} fit: take {fits} or more")
+    return np.linspace(start, stop, count + 1)
+
+
+def _has_errors(model: ErrorModel, axis: int) -> bool:
+    return any(f.axis == axis for f in model.functions)
+
+
+def _tables(
+    estimate: Estimate, moved: Sequence[int], over: int, positions: Array, uneven: bool
+) -> Iterator[CompensationTable]:
+    hats = hats_along(estimate, over, positions)
+    for axis, rows in zip(moved, _along(estimate, moved, over, hats), strict=True):
+        if _bends(rows @ estimate.mean) and estimate.sees(rows.mean(axis=0)):
+            yield (_nearest if uneven else _fitted)(estimate, axis, over, hats, rows)
+
+
+def _bends(curves: Array) -> bool:
+    """Return whether a curve is more than a constant, which no table over another axis holds.  curves : (s, nodes)"""
+    return bool(np.ptp(curves) > _NOTHING)
+
+
+def _along(estimate: Estimate, moved: Sequence[int], over: int, hats: Hats) -> list[Array]:
+    """Return the mean deviation along each moved axis, by the sides it is reached from, as rows (s, nodes, size)."""
+    model, (first, *other) = estimate.model, _sides(estimate, over)
+    rows = mean_along(model, estimate.box, moved, over, hats.nodes, first)
+    sides = [rows, *(from_the_other_side(model, over, rows) for _ in other)]
+    return [np.stack([side[number] for side in sides]) for number in range(len(moved))]
+
+
+def _sides(estimate: Estimate, over: int) -> tuple[int, ...]:
+    """Return the sides from which a position of an axis is reached: one where they make no difference."""
+    return (1, -1) if over in estimate.model.reversing else (1,)
+
+
+def hats_along(estimate: Estimate, over: int, positions: Array) -> Hats:
+    """Return the hats on positions of an axis, for curves with the knots of its errors."""
+    knots = np.concatenate([np.zeros(0), *knots_of(estimate, over)])
+    closed = estimate.machine.axes[over].cyclic
+    return Hats.on(positions, knots if len(knots) else positions, estimate.box[over], closed)
+
+
+def knots_of(estimate: Estimate, axis: int) -> list[Array]:
+    """Return where each error of an axis has its knots."""
+    own = [f.basis.knots for f in estimate.model.functions if f.axis == axis]
+    return own + [knots for plane in estimate.model.planes for knots in plane.knots_along(axis)]
+
+
+class _NearestLine(NamedTuple):
+    """The line of a table that is nearest to curves.
+
+    free : (s, points) its values by the sides it is reached from, before the constant is taken off
+    anchor : that constant; departure : from the curves at most
+    """
+
+    free: Array
+    anchor: float
+    departure: float
+
+
+def _nearest(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
+    """Return the table with as many points, set so that its line is nearest to the curve; never farther than `hats`."""
+    shown, at = curves @ estimate.mean, places(*hats.points[[0, -1]])
+    knots = np.concatenate([np.zeros(0), *knots_of(estimate, over)])
+    other = hats_along(estimate, over, closest(shown @ hats.carried(at).T, at, knots, hats.points))
+    carried = hats.carried(other.nodes)
+    even, found = (_line(estimate, axis, over, *each) for each in ((hats, shown), (other, shown @ carried.T)))
+    nearer = found.departure < even.departure - _NOTHING  # along a straight line any points are as near
+    return _fitted(estimate, axis, over, *((other, carried @ curves) if nearer else (hats, curves)))
+
+
+def _line(estimate: Estimate, axis: int, over: int, hats: Hats, shown: Array) -> _NearestLine:
+    """Return the line nearest to curves that are believed, (s, nodes), forward and reverse."""
+    free = hats.best(shown.T).T
+    anchor = float(_anchor(estimate, axis, over, hats, shown, free))
+    departure = max(hats.departure(curve, values) for curve, values in zip(shown - anchor, free - anchor, strict=True))
+    return _NearestLine(free, anchor, departure)
+
+
+def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
+    """Return the table nearest to curves given as rows (s, nodes, size), forward and reverse."""
+    line = _line(estimate, axis, over, hats, curves @ estimate.mean)
+    free = np.stack([hats.best(side) for side in curves])
+    anchor = _anchor(estimate, axis, over, hats, curves, free)
+    known, before = (_Spread.of(free, anchor, root) for root in (estimate.factor, estimate.model.prior_root()))
+    values = line.free - line.anchor + _rest_read(estimate, axis, over, hats.points)
+    own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
+    rest = _rest(estimate, axis, over)
+    return CompensationTable(
+        own.name,
+        own.rotary,
+        hats.points,
+        values[0],
+        values[-1],
+        np.hypot(known.anchored, rest),
+        looked_up.name,
+        _silent(before, known),
+        line.departure,
+        float(np.hypot(np.sqrt(np.mean(known.shape**2)), rest)),
+    )
+
+
+class _Spread(NamedTuple):
+    """Standard deviations of a table's values, the larger of both directions, (points,).
+
+    free : before a constant is taken off; anchored : after it; shape : less the mean over the table
+    """
+
+    free: Array
+    anchored: Array
+    shape: Array
+
+    @classmethod
+    def of(cls, rows: Array, anchor: Array, root: Array) -> _Spread:
+        """Return those of rows (s, points, size), less an anchor (size,), by F with F Fᵀ the covariance."""
+        counts = np.any(rows, axis=(0, 1)) | (anchor != 0)
+        known = root[counts]
+        each = rows[:, :, counts] @ known
+        off, mean = anchor[counts] @ known, each.mean(axis=(0, 1))
+        return cls(*(np.sqrt(np.max(np.sum((each - less) ** 2, axis=-1), axis=0)) for less in (0.0, off, mean)))
+
+
+def _silent(before: _Spread, after: _Spread) -> NDArray[np.bool_]:
+    """Return where the readings said nothing, (points,).
+
+    There the deviation is as uncertain as before. So is its difference to the zero point of the table, up to the
+    knowledge at that point. Both are needed: readings that leave the constant open may still know the curve.
+    """
+    nothing: NDArray[np.bool_] = after.free >= _SILENT * before.free
+    nothing &= after.anchored >= _DIFFERENCE * before.anchored
+    return nothing & (before.anchored > _OPEN * np.max(before.anchored))
+
+
+def _anchor(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array, values: Array) -> Array:
+    """Return the constant that is taken off, of curves (s, nodes, …) and the values at the points (s, points, …).
+
+    Without rotary axes the workpiece's zero takes up a constant. So every table is zero where the axis is, and all of
+    them add nothing at machine zero. With rotary axes the place of the rotor matters: the constant stays in the axis'
+    own table, once, and the others have mean zero.
+    """
+    if not any(a.rotary for a in estimate.machine.axes):
+        return hats.at(float(np.clip(0.0, *hats.points[[0, -1]])), values.mean(axis=0))
+    if axis == over:
+        return np.zeros(curves.shape[2:])
+    mean: Array = hats.weights @ curves.mean(axis=0) / hats.weights.sum()
+    return mean
+
+
+def _rest(estimate: Estimate, axis: int, over: int) -> float:
+    """Return the rest of the errors that the table follows directly, m or rad."""
+    return float(sum(estimate.model.functions[index].rest for index in _followed(estimate, axis, over)))
+
+
+def _rest_read(estimate: Estimate, axis: int, over: int, points: Array) -> Array:
+    """Return what the readings say of that rest at the points of a table, (points,), nothing in cells not read.
+
+    Where a table is zero it stays zero. Over another axis of a machine that turns the error looks another way at every
+    pose, and nothing is said.
+    """
+    turns = any(each.rotary for each in estimate.machine.axes)
+    if axis != over and turns:
+        return np.zeros(len(points))
+    sign = float(estimate.machine.axes[over].sign * np.sum(estimate.machine.axes[axis].direction))
+    read = np.zeros(len(points))
+    for index in _followed(estimate, axis, over):
+        read += sign * _beside(estimate, index, points)
+    return read if turns else read - np.interp(np.clip(0.0, *points[[0, -1]]), points, read)
+
+
+def _beside(estimate: Estimate, index: int, points: Array) -> Array:
+    """Return the rest of an error at points, or of the cell on the other side of an edge on which a point lies."""
+    step = _EDGE * estimate.model.functions[index].cell
+    after, before = (estimate.rest_at(index, points + side * step) for side in (1, -1))
+    return np.where(after != 0, after, before)
+
+
+def _followed(estimate: Estimate, axis: int, over: int) -> list[int]:
+    """Return the indices of the errors that a table follows directly."""
+    name = f"E{estimate.machine.axes[axis].positioning_error[1]}{estimate.machine.axes[over].name}"
+    return [index for index, function in enumerate(estimate.model.functions) if function.name == name]
+
+
+def _says_something(table: CompensationTable) -> bool:
+    return bool(max(np.max(np.abs(table.forward)), np.max(np.abs(table.reverse))) > _NOTHING)
+
+
+def closest(curves: Array, at: Array, knots: Array, even: Array) -> Array:
+    """Return no more positions than `even` has, whose line is nearest to curves; `even` where no others are nearer.
+
+    curves : (s, n) forward and reverse, m or rad; at : (n,) increasing, from the first to the last position of a table
+    knots : of the errors
+    """
+    distinct = np.unique(np.round(knots, _DECIMALS))
+    inner = distinct[(distinct > at[0] + _APART) & (distinct < at[-1] - _APART)]
+    starts = [at[[0, -1]], np.concatenate([at[:1], inner, at[-1:]])]
+    found = [_grown(curves, at, start, len(even)) for start in starts if len(start) <= len(even)]
+    return min([even, *found], key=lambda points: _farthest(curves, at, points)[0])
+
+
+def places(start: float, stop: float) -> Array:
+    """Return where curves are to be compared."""
+    return np.linspace(start, stop, _SAMPLES)
+
+
+def _grown(curves: Array, at: Array, points: Array, most: int) -> Array:
+    """Return the positions with others between them, each where the line so far is farthest from the curve."""
+    while len(points) < most:
+        apart, place = _farthest(curves, at, points)
+        if apart < _NOT_APART or np.min(np.abs(points - place)) < (at[-1] - at[0]) / _SAMPLES:
+            break
+        points = np.sort(np.append(points, place))
+    return points
+
+
+def _farthest(curves: Array, at: Array, points: Array) -> tuple[float, float]:
+    """Return how far the line through points of the curves is from them at the most, and where."""
+    lines = np.stack([np.interp(at, points, np.interp(points, at, curve)) for curve in curves])
+    apart = np.abs(curves - lines).max(axis=0)
+    worst = int(np.argmax(apart))
+    return float(apart[worst]), float(at[worst])

@@ -1,0 +1,209 @@
+"""Height over the plane: the mean deviation along z at a place (x, y), as a mesh of points with planes between."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.measurement.readers.bed_map import Node
+from axiscal.numerics import Array
+from axiscal.numerics.quadrature import gauss
+from axiscal.tables.effect import Control
+from axiscal.tables.hats import Hats
+from axiscal.tables.sampling import cross_tables, hats_along, knots_of
+
+_GAUSS = 6
+"""Points of Gauss: exact for degree 11, and the products of hats, cubics and levers have fewer."""
+_FEWEST, _FINEST = 5, 50
+"""Points a side where the options say none: fewer show no bend, more take a printer's probe too long."""
+_SAMPLE = 5
+"""Places a side at which is looked whether a surface is worth a mesh: it bends a few times at most."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Mesh:
+    """Heights added to z, m.  x : (n,), y : (k,) m, increasing; added : (k, n), rows along y."""
+
+    x: Array
+    y: Array
+    added: Array
+
+    def at(self, x: Array, y: Array) -> Array:
+        """Return what is added at places (m,): bilinear between the points, constant outside."""
+        columns, rows = (
+            np.clip(np.searchsorted(grid, place, side="right") - 1, 0, len(grid) - 2)
+            for grid, place in ((self.x, x), (self.y, y))
+        )
+        u = np.clip((x - self.x[columns]) / (self.x[columns + 1] - self.x[columns]), 0, 1)
+        v = np.clip((y - self.y[rows]) / (self.y[rows + 1] - self.y[rows]), 0, 1)
+        low = (1 - u) * self.added[rows, columns] + u * self.added[rows, columns + 1]
+        high = (1 - u) * self.added[rows + 1, columns] + u * self.added[rows + 1, columns + 1]
+        height: Array = (1 - v) * low + v * high
+        return height
+
+
+def mesh_of_nodes(nodes: Sequence[Node]) -> Mesh:
+    """Return the mesh of probed nodes on a grid; where there is none nothing is added."""
+    x, y = (np.unique([getattr(node, side) for node in nodes]) for side in "xy")
+    added = np.zeros((len(y), len(x)))
+    for node in nodes:
+        added[np.searchsorted(y, node.y), np.searchsorted(x, node.x)] = node.height
+    return Mesh(x, y, added)
+
+
+def plane_axes(machine: Machine) -> tuple[int, int, int]:
+    """Return where X, Y and Z stand in a pose; raises TableError for a machine that is more, or less, than these."""
+    names = sorted(axis.name for axis in machine.axes)
+    if names != ["X", "Y", "Z"]:
+        raise TableError(f"the machine has axes {', '.join(names)}", "this control is for X, Y and Z")
+    x, y, z = (machine.index(name) for name in "XYZ")
+    return x, y, z
+
+
+def with_height(estimate: Estimate) -> Estimate:
+    """Return the estimate of a machine that has Z as well, without errors, where it has X and Y only.
+
+    A plane whose height was read needs no Z in its description, and a mesh moves one.
+    """
+    machine = estimate.machine
+    if sorted(axis.name for axis in machine.axes) != ["X", "Y"]:
+        return estimate
+    upright = Axis.named("Z", False, (0.0, 1e-3))
+    taller = replace(machine, axes=(*machine.axes, upright), chain=f"{machine.chain.removesuffix('-t')}-Z-t")
+    return Estimate(ErrorModel(taller), estimate.belief, (*estimate.box, (0.0, 0.0)), estimate.grid)
+
+
+def height_seen(estimate: Estimate) -> bool:
+    """Return whether the readings say anything of the height over the plane."""
+    x, y, _ = plane_axes(estimate.machine)
+    places = [np.linspace(*estimate.box[axis], _SAMPLE) for axis in (x, y)]
+    poses = np.tile(np.mean(estimate.box, axis=1), (_SAMPLE**2, 1))
+    poses[:, x], poses[:, y] = (grid.ravel() for grid in np.meshgrid(*places))
+    rows = estimate.model.along(estimate.model.levers(poses)[:, :, 2], poses, np.zeros_like(poses))
+    return estimate.sees(rows)
+
+
+def mesh_of(estimate: Estimate, count: int | None = None) -> Mesh:
+    """Return the mesh that is nearest to minus the mean deviation along z, over the volume.
+
+    count : of points along each side, over the travel; None takes the map that was read, or as many as the curves have
+    The height is zero at the machine's zero, x and y at 0 or at the end of travel nearest to it.
+    """
+    x, y, z = plane_axes(estimate.machine)
+    sides = [hats_along(estimate, axis, at) for axis, at in zip((x, y), _places(estimate, (x, y), count), strict=True)]
+    deviation = np.zeros((len(sides[1].nodes), len(sides[0].nodes)))
+    for height, weight in zip(*_heights(estimate.box[z]), strict=True):
+        deviation += weight * _deviation(estimate, (x, y, z), sides, height)
+    found = sides[0].best(sides[1].best(deviation).T).T
+    free = Mesh(sides[0].points, sides[1].points, -found)
+    return replace(free, added=free.added - free.at(np.zeros(1), np.zeros(1)))
+
+
+def mesh_control(machine: Machine, mesh: Mesh) -> Control:
+    """Return the control that adds the heights to Z."""
+    x, y, z = plane_axes(machine)
+
+    def control(poses: Array, approaches: Array) -> Array:
+        added = np.zeros_like(poses)
+        added[:, z] = mesh.at(poses[:, x], poses[:, y])
+        return added
+
+    return control
+
+
+def held_words(height: bool, skew: Mapping[str, float]) -> str:
+    """Return what files for a printer hold, in words.  skew : tangents by plane."""
+    words = ["height over the plane as a bed mesh"] if height else []
+    return " and ".join([*words, *([f"the skew of {', '.join(skew)}"] if skew else [])])
+
+
+def sum_of(*controls: Control) -> Control:
+    """Return the control that does what all of them do."""
+    return lambda poses, approaches: np.sum([control(poses, approaches) for control in controls], axis=0)
+
+
+def _places(estimate: Estimate, axes: tuple[int, int], count: int | None) -> tuple[Array, Array]:
+    """Return where the points lie along both sides, m."""
+    if count is None and estimate.grid is not None:
+        return estimate.grid
+    x, y = (np.linspace(*estimate.machine.axes[axis].travel, count or _fineness(estimate, axis)) for axis in axes)
+    return x, y
+
+
+def _fineness(estimate: Estimate, axis: int) -> int:
+    knots = max((len(each) for each in knots_of(estimate, axis)), default=0)
+    return min(max(knots, _FEWEST), _FINEST)
+
+
+def _heights(bounds: tuple[float, float]) -> tuple[Array, Array]:
+    if bounds[0] == bounds[1]:
+        return np.array(bounds[:1]), np.ones(1)
+    nodes, weights = gauss(np.array(bounds), _GAUSS)
+    return nodes.ravel(), weights.ravel() / (bounds[1] - bounds[0])
+
+
+def _deviation(estimate: Estimate, axes: tuple[int, int, int], sides: list[Hats], height: float) -> Array:
+    """Return the deviation along z at the nodes, (y nodes, x nodes), one row of them at a time."""
+    x, y, z = axes
+    result = np.empty((len(sides[1].nodes), len(sides[0].nodes)))
+    for row, place in zip(result, sides[1].nodes, strict=True):
+        poses = np.empty((len(row), 3))
+        poses[:, x], poses[:, y], poses[:, z] = sides[0].nodes, place, height
+        levers = estimate.model.levers(poses)[:, :, 2]
+        row[:] = estimate.model.along(levers, poses, np.zeros_like(poses)) @ estimate.mean
+    return result
+
+
+@dataclass(frozen=True, slots=True)
+class Skew:
+    """Tangents by which Y leans towards X, Z towards X, and Z towards Y; None where no reading has seen the plane."""
+
+    xy: float | None = None
+    xz: float | None = None
+    yz: float | None = None
+
+    @property
+    def seen(self) -> dict[str, float]:
+        """The tangents by plane, "XY", "XZ", "YZ", of the planes that were seen."""
+        planes = {"XY": self.xy, "XZ": self.xz, "YZ": self.yz}
+        return {plane: tangent for plane, tangent in planes.items() if tangent is not None}
+
+
+def skew_of(estimate: Estimate) -> Skew:
+    """Return the slopes that are nearest to the mean deviation along x over y and z, and along y over z.
+
+    A plane that no reading has seen has none: a zero would take away what the control holds already.
+    """
+    tables = {(table.axis, table.over): table for table in cross_tables(estimate)}
+
+    def slope(axis: str, over: str) -> float | None:
+        table = tables.get((axis, over))
+        if table is None:
+            return None
+        low, high = estimate.box[estimate.machine.index(over)]
+        at = np.linspace(low, high, 1001)
+        values = (table.deviation(at, 1) + table.deviation(at, -1)) / 2
+        return float(np.polynomial.polynomial.polyfit(at - at.mean(), values, 1)[1])
+
+    return Skew(slope("X", "Y"), slope("X", "Z"), slope("Y", "Z"))
+
+
+def skew_control(machine: Machine, skew: Skew) -> Control:
+    """Return the control that takes the skew away."""
+    x, y, z = plane_axes(machine)
+    xy, xz, yz = (tangent or 0.0 for tangent in (skew.xy, skew.xz, skew.yz))
+
+    def control(poses: Array, approaches: Array) -> Array:
+        added = np.zeros_like(poses)
+        added[:, x] = -poses[:, y] * xy - poses[:, z] * (xz - xy * yz)
+        added[:, y] = -poses[:, z] * yz
+        return added
+
+    return control

@@ -1,0 +1,187 @@
+"""Every error motion as a table over its own axis, and what a control does that knows the chain: move the TCP back.
+
+An error of two axes together is in the motion of the later one: a table over both, if the format has that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from axiscal.errors.model import ErrorFunction, ErrorModel
+from axiscal.errors.plane import PlaneError
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.names import parse_error_name
+from axiscal.machine.plane_entry import side_name
+from axiscal.numerics import Array
+from axiscal.tables.effect import Control, by_linear_axes
+from axiscal.tables.hats import Hats
+from axiscal.tables.surface import Mesh
+
+_POINTS_PER_INTERVAL, _RECORDS = 4, 4000
+"""Of a table over two axes: points as of one over one axis, as far as so many lines last."""
+_NOTHING = 1e-12
+"""m or rad: rounding."""
+_APART = 1e-9
+"""m or rad: positions nearer than this are one, by their decimals."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SampledError:
+    """One error at positions (n,) of its axis, m or rad; a constant has one position.
+
+    over, across : another axis that it depends on as well, and positions (k,) of that; values are (k, n) then
+    """
+
+    positions: Array
+    values: Array
+    over: str = ""
+    across: Array = field(default_factory=lambda: np.zeros(0))
+
+    def at(self, position: Array, other: Array) -> Array:
+        """Return it at positions (m,) of its axis and of the other one: linear between points, constant outside."""
+        if self.over:
+            return Mesh(self.positions, self.across, self.values).at(position, other)
+        return np.interp(position, self.positions, self.values)
+
+
+def curves(estimate: Estimate, grids: Mapping[int, Array], together: bool = False) -> dict[str, SampledError]:
+    """Return the error motions and location errors by name; grids : positions of each axis.
+
+    What repeats with a period and what steps is part of its error motion. Reversal values have no place among them.
+    together : a motion may depend on a second axis, so that it holds an error of two axes, the first that there is
+    """
+    found = dict[str, SampledError]()
+    for function in estimate.model.functions:
+        control = estimate.mean[function.columns]
+        if function.kind == "location":
+            found[function.name] = SampledError(np.zeros(1), control)
+        elif function.kind == "motion":
+            at = grids[function.axis]
+            closed = estimate.machine.axes[function.axis].cyclic
+            hats = Hats.on(at, function.basis.knots, estimate.box[function.axis], closed)
+            values, name = hats.best(function.basis.rows(hats.nodes) @ control), _name(function)
+            found[name] = SampledError(at, values + found[name].values if name in found else values)
+    for plane in estimate.model.planes if together else ():
+        _take_in(estimate, plane, grids, found)
+    return found
+
+
+def _take_in(estimate: Estimate, plane: PlaneError, grids: Mapping[int, Array], found: dict[str, SampledError]) -> None:
+    """Add what two axes do together to the motion of the later one, where that depends on no other axis yet."""
+    name, own, (other,) = _plane_name(estimate.model, plane), plane.axis, set(plane.axes) - {plane.axis}
+    across = _across(estimate, plane, other, len(grids[own]))
+    sides = [_hats(estimate, plane, axis, at) for axis, at in ((other, across), (own, grids[own]))]
+    nodes = np.meshgrid(sides[0].nodes, sides[1].nodes, indexing="ij")
+    places = {other: nodes[0].ravel(), own: nodes[1].ravel()}
+    rows = plane.rows(np.stack([places[axis] for axis in plane.axes], axis=1))
+    field_of = (rows @ estimate.mean[plane.columns]).reshape(nodes[0].shape)
+    values = sides[1].best(sides[0].best(field_of).T).T
+    before = found.get(name, SampledError(grids[own], np.zeros(len(grids[own]))))
+    if before.over or np.max(np.abs(values)) < _NOTHING:
+        return
+    found[name] = SampledError(grids[own], before.values + values, estimate.machine.axes[other].name, across)
+
+
+def _across(estimate: Estimate, plane: PlaneError, other: int, count: int) -> Array:
+    """Return positions of the other axis: four to a knot interval, as far as records last.  count : of the own one"""
+    intervals = len(plane.knots_along(other)[0]) - 1
+    fit = max(min(_POINTS_PER_INTERVAL * intervals, _RECORDS // count - 1), intervals)
+    return np.linspace(*estimate.machine.axes[other].travel, fit + 1)
+
+
+def _hats(estimate: Estimate, plane: PlaneError, axis: int, at: Array) -> Hats:
+    closed = estimate.machine.axes[axis].cyclic
+    return Hats.on(at, plane.knots_along(axis)[0], estimate.box[axis], closed)
+
+
+def anchored(model: ErrorModel, found: Mapping[str, SampledError]) -> dict[str, SampledError]:
+    """Return the errors with constants taken off so that the tool stays where it is at machine zero.
+
+    With rotary axes the place of the rotor matters and nothing is taken off. A constant goes into a displacement along
+    its direction, the positioning of an axis first; where the machine has none it stays.
+    """
+    result = dict(found)
+    if any(axis.rotary for axis in model.machine.axes):
+        return result
+    at_zero = _deviation(model, found, np.array([model.machine.zero]))[0]
+    for direction, constant in enumerate(at_zero):
+        own = [f for f in model.functions if f.kind == "motion" and f.component == direction and _name(f) in found]
+        for function in sorted(own, key=lambda f: f.name != model.machine.axes[f.axis].positioning_error)[:1]:
+            sign, curve = model.machine.axes[function.axis].sign, found[_name(function)]
+            result[_name(function)] = replace(curve, values=curve.values - sign * constant)
+    return result
+
+
+def together(new: Mapping[str, SampledError], old: Mapping[str, SampledError]) -> dict[str, SampledError]:
+    """Return the sums of errors: the motions of an axis are all at the positions that any of them has."""
+    parts = {name: [each[name] for each in (new, old) if name in each] for name in {**new, **old}}
+    _refuse_third_axes(parts)
+    grids = dict[str, list[Array]]()
+    for name, both in parts.items():
+        grids.setdefault(_block(name, both), []).extend(one.positions for one in both)
+    at = {block: _distinct(np.concatenate(positions)) for block, positions in grids.items()}
+    return {name: _sum(both, at[_block(name, both)]) for name, both in parts.items()}
+
+
+def _block(name: str, both: Sequence[SampledError]) -> str:
+    """Return which errors have their positions in common: those of one axis; constants and planes have their own."""
+    alone = all(len(one.positions) == 1 for one in both) or any(one.over for one in both)
+    return name if alone else parse_error_name(name).axis
+
+
+def _refuse_third_axes(parts: Mapping[str, Sequence[SampledError]]) -> None:
+    for name, both in parts.items():
+        if len(overs := sorted({one.over for one in both} - {""})) > 1:
+            raise TableError(f"{name} depends on {overs[0]} before and on {overs[1]} now", "take the old one out first")
+
+
+def _distinct(positions: Array) -> Array:
+    at = np.unique(positions)
+    return at[np.r_[True, np.diff(at) > _APART]]
+
+
+def _sum(both: Sequence[SampledError], at: Array) -> SampledError:
+    across = [one.across for one in both if one.over]
+    if not across:
+        values: Array = np.sum([np.interp(at, one.positions, one.values) for one in both], axis=0)
+        return SampledError(at, values)
+    rows = _distinct(np.concatenate(across))
+    own, other = np.meshgrid(at, rows)
+    total: Array = np.sum([one.at(own.ravel(), other.ravel()) for one in both], axis=0).reshape(own.shape)
+    return SampledError(at, total, next(one.over for one in both if one.over), rows)
+
+
+def tip_control(model: ErrorModel, found: Mapping[str, SampledError]) -> Control:
+    """Return the control that takes the TCP deviation of these errors away with its linear axes.
+
+    Raises TableError when the machine has not three linear axes that span space.
+    """
+    taken = by_linear_axes(model.machine)
+    return lambda poses, approaches: taken(poses, _deviation(model, found, poses))
+
+
+def _deviation(model: ErrorModel, found: Mapping[str, SampledError], poses: Array) -> Array:
+    """Return what the errors do to the TCP, (m, 3), m."""
+    named = {_plane_name(model, plane): i for i, plane in enumerate(model.planes, len(model.functions))}
+    named |= {_name(f): i for i, f in enumerate(model.functions) if f.kind != "reversal"}
+    chosen = {name: named[name] for name in found if name in named}
+    values = []
+    for name, index in chosen.items():
+        other = model.machine.index(found[name].over) if found[name].over else model.terms[index].axis
+        values.append(found[name].at(poses[:, model.terms[index].axis], poses[:, other]))
+    deviation: Array = np.einsum("fmc,fm->mc", model.levers(poses)[list(chosen.values())], np.stack(values))
+    return deviation
+
+
+def _plane_name(model: ErrorModel, plane: PlaneError) -> str:
+    """Return the error motion of the later axis that an error of two axes is part of."""
+    return side_name(plane.component, model.machine.axes[plane.axis].name)
+
+
+def _name(function: ErrorFunction) -> str:
+    """Return the name of the error motion that a function is, or is part of."""
+    return parse_error_name(function.name).bare

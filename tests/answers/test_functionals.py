@@ -1,0 +1,151 @@
+"""Each row is what the standards define, by formulas that share nothing with it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.errors.actual import deviation_of
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.functionals.asked import AskedRow, asked_rows
+from axiscal.estimation.functionals.axis_line import AxisLine
+from axiscal.estimation.functionals.functional import Functional
+from axiscal.machine import load_machine
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.simulation import Simulator, VirtualMachine
+from axiscal.numerics import Array
+
+SETUPS = """
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+park = { Y = "200 mm", Z = "150 mm" }
+"""
+MILL = "three-axis-mill"
+
+
+def _asked(wants: str, machine: str = MILL, setups: str = SETUPS) -> tuple[dict[str, AskedRow], VirtualMachine]:
+    text = f'machine = "m"\n[target]\nreadings = 5\nwants = [{wants}]\n{setups}'
+    described = campaign_from_texts(text, "c.toml", load_machine(machine).text, "m")
+    rows = {each.want.row.name: each for each in asked_rows(described, ())}
+    return rows, Simulator(described.machine, described.setups).drawn(3)
+
+
+def _found(asked: AskedRow, machine: VirtualMachine) -> Array:
+    functional = _map(asked)
+    return functional.of(machine.deviation(functional.poses, functional.sides))
+
+
+def _map(asked: AskedRow) -> Functional:
+    assert asked.map is not None
+    return asked.map
+
+
+def _along(machine: VirtualMachine, line: AxisLine, side: float = 0.0) -> Array:
+    sides = np.zeros_like(line.poses)
+    sides[:, line.axis] = side
+    return machine.deviation(line.poses, sides)
+
+
+def test_positioning_is_both_sides_less_their_mean() -> None:
+    rows, machine = _asked('"positioning X"')
+    (line,) = rows["positioning X"].lines
+    both = np.concatenate([_along(machine, line, 1.0)[:, 0], _along(machine, line, -1.0)[:, 0]])
+    np.testing.assert_allclose(_found(rows["positioning X"], machine), both - both.mean(), atol=1e-15)
+    assert both.std() > 1e-6
+
+
+def test_backlash_is_the_mean_difference_of_both_sides() -> None:
+    rows, machine = _asked('"backlash X"')
+    (line,) = rows["backlash X"].lines
+    apart = np.mean(_along(machine, line, 1.0)[:, 0] - _along(machine, line, -1.0)[:, 0])
+    assert _found(rows["backlash X"], machine) == pytest.approx([apart], abs=1e-15)
+    assert abs(apart) > 1e-7
+
+
+@pytest.mark.parametrize(("other", "way"), [("Y", 1), ("Z", 2)])
+def test_straightness_is_the_residual_of_the_best_fit_line(other: str, way: int) -> None:
+    name = f"straightness X in {other}"
+    rows, machine = _asked(f'"{name}"')
+    (line,) = rows[name].lines
+    across = _along(machine, line)[:, way]
+    fit = stats.linregress(line.positions, across)
+    expected = across - fit.intercept - fit.slope * line.positions
+    np.testing.assert_allclose(_found(rows[name], machine), expected, atol=1e-15)
+
+
+@pytest.mark.parametrize(("pair", "ways"), [("XY", (0, 1)), ("XZ", (0, 2)), ("YZ", (1, 2))])
+def test_squareness_is_the_angle_between_the_paths(pair: str, ways: tuple[int, int]) -> None:
+    """The main direction of each path in its plane, by singular values of where the tool really goes."""
+    rows, machine = _asked(f'"squareness {pair}"')
+    asked, main = rows[f"squareness {pair}"], []
+    for line, way in zip(asked.lines, ways, strict=True):
+        went = frames(machine.model.machine, line.poses).tcp + _along(machine, line)
+        plane = went[:, ways]
+        direction = np.linalg.svd(plane - plane.mean(axis=0))[2][0]
+        main.append(direction * np.sign(direction[ways.index(way)]))
+    angle = np.pi / 2 - np.arccos(main[0] @ main[1])
+    assert _found(asked, machine) == pytest.approx([angle], abs=2e-9)
+    assert abs(angle) > 1e-6
+
+
+@pytest.mark.parametrize(("name", "about"), [("roll Y", 1), ("pitch Y", 0), ("yaw Y", 2), ("yaw Z", 1), ("pitch X", 1)])
+def test_angles_are_rotations_less_their_mean(name: str, about: int) -> None:
+    rows, machine = _asked(f'"{name}"')
+    functional = _map(rows[name])
+    turned = machine.rotation(functional.poses, functional.sides)
+    np.testing.assert_allclose(functional.of(turned), turned[:, about] - turned[:, about].mean(), atol=1e-15)
+
+
+FIVE = """
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+park = { Y = "0 mm", Z = "250 mm", B = "0 deg", C = "0 deg" }
+"""
+
+
+def test_a_shifted_rotary_axis_is_found_where_it_is_and_a_leaning_one_by_how_much() -> None:
+    rows, _ = _asked('"centre of C", "tilt of C"', "dmu60", FIVE)
+    errors = ErrorModel(load_machine("dmu60"))
+    values = {"X0C": 12e-6, "Y0C": -5e-6, "A0C": 30e-6, "B0C": 40e-6}
+    coefficients = np.zeros(errors.size)
+    for name, value in values.items():
+        coefficients[errors.names[name].columns] = value
+    for name, size in (("centre of C", np.hypot(12e-6, 5e-6)), ("tilt of C", np.hypot(30e-6, 40e-6))):
+        functional = _map(rows[name])
+        only = {"centre of C": ("A0C", "B0C"), "tilt of C": ("X0C", "Y0C")}[name]
+        alone = coefficients.copy()
+        for other in only:
+            alone[errors.names[other].columns] = 0.0
+        deviation = deviation_of(errors, alone, functional.poses, functional.sides)
+        found = functional.of(deviation.rotation if functional.angular else deviation.displacement)
+        assert np.linalg.norm(found) == pytest.approx(size, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["positioning X", "pitch X"])
+def test_spectra_are_the_variances_of_drawn_machines(name: str) -> None:
+    """Coefficients and rests of cells drawn one machine after the other."""
+    rows, _ = _asked(f'"{name}"')
+    functional, errors = _map(rows[name]), ErrorModel(load_machine(MILL))
+    factor, rng = errors.prior_root(), np.random.default_rng(0)
+    seen = list[Array]()
+    for _ in range(600):
+        values = []
+        drawn = factor @ rng.standard_normal(errors.size)
+        for term in errors.terms:
+            at = term.coordinates(functional.poses)
+            rest = term.rest * rng.standard_normal(term.cell_count)[term.cells(at)]
+            values.append(term.rows(at) @ drawn[term.columns] + rest)
+        levers = (errors.angular_levers if functional.angular else errors.levers)(functional.poses)
+        signed = errors.effects(np.array(values), functional.sides)
+        seen.append(functional.of(np.einsum("tm,tmc->mc", signed, levers)))
+    spread = np.mean(np.square(seen), axis=0)
+    np.testing.assert_allclose(functional.spectra(errors, factor)[:, 0], spread, rtol=0.3)
+    assert functional.spectra(errors, factor).sum() == pytest.approx(spread.sum(), rel=0.12)

@@ -1,0 +1,121 @@
+"""What is found, known, left and not measured, on one axis and on a mill."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from axiscal.answers.rows import AnsweredRow, answered
+from axiscal.estimation.accuracy.expanded import BAND
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import Estimation, expanded_uncertainty
+from axiscal.estimation.functionals.asked import asked_rows
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from tests.generators.laser_axis import CASE, machine
+
+DRAWN = machine(5)
+SETUP = CASE.description.setups[0]
+
+
+def _readings(places: Sequence[tuple[float, int]]) -> list[Reading]:
+    rng = np.random.default_rng(1)
+    return [
+        Reading("laser", (x,), (side,), DRAWN.read(SETUP, (x,), (side,), rng), time=10.0 * number)
+        for number, (x, side) in enumerate(places)
+    ]
+
+
+ONE_SIDE = [(x, 1) for x in np.linspace(0.05, 0.95, 10).tolist()]
+BOTH = [*ONE_SIDE, *((x, -1) for x, _ in reversed(ONE_SIDE))]
+
+
+@cache
+def _known(both: bool) -> Estimation:
+    return concluded(CASE, _readings(BOTH if both else ONE_SIDE))
+
+
+def _rows(known: Estimation) -> dict[str, AnsweredRow]:
+    return {row.row.name: row for row in answered(known, {})}
+
+
+def test_rows_follow_from_the_set_ups_and_end_with_the_volume() -> None:
+    assert list(_rows(_known(True))) == ["positioning X", "backlash X", "volume"]
+
+
+def test_backlash_read_from_one_side_is_not_measured_and_one_reading_would_do() -> None:
+    row = _rows(_known(False))["backlash X"]
+    assert not row.measured
+    assert row.known > 0.9 * row.before
+    assert (len(row.lines[0].plus), len(row.lines[0].minus), len(row.lines[0].both)) == (10, 0, 0)
+    last = ONE_SIDE[-1][0]
+    more = _rows(concluded(CASE, _readings([*ONE_SIDE, (last, -1)])))["backlash X"]
+    assert more.measured
+    # What it shows is not known beforehand: here it teaches a backlash 3.7 times as large as stated, and U with it.
+    assert row.then == pytest.approx(more.known, rel=0.3)
+    assert more.known < 0.5 * row.known
+
+
+def test_backlash_read_from_both_sides_is_measured_over_the_places_read_from_both() -> None:
+    known = _known(True)
+    row = _rows(known)["backlash X"]
+    assert row.measured
+    assert row.then is None
+    assert len(row.lines[0].both) == 10
+    poses = np.array([[x] for x, _ in ONE_SIDE])
+    true = np.mean(DRAWN.deviation(poses, np.ones_like(poses)) - DRAWN.deviation(poses, -np.ones_like(poses)), axis=0)
+    assert abs(row.found - abs(true[0])) <= row.known
+    assert row.found**2 == pytest.approx(_of(known, "backlash X")[0] ** 2 + (row.known / BAND) ** 2, rel=1e-3)
+
+
+def _of(known: Estimation, name: str) -> Array:
+    asked = next(each for each in asked_rows(CASE.description, known.readings) if each.want.row.name == name)
+    assert asked.map is not None
+    return asked.map.of(known.estimate().deviation(asked.map.poses, asked.map.sides))
+
+
+def test_a_control_that_corrects_what_is_known_leaves_what_is_not() -> None:
+    known = _known(True)
+
+    def control(poses: Array, sides: Array) -> Array:
+        return -known.estimate().deviation(poses, sides)[:, :1]
+
+    def nothing(poses: Array, sides: Array) -> Array:
+        return np.zeros_like(poses)
+
+    for row in answered(known, {"all": control, "none": nothing}):
+        assert row.left["none"] == pytest.approx(row.found, rel=1e-9)
+        assert row.left["all"] < row.found
+        if len(row.lines):
+            assert row.left["all"] == pytest.approx(row.known / BAND, rel=0.1)
+
+
+def test_the_volume_is_known_to_the_u_of_the_report() -> None:
+    known = _known(True)
+    assert _rows(known)["volume"].known == expanded_uncertainty(known).space
+
+
+def test_nothing_is_measured_before_the_first_reading() -> None:
+    rows = _rows(concluded(CASE, []))
+    assert not any(row.measured for row in rows.values())
+    assert rows["positioning X"].known == pytest.approx(rows["positioning X"].before, rel=1e-9)
+    assert rows["backlash X"].then is None
+
+
+def test_a_limit_is_reached_by_u_of_a_row_that_is_measured() -> None:
+    row = _rows(_known(True))["positioning X"]
+    wide, tight = replace(row, limit=1.01 * row.known), replace(row, limit=0.99 * row.known)
+    assert (row.reached, wide.reached, tight.reached) == (None, True, False)
+    assert replace(wide, measured=False).reached is False
+
+
+def test_the_case_of_another_set_up_that_was_not_read_adds_no_row() -> None:
+    second = replace(SETUP, name="again")
+    case = Case(replace(CASE.description, setups=(SETUP, second)))
+    known = concluded(case, _readings(BOTH))
+    assert [line.setup for row in answered(known, {}) for line in row.lines] == ["laser", "laser"]

@@ -1,0 +1,151 @@
+"""What is known follows from the record alone: the same in any folder, and no file is left for the next command."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.campaign import campaign as running
+from axiscal.campaign.campaign import Campaign
+from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.estimation import estimate
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimation import Estimation
+from axiscal.exceptions import AmbiguityError
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator
+
+TEXT = """
+{said}
+machine = "one-axis"
+[target]
+rms = "0.01 um"
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+noise = "0.3 um"
+approach = "both"
+"""
+COUNT = 24
+SAID = ['usual = "off"\nsure = "exactly"', 'sure = "roughly"']
+
+
+def _described(folder: Path, said: str = SAID[0]) -> CampaignDescription:
+    path = folder / "campaign.toml"
+    path.write_text(TEXT.format(said=said), encoding="utf-8")
+    return read_campaign(path)
+
+
+def _readings(description: CampaignDescription, count: int) -> tuple[Reading, ...]:
+    """Return readings of a virtual machine, of which one is bad."""
+    rng = np.random.default_rng(3)
+    machine, setup = Simulator(description.machine, description.setups).drawn(3), description.setups[0]
+    low, high = description.machine.axes[0].travel
+    found = []
+    for number in range(count):
+        pose, side = (float(rng.uniform(low, high)),), (int(rng.choice([-1, 1])),)
+        value = machine.read(setup, pose, side, rng) + (2e-5 if number == 20 else 0.0)
+        found.append(Reading("laser", pose, side, value))
+    return tuple(found)
+
+
+@pytest.fixture
+def record(tmp_path: Path) -> Path:
+    """A record of readings, in a folder of its own."""
+    description, path = _described(tmp_path), tmp_path / "records" / "c.axiscal"
+    path.parent.mkdir()
+    with Campaign.create(path, description) as campaign:
+        campaign.adopt(_readings(description, COUNT))
+    return path
+
+
+def _ambiguous(_case: object, _readings: Sequence[Reading], _known: Estimation) -> Estimation:
+    raise AmbiguityError("the station fits in two places", "read where they differ")
+
+
+def test_no_command_leaves_a_file_for_the_next(record: Path) -> None:
+    with Campaign.open(record) as campaign:
+        campaign.status()
+        campaign.finish("all were read")
+    with Campaign.open(record) as campaign:
+        campaign.status()
+        campaign.copy(record.with_name("copy.axiscal"))
+    assert {path.name for path in record.parent.iterdir()} == {"c.axiscal", "copy.axiscal"}
+
+
+def test_what_lies_beside_a_record_says_nothing(record: Path) -> None:
+    with Campaign.open(record) as campaign:
+        campaign.finish("all were read")
+        expected = campaign.status()
+    forged = [record.with_name(f".{record.name}.{kind}") for kind in ("known", "answers")]
+    for path in forged:
+        path.write_bytes(b"axiscal known 1\nsound: signed by somebody\n")
+    with Campaign.open(record, write=False) as campaign:
+        assert campaign.status() == expected
+    assert {path.read_bytes() for path in forged} == {b"axiscal known 1\nsound: signed by somebody\n"}
+
+
+def test_a_station_in_two_places_does_not_refuse_the_reading_that_decides(
+    record: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(running, "concluded", _ambiguous)
+    with Campaign.open(record, write=False) as campaign:
+        assert campaign.estimate().readings
+        with pytest.raises(AmbiguityError):
+            campaign.estimate(ended=True)
+
+
+def test_a_station_in_two_places_has_a_status_after_its_end(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(running, "concluded", _ambiguous)
+    with Campaign.open(record) as campaign:
+        campaign.finish("no more time")
+        assert campaign.status().accuracy == campaign.estimate().accuracy
+
+
+def test_each_answer_is_found_once_for_the_same_readings(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with Campaign.open(record) as campaign:
+        first = campaign.status(), campaign.reached(), campaign.estimate(ended=True)
+        for name in ("concluded", "standing"):
+            monkeypatch.setattr(running, name, None)
+        assert (campaign.status(), campaign.reached(), campaign.estimate(ended=True)) == first
+        campaign.undo()
+        with pytest.raises(TypeError):  # of other readings they say nothing
+            campaign.reached()
+
+
+@pytest.mark.parametrize("said", SAID)
+def test_of_one_that_has_ended_it_says_what_its_results_say(said: str, tmp_path: Path) -> None:
+    description, path = _described(tmp_path, said), tmp_path / "c.axiscal"
+    with Campaign.create(path, description) as campaign:
+        campaign.adopt(_readings(description, COUNT))
+        campaign.finish("all were read")
+        expected = estimate.concluded(Case(description), campaign.state.readings)
+        assert campaign.estimate(ended=True).accuracy == expected.accuracy
+        status = campaign.status()
+        assert (status.accuracy, status.seconds) == (expected.accuracy, expected.seconds)
+        assert status.agreement == expected.agreement
+
+
+@pytest.mark.parametrize("said", SAID)
+def test_one_that_goes_on_says_what_its_end_said_until_it_is_read_again(said: str, tmp_path: Path) -> None:
+    description, path = _described(tmp_path, said), tmp_path / "c.axiscal"
+    readings = _readings(description, COUNT + 1)
+    with Campaign.create(path, description) as campaign:
+        campaign.adopt(readings[:COUNT])
+        campaign.finish("all were read")
+        ended = campaign.status().accuracy
+        campaign.undo()
+        known = estimate.estimated(Case(description), readings[:COUNT])
+        assert campaign.status().accuracy == known.accuracy == ended
+        assert campaign.status().agreement == known.agreement
+        campaign.adopt((replace(readings[COUNT], number=COUNT + 1),))
+        more = estimate.estimated(Case(description), readings)
+        assert campaign.status().accuracy == pytest.approx(more.accuracy)
+        campaign.undo()
+        campaign.finish("once more")
+        assert campaign.status().accuracy == ended

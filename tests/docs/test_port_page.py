@@ -1,0 +1,97 @@
+"""The page on ports of one's own: its package is installed in a folder, its tests run, and people type its names."""
+
+from __future__ import annotations
+
+import importlib
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from axiscal.cli.app import run
+from axiscal.exceptions import PortError, TableError
+from axiscal.machine import load_machine
+from axiscal.tables.registry import CONTROLLERS, exporter
+from axiscal.tables.round_trip import drawn_and_known, round_trip
+from tests.docs.howtos import DOCS, files
+
+PAGE = DOCS / "howto" / "a-port-of-your-own.md"
+CAMPAIGN = """
+machine = "one-axis"
+usual = "off"
+sure = "exactly"
+compensation_active = false
+[target]
+readings = 12
+[[setups]]
+name = "x"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+approach = "both"
+unknowns = { zero = "100 um" }
+"""
+
+
+def installed(folder: Path, text: dict[str, str]) -> None:
+    """Write the files of a package, and what an installer notes of its entry points."""
+    for name, content in text.items():
+        (folder / name).write_text(content, encoding="utf-8")
+    groups = tomllib.loads(text["pyproject.toml"])["project"]["entry-points"]
+    sections = [f"[{group}]\n" + "".join(f"{k} = {v}\n" for k, v in points.items()) for group, points in groups.items()]
+    notes = folder / "axiscal_acme-1.0.dist-info"
+    notes.mkdir()
+    (notes / "METADATA").write_text("Metadata-Version: 2.1\nName: axiscal-acme\nVersion: 1.0\n")
+    (notes / "entry_points.txt").write_text("\n".join(sections))
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """The package of the page, as it is installed."""
+    folder = tmp_path / "site"
+    folder.mkdir()
+    installed(folder, files(PAGE))
+    monkeypatch.syspath_prepend(folder)
+    yield folder
+    for name in ("acme_control", "acme_gauge", "acme_source", "acme_words", "test_acme"):
+        importlib.sys.modules.pop(name, None)  # type: ignore[attr-defined]
+
+
+def test_its_own_tests_pass_and_no_file_is_long(package: Path, tmp_path: Path) -> None:
+    assert all(len(text.splitlines()) <= 150 for text in files(PAGE).values())
+    own = importlib.import_module("test_acme")
+    own.test_the_files_correct_a_machine()
+    own.test_the_files_of_the_gauge_are_read(tmp_path)
+
+
+def test_people_type_its_names(package: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    campaign, out, tables = tmp_path / "campaign.toml", tmp_path / "out", tmp_path / "tables"
+    campaign.write_text(CAMPAIGN)
+    assert run(["run", str(campaign), "--source", "acme:40", "--out", str(out)]) == 0
+    assert run(["export", str(out / "campaign.axiscal"), "--to", "acme", "--out", str(tables)]) == 0
+    rows = [line.split() for line in (tables / "X.ACM").read_text().splitlines()[1:]]
+    slope = (float(rows[-1][1]) - float(rows[0][1])) / (float(rows[-1][0]) - float(rows[0][0]))
+    assert slope == pytest.approx(40e-6, rel=0.1)
+    assert run(["plan", str(campaign), "--readings", "2", "--gcode", "acme", "--out", str(tmp_path / "programs")]) == 0
+    program = (tmp_path / "programs" / "AXISCAL_01_X.ACM").read_text().splitlines()
+    assert program[-2:] == ["M5", "M30"]
+    gauge = tmp_path / "gauge.txt"
+    gauge.write_text("ACME GAUGE 2\nEXX\n" + "".join(f"{x} + {x / 100}\n" for x in range(0, 600, 50)))
+    assert run(["estimate", str(campaign), str(gauge), "--out", str(tmp_path / "read")]) == 0
+    capsys.readouterr()
+    assert run(["export", str(out / "campaign.axiscal"), "--to", "list"]) == 0
+    assert capsys.readouterr().out.split() == [*CONTROLLERS, "acme"]
+
+
+def test_a_sign_that_is_wrong_is_seen(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (package / "acme_control.py").read_text().replace("at, -up, -down", "at, up, down")
+    (package / "acme_control.py").write_text(text)
+    with pytest.raises(TableError, match="more or less than they should"):
+        round_trip(exporter("acme"), drawn_and_known(load_machine("three-axis-mill")))
+
+
+def test_a_package_that_is_broken_is_named(package: Path) -> None:
+    (package / "acme_control.py").write_text("import nothing_of_the_kind\n")
+    with pytest.raises(PortError, match=r"acme = acme_control:Acme of axiscal\.exporters cannot be loaded"):
+        exporter("acme")

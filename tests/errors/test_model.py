@@ -1,0 +1,206 @@
+"""H(t): against exact derivatives of the full kinematics, cases done on paper, and the paper's sum of splines."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.errors import prior
+from axiscal.errors.model import ErrorModel
+from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
+from axiscal.machine.entry import ErrorEntry
+from axiscal.machine.kinematics import tool_motion
+from axiscal.numerics import Array
+from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline
+from tests.generators.machines import random_machine, random_poses, twin_derivative
+
+UM, URAD, MM = 1e-6, 1e-6, 1e-3
+OTHERS = [name for name in builtin_names() if name != "three-axis-mill"]
+
+
+def _deviation(model: ErrorModel, coefficients: Array, poses: Array, approaches: Array) -> tuple[Array, Array]:
+    """Return shift and turn of the tool by the full kinematics."""
+    actual = tool_motion(model.machine, poses, model.small_motions(coefficients, poses, approaches))
+    nominal = tool_motion(model.machine, poses, model.small_motions(np.zeros(model.size), poses, approaches))
+    spin = actual.rotation @ np.swapaxes(nominal.rotation, 1, 2)
+    turned = np.stack([spin[:, 2, 1] - spin[:, 1, 2], spin[:, 0, 2] - spin[:, 2, 0], spin[:, 1, 0] - spin[:, 0, 1]])
+    return actual.translation - nominal.translation, turned.T / 2
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_rows_are_the_exact_derivative_on_random_machines(seed: int) -> None:
+    """Any chain, primed axes, rotary origins, reversals and location errors; derivatives by complex steps."""
+    model, rng = ErrorModel(random_machine(seed)), np.random.default_rng(seed)
+    poses, approaches = random_poses(model.machine, 2, rng)
+    rows, angular = model.rows(poses, approaches), model.angular_rows(poses, approaches)
+    for i, (pose, approach) in enumerate(zip(poses, approaches, strict=True)):
+        position, turned = twin_derivative(model, pose, approach)
+        assert np.abs(rows[i] - position).max() < 1e-13
+        assert np.abs(angular[i] - turned).max() < 1e-13
+
+
+@pytest.mark.parametrize("name", ["three-axis-mill", *(pytest.param(name, marks=pytest.mark.long) for name in OTHERS)])
+def test_rows_are_the_central_differences_of_the_full_kinematics(name: str) -> None:
+    model, rng, step = ErrorModel(load_machine(name)), np.random.default_rng(3), 1e-4
+    poses, approaches = random_poses(model.machine, 4, rng)
+    rows, angular = model.rows(poses, approaches), model.angular_rows(poses, approaches)
+    for i in range(model.size):
+        one = step * np.eye(model.size)[i]
+        up, down = (_deviation(model, sign * one, poses, approaches) for sign in (1, -1))
+        assert np.abs((up[0] - down[0]) / (2 * step) - rows[:, :, i]).max() < 1e-7
+        assert np.abs((up[1] - down[1]) / (2 * step) - angular[:, :, i]).max() < 1e-7
+
+
+@pytest.mark.parametrize("name", ["three-axis-mill", "printer-gantry", "dmu60"])
+def test_what_is_left_out_falls_with_the_square_of_the_errors(name: str) -> None:
+    model, rng = ErrorModel(load_machine(name)), np.random.default_rng(4)
+    poses, approaches = random_poses(model.machine, 20, rng)
+    drawn = np.sqrt(np.diagonal(model.prior_covariance())) * rng.standard_normal(model.size)
+    rows, scales = model.rows(poses, approaches), [64.0, 32.0, 16.0, 8.0]
+    left = [np.abs(_deviation(model, s * drawn, poses, approaches)[0] - rows @ (s * drawn)).max() for s in scales]
+    orders = np.diff(np.log(left)) / np.diff(np.log(scales))
+    assert orders == pytest.approx(np.full(3, 2.0), abs=0.05)
+
+
+@pytest.mark.parametrize("name", ["three-axis-mill", "dmu60"])
+def test_what_is_left_out_of_a_likely_machine_is_far_below_a_tenth_of_a_micrometre(name: str) -> None:
+    model, rng = ErrorModel(load_machine(name)), np.random.default_rng(5)
+    poses, approaches = random_poses(model.machine, 200, rng)
+    drawn = np.linalg.cholesky(model.prior_covariance()) @ rng.standard_normal(model.size)
+    exact, _ = _deviation(model, drawn, poses, approaches)
+    assert np.abs(exact - model.rows(poses, approaches) @ drawn).max() < 0.02 * UM
+
+
+def test_the_papers_machine_is_the_sum_of_its_splines() -> None:
+    """B&H eq. 1 and 28: no levers, H is the splines' rows side by side."""
+    model = ErrorModel(load_machine("paper-three-stacked"))
+    poses, approaches = random_poses(model.machine, 50, np.random.default_rng(6))
+    spline = NaturalSpline(np.linspace(0, 10 * MM, 7))
+    expected = np.hstack([spline.rows(t) for t in poses.T])
+    rows = model.rows(poses, approaches)
+    assert np.array_equal(rows[:, :2], np.zeros((50, 2, 21)))
+    assert np.abs(rows[:, 2] - expected).max() < 1e-12
+    assert np.array_equal(model.prior_covariance(), MM**2 * np.eye(21))
+
+
+def with_errors(machine: Machine, *names: str) -> ErrorModel:
+    """Return the model of a machine that has just these errors, straight lines where they are curves."""
+    return ErrorModel(replace(machine, errors=tuple(ErrorEntry(name, 1.0, knots=4) for name in names)))
+
+
+def _effect(model: ErrorModel, value: float, pose: dict[str, float], approach: float = 0.0) -> Array:
+    """Return the TCP deviation where the only error has this value everywhere."""
+    t = np.array([[pose.get(axis.name, 0.0) for axis in model.machine.axes]])
+    result: Array = model.rows(t, np.full_like(t, approach))[0] @ np.full(model.size, value)
+    return result
+
+
+MILL = load_machine("three-axis-mill")
+DMU = load_machine("dmu60")
+ON_PAPER = [
+    # The table of the mill strays by +10 µm in x: the tool stands 10 µm in −x of where it should over the workpiece.
+    ("table strays", MILL, "EXX", 10 * UM, {"X": 0.3}, (-10 * UM, 0, 0)),
+    ("head strays", MILL, "EXZ", 10 * UM, {"Z": 0.2}, (10 * UM, 0, 0)),
+    # The table pitches by 10 µrad about y; the TCP is 120 mm below the origin at Z 0, 280 mm above it at Z 400.
+    ("table pitches, head down", MILL, "EBX", 10 * URAD, {}, (1.2 * UM, 0, 0)),
+    ("table pitches, head up", MILL, "EBX", 10 * URAD, {"Z": 0.4}, (-2.8 * UM, 0, 0)),
+    # Its carriage has gone 300 mm to −x of the machine, the TCP is 300 mm to +x of it: −εb × 300 mm = … in z: +3 µm.
+    ("table pitches at x 300", MILL, "EBX", 10 * URAD, {"X": 0.3}, (1.2 * UM, 0, 3 * UM)),
+    # Abbe: the head pitches about x; the TCP is only the tool's length below it, whatever Z is.
+    ("head pitches", MILL, "EAZ", 10 * URAD, {"Z": 0.4}, (0, 1.2 * UM, 0)),
+    ("head rolls about the tool", MILL, "ECZ", 10 * URAD, {"Z": 0.4, "X": 0.3}, (0, 0, 0)),
+    # Y turned by +30 µrad about z out of square: 400 mm of travel carry −x by 12 µm, on either side of the bed.
+    ("Y out of square on the mill", MILL, "C0Y", 30 * URAD, {"Y": 0.4}, (-12 * UM, 0, 0)),
+    ("Y out of square on the five-axis", DMU, "C0Y", 30 * URAD, {"Y": 0.2}, (-6 * UM, 0, 0)),
+    ("Z out of square", MILL, "B0Z", 30 * URAD, {"Z": 0.4}, (12 * UM, 0, 0)),
+    ("Z out of square to Y", MILL, "A0Z", 30 * URAD, {"Z": 0.4}, (0, -12 * UM, 0)),
+    # The line of the table C sits 15 µm to +x: so does the workpiece, in directions that turn with it.
+    ("table line off, C 0", DMU, "X0C", 15 * UM, {}, (-15 * UM, 0, 0)),
+    ("table line off, C 90", DMU, "X0C", 15 * UM, {"C": np.pi / 2}, (0, -15 * UM, 0)),
+    ("table line off, C 180", DMU, "X0C", 15 * UM, {"C": np.pi}, (15 * UM, 0, 0)),
+    # The table is 10 µrad ahead; the TCP is 100 mm in x off its line: 1 µm to −y as the table sees it at C 0.
+    ("table ahead", DMU, "ECC", 10 * URAD, {"X": 0.1}, (0, -1 * UM, 0)),
+    ("table ahead, C 90", DMU, "ECC", 10 * URAD, {"X": 0.1, "C": np.pi / 2}, (1 * UM, 0, 0)),
+    # The swivel line tilts about x; the TCP is 80 mm above it and 50 mm along it.
+    ("swivel line tilts", DMU, "A0B", 10 * URAD, {"Y": 0.05}, (0, 0.8 * UM, -0.5 * UM)),
+]
+
+
+@pytest.mark.parametrize(("what", "machine", "name", "value", "pose", "expected"), ON_PAPER)
+def test_cases_worked_out_on_paper(
+    what: str, machine: Machine, name: str, value: float, pose: dict[str, float], expected: tuple[float, ...]
+) -> None:
+    assert _effect(with_errors(machine, name), value, pose) == pytest.approx(expected, abs=1e-12), what
+
+
+@pytest.mark.parametrize(("approach", "share"), [(1.0, 0.5), (-1.0, -0.5), (0.0, 0.0)])
+def test_a_reversal_counts_half_from_either_side(approach: float, share: float) -> None:
+    model = with_errors(DMU, "EXX_reversal")
+    assert _effect(model, 4 * UM, {}, approach) == pytest.approx([share * 4 * UM, 0, 0], abs=1e-15)
+
+
+def test_a_reversal_listens_to_its_own_axis_only() -> None:
+    model = with_errors(DMU, "EXX_reversal")
+    poses, approaches = np.zeros((1, 5)), np.zeros((1, 5))
+    approaches[0] = [1 if axis.name != "X" else -1 for axis in DMU.axes]
+    assert model.rows(poses, approaches)[0, 0, 0] == pytest.approx(
+        -0.5 * model.names["EXX_reversal"].basis.rows(0.0)[0, 0]
+    )
+
+
+def test_squareness_turns_the_travel_and_not_the_tool() -> None:
+    model = with_errors(MILL, "C0Y", "B0Z")
+    poses, approaches = random_poses(MILL, 5, np.random.default_rng(7))
+    assert np.array_equal(model.angular_rows(poses, approaches), np.zeros((5, 3, 2)))
+
+
+def test_a_longer_tool_has_a_longer_lever() -> None:
+    for length in (0.0, 0.1, 0.35):
+        model = with_errors(replace(DMU, tool=length), "EBZ")
+        assert _effect(model, 10 * URAD, {"Z": 0.2}) == pytest.approx([-10 * URAD * length, 0, 0], abs=1e-15)
+
+
+def test_a_smooth_prior_is_matern_and_a_plain_one_is_independent() -> None:
+    model = ErrorModel(
+        replace(DMU, errors=(ErrorEntry("EXX", 2.0, knots=5, length=0.3), ErrorEntry("EYX", 3.0, knots=5)))
+    )
+    smooth, plain = (f.covariance for f in model.functions)
+    r = np.sqrt(5) * 0.15 / 0.3
+    assert smooth[1, 2] == pytest.approx(4.0 * (1 + r + r**2 / 3) * np.exp(-r))
+    assert np.array_equal(plain, 9.0 * np.eye(5))
+    assert prior.matern52(np.array([0.0])) == pytest.approx([1.0])
+
+
+@pytest.mark.parametrize("length", [0.2, 1.0, 3.0, 30.0])
+@pytest.mark.parametrize("knots", [4, 13, 60])
+def test_the_prior_of_a_full_turn_is_a_covariance_that_closes(length: float, knots: int) -> None:
+    model = ErrorModel(replace(DMU, errors=(ErrorEntry("ECC", 1.0, knots=knots, length=length),)))
+    (function,) = model.functions
+    assert isinstance(function.basis, CyclicSpline)
+    assert function.covariance[0, 1] == pytest.approx(function.covariance[0, -1])
+    assert np.linalg.eigvalsh(function.covariance)[0] > -1e-12 * knots
+
+
+def test_every_kind_of_error_has_its_spline() -> None:
+    model = ErrorModel(DMU)
+    kinds = {name: type(model.names[name].basis) for name in ("EXX", "ECC", "EBB", "C0Y", "EXX_reversal", "X0C")}
+    assert list(kinds.values()) == [NaturalSpline, CyclicSpline, NaturalSpline, Constant, Constant, Constant]
+    assert model.size == sum(f.basis.size for f in model.functions) == model.functions[-1].columns.stop
+    assert model.prior_covariance().shape == (model.size, model.size)
+
+
+def test_a_straight_line_and_a_constant_on_the_same_knots_are_told_apart() -> None:
+    """Two knots and a constant span the same travel, but have two control values and one."""
+    text = """
+    chain = "w-b-X-t"
+    [axes.X]
+    travel = ["0 mm", "100 mm"]
+    [errors]
+    EXX = { std = "10 um", knots = 2 }
+    EXX_reversal = { std = "3 um" }
+    """
+    model = ErrorModel(machine_from_text(text, "two knots"))
+    row = model.rows(np.array([[0.025]]), np.array([[1.0]]))[0, 0]
+    assert row == pytest.approx([0.75, 0.25, 0.5])

@@ -1,0 +1,193 @@
+"""Errors of two axes against a plain twin with all control values, and against brute quadrature."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.plane import PlaneError, kept
+from axiscal.errors.volume import volume_moments, whole_travel
+from axiscal.estimation.accuracy.criterion import joint_root
+from axiscal.machine import Machine, machine_from_text
+from axiscal.numerics import Array
+from tests.generators.planes import bed, centred, dense_rows, matern, natural, poses_of, table
+
+
+def _plane(machine: Machine, name: str) -> PlaneError:
+    return ErrorModel(machine).planes_by_name[name]
+
+
+def _brute(model: ErrorModel, cut: int = 5) -> tuple[Array, Array, float]:
+    """Return E[H], E[HᵀH] and the rests' share by tensor Gauss-Legendre between all knots."""
+    nodes, weights = np.polynomial.legendre.leggauss(cut)
+    lines = []
+    for axis, (low, high) in enumerate(whole_travel(model)):
+        knots = [f.basis.knots for f in model.functions if f.axis == axis]
+        knots += [each for plane in model.planes for each in plane.knots_along(axis)]
+        edges = np.unique(np.round(np.concatenate([[low, high], *knots]), 12))
+        half = np.diff(edges)[:, None] / 2
+        lines.append(((edges[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel() / (high - low)))
+    poses = np.stack([g.ravel() for g in np.meshgrid(*(at for at, _ in lines), indexing="ij")], axis=1)
+    share = np.prod(np.stack([g.ravel() for g in np.meshgrid(*(w for _, w in lines), indexing="ij")]), axis=0)
+    mean, gram, rest = np.zeros((3, model.size)), np.zeros((model.size, model.size)), 0.0
+    stds = np.array([term.rest for term in model.terms])
+    for at in range(0, len(poses), 20_000):
+        part, weight = poses[at : at + 20_000], share[at : at + 20_000]
+        rows = model.rows(part, np.zeros_like(part))
+        mean += np.einsum("m,mcn->cn", weight, rows)
+        flat = (rows * np.sqrt(weight)[:, None, None]).reshape(-1, model.size)
+        gram += flat.T @ flat
+        rest += float(stds**2 @ np.sum(model.levers(part) ** 2, axis=2) @ weight)
+    return mean, gram, rest
+
+
+def test_the_unknowns_have_the_covariance_of_the_centred_kronecker_product() -> None:
+    plane = _plane(bed(), "EZXY")
+    x, y = natural(0.0, 0.3, 6), natural(-0.05, 0.15, 5)
+    dense = 40e-6**2 * np.kron(centred(matern(x.knots, 0.07)), centred(matern(y.knots, 0.04)))
+    poses = poses_of(bed(), 40)
+    rows = dense_rows(x, y, poses[:, 2], poses[:, 0])
+    found = plane.rows(plane.coordinates(poses))
+    assert len(plane.pairs) == 20, "so rough a plane needs all its products"
+    np.testing.assert_allclose(found @ plane.covariance @ found.T, rows @ dense @ rows.T, rtol=0, atol=1e-12 * 40e-6**2)
+    assert plane.rest == pytest.approx(2e-6, rel=1e-6)
+
+
+def test_what_is_cut_away_is_counted_as_rest() -> None:
+    text = 'chain = "w-b-X-Y-t"\n' + "".join(f'[axes.{a}]\ntravel = ["0 mm", "200 mm"]\n' for a in "XY")
+    errors = '[errors]\nEZXY = { std = "10 um", knots = 15, length = "150 mm" }\n'
+    plane = _plane(machine_from_text(text + errors), "EZXY")
+    spline = natural(0.0, 0.2, 15)
+    own = centred(matern(spline.knots, 0.15))
+    grid = np.stack([g.ravel() for g in np.meshgrid(spline.knots, spline.knots, indexing="ij")], axis=1)
+    rows = plane.rows(grid)
+    lost = np.trace(np.kron(own, own)) * 10e-6**2 - np.trace(rows @ plane.covariance @ rows.T)
+    assert len(plane.pairs) < 14 * 14
+    assert plane.rest**2 == pytest.approx(lost / 15**2, rel=1e-6)
+    assert plane.rest**2 < 1e-4 * 10e-6**2
+
+
+@pytest.mark.parametrize(
+    ("knots", "length", "count"), [(20, 0.35, 104), (20, 0.2, 198), (20, 0.1, 329), (13, 0.35, 79)]
+)
+def test_as_many_products_are_kept_as_were_counted_independently(knots: int, length: float, count: int) -> None:
+    values = np.sort(np.linalg.eigvalsh(centred(matern(np.linspace(0, 1, knots), length))))[:0:-1]
+    assert len(kept(values, values, 1e-4)) == count
+
+
+def test_a_plane_moves_the_frame_of_the_later_axis() -> None:
+    model = ErrorModel(bed())
+    poses = poses_of(bed(), 20)
+    levers = model.levers(poses)
+    alike = {"EZXY": "EZX", "EAYZ": None}
+    for index, plane in enumerate(model.planes, len(model.functions)):
+        twin = alike[plane.name]
+        if twin is not None:
+            own = [f.name for f in model.functions].index(twin)
+            np.testing.assert_array_equal(levers[index], levers[own])
+    assert model.planes_by_name["EAYZ"].axis == model.machine.index("Z")
+
+
+@pytest.mark.parametrize("machine", [bed(), table()], ids=["bed", "table"])
+def test_the_small_motions_are_those_of_the_rows(machine: Machine) -> None:
+    """The chain itself, with the plane as a displacement or turn of one frame, against the row times its values."""
+    from axiscal.machine.kinematics import SmallMotions, tool_motion
+
+    model = ErrorModel(machine)
+    rng, poses = np.random.default_rng(1), poses_of(machine, 30)
+    values = 1e-4 * rng.standard_normal(model.size)
+    small = model.small_motions(values, poses, np.ones_like(poses))
+    still = SmallMotions(*(np.zeros_like(part) for part in small))
+    moved = tool_motion(machine, poses, small).translation - tool_motion(machine, poses, still).translation
+    expected = model.rows(poses, np.ones_like(poses)) @ values
+    np.testing.assert_allclose(moved, expected, atol=3e-3 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("machine", [bed(), table()], ids=["bed", "table"])
+def test_means_over_the_volume_are_those_of_brute_quadrature(machine: Machine) -> None:
+    forward = replace(machine, errors=tuple(e for e in machine.errors if e.kind != "reversal"))
+    model = ErrorModel(forward)
+    moments = volume_moments(model, whole_travel(model))
+    mean, gram, rest = _brute(model, 9 if machine.name == "table" or "C" in machine.chain else 5)
+    scale = np.sqrt(np.diagonal(gram))
+    np.testing.assert_allclose(moments.gram, gram, atol=float(1e-9 * scale.max() ** 2))
+    np.testing.assert_allclose(moments.mean, mean, atol=float(1e-9 * scale.max()))
+    assert moments.rest == pytest.approx(rest, rel=1e-9)
+
+
+def test_the_paper_s_criterion_is_the_kronecker_product_of_the_gram_matrices() -> None:
+    model = ErrorModel(bed())
+    plane = model.planes_by_name["EZXY"]
+    x, y = natural(0.0, 0.3, 6), natural(-0.05, 0.15, 5)
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    at, share = [], []
+    for spline in (x, y):
+        half = np.diff(spline.knots)[:, None] / 2
+        at.append((spline.knots[:-1, None] + half * (1 + nodes)).ravel())
+        share.append((half * weights).ravel())
+    grid = np.stack([g.ravel() for g in np.meshgrid(*at, indexing="ij")], axis=1)
+    rows = plane.rows(grid)
+    integral = rows.T @ (rows * np.outer(*share).ravel()[:, None])
+    root = joint_root(model).matrix[:, plane.columns]
+    np.testing.assert_allclose(root.T @ root, integral, rtol=0, atol=1e-12 * np.abs(integral).max())
+
+
+def test_other_lengths_give_the_covariance_of_other_lengths() -> None:
+    """A machine stated with these lengths, seen through the basis of the first one."""
+    plane, poses = _plane(bed(), "EZXY"), poses_of(bed(), 25)
+    x, y = natural(0.0, 0.3, 6), natural(-0.05, 0.15, 5)
+    shorter = 30e-6**2 * np.kron(centred(matern(x.knots, 0.07 * 0.8)), centred(matern(y.knots, 0.04 * 0.6)))
+    rows, dense = plane.rows(plane.coordinates(poses)), dense_rows(x, y, poses[:, 2], poses[:, 0])
+    found = rows @ plane.prior(30e-6, (0.8, 0.6)) @ rows.T
+    np.testing.assert_allclose(found, dense @ shorter @ dense.T, rtol=0, atol=1e-12 * 30e-6**2)
+    up, down = np.exp(1e-5), np.exp(-1e-5)
+    for index, (more, less) in enumerate((((0.8 * up, 0.6), (0.8 * down, 0.6)), ((0.8, 0.6 * up), (0.8, 0.6 * down)))):
+        slope = (plane.prior(30e-6, more) - plane.prior(30e-6, less)) / 2e-5
+        found = plane.prior_by_length(30e-6, (0.8, 0.6), index)
+        np.testing.assert_allclose(found, slope, atol=1e-8 * np.abs(slope).max())
+
+
+def test_a_last_campaign_is_read_at_the_knots_of_today() -> None:
+    then, now = (
+        _plane(bed(), "EZXY"),
+        _plane(
+            machine_from_text(
+                """
+chain = "w-Y'-b-Z-X-t"
+[axes.X]
+travel = ["0 mm", "300 mm"]
+[axes.Y]
+travel = ["-50 mm", "150 mm"]
+[axes.Z]
+travel = ["0 mm", "100 mm"]
+[errors]
+EZXY = { std = "40 um", knots = [12, 11], length = ["40 mm", "25 mm"] }
+"""
+            ),
+            "EZXY",
+        ),
+    )
+    rng = np.random.default_rng(0)
+    values = rng.standard_normal(len(then.pairs))
+    first, second = now.sides
+    knots = np.meshgrid(first.spline.control_positions, second.spline.control_positions, indexing="ij")
+    grid = np.stack([g.ravel() for g in knots], axis=1)
+    old = (then.rows(grid) @ values).reshape(12, 11)
+    free = old - old.mean(axis=0)
+    free -= free.mean(axis=1, keepdims=True)
+    new = now.rows(grid) @ (now.taken_from(then) @ values)
+    np.testing.assert_allclose(new.reshape(12, 11), free, atol=1e-6 * np.abs(old).max())
+
+
+def test_readings_share_a_cell_only_where_both_axes_do() -> None:
+    plane = _plane(bed(), "EZXY")
+    width, depth = 0.3 / 40, 0.2 / 32
+    at = np.array([[0.1, 0.05], [0.1 + width / 4, 0.05], [0.1, 0.05 + 1.1 * depth], [0.1 + 1.1 * width, 0.05]])
+    at += np.array([width / 8, depth / 8])
+    cells = plane.cells(at)
+    assert cells[0] == cells[1]
+    assert len({int(cell) for cell in cells}) == 3
+    assert plane.cells(np.array([[0.3, 0.15]]))[0] == plane.cell_count - 1

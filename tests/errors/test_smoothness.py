@@ -1,0 +1,103 @@
+"""`smoothness = 1.5`: the correlation of rough curves against Bessel functions, its slopes, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.special import gamma, kv
+
+from axiscal.description.usual import Learnable, sizes_of
+from axiscal.errors import prior
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.promise.problem import problem
+from axiscal.estimation.promise.spaces import Given
+from axiscal.estimation.promise.unknowns import space_of
+from axiscal.exceptions import DescriptionError
+from axiscal.machine import Machine, machine_from_text
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+
+_HEAD = """name = "two axes"
+chain = "w-X'-Y'-b-Z-t"
+[axes.X]
+travel = ["0 mm", "500 mm"]
+[axes.Y]
+travel = ["0 mm", "400 mm"]
+[axes.Z]
+travel = ["0 mm", "300 mm"]
+[errors]
+"""
+
+
+def _machine(entries: str) -> Machine:
+    return machine_from_text(_HEAD + entries, "m.toml")
+
+
+@pytest.mark.parametrize("smoothness", [1.5, 2.5])
+def test_the_correlation_is_the_matern_of_its_order(smoothness: float) -> None:
+    distance = np.linspace(0.01, 4.0, 60)
+    scaled = np.sqrt(2 * smoothness) * distance
+    expected = 2 ** (1 - smoothness) / gamma(smoothness) * scaled**smoothness * kv(smoothness, scaled)
+    assert prior.matern(distance, smoothness) == pytest.approx(expected, rel=1e-12)
+    assert prior.matern(np.zeros(1), smoothness) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("smoothness", [1.5, 2.5])
+def test_its_slope_by_length_is_the_difference(smoothness: float) -> None:
+    distance, step = np.linspace(0.0, 4.0, 60), 1e-5
+    longer, shorter = (prior.matern(distance * np.exp(-sign * step), smoothness) for sign in (1, -1))
+    assert prior.matern_by_length(distance, smoothness) == pytest.approx((longer - shorter) / (2 * step), abs=1e-9)
+
+
+def test_a_rough_curve_has_knots_at_a_quarter_of_its_length() -> None:
+    smooth, rough = (
+        ErrorModel(_machine(f'EXX = {{ std = "10 um", length = "100 mm"{extra} }}')).functions[0]
+        for extra in ("", ", smoothness = 1.5")
+    )
+    assert (smooth.basis.size, rough.basis.size) == (21, 21), "there is one curve: fine knots cost nothing"
+    at = rough.basis.control_positions
+    expected = 1e-10 * prior.matern32(np.abs(at[:, None] - at) / 0.1)
+    assert rough.covariance == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_likelihood_of_rough_curves_and_planes_has_the_slope_that_it_says() -> None:
+    """Against differences of the likelihood in the logarithm of every scale."""
+    machine = _machine(
+        'EZX = { std = "10 um", length = "150 mm", smoothness = 1.5 }\n'
+        'EZXY = { std = "8 um", knots = [5, 5], length = ["150 mm", "150 mm"], smoothness = 1.5, rest = "1 um" }\n'
+    )
+    model, rng = ErrorModel(machine), np.random.default_rng(1)
+    setup = Setup("p", "probe", (0.0, 0.0, 1.0), (0, 1), (0.0,) * 3, 1e-6, (), 0.0, 0.0, 1.0, (0.0,) * 3, "+")
+    poses = np.column_stack([rng.uniform(0, 0.5, 25), rng.uniform(0, 0.4, 25), np.zeros(25)])
+    readings = [Reading("p", tuple(pose), (1, 1, 0), float(1e-5 * rng.standard_normal())) for pose in poses.tolist()]
+    sizes = sizes_of(machine, (setup,), Learnable("roughly", usual=True, inherited=False))
+    assert {"std", "length", "together", "rest"} < {size.kind for size in sizes.of}
+    assert sizes.index("length", "EZXY") != sizes.index("length", "EZX")
+    space = space_of(problem(Observation(model, (setup,)), readings, sizes))
+
+    def log_likelihood(theta: Array) -> Given:
+        found = space.given(theta)
+        assert found is not None
+        return found
+
+    at = 0.3 * rng.standard_normal(len(sizes))
+    slope = log_likelihood(at).slope().gradient
+    for i in range(len(at)):
+        step = 1e-4 * np.eye(len(at))[i]
+        difference = (log_likelihood(at + step).value - log_likelihood(at - step).value) / 2e-4
+        assert slope[i] == pytest.approx(difference, rel=1e-4, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        ('EXX = { std = "10 um", length = "100 mm", smoothness = 2.0 }', "smoothness = 2.0 is not possible"),
+        ('EXX = { std = "10 um", knots = 5, smoothness = 1.5 }', "without a correlation length"),
+        ('C0Y = { std = "10 urad", smoothness = 1.5 }', "C0Y is a constant"),
+    ],
+)
+def test_a_smoothness_that_means_nothing_is_refused(entry: str, words: str) -> None:
+    with pytest.raises(DescriptionError, match=words):
+        _machine(entry)

@@ -1,0 +1,97 @@
+"""EXX_pitch and EXX_step: read, believed beforehand, planned for, estimated, refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import volume_moments, whole_travel
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.exceptions import InputError
+from axiscal.machine.description import machine_from_text
+from axiscal.measurement.reading import Reading
+
+_MACHINE = """chain = "w-b-X-t"
+[axes.X]
+travel = ["0 mm", "600 mm"]
+[errors]
+EXX = { std = "8 um", length = "200 mm" }
+"""
+_PITCH = 'EXX_pitch = { std = "5 um", period = "50 mm", harmonics = 2 }\n'
+_STEP = 'EXX_step = { std = "6 um", at = ["200 mm", "400 mm"] }\n'
+_CAMPAIGN = """machine = "m"
+usual = "off"
+[target]
+readings = 14
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+noise = "0.5 um"
+unknowns = {}
+"""
+
+
+def _case(errors: str, machine: str = _MACHINE) -> Case:
+    return Case(campaign_from_texts(_CAMPAIGN, "c.toml", machine + errors, "m.toml"))
+
+
+def test_a_pitch_is_a_sum_of_waves_of_falling_size() -> None:
+    model = ErrorModel(machine_from_text(_MACHINE + _PITCH, "m"))
+    function, at = model.names["EXX_pitch"], np.array([0.013, 0.021, 0.374])
+    rows = function.rows(at)
+    turns = 2 * np.pi * (at[:, None] - at) / 0.05
+    assert rows @ function.covariance @ rows.T == pytest.approx(
+        25e-12 * (np.cos(turns) + np.cos(2 * turns) / 4), abs=2e-3 * 25e-12
+    )
+
+
+def test_steps_are_independent_of_each_other() -> None:
+    function = ErrorModel(machine_from_text(_MACHINE + _STEP, "m")).names["EXX_step"]
+    levels = function.rows(np.array([0.1, 0.3, 0.5]))
+    steps = np.diff(levels, axis=0)
+    assert steps @ function.covariance @ steps.T == pytest.approx(36e-12 * np.eye(2), abs=1e-24)
+
+
+@pytest.mark.long
+def test_means_over_the_volume_are_those_of_a_million_poses() -> None:
+    model = ErrorModel(machine_from_text(_MACHINE + _PITCH + _STEP, "m"))
+    moments = volume_moments(model, whole_travel(model))
+    poses = ((np.arange(200_000) + 0.5) / 200_000 * 0.6)[:, None]
+    rows = model.rows(poses, np.ones_like(poses))[:, 0]
+    assert moments.gram == pytest.approx(rows.T @ rows / len(rows), abs=1e-6)
+
+
+def test_readings_find_a_pitch_between_what_a_curve_can_follow() -> None:
+    case = _case(_PITCH)
+    places = np.linspace(0.004, 0.596, 23)
+    truth = 5e-6 * np.sin(2 * np.pi * places / 0.05 + 0.4) + 3e-6 * (places / 0.3 - 1)
+    readings = [Reading("laser", (float(x),), (1,), float(v)) for x, v in zip(places, truth, strict=True)]
+    estimate, dense = concluded(case, readings).estimate(), np.linspace(0, 0.6, 301)[:, None]
+    found = estimate.deviation(dense, np.ones_like(dense))[:, 0]
+    true = 5e-6 * np.sin(2 * np.pi * dense[:, 0] / 0.05 + 0.4) + 3e-6 * (dense[:, 0] / 0.3 - 1)
+    assert np.sqrt(np.mean((found - true) ** 2)) < 0.5e-6
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        ('EXX_pitch = { std = "5 um" }', "period is missing"),
+        ('EXX_pitch = { std = "5 um", period = "50 mm", harmonics = 5 }', "1 to 4"),
+        ('EXX_pitch = { std = "5 um", period = "0.1 mm" }', "too many"),
+        ('EXX_pitch = { std = "5 um", period = "50 mm", length = "3 mm" }', "no length"),
+        ('EXX = { std = "5 um", harmonics = 2 }', "EXX_pitch"),
+        ('EXX = { std = "5 um", at = ["5 mm"] }', "EXX_step"),
+        ('EXX_step = { std = "5 um" }', "pieces"),
+        ('EXX_step = { std = "5 um", at = ["400 mm", "200 mm"] }', "one after the other"),
+        ('EXX_step = { std = "5 um", at = ["700 mm"] }', "within the travel"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(entry: str, said: str) -> None:
+    curve = 'EXX = { std = "8 um", length = "200 mm" }\n'
+    machine = _MACHINE.replace(curve, "") if entry.startswith("EXX =") else _MACHINE
+    with pytest.raises(InputError, match=said):
+        machine_from_text(f"{machine}{entry}\n", "m")

@@ -1,0 +1,167 @@
+"""Means over the working volume against brute quadrature of H itself and against sampled poses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import EVERY_WAY, Box, Counted, VolumeMoments, volume_moments, whole_travel
+from axiscal.machine import Machine, load_machine
+from axiscal.machine.axis import Axis
+from axiscal.machine.entry import ErrorEntry
+from axiscal.numerics import Array
+from tests.generators.machines import every_error, random_machine, random_poses
+
+_NO_LEVER = 1e-20
+"""A mean square lever below that of a tenth of a nanometre per unit is rounding."""
+
+
+def _brute(model: ErrorModel, box: Box, points: int = 9, counted: Counted = EVERY_WAY) -> VolumeMoments:
+    """Tensor Gauss-Legendre between all knots of every axis; both directions of approach of every axis."""
+    x, w = np.polynomial.legendre.leggauss(points)
+    lines = []
+    for k, (start, stop) in enumerate(box):
+        knots = np.concatenate([[start, stop], *(f.basis.knots for f in model.functions if f.axis == k)])
+        edges = np.unique(np.clip(knots, start, stop))
+        half = np.diff(edges)[:, None] / 2
+        lines.append(((edges[:-1, None] + half * (1 + x)).ravel(), (half * w).ravel() / (stop - start)))
+    poses = np.stack([g.ravel() for g in np.meshgrid(*(t for t, _ in lines), indexing="ij")], axis=1)
+    weights = np.prod(np.stack([g.ravel() for g in np.meshgrid(*(w for _, w in lines), indexing="ij")]), axis=0)
+    mean, weight, sides = np.zeros((3, model.size)), np.zeros((model.size, model.size)), 2 ** len(box)
+    for signs in product([1.0, -1.0], repeat=len(box)):
+        rows = model.rows(poses, np.tile(signs, (len(poses), 1)))
+        mean += np.einsum("m,mcn->cn", weights, rows) / sides
+        flat = (np.sqrt(weights)[:, None, None] * rows[:, list(counted)]).reshape(-1, model.size)
+        weight += flat.T @ flat / sides
+    squares = np.sum(model.levers(poses)[:, :, list(counted)] ** 2, axis=2)
+    shares = [(f.rest / 2 if f.kind == "reversal" else f.rest) ** 2 for f in model.functions]
+    rest = float(np.array(shares) @ squares @ weights)
+    halves = [0.25 if f.kind == "reversal" else 1.0 for f in model.terms]
+    levers = {f.name: half * float(s @ weights) for f, half, s in zip(model.terms, halves, squares, strict=True)}
+    return VolumeMoments(mean, weight, levers, rest)
+
+
+def _apart(found: VolumeMoments, expected: VolumeMoments) -> float:
+    scale = np.sqrt(np.diagonal(expected.gram))
+    scale = np.maximum(scale, 1e-6 * scale.max())
+    return float(
+        max(
+            np.max(np.abs(found.gram - expected.gram) / scale[:, None] / scale),
+            np.max(np.abs(found.mean - expected.mean) / scale),
+            abs(found.rest - expected.rest) / max(expected.rest, 1e-30),
+            max(abs(found.levers[name] - each) / max(each, _NO_LEVER) for name, each in expected.levers.items()),
+        )
+    )
+
+
+def _small(machine: Machine) -> Machine:
+    """Return the machine with few knots, so that a tensor grid is affordable."""
+    return replace(machine, errors=tuple(replace(e, knots=4) if e.knots else e for e in machine.errors))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_two_axes_agree_with_brute_quadrature(seed: int) -> None:
+    model = ErrorModel(random_machine(seed, count=1 + seed % 2))
+    box = whole_travel(model)
+    assert _apart(volume_moments(model, box), _brute(model, box)) < 1e-11
+
+
+@pytest.mark.parametrize("counted", [(False, False, True), (True, False, True)])
+def test_directions_that_do_not_count_are_left_out(counted: Counted) -> None:
+    model = ErrorModel(random_machine(3, count=2))
+    box = whole_travel(model)
+    found, every = volume_moments(model, box, counted), volume_moments(model, box)
+    expected = _brute(model, box, counted=counted)
+    np.testing.assert_allclose(found.gram, expected.gram, rtol=0, atol=1e-12 * np.abs(every.gram).max())
+    assert found.rest == pytest.approx(expected.rest, rel=1e-10)
+    np.testing.assert_array_equal(found.mean, every.mean)
+    assert np.trace(found.gram) < np.trace(every.gram)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_three_axes_agree_with_brute_quadrature(seed: int) -> None:
+    model = ErrorModel(_small(random_machine(seed, count=3)))
+    box = whole_travel(model)
+    assert _apart(volume_moments(model, box), _brute(model, box, points=5)) < 1e-6
+
+
+@pytest.mark.parametrize(
+    "length", [0.99, 1.0, 1.01, *(pytest.param(other, marks=pytest.mark.long) for other in (0.02, 0.4, 1.5, 3.0))]
+)
+@pytest.mark.parametrize("primed", [False, True])
+def test_rotary_travels_on_both_sides_of_where_the_nodes_change(length: float, primed: bool) -> None:
+    turn = Axis.named("B", primed, (0.3, 0.3 + length), origin=(0.1, 0.0, -0.2))
+    carriage = Axis.named("X", False, (-0.1, 0.4))
+    rng = np.random.default_rng(1)
+    errors = tuple(every_error(turn, rng) + every_error(carriage, rng))
+    model = ErrorModel(Machine("m", (turn, carriage), 0.1, errors, "", ""))
+    box = whole_travel(model)
+    assert _apart(volume_moments(model, box), _brute(model, box)) < 1e-11
+
+
+@pytest.mark.parametrize("part", [(0.0, 0.5), (0.31, 0.32), (0.25, 0.75), (0.9, 1.0)])
+def test_boxes_smaller_than_the_travel(part: tuple[float, float]) -> None:
+    model = ErrorModel(random_machine(5, count=2))
+    box = tuple((a + part[0] * (b - a), a + part[1] * (b - a)) for a, b in whole_travel(model))
+    assert _apart(volume_moments(model, box), _brute(model, box)) < 1e-11
+
+
+def test_a_box_on_a_full_turn_agrees_with_sums() -> None:
+    axis = Axis.named("C", True, (0.0, 2 * np.pi), origin=(0.1, 0.2, 0.0))
+    model = ErrorModel(Machine("m", (axis,), 0.1, (ErrorEntry("ECC", 1.0, knots=7), ErrorEntry("X0C", 1.0)), "", ""))
+    for box in (((0.5, 2.0),), ((0.0, 2 * np.pi),), ((5.0, 2 * np.pi),)):
+        assert _apart(volume_moments(model, box), _brute(model, box)) < 1e-11
+
+
+@pytest.mark.parametrize(
+    "name", ["three-axis-mill", *(pytest.param(name, marks=pytest.mark.long) for name in ("dmu60", "printer-gantry"))]
+)
+def test_sampled_poses_have_these_means(name: str) -> None:
+    """40,000 poses: every entry within 6 standard errors, and the spread of their distances is that of chance."""
+    model, rng, count, parts = ErrorModel(load_machine(name)), np.random.default_rng(2), 40_000, 40
+    found, sums, squares = volume_moments(model, whole_travel(model)), [], []
+    for _ in range(parts):
+        poses, _ = random_poses(model.machine, count // parts, rng)
+        rows = model.rows(poses, rng.choice([-1.0, 1.0], poses.shape))
+        sums.append(rows.mean(axis=0))
+        squares.append(np.einsum("mci,mcj->ij", rows, rows, optimize=True) / len(rows))
+    for drawn, expected in ((np.array(sums), found.mean), (np.array(squares), found.gram)):
+        error = drawn.std(axis=0, ddof=1) / np.sqrt(parts)
+        known = error > 1e-6 * np.abs(drawn).max()
+        distance = (drawn.mean(axis=0) - expected)[known] / error[known]
+        assert np.abs(distance).max() < 7
+        assert np.sqrt(np.mean(distance**2)) < 1.3
+        assert np.abs((drawn.mean(axis=0) - expected)[~known]).max(initial=0.0) < 1e-5 * np.abs(drawn).max()
+
+
+def test_the_means_of_one_spline_are_its_gram_matrix() -> None:
+    """The paper's Gram matrix, divided by the length of the travel (B&H eq. 24-26)."""
+    model = ErrorModel(load_machine("paper-three-stacked"))
+    found = volume_moments(model, whole_travel(model)).gram
+    gram = model.functions[0].basis.gram() / 0.01
+    assert np.abs(found[:7, :7] - gram).max() < 1e-14
+    means: Array = gram.sum(axis=1)
+    assert np.abs(found[:7, 7:14] - np.outer(means, means)).max() < 1e-14
+
+
+def test_reversals_have_mean_zero_and_are_alone_with_their_axis() -> None:
+    model = ErrorModel(load_machine("dmu60"))
+    found = volume_moments(model, whole_travel(model))
+    x, y = (model.names[name].columns.start for name in ("EXX_reversal", "EYY_reversal"))
+    assert np.array_equal(found.mean[:, [x, y]], np.zeros((3, 2)))
+    assert found.gram[x, x] == pytest.approx(0.25)
+    assert found.gram[x, y] == 0.0
+    assert found.gram[x, model.names["EXX"].columns].tolist() == [0.0] * 11
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_gram_matrix_is_symmetric_and_no_deviation_has_a_negative_square(seed: int) -> None:
+    model = ErrorModel(random_machine(seed))
+    gram = volume_moments(model, whole_travel(model)).gram
+    values = np.linalg.eigvalsh(gram)
+    assert np.array_equal(gram, gram.T)
+    assert values[0] > -1e-13 * values[-1]

@@ -1,0 +1,86 @@
+"""What is not seen as a whole: the common scale of three spheres is said, with its size, until something shows it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import CampaignDescription
+from axiscal.estimation.accuracy.as_one import uniform_parts
+from axiscal.estimation.case import Case
+from axiscal.machine.kinematics import frames
+from axiscal.present.demo.five_axis import description
+
+SCALE = "cannot see the common scale of X, Y and Z: a bar of known length"
+LIES = "how the part lies"
+
+
+def with_setups(*numbers: int, aligned: bool = True) -> CampaignDescription:
+    """Return the demo's campaign with some of spheres, bar and laser."""
+    campaign = description()
+    target = replace(campaign.target, aligned=aligned)
+    return replace(campaign, setups=tuple(campaign.setups[n] for n in numbers), target=target)
+
+
+@cache
+def case_of(*numbers: int, aligned: bool = True) -> Case:
+    """Return the case of that campaign, which takes a second."""
+    return Case(with_setups(*numbers, aligned=aligned))
+
+
+def test_spheres_do_not_see_how_long_a_metre_is() -> None:
+    case = case_of(0)
+    first = case.hidden[0]
+    assert SCALE in first.text
+    assert "1.9 um of the 2.6 um" in first.text
+    assert first.effect == pytest.approx(1.9e-6, abs=0.06e-6)
+
+
+def test_an_aligned_part_fills_the_volume_and_no_more() -> None:
+    campaign = with_setups(0)
+    yardstick = Case(replace(campaign, target=replace(campaign.target, part=None))).yardstick
+    assert yardstick.sample is not None
+    low, high = np.array(yardstick.box).T
+    assert np.all((low <= yardstick.sample) & (yardstick.sample <= high))
+    np.testing.assert_allclose(yardstick.sample.mean(axis=0), (low + high) / 2, atol=0.05 * np.max(high - low))
+    np.testing.assert_allclose(np.ptp(yardstick.sample, axis=0), high - low, rtol=0.05)
+
+
+def test_a_laser_shows_it_and_a_bar_whose_length_nobody_knows_does_not() -> None:
+    lasered, barred = case_of(0, 2), case_of(0, 1)
+    assert not any(SCALE in hidden.text for hidden in lasered.hidden)
+    assert uniform_parts(lasered.yardstick)[0] < 0.1e-6
+    assert any(SCALE in hidden.text for hidden in barred.hidden)
+
+
+def test_how_a_part_lies_is_said_where_it_counts() -> None:
+    counted, aligned = case_of(0, aligned=False), case_of(0)
+    assert any(LIES in hidden.text for hidden in counted.hidden)
+    assert not any(LIES in hidden.text for hidden in aligned.hidden)
+
+
+def test_it_is_as_much_as_a_fit_of_seven_takes_off() -> None:
+    """Three shifts, three turns and one strain fitted to what is not seen, one direction of it after the other."""
+    yardstick = case_of(0, aligned=False).yardstick
+    assert yardstick.sample is not None
+    poses = yardstick.sample[:500]
+    hidden = yardstick.errors.rows(poses, np.zeros_like(poses)) @ yardstick.unseen
+    tips = frames(yardstick.errors.machine, poses).tcp
+    x, y, z = (tips - tips.mean(axis=0)).T
+    o, i = np.zeros_like(x), np.ones_like(x)
+    shifts = np.array([[i, o, o], [o, i, o], [o, o, i]])
+    turns = np.array([[o, -z, y], [z, o, -x], [-y, x, o]])
+    strain = np.array([[x, y, z]])
+
+    def left(*columns: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
+        design = np.concatenate(columns).transpose(2, 1, 0).reshape(3 * len(x), -1)
+        flat = hidden.reshape(3 * len(x), -1)
+        rest = flat - design @ np.linalg.lstsq(design, flat, rcond=None)[0]
+        return float(np.sum(rest**2)) / len(x)
+
+    scale, turn = uniform_parts(yardstick)
+    assert scale**2 == pytest.approx(left(shifts, turns) - left(shifts, turns, strain), rel=1e-6)
+    assert turn**2 == pytest.approx(left(shifts, strain) - left(shifts, turns, strain), rel=1e-6)

@@ -1,0 +1,172 @@
+"""The mode is a maximum, and weighed draws have the moments of the posterior of sizes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from axiscal.description.sizes import Kind, Sizes
+from axiscal.estimation.promise.draws import Weighed, draws, mode, weighed
+from axiscal.estimation.promise.problem import Problem
+from axiscal.estimation.promise.spaces import Space
+from axiscal.estimation.promise.unknowns import Unknowns, space_of
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from tests.generators.problems import asked, case_of, readings_of, sized, stated
+
+
+def _density(space: Space, x: Array) -> float:
+    found = space.given(space.problem.sizes.at(x)[0])
+    assert found is not None
+    return found.value - 0.5 * float(x @ x)
+
+
+@cache
+def _problem(kinds: tuple[str, ...], count: int = 30, seed: int = 4) -> Problem:
+    return sized(asked("axis", count, seed), kinds)
+
+
+@pytest.mark.parametrize("kinds", [("noise",), ("std", "noise"), ("std", "length", "rest", "drift", "noise")])
+def test_the_mode_is_the_highest_of_several_climbs(kinds: tuple[str, ...]) -> None:
+    """Nelder and Mead, who know no gradient, from five starts, find nothing that draws would mind."""
+    space, rng = space_of(_problem(kinds)), np.random.default_rng(0)
+    best = mode(space)
+    assert best.value == pytest.approx(_density(space, best.x), abs=1e-9)
+    starts = [best.x, *rng.standard_normal((4, len(best.x)))]
+
+    def lost(x: Array) -> float:
+        return -_density(space, x)
+
+    found = [minimize(lost, np.asarray(start), method="Nelder-Mead", tol=1e-6) for start in starts]
+    highest = -min(float(each.fun) for each in found)
+    assert highest - 0.05 < best.value <= highest + 1e-6
+
+
+def test_covariance_of_the_mode_is_that_of_information() -> None:
+    """From the curvature that differences of the density show, where the information is near it: many readings."""
+    space = Unknowns(_problem(("std", "noise"), 120))
+    best, step = mode(space), 0.02
+    axes = step * np.eye(2)
+    curvature = np.array(
+        [
+            [
+                sum(i * j * _density(space, best.x + i * a + j * b) for i in (1, -1) for j in (1, -1)) / (4 * step**2)
+                for a in axes
+            ]
+            for b in axes
+        ]
+    )
+    np.testing.assert_allclose(best.covariance, -np.linalg.inv(curvature), rtol=0.3, atol=0.02)
+
+
+def _by_grid(space: Space, taught: NDArray[np.intp]) -> tuple[Array, Array]:
+    """Return mean and covariance of θ by the sum over a grid of x; sizes that are not taught stay as stated."""
+    k = len(taught)
+    if k == 0:
+        return np.zeros(len(space.problem.sizes)), np.zeros((len(space.problem.sizes),) * 2)
+    along = np.linspace(-4.5, 4.5, 181 if k == 1 else 61)
+    points = np.stack(np.meshgrid(*[along] * k, indexing="ij"), axis=-1).reshape(-1, k)
+    x = np.zeros((len(points), len(space.problem.sizes)))
+    x[:, taught] = points
+    logs = np.array([_density(space, each) for each in x])
+    weights = np.exp(logs - logs.max())
+    weights /= weights.sum()
+    theta = space.problem.sizes.at(x)[0]
+    mean = weights @ theta
+    return mean, (weights[:, None] * (theta - mean)).T @ (theta - mean)
+
+
+@pytest.mark.parametrize("kinds", [("noise",), ("rest",), ("std", "noise"), ("length", "noise"), ("drift", "rest")])
+@pytest.mark.parametrize("count", [3, 24])
+def test_weighed_draws_have_the_moments_of_a_grid(kinds: tuple[str, ...], count: int) -> None:
+    """Mean within a fifth of a standard deviation, standard deviations within three tenths, as 64 draws can."""
+    space = space_of(_problem(kinds, count))
+    best = mode(space)
+    found = weighed(space, draws(space, best))
+    taught = best.taught
+    assert np.all(np.delete(found.thetas, taught, axis=1) == 0)
+    assert len(taught) or count == 3
+    mean = found.weights @ found.thetas
+    spread = (found.weights[:, None] * (found.thetas - mean)).T @ (found.thetas - mean)
+    wanted, covariance = _by_grid(space, taught)
+    stds = np.sqrt(np.diagonal(covariance)[taught])
+    np.testing.assert_allclose((mean - wanted)[taught] / stds, 0, atol=0.2)
+    np.testing.assert_allclose(np.sqrt(np.diagonal(spread)[taught]) / stds, 1, atol=0.3)
+
+
+def test_sizes_of_which_readings_say_nothing_stay_as_stated() -> None:
+    space = space_of(_problem(("noise", "std")).only(np.zeros(30, dtype=bool)))
+    best = mode(space)
+    found = weighed(space, draws(space, best))
+    assert best.taught.tolist() == []
+    assert best.x.tolist() == [0.0, 0.0]
+    assert found.thetas.tolist() == [[0.0, 0.0]]
+
+
+@pytest.mark.parametrize(
+    ("kind", "chosen", "silent"),
+    [
+        ("axis", lambda reading: reading.approach == (1,), [("reversal", "EXX_reversal")]),
+        ("two set-ups", lambda reading: reading.setup == "probe", [("noise", "nest")]),
+    ],
+    ids=["read from one side", "a set-up that is never read"],
+)
+def test_one_size_without_information_stays_as_stated_and_others_are_learnt(
+    kind: str, chosen: Callable[[Reading], bool], silent: list[tuple[Kind, str]]
+) -> None:
+    case = case_of(kind)
+    readings = [each for each in readings_of(case, 40, 3) if chosen(each)]
+    assert len(readings) >= 10
+    space = space_of(stated(case, readings))
+    best = mode(space)
+    found, sizes = weighed(space, draws(space, best)), space.problem.sizes
+    for column in (sizes.index(*each) for each in silent):
+        assert column >= 0
+        assert np.all(found.thetas[:, column] == 0)
+    assert len(best.taught) > 0
+    assert np.all(found.thetas[:, best.taught].std(axis=0) > 0)
+
+
+def test_the_same_readings_have_the_same_draws() -> None:
+    first, second = (_drawn_anew() for _ in range(2))
+    np.testing.assert_array_equal(first.thetas, second.thetas)
+    np.testing.assert_array_equal(first.weights, second.weights)
+
+
+def _drawn_anew() -> Weighed:
+    space = space_of(sized(asked("axis", 20, 3), ("std", "rest", "noise")))
+    return weighed(space, draws(space, mode(space)))
+
+
+@pytest.mark.parametrize("kind", ["axis", "plate", "two set-ups"])
+def test_enough_draws_count(kind: str) -> None:
+    """The effective number of 64 draws of all sizes, and what it is made of."""
+    space = space_of(asked(kind, 24, 2))
+    drawn = draws(space, mode(space))
+    found = weighed(space, drawn)
+    assert found.effective == pytest.approx(1 / np.sum(found.weights**2))
+    assert found.weights.sum() == pytest.approx(1.0)
+    assert len(found.given) == len(found.weights) <= len(drawn.x) == 64
+    assert found.effective >= 10
+
+
+def test_fixed_sizes_need_one_draw() -> None:
+    space = space_of(_problem(()))
+    found = weighed(space, draws(space, mode(space)))
+    assert found.thetas.shape == (1, 0)
+    assert found.weights.tolist() == [1.0]
+    assert found.effective == 1.0
+    assert len(Sizes(())) == 0
+
+
+def test_the_proposal_is_a_density() -> None:
+    """The mean of φ(x) over the proposal is one: what draws of the prior weigh against it, at random points of it."""
+    space = space_of(_problem(("std", "noise")))
+    best = mode(space)
+    drawn = draws(space, best, 4096)
+    assert np.mean(np.exp(-drawn.log_proposal)) == pytest.approx(1.0, abs=0.1)

@@ -1,0 +1,207 @@
+"""One bad reading: it is found, named, and moves nothing; one that somebody vouches for is believed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.app import run
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.inference.implausible import unit_guess
+from axiscal.machine import load_machine
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator
+from axiscal.present.curves import curves
+from axiscal.present.findings import findings
+
+CAMPAIGN = """machine = "one-axis"
+[target]
+readings = 40
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+approach = "both"
+"""
+
+
+def _description(head: str = "") -> CampaignDescription:
+    return campaign_from_texts(head + CAMPAIGN, "campaign.toml", load_machine("one-axis").text, "one-axis")
+
+
+def _readings(seed: int, count: int = 30) -> list[Reading]:
+    description, rng = _description(), np.random.default_rng(seed)
+    machine = Simulator(description.machine, description.setups).drawn(seed)
+    setup = description.setups[0]
+
+    def taken(position: float, sign: int) -> Reading:
+        value = machine.read(setup, (position,), (sign,), rng)
+        return Reading("laser", (position,), (sign,), value)
+
+    return [taken((i + 0.5) / count, 1 if i % 2 else -1) for i in range(count)]
+
+
+def _calibrated(readings: list[Reading]) -> Estimation:
+    return estimated(Case(_description()), readings)
+
+
+def _estimated(readings: list[Reading]) -> Estimation:
+    return concluded(Case(_description()), readings)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma(seed: int) -> None:
+    clean = _readings(seed)
+    bad = int(np.random.default_rng(seed).integers(2, 28))
+    wrong = [replace(r, value=r.value + 50e-6 * (i == bad)) for i, r in enumerate(clean)]
+    before, after = _estimated(clean), _estimated(wrong)
+    assert [d.reading for d in after.outliers if d.rejected] == [bad]
+    for function in before.case.errors.functions:
+        rows = function.basis.rows(np.linspace(function.basis.knots[0], function.basis.knots[-1], 101))
+        std = np.sqrt(np.sum((rows @ after.knowledge.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)
+        size = before.case.errors.size
+        moved = rows @ (after.knowledge.belief.mean[:size] - before.knowledge.belief.mean[:size])[function.columns]
+        assert np.all(np.abs(moved) <= 0.5 * std)
+
+
+def test_readings_that_agree_are_all_believed() -> None:
+    assert all(not doubt.rejected for seed in range(5) for doubt in _estimated(_readings(seed)).outliers)
+
+
+def test_a_bad_reading_is_marked_in_the_pictures_of_the_curves() -> None:
+    readings = _readings(1)
+    readings[7] = replace(readings[7], value=readings[7].value - 80e-6)
+    drawn = curves(_estimated(readings), readings, None)
+    assert {point.reading for curve in drawn for point in curve.points if point.rejected} == {8}
+    assert {point.reading for curve in drawn for point in curve.points if not point.rejected} >= {7, 9}
+
+
+def test_a_bad_reading_is_named_in_the_warnings() -> None:
+    readings = _readings(1)
+    readings[7] = replace(readings[7], value=readings[7].value - 80e-6)
+    (finding,) = [f for f in findings(_estimated(readings)) if f.code == "outlier"]
+    assert "Reading 8" in finding.text
+    assert "is not used" in finding.text
+
+
+def test_values_a_thousand_times_too_small_are_not_as_stated() -> None:
+    """Whoever reads a file of them is told of another unit before (`estimation.wrong_unit`)."""
+    small = [replace(r, value=r.value / 1000) for r in _readings(1)]
+    assert [f.error for f in findings(_estimated(small)) if f.code == "prior-misfit"]
+    assert not [f for f in findings(_estimated(_readings(1))) if f.code == "prior-misfit"]
+
+
+def test_a_reading_that_somebody_vouches_for_is_believed() -> None:
+    readings = _readings(2)
+    readings[9] = replace(readings[9], value=readings[9].value + 80e-6, accepted=True)
+    assert not any(doubt.reading == 9 for doubt in _estimated(readings).outliers)
+
+
+def test_nobody_can_say_which_of_two_readings_is_wrong() -> None:
+    pair = [Reading("laser", (0.5,), (1,), 0.0), Reading("laser", (0.5,), (1,), 1e-4)]
+    spread = [Reading("laser", (x,), (1,), 5e-5) for x in (0.0, 0.1, 0.9, 1.0)]
+    assert _estimated(pair + spread).outliers == ()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_bad_readings_of_one_size_do_not_cover_each_other(seed: int) -> None:
+    """By what is stated alone they are refused. Else they may be details of the machine, and the promise has them."""
+    bad = set(np.random.default_rng(seed).choice(30, 3, replace=False).tolist())
+    alone = {index for index in bad if not {index - 1, index + 1} & bad}
+    clean = _readings(seed)
+    wrong = [replace(r, value=r.value + 30e-6 * (i in bad)) for i, r in enumerate(clean)]
+    as_stated = _description('usual = "off"\nsure = "exactly"\n')
+    refused = {doubt.reading for doubt in concluded(Case(as_stated), wrong).outliers if doubt.rejected}
+    assert alone <= refused
+    assert len(refused) <= 6
+    before, after = _estimated(clean), _estimated(wrong)
+    assert {doubt.reading for doubt in after.outliers if doubt.rejected} <= bad
+    at = np.linspace(0, 1, 101)
+    right, found = (each.estimate().curve("EXX", at) for each in (before, after))
+    assert np.all(np.abs(found.mean - right.mean) <= 1.96 * found.std)
+
+
+def test_readings_that_agree_with_their_neighbour_are_a_fact_and_not_bad() -> None:
+    """A bump of the curve that two of thirty readings see: no reading is wrong, so none is set aside."""
+    bumped = [replace(r, value=r.value + 30e-6 * (i in (14, 15))) for i, r in enumerate(_readings(2))]
+    assert not any(doubt.rejected for doubt in _estimated(bumped).outliers)
+    lonely = [replace(r, value=r.value + 30e-6 * (i == 14)) for i, r in enumerate(_readings(2))]
+    assert [doubt.reading for doubt in _estimated(lonely).outliers if doubt.rejected] == [14]
+
+
+def test_the_record_keeps_a_surprising_reading_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record = tmp_path / "mill.axiscal"
+    with Campaign.create(record, _description()) as campaign:
+        campaign.adopt(tuple(_readings(3, 20)))
+    place = ["--at", "X=500 mm", "--setup", "laser", "--approach", "X+"]
+    assert run(["record", str(record), "900 um", *place]) == 0
+    assert "standard deviations from all that the stated std and the other readings allow" in capsys.readouterr().out
+    assert run(["undo", str(record)]) == 0
+    assert run(["record", str(record), "900 um", *place, "--accept"]) == 0
+    assert "standard deviations from all" not in capsys.readouterr().out  # the odds against the model are said still
+    with Campaign.open(record) as campaign:
+        assert campaign.state.readings[-1].accepted
+        last = len(campaign.state.readings) - 1
+        assert last not in {doubt.reading for doubt in campaign.estimate(ended=True).outliers}
+
+
+def test_a_reading_in_mm_is_not_believed_and_others_do_not_make_it_so() -> None:
+    readings = [replace(each, time=60.0 * number) for number, each in enumerate(_readings(1, 6))]
+    readings[2] = replace(readings[2], value=2.5e-3)
+    at = np.linspace(0, 1, 21)
+    for count in range(3, 7):
+        clean = _calibrated([r for i, r in enumerate(readings[:count]) if i != 2]).estimate().curve("EXX", at)
+        others = [replace(each, value=-9e-3) if i == 2 else each for i, each in enumerate(readings[:count])]
+        for estimate in (_calibrated, _estimated):
+            found, other = estimate(readings[:count]), estimate(others)
+            for each in (found, other):
+                assert [(d.reading, d.weight < 1e-6, d.implausible) for d in each.outliers] == [(2, True, True)]
+            np.testing.assert_array_equal(found.banded.knowledge.belief.mean, other.banded.knowledge.belief.mean)
+            curve = found.estimate().curve("EXX", at)
+            assert np.all(np.abs(curve.mean - clean.mean) < 0.5 * clean.std)
+
+
+def test_an_implausible_reading_that_somebody_vouches_for_is_believed() -> None:
+    readings = _readings(1, 6)
+    readings[2] = replace(readings[2], value=2.5e-3, accepted=True)
+    assert not any(doubt.implausible for doubt in _calibrated(readings[:3]).outliers)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_prior_that_is_three_times_too_small_makes_no_reading_implausible(seed: int) -> None:
+    large = [replace(reading, value=3 * reading.value) for reading in _readings(seed, 40)]
+    for estimation in (_calibrated(large), _estimated(large)):
+        assert not any(doubt.implausible for doubt in estimation.outliers)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_curves_of_a_prior_ten_times_too_small_are_not_taken_for_bad_readings_afterwards(seed: int) -> None:
+    readings = _readings(seed, 40)
+    zero = float(np.median([reading.value for reading in readings]))
+    large = [replace(reading, value=zero + 10 * (reading.value - zero)) for reading in readings]
+    assert not any(doubt.implausible for doubt in _estimated(large).outliers)
+
+
+def test_a_wide_zero_is_learnt_before_readings_are_held_against_it() -> None:
+    text = CAMPAIGN + 'unknowns = { zero = "1 mm" }\n'
+    description = campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis")
+    readings = _readings(4, 12)
+    readings[0] = replace(readings[0], value=readings[0].value + 2.5e-3)
+    readings[5] = replace(readings[5], value=readings[5].value - 1.3e-3)
+    estimation = concluded(Case(description), readings)
+    assert sorted(d.reading for d in estimation.outliers if d.implausible) == [0, 5]
+
+
+@pytest.mark.parametrize(
+    ("size", "says"), [(30.0, "inches instead of mm"), (500.0, "mm instead of um"), (2e4, "inches instead of um")]
+)
+def test_the_slip_of_the_unit_is_guessed(size: float, says: str) -> None:
+    assert says in unit_guess(size)
+    assert not unit_guess(1e9)

@@ -1,0 +1,194 @@
+"""The posterior is the mixture that the equations say, it covers what it promises, and names bad readings."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.stats import binom
+
+from axiscal.estimation.promise.dense import Dense, mixture
+from axiscal.estimation.promise.draws import draws, mode, weighed
+from axiscal.estimation.promise.posterior import Posterior, posterior
+from axiscal.estimation.promise.problem import Problem
+from axiscal.estimation.promise.unknowns import space_of
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from tests.generators.problems import asked, case_of, drawn_values, plain_case, readings_of, sized, stated
+
+NOISE = 0.5e-6
+_FAST = ("std", "length", "rest", "noise")
+
+
+@cache
+def _readings(count: int, seed: int = 6) -> tuple[Reading, ...]:
+    return tuple(readings_of(case_of("axis"), count, seed))
+
+
+def _of(readings: tuple[Reading, ...] | list[Reading]) -> Posterior:
+    return posterior(stated(case_of("axis"), readings))
+
+
+def _off(readings: tuple[Reading, ...], by: dict[int, float]) -> list[Reading]:
+    """Return readings with some of them off by so many noises."""
+    return [replace(r, value=r.value + by.get(i, 0.0) * NOISE) for i, r in enumerate(readings)]
+
+
+def _stds(found: Posterior) -> Array:
+    return np.sqrt(np.diagonal(found.covariance))
+
+
+@pytest.mark.parametrize(("kind", "count"), [("axis", 12), ("plate", 9), ("two set-ups", 6)])
+def test_moments_and_odds_are_those_of_the_equations(kind: str, count: int) -> None:
+    """Mean, covariance, residuals and odds over the same draws and weights."""
+    problem = asked(kind, count, 3)
+    every = range(count)
+    found = posterior(problem, sure=every)
+    space = space_of(problem)
+    over = weighed(space, draws(space, mode(space)))
+    dense = Dense(problem)
+    mean, covariance = mixture([dense.counted(theta) for theta in over.thetas], over.weights)
+    stds = np.sqrt(np.diagonal(covariance))
+    np.testing.assert_allclose((found.mean - mean) / stds, 0, atol=1e-4)
+    np.testing.assert_allclose((found.covariance - covariance) / np.outer(stds, stds), 0, atol=1e-4)
+    stated, given = np.zeros(len(problem.sizes)), space.given(np.zeros(len(problem.sizes)))
+    assert given is not None
+    more = np.exp(given.value - over.stated.log_proposal - over.log_evidence) / len(over.every)
+    thetas, weights = np.vstack([over.thetas, stated]), np.append(over.weights, more) / (1 + more)
+    for reading in (0, count - 1):
+        mine, left = problem.reading == reading, found.left_out[reading]
+        expected, spread = mixture([dense.expected(theta, reading) for theta in over.thetas], over.weights)
+        np.testing.assert_allclose(left.residual, problem.values[mine] - expected, rtol=1e-3, atol=1e-3)
+        np.testing.assert_allclose(left.covariance, spread, rtol=1e-3, atol=1e-3 * np.abs(spread).max())
+        assert np.exp(left.log_odds) == pytest.approx(dense.odds(thetas, weights, reading), rel=1e-3)
+    assert found.effective == pytest.approx(over.effective)
+
+
+def test_it_covers_what_it_promises() -> None:
+    """Sizes from their prior, machine and readings from the model: 95 % of z lie within 1.96 and their variance is one.
+
+    Of the difference of two places among the readings: the level of a curve no laser with an open zero can tell.
+    """
+    problem = sized(asked("axis", 14, 1), _FAST)
+    rng, count = np.random.default_rng(11), 60
+    row = np.zeros(problem.answered)
+    row[4], row[6] = 1.0, -1.0
+    z = np.array([_score(problem, row, rng) for _ in range(count)])
+    low, high = binom.interval(0.999, count, 0.95)
+    assert low <= np.sum(np.abs(z) < 1.96) <= high
+    assert np.mean(z**2) == pytest.approx(1.0, abs=4 * np.sqrt(2 / count))
+    assert np.mean(z) == pytest.approx(0.0, abs=4 / np.sqrt(count))
+
+
+def _score(problem: Problem, row: Array, rng: np.random.Generator) -> float:
+    """Return how far the truth of a machine drawn from the model lies from its mean, in standard deviations."""
+    theta = problem.sizes.at(rng.standard_normal(len(problem.sizes)))[0]
+    truth, values = drawn_values(problem, theta, rng)
+    found = posterior(replace(problem, values=values), sure=range(len(values)))
+    return float(row @ (truth - found.mean) / np.sqrt(row @ found.covariance @ row))
+
+
+@pytest.mark.parametrize(("kinds", "low", "high"), [((), 0.85, 1.15), (_FAST, 0.5, 1.15)])
+def test_readings_of_the_model_agree_with_each_other(kinds: tuple[str, ...], low: float, high: float) -> None:
+    """Over campaigns of the model the mean z² of what is left out is one, and less where it has taught the sizes."""
+    problem, rng, found = sized(asked("axis", 14, 2), kinds), np.random.default_rng(5), list[Posterior]()
+    for _ in range(25 if kinds else 120):
+        theta = problem.sizes.at(rng.standard_normal(len(problem.sizes)))[0]
+        values = drawn_values(problem, theta, rng)[1]
+        found.append(posterior(replace(problem, values=values), sure=range(14)))
+    assert low < np.mean([each.agreement.c2 for each in found]) < high
+    assert np.mean([each.agreement.inflation > 1 for each in found]) < (0.2 if kinds else 0.3)
+    assert np.mean([each.agreement.contradicts for each in found]) < 0.05  # a size that no place teaches may be far off
+
+
+@pytest.mark.parametrize("at", [0, 7, 23])
+@pytest.mark.parametrize("noises", [60.0, -200.0])
+def test_a_bad_reading_is_found_and_named(at: int, noises: float) -> None:
+    clean, readings = _of(_readings(24)), _readings(24)
+    found = _of(_off(readings, {at: noises}))
+    assert list(found.bad) == [at]
+    assert found.bad[at].log_odds > 0
+    assert at not in found.left_out
+    without = posterior(stated(case_of("axis"), readings), never=(at,))
+    np.testing.assert_allclose((found.mean - without.mean) / _stds(without), 0, atol=0.25)
+    assert np.max(np.abs(found.mean - clean.mean) / _stds(found)) < 4
+
+
+def test_two_bad_readings_are_found() -> None:
+    """Among neighbours: a lone reading far off may be a lone detail."""
+    crowd = [replace(r, pose=(0.1 + 0.8 * i / 39,)) for i, r in enumerate(_readings(40))]
+    flat = [replace(r, value=1e-7 * (-1) ** i, approach=(1,)) for i, r in enumerate(crowd)]
+    assert set(_of(_off(tuple(flat), {14: 80.0, 25: -60.0})).bad) == {14, 25}
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_good_reading_is_bad(seed: int) -> None:
+    assert not _of(_readings(24, 20 + seed)).bad
+
+
+def test_a_sure_reading_stays() -> None:
+    """However far it is off, and the readings do not agree then."""
+    readings = _off(_readings(24), {7: 200.0})
+    found = posterior(stated(case_of("axis"), readings), sure=(7,))
+    assert 7 not in found.bad
+    assert found.left_out[7].log_odds > 0
+    assert found.left_out[7].z > 3
+
+
+def test_a_reading_that_is_never_used_changes_nothing() -> None:
+    readings = _readings(12)
+    one, other = (posterior(stated(case_of("axis"), _off(readings, {5: by})), never=(5,)) for by in (0.0, 500.0))
+    np.testing.assert_array_equal(one.mean, other.mean)
+    np.testing.assert_array_equal(one.covariance, other.covariance)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_few_readings_leave_an_answer(count: int) -> None:
+    """Finite, nothing bad; two readings teach no size."""
+    found = _of(_readings(count))
+    assert np.all(np.isfinite(found.mean))
+    assert np.linalg.eigvalsh(found.covariance / np.outer(_stds(found), _stds(found))).min() > -1e-9
+    assert not found.bad
+    assert len(found.left_out) == count
+    assert found.effective >= 10 or count < 3
+    assert (set(found.sizes.values()) == {1.0}) == (count < 3)
+
+
+def test_readings_all_at_one_place() -> None:
+    """They teach the zero and the noise, and hardly the curve far away."""
+    pose = (0.5,)
+    readings = [
+        replace(r, pose=pose, approach=(1,), value=1e-5 + NOISE * (-1) ** i) for i, r in enumerate(_readings(12))
+    ]
+    found, stated = _of(readings), plain_case("axis").description.machine.errors[0].std
+    assert np.all(np.isfinite(found.mean))
+    assert not found.bad
+    assert _stds(found)[0] > 0.5 * stated
+
+
+def test_where_all_readings_are_bad_most_stay() -> None:
+    """At most a fifth is taken out; the others raise the sizes."""
+    rng = np.random.default_rng(0)
+    found = _of(_off(_readings(20), dict(enumerate(rng.standard_normal(20) * 1000))))
+    assert len(found.bad) <= 4
+    assert np.all(np.isfinite(found.covariance))
+    assert max(found.sizes.values()) > 5
+
+
+def test_the_order_of_readings_does_not_matter() -> None:
+    """They carry their times."""
+    problem, case = _readings(16), case_of("axis")
+    order = np.random.default_rng(2).permutation(16)
+    one, other = posterior(stated(case, problem)), posterior(stated(case, [problem[i] for i in order]))
+    np.testing.assert_allclose((one.mean - other.mean) / _stds(one), 0, atol=1e-3)
+    np.testing.assert_allclose(_stds(one), _stds(other), rtol=1e-3)
+    for place, index in enumerate(order.tolist()):
+        assert other.left_out[place].log_odds == pytest.approx(one.left_out[index].log_odds, abs=0.02)
+
+
+def test_the_same_readings_have_the_same_answer() -> None:
+    one, other = _of(_readings(10)), _of(list(_readings(10)))
+    np.testing.assert_array_equal(one.mean, other.mean)
+    np.testing.assert_array_equal(one.covariance, other.covariance)

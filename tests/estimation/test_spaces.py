@@ -1,0 +1,203 @@
+"""Both rooms say what the equations say as they stand: value, gradient, information, answers, what is left out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.special import gamma, kv
+
+from axiscal.description.sizes import Sizes
+from axiscal.estimation.absorbed import absorbed
+from axiscal.estimation.promise.dense import Dense
+from axiscal.estimation.promise.numbers import Numbers
+from axiscal.estimation.promise.problem import Curves, Problem
+from axiscal.estimation.promise.spaces import Given, Space, parts_of
+from axiscal.estimation.promise.unknowns import Unknowns
+from axiscal.numerics import Array
+from tests.generators.problems import KINDS, asked, case_of, inherited, plain, plain_case, readings_of
+
+COUNTS = {"axis": 14, "plate": 12, "five axes": 4, "two set-ups": 8}
+_STEP = 1e-4
+_COARSE = 1e-3
+"""Of log L, whose rounding an open zero of 1 mm makes 1e-7."""
+
+
+@cache
+def _problem(kind: str, seed: int, stds: bool, inherits: bool) -> Problem:
+    return asked(kind, COUNTS[kind], seed, stds, inherits)
+
+
+@st.composite
+def problems(draw: st.DrawFn, kinds: tuple[str, ...] = KINDS) -> tuple[Problem, Array]:
+    """Return a problem and its sizes drawn from their prior."""
+    kind, seed = draw(st.sampled_from(kinds)), draw(st.integers(0, 2))
+    found = _problem(kind, seed, draw(st.booleans()), draw(st.booleans()))
+    x = np.random.default_rng(draw(st.integers(0, 999))).standard_normal(len(found.sizes))
+    return found, found.sizes.at(x)[0]
+
+
+def _both(problem: Problem) -> tuple[Space, Space]:
+    return Numbers(problem), Unknowns(problem)
+
+
+def _given(space: Space, theta: Array) -> Given:
+    found = space.given(theta)
+    assert found is not None
+    return found
+
+
+def _close(found: Array, wanted: Array, tolerance: float) -> None:
+    """Assert that all entries agree to a share of the largest one."""
+    assert np.shape(found) == np.shape(wanted)
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=tolerance * (np.max(np.abs(wanted), initial=0) + 1e-300))
+
+
+def _slopes(dense: Dense, theta: Array) -> list[Array]:
+    """Return ∂K/∂θ by central differences."""
+    steps = _STEP * np.eye(len(theta))
+    return [(dense.covariance(theta + step) - dense.covariance(theta - step)) / (2 * _STEP) for step in steps]
+
+
+@settings(max_examples=20)
+@given(problems())
+def test_value_gradient_and_information_are_those_of_the_equations(drawn: tuple[Problem, Array]) -> None:
+    """log L, its central differences, and ½ tr K⁻¹∂K K⁻¹∂K."""
+    problem, theta = drawn
+    dense = Dense(problem)
+    slopes, inverse = _slopes(dense, theta), np.linalg.inv(dense.covariance(theta))
+    information = np.array([[0.5 * np.trace(inverse @ one @ inverse @ other) for other in slopes] for one in slopes])
+    weighted = inverse @ problem.values
+    gradient = np.array([0.5 * (weighted @ each @ weighted - np.trace(inverse @ each)) for each in slopes])
+    for space in _both(problem):
+        slope = _given(space, theta).slope()
+        assert slope.value == pytest.approx(dense.log_likelihood(theta), abs=1e-5)
+        _close(slope.gradient, gradient, 1e-5)
+        _close(slope.information, information, 1e-5)
+
+
+@settings(max_examples=10)
+@given(problems())
+def test_gradient_is_the_slope_of_the_value(drawn: tuple[Problem, Array]) -> None:
+    """Central differences of each room's own value."""
+    problem, theta = drawn
+    for space in _both(problem):
+        differences = [
+            (_given(space, theta + step).value - _given(space, theta - step).value) / (2 * _COARSE)
+            for step in _COARSE * np.eye(len(theta))
+        ]
+        gradient = _given(space, theta).slope().gradient
+        np.testing.assert_allclose(gradient, differences, rtol=1e-3, atol=1e-3 * (1 + np.max(np.abs(gradient))))
+
+
+@settings(max_examples=20)
+@given(problems())
+def test_answers_are_those_of_the_equations(drawn: tuple[Problem, Array]) -> None:
+    problem, theta = drawn
+    mean, covariance = Dense(problem).unknowns(theta)
+    stds = np.sqrt(np.diagonal(covariance))
+    for space in _both(problem):
+        answer = _given(space, theta).answer()
+        np.testing.assert_allclose((answer.mean - mean) / stds, 0, atol=1e-4)
+        np.testing.assert_allclose((answer.covariance - covariance) / np.outer(stds, stds), 0, atol=1e-4)
+
+
+@settings(max_examples=12)
+@given(problems())
+def test_rests_of_cells_are_those_of_the_equations(drawn: tuple[Problem, Array]) -> None:
+    """C Zᵀ K⁻¹ y of the columns of cells, turned back into rests."""
+    problem, theta = drawn
+    dense = Dense(problem)
+    every = dense.prior(theta) @ problem.rows.T @ np.linalg.solve(dense.covariance(theta), problem.values)
+    turn, start = np.zeros((len(problem.cells),) * 2), 0
+    for root in problem.cell_roots:
+        turn[start : start + len(root), start : start + len(root)] = root
+        start += len(root)
+    wanted = turn @ every[problem.first_cell : problem.first_cell + len(problem.cells)]
+    for space in _both(problem):
+        _close(_given(space, theta).cells(), wanted, 1e-5)
+
+
+@settings(max_examples=8)
+@given(problems())
+def test_a_reading_left_out_is_left_out(drawn: tuple[Problem, Array]) -> None:
+    """K⁻¹y and blocks of K⁻¹ say what the others expect of a reading, and how well."""
+    problem, theta = drawn
+    dense = Dense(problem)
+    for space in _both(problem):
+        given_here, every = _given(space, theta), parts_of(problem.reading)
+        found = [one for part in every for one in zip(part, *given_here.left_out(part), strict=True)]
+        assert len(found) == len(np.unique(problem.reading))
+        for mine, weighted, block in found:
+            mean, covariance = dense.expected(theta, int(problem.reading[mine[0]]))
+            _close(np.linalg.inv(block), covariance, 1e-4)
+            apart = problem.values[mine] - mean
+            residual = np.linalg.inv(block) @ weighted
+            np.testing.assert_allclose(residual, apart, atol=1e-4 * np.sqrt(np.diagonal(covariance).max()))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_without_sizes_the_posterior_is_that_of_the_belief(kind: str) -> None:
+    """The problem is made right: Kalman's equations of the room below, rests and zeros that wander among them."""
+    case = plain_case(kind)
+    readings = readings_of(case, COUNTS[kind], 5, stds=True)
+    problem = plain(case, readings, Sizes(()))
+    belief = absorbed(case, readings, {}).knowledge.belief
+    mean, covariance = belief.mean[: problem.answered], belief.covariance[: problem.answered, : problem.answered]
+    stds = np.sqrt(np.diagonal(covariance))
+    for space in _both(problem):
+        answer = _given(space, np.zeros(0)).answer()
+        np.testing.assert_allclose((answer.mean - mean) / stds, 0, atol=1e-5)
+        np.testing.assert_allclose((answer.covariance - covariance) / np.outer(stds, stds), 0, atol=1e-5)
+
+
+@pytest.mark.parametrize("smoothness", [0.5, 1.5, 2.5])
+@given(st.integers(0, 999))
+@settings(max_examples=5)
+def test_curves_have_the_prior_of_matern(smoothness: float, seed: int) -> None:
+    """L Lᵀ = s² R(l), by Bessel functions, and M = L⁻¹ ∂(s² R)/∂log l L⁻ᵀ, by differences."""
+    problem = _problem("axis", 0, False, False)
+    (curves,) = problem.curves
+    assert isinstance(curves, Curves)
+    curves = replace(curves, smoothness=smoothness)
+    theta = problem.sizes.at(np.random.default_rng(seed).standard_normal(len(problem.sizes)))[0]
+    (at,) = curves.length_at
+
+    def covariance(by: float) -> Array:
+        far = np.sqrt(2 * smoothness) * curves.apart[0] / (curves.lengths[0] * np.exp(theta[at] + by))
+        far += 1e-12
+        correlation = 2 ** (1 - smoothness) / gamma(smoothness) * far**smoothness * kv(smoothness, far)
+        return np.asarray(curves.stds[0] ** 2 * correlation)
+
+    root = curves.roots(theta)
+    _close(root[0] @ root[0].T, covariance(0.0), 1e-8)
+    slope = (covariance(1e-4) - covariance(-1e-4)) / 2e-4
+    _close(root[0] @ curves.bends(theta, root)[0] @ root[0].T, slope, 1e-5)
+
+
+def test_an_inherited_prior_is_what_no_reading_changes() -> None:
+    """Without a number that sees anything the answer is the inherited one."""
+    problem = _problem("plate", 1, False, True)
+    left = inherited(case_of("plate"), 1)
+    blind = problem.only(np.zeros(len(problem.values), dtype=bool))
+    for space in _both(blind):
+        answer = _given(space, np.zeros(len(problem.sizes))).answer()
+        size = len(left.mean)
+        _close(answer.mean[:size], left.mean, 1e-9)
+        _close(answer.covariance[:size, :size], left.covariance, 1e-9)
+
+
+@settings(max_examples=8)
+@given(problems())
+def test_precision_and_square_are_those_of_the_covariance(drawn: tuple[Problem, Array]) -> None:
+    """K⁻¹B and yᵀK⁻¹y."""
+    problem, theta = drawn
+    columns = np.random.default_rng(0).standard_normal((len(problem.values), 2))
+    inverse = np.linalg.inv(Dense(problem).covariance(theta))
+    for space in _both(problem):
+        _close(_given(space, theta).precision(columns), inverse @ columns, 1e-5)
+        assert _given(space, theta).square == pytest.approx(problem.values @ inverse @ problem.values, rel=1e-5)

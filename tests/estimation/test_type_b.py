@@ -1,0 +1,474 @@
+"""What no reading shows: its columns worked out by hand, its posterior against K as it stands, and what U covers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.sizes import Sizes
+from axiscal.description.type_b import TYPE_B, TypeB
+from axiscal.description.usual import Learnable, sizes_of
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.accuracy.expanded import reach
+from axiscal.estimation.promise.numbers import Numbers
+from axiscal.estimation.promise.posterior import gain, posterior
+from axiscal.estimation.promise.problem import Problem, problem
+from axiscal.estimation.promise.type_b_columns import columns_of, contributions
+from axiscal.estimation.promise.unknowns import Unknowns
+from axiscal.exceptions import InputError
+from axiscal.machine import load_machine
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instruments.kind import Nominal
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import numbers_of_setups, places_of
+from axiscal.numerics import Array
+from axiscal.units import to_unit
+
+AXIS = """name = "one"
+chain = "w-b-X-t"
+[tool]
+length = "0 mm"
+[axes.X]
+travel = ["0 mm", "1000 mm"]
+[errors]
+EXX = { std = "30 um", knots = 7, length = "300 mm", smoothness = 2.5 }
+"""
+LASER = """[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+noise = "0.3 um"
+drift = "0 um/h"
+"""
+PPM = 1e-6
+NOBODY = Sizes(())
+"""No size is learnt."""
+STATED = """temperature_std = "0.5 K"
+expansion_std = "1 um/m/K"
+type_b = { scale = "2 um/m", air = "1 um/m", cosine = "2 mrad" }
+"""
+WARM = 'temperature = "23 degC"\nexpansion = "11.7 um/m/K"'
+COMPOSITE = 'temperature = "23 degC"\nexpansion = "8 um/m/K"'
+AS_READ = 'refers_to = "as read"'
+
+
+def described(setups: str, machine: str = AXIS, target: str = "") -> CampaignDescription:
+    """Return a campaign whose errors are as stated and nothing besides.  target : further lines of it"""
+    text = f'machine = "m.toml"\nusual = "off"\n[target]\nreadings = 20\n{target}\n{setups}'
+    return campaign_from_texts(text, "c.toml", machine, "m.toml")
+
+
+def observed(campaign: CampaignDescription) -> Observation:
+    return Observation(ErrorModel(campaign.machine), campaign.setups)
+
+
+class Met(NamedTuple):
+    """A cause that is there: whether its size is stated, and what one standard deviation does to each number, (m,)."""
+
+    stated: bool
+    column: Array
+
+
+def causes(observation: Observation, readings: Sequence[Reading], usual: bool = True) -> dict[str, Met]:
+    places = places_of(observation.setups, readings)
+    reading = np.repeat(np.arange(len(places)), numbers_of_setups(observation.setups)[places.setups])
+    found = contributions(observation, places, [each.values for each in readings], usual)
+    columns = columns_of(found, places, reading).T
+    return {each.row.name: Met(each.stated, column) for each, column in zip(found, columns, strict=True)}
+
+
+def read_at(places: Array, values: Array | None = None, setup: str = "laser") -> list[Reading]:
+    shown = np.zeros(len(places)) if values is None else values
+    return [Reading(setup, (float(x),), (1,), float(y)) for x, y in zip(places, shown, strict=True)]
+
+
+def drawn(observation: Observation, places: Array, strain: float, seed: int) -> tuple[Array, list[Reading]]:
+    """Return the errors of a machine of the prior, and readings that a strain about the middle makes too large."""
+    rng = np.random.default_rng(seed)
+    errors = np.linalg.cholesky(observation.errors.prior_covariance()) @ rng.standard_normal(observation.errors.size)
+    rows = observation.rows(0, places[:, None], np.ones((len(places), 1))).rows[:, : len(errors)]
+    values = rows @ errors + strain * (places - 0.5) + 0.3e-6 * rng.standard_normal(len(places)) + 20e-6
+    return errors, read_at(places, values)
+
+
+def along(observation: Observation) -> Array:
+    """Return the deviation along the travel less its mean by the errors, (101, n)."""
+    at = np.linspace(0.0, 1.0, 101)[:, None]
+    rows = observation.rows(0, at, np.ones(at.shape)).rows[:, : observation.errors.size]
+    shape: Array = rows - rows.mean(axis=0)
+    return shape
+
+
+def dense(observation: Observation, places: Array, columns: Array) -> tuple[Array, Array, Array]:
+    """Return covariance, gain and rows of all unknowns with K as it stands."""
+    rows = observation.rows(0, places[:, None], np.ones((len(places), 1))).rows
+    prior = observation.prior_covariance()
+    noise = observation.setups[0].noise ** 2 * np.eye(len(places))
+    gain = prior @ rows.T @ np.linalg.inv(rows @ prior @ rows.T + noise + columns @ columns.T)
+    return prior - gain @ rows @ prior, gain, rows
+
+
+def _shown(row: TypeB) -> str:
+    """Return a row as the page has it."""
+    unit = row.unit if row.unit != "mm/m" else "%"
+    size = 100 * row.size if unit == "%" else float(to_unit(row.size, unit))
+    longer = f" + {row.longer * 1e6:g} um/m" if row.longer else ""
+    instruments = "any length" if len(row.instruments) == 5 else ", ".join(row.instruments)
+    least = f", at least {row.least * 1e6:g} um" if row.least else ""
+    default = f"{size:.3g} {unit}{longer}{least}"
+    return f"| {' | '.join((row.name, instruments, default, row.distribution, row.shared, row.source))} |"
+
+
+@pytest.mark.parametrize("row", TYPE_B, ids=lambda row: f"{row.name} of {row.instruments[0]}")
+def test_the_page_has_every_row_with_its_source(row: TypeB) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "promise.md").read_text(encoding="utf-8")
+    assert _shown(row) in page
+    assert set(row.instruments) <= set(INSTRUMENTS)
+    assert len(row.source) > 5
+    assert row.size > 0
+
+
+def test_no_instrument_is_perfect() -> None:
+    assert {kind for row in TYPE_B for kind in row.instruments} == set(INSTRUMENTS)
+
+
+def test_columns_of_a_laser_are_strains_of_the_way_from_the_middle_of_what_it_read() -> None:
+    places = np.array([0.1, 0.2, 0.3, 0.9])
+    found = causes(observed(described(LASER)), read_at(places))
+    way = places - 0.375
+    expected = {
+        "scale": 1.0,
+        "air": np.hypot(0.5, 0.54),
+        "cosine": 0.5 / np.sqrt(3.0),
+        "temperature": 11.7,
+        "expansion": 1.0,
+    }
+    assert set(found) == set(expected)
+    for name, strain in expected.items():
+        assert found[name].column == pytest.approx(strain * PPM * way, abs=1e-15), name
+        assert not found[name].stated
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (WARM, {"temperature": 0.3 * 11.7, "expansion": 3.0}),
+        (COMPOSITE, {"temperature": 0.3 * 8.0, "expansion": 3.0}),
+        (
+            f'{WARM}\ntemperature_std = "0.2 K"',
+            {"expansion": 3.0},
+        ),
+        (
+            f'{WARM}\ntemperature_std = "0.2 K"\nexpansion_std = "1 um/m/K"',
+            {},
+        ),
+        ('temperature_std = "0.2 K"', {"temperature": 0.2 * 11.7, "expansion": 0.2}),
+        ('temperature_std = "0 K"', {}),
+        ('unknowns = { zero = "1 mm", growth = "5 um/m" }', {}),
+    ],
+)
+def test_what_is_said_of_the_temperature_replaces_what_is_usual(text: str, expected: dict[str, float]) -> None:
+    """What is stated of a temperature that is corrected is the unknown growth: it does not count twice."""
+    found = causes(observed(described(LASER + text)), read_at(np.array([0.0, 1.0])))
+    material = {name: each.column[1] * 2 / PPM for name, each in found.items() if name in ("temperature", "expansion")}
+    assert material == pytest.approx(expected)
+
+
+def test_what_is_stated_counts_where_nothing_usual_does() -> None:
+    readings = read_at(np.array([0.0, 1.0]))
+    found = causes(observed(described(LASER + STATED)), readings, usual=False)
+    assert set(found) == {"scale", "air", "cosine", "temperature", "expansion"}
+    assert all(each.stated for each in found.values())
+    assert found["scale"].column == pytest.approx([-1e-6, 1e-6])
+    assert causes(observed(described(LASER)), readings, usual=False) == {}
+
+
+@pytest.mark.parametrize(
+    ("setup", "refers"),
+    [
+        ('instrument = "interferometer"\ndirection = "x"', True),
+        ('instrument = "tracer"\nstation = ["0 mm", "0 mm", "-300 mm"]', True),
+        ('instrument = "probe"\ndirection = "x"', False),
+        ('instrument = "indicator"\ndirection = "x"', False),
+    ],
+)
+def test_what_compares_with_a_length_refers_to_twenty_degrees(setup: str, refers: bool) -> None:
+    observation = observed(described(f'[[setups]]\nname = "s"\n{setup}'))
+    assert ("temperature" in causes(observation, read_at(np.array([0.0, 1.0]), setup="s"))) == refers
+
+
+def test_as_read_leaves_the_material_out() -> None:
+    found = causes(observed(described(LASER, target=AS_READ)), read_at(np.array([0.0, 1.0])))
+    assert set(found) == {"scale", "air", "cosine"}
+
+
+@pytest.mark.parametrize(
+    ("said", "target", "reason"),
+    [
+        ('type_b = { scales = "1 um/m" }', "", '"scales" is not known of an instrument such as this.*"scale" is meant'),
+        ('type_b = { gain = "1 %" }', "", '"gain" is not known of an instrument such as this interferometer.*Known'),
+        ('type_b = { temperature = "1 K" }', "", '"temperature" is not known of an instrument such as this'),
+        ('type_b = { scale = "-1 um/m" }', "", '"-1 um/m" is negative'),
+        ('type_b = { scale = "nan um/m" }', "", "nan um/m"),
+        ('type_b = { scale = "1 mm" }', "", "1 mm"),
+        ('temperature_std = "-1 K"', "", '"-1 K" is negative'),
+        (WARM, AS_READ, '"laser" states a temperature, .*and the target is "as read".*Take temperature out'),
+    ],
+)
+def test_what_makes_no_sense_is_refused_with_its_remedy(said: str, target: str, reason: str) -> None:
+    with pytest.raises(InputError) as failure:
+        described(LASER + said, target=target)
+    assert re.search(reason, str(failure.value), re.DOTALL)
+
+
+BEDSIDE = """[[setups]]
+name = "s"
+moves = ["X"]
+drift = "0"
+"""
+
+
+@pytest.mark.parametrize(
+    ("setup", "name", "expected"),
+    [
+        ('instrument = "level"\ndirection = "y"', "gain", 0.02 * np.array([-50e-6, 0.0, 50e-6])),
+        ('instrument = "autocollimator"\ndirection = "y"', "gain", 0.01 * np.array([-50e-6, 0.0, 50e-6])),
+        ('instrument = "indicator"\ndirection = "y"', "gain", np.array([-1e-6, 0.0, 1e-6])),
+        ('instrument = "straightedge"\ndirection = "y"', "bow", 2e-6 * np.array([1.0, 0.0, 1.0])),
+        ('instrument = "probe"\ndirection = "x"\nunknowns = {}', "pre_travel", [1e-6, 1e-6, 1e-6]),
+    ],
+)
+def test_columns_by_hand(setup: str, name: str, expected: Array) -> None:
+    """The level reads 0 to 100 urad: 2 % of it. 1 % of the dial's 100 um would be 0.5 um at the ends; it is 1 um."""
+    readings = read_at(np.array([0.0, 0.5, 1.0]), np.array([0.0, 50e-6, 100e-6]), "s")
+    found = causes(observed(described(BEDSIDE + setup)), readings)
+    assert found[name].column == pytest.approx(np.asarray(expected), abs=1e-15)
+
+
+def test_a_gain_that_is_stated_is_as_small_as_stated() -> None:
+    readings = read_at(np.array([0.0, 0.5, 1.0]), np.array([0.0, 50e-6, 100e-6]), "s")
+    dial = observed(described(BEDSIDE + 'instrument = "indicator"\ndirection = "y"\ntype_b = { gain = "1 mm/m" }'))
+    found = causes(dial, readings)
+    assert found["gain"].column == pytest.approx([-50e-9, 0.0, 50e-9], abs=1e-15)
+
+
+MILL, FIVE = "three-axis-mill", "dmu60"
+POSES = [(0.1, 0.2, 0.3), (0.4, 0.1, 0.2), (0.5, 0.3, 0.1)]
+
+
+def in_space(setup: str, artefact: str = "") -> tuple[dict[str, Met], Observation]:
+    text = f'machine = "{MILL}"\nusual = "off"\n[target]\nreadings = 20\n{artefact}\n[[setups]]\nname = "s"\n{setup}'
+    machine = load_machine(MILL)
+    observation = observed(campaign_from_texts(text, "c.toml", machine.text, MILL))
+    numbers = int(numbers_of_setups(observation.setups)[0])
+    readings = [Reading("s", pose, (1, 1, 1), 0.0, others=(0.0,) * (numbers - 1)) for pose in POSES]
+    return causes(observation, readings), observation
+
+
+def tips(observation: Observation) -> Array:
+    return Nominal(observation.machine, np.array(POSES), (0, 1, 2)).tcp
+
+
+def test_a_tracer_is_off_by_a_share_of_its_distance_and_grows_with_the_tool() -> None:
+    found, observation = in_space('instrument = "tracer"\nstation = ["0 mm", "0 mm", "-300 mm"]')
+    line = tips(observation) - [0.0, 0.0, -0.3]
+    distance = np.linalg.norm(line, axis=1)
+    assert found["scale"].column == pytest.approx(1.5e-6 * distance)
+    way = tips(observation) - tips(observation).mean(axis=0)
+    assert found["temperature"].column == pytest.approx(11.7e-6 * np.sum(way * line / distance[:, None], axis=1))
+
+
+def test_a_tracker_is_off_by_a_share_of_the_way_along_each_of_its_directions() -> None:
+    found, observation = in_space('instrument = "tracker"\nstation = ["3 m", "0 mm", "0 mm"]')
+    way = tips(observation) - tips(observation).mean(axis=0)
+    assert found["scale"].column.reshape(3, 3) == pytest.approx(1.5e-6 * way)
+
+
+def test_a_bar_of_known_length_is_off_by_it_and_one_that_is_open_is_not() -> None:
+    bar = 'instrument = "ballbar"\nlength = "150 mm"\nstation = ["300 mm", "250 mm", "100 mm"]\nplane = "xy"\n'
+    found, _ = in_space(bar + 'unknowns = { station_x = "1 um" }')
+    assert found["length"].column == pytest.approx(np.full(3, 1.3e-6))
+    assert "length" not in in_space(bar)[0]
+
+
+def test_a_leg_of_a_square_is_off_by_half_of_the_variance_of_its_angle() -> None:
+    square = '[[artefacts]]\nname = "square"\n'
+    leg = 'instrument = "straightedge"\ndirection = "y"\nmoves = ["X"]\nreach = { X = ["50 mm", "550 mm"] }\n'
+    found, observation = in_space(leg + 'artefact = "square"', square)
+    way = np.array(POSES)[:, 0] - np.mean(observation.machine.axes[0].travel)
+    assert found["square"].column == pytest.approx(10e-6 / np.sqrt(2.0) * way)
+    assert "square" not in in_space(leg)[0]
+
+
+def test_a_sphere_in_the_mean_of_opposite_sides_shows_its_size_at_the_pole() -> None:
+    """The pole goes with the tool, as touch_frames says; a size that is an unknown holds what three touches show."""
+    text = f'''machine = "{FIVE}"
+usual = "off"
+[target]
+readings = 20
+[[artefacts]]
+name = "one"
+balls = {{ one = ["100 mm", "0 mm", "100 mm"] }}
+[[setups]]
+name = "s"
+instrument = "sphere"
+artefact = "one"
+'''
+    machine = load_machine(FIVE)
+    observation = observed(campaign_from_texts(text, "c.toml", machine.text, FIVE))
+    poses = np.zeros((3, 5))
+    poses[:, [axis.rotary for axis in machine.axes]] = np.radians([[0, 0], [30, 0], [30, 90]])
+    readings = [Reading("s", tuple(pose.tolist()), (1,) * 5, 0.0, others=(0.0, 0.0)) for pose in poses]
+    found = causes(observation, readings)
+    assert set(found) == {"radius"}
+    pole = frames(machine, poses).stem
+    assert found["radius"].column.reshape(3, 3) == pytest.approx(-1e-6 * pole, abs=1e-15)
+    touched = text.replace('artefact = "one"', 'artefact = "one"\ntouches = 3')
+    assert causes(observed(campaign_from_texts(touched, "c.toml", machine.text, FIVE)), readings) == {}
+
+
+def test_a_zero_that_is_open_holds_what_is_constant() -> None:
+    found = causes(observed(described(BEDSIDE + 'instrument = "probe"\ndirection = "x"')),
+                   read_at(np.array([0.0, 1.0]), setup="s"))  # fmt: skip
+    assert found == {}
+
+
+def test_one_laser_has_one_scale_in_all_its_set_ups_and_lies_anew_in_each() -> None:
+    again = LASER.replace('"laser"', '"again"')
+    readings = read_at(np.array([0.0, 1.0])) + read_at(np.array([0.0, 1.0]), setup="again")
+    observation = observed(described(LASER + again))
+    places = places_of(observation.setups, readings)
+    found = contributions(observation, places)
+    assert sorted((each.row.name, each.owner) for each in found) == [
+        ("air", ""),
+        ("cosine", "again"),
+        ("cosine", "laser"),
+        ("expansion", ""),
+        ("scale", "interferometer"),
+        ("temperature", ""),
+    ]
+
+
+def _problem(count: int) -> Problem:
+    observation = observed(described(LASER + STATED))
+    _, readings = drawn(observation, np.linspace(0.02, 0.98, count), 0.0, 0)
+    return problem(observation, readings, NOBODY, usual=False)
+
+
+def test_the_posterior_is_that_of_k_with_the_columns_and_the_lines_are_what_it_holds_of_them() -> None:
+    """(1 − G H) P (1 − G H)ᵀ + G R Gᵀ is the covariance of the same estimate had its instruments been perfect."""
+    observation, places = observed(described(LASER + STATED)), np.linspace(0.02, 0.98, 9)
+    _, readings = drawn(observation, places, 0.0, 1)
+    found = [*causes(observation, readings, usual=False).values()]
+    columns = np.array([each.column for each in found]).T
+    covariance, gained, rows = dense(observation, places, columns)
+    made = problem(observation, readings, NOBODY, usual=False)
+    root = along(observation)
+    for space in (Numbers(made), Unknowns(made)):
+        given = space.given(np.zeros(0))
+        assert given is not None
+        assert given.answer().covariance == pytest.approx(covariance, rel=1e-4, abs=1e-16)
+        moved = root @ gain(made, given, columns / made.noise[:, None])[: root.shape[1]]
+        lines = np.linalg.norm(moved, axis=0)
+        assert lines == pytest.approx(np.linalg.norm(root @ (gained @ columns)[: root.shape[1]], axis=0), rel=1e-5)
+        left = np.eye(len(gained)) - gained @ rows
+        noise = observation.setups[0].noise ** 2
+        perfect = left @ observation.prior_covariance() @ left.T + noise * gained @ gained.T
+        grown = (covariance - perfect)[: root.shape[1], : root.shape[1]]
+        assert np.sum(lines**2) == pytest.approx(np.trace(root @ grown @ root.T), rel=1e-5)
+
+
+def test_the_gain_is_by_what_the_mean_moves() -> None:
+    made = _problem(8)
+    column = np.random.default_rng(2).standard_normal((len(made.values), 1))
+    for room in (Numbers, Unknowns):
+        given = room(made).given(np.zeros(0))
+        assert given is not None
+        moved = room(_moved(made, column[:, 0])).given(np.zeros(0))
+        assert moved is not None
+        assert gain(made, given, column)[:, 0] == pytest.approx(moved.answer().mean - given.answer().mean, abs=1e-12)
+
+
+def _moved(made: Problem, by: Array) -> Problem:
+    return replace(made, values=made.values + by)
+
+
+def test_a_gain_moves_no_mean_and_teaches_no_size() -> None:
+    """Its column is like the readings: in K it would explain a curve whatever it is, with no noise at all."""
+    dial = described(BEDSIDE + 'instrument = "indicator"\ndirection = "x"\nunknowns = { zero = "1 mm" }')
+    observation, places = observed(dial), np.linspace(0.01, 0.99, 40)
+    curve = 20e-6 * np.sin(6 * places)
+    noise = 1e-6 * np.random.default_rng(1).standard_normal(40)
+    may = Learnable("roughly", usual=True, inherited=False)
+    made = problem(observation, read_at(places, curve + noise, "s"), sizes_of(dial.machine, dial.setups, may))
+    assert made.held.shape == (40, 1)
+    found, without = posterior(made), posterior(replace(made, held=np.zeros((40, 0))))
+    assert found.sizes == without.sizes
+    np.testing.assert_array_equal(found.mean, without.mean)
+    shape = along(observation)
+    seen = shape @ found.mean[: shape.shape[1]]
+    at = np.linspace(0.0, 1.0, 101)
+    right = 20e-6 * (np.sin(6 * at) - np.mean(np.sin(6 * at)))
+    assert np.sqrt(np.mean((seen - right) ** 2)) < 1.5e-6
+    grown = found.covariance - without.covariance
+    own = shape @ grown[: shape.shape[1], : shape.shape[1]] @ shape.T
+    share = np.sqrt(np.mean(np.diagonal(own)) / np.mean(right**2))
+    largest = float(np.max(np.abs(curve + noise - np.mean(curve + noise))))
+    assert share == pytest.approx(1e-6 / largest, rel=0.1)  # 1 um of the largest, which is more than 1 %
+
+
+def test_no_number_of_readings_brings_u_below_what_they_have_in_common() -> None:
+    """A strain of 5.85 ppm of 0.5 K, hypot with 2, 1, 1.15 and 0.5, over 1 m: 6.4 ppm of 0.289 m RMS, shrunk by P."""
+    observation, found = observed(described(LASER)), list[float]()
+    root = along(observation)
+    for count in (5, 50, 500):
+        covariance = posterior(_problem(count)).covariance[: root.shape[1], : root.shape[1]]
+        found.append(float(np.sqrt(np.mean(np.einsum("ij,jk,ik->i", root, covariance, root)))))
+    strain = float(np.linalg.norm([5.85, 2.0, 1.0, 2.0 / np.sqrt(3.0), 0.5])) * PPM
+    floor = strain * np.sqrt(1 / 12)
+    assert found[2] == pytest.approx(floor, rel=0.05)
+    assert found[0] > found[1] > found[2]
+
+
+def _inside(strains: Sequence[float], said: str = "", target: str = "", usual: bool = True) -> float:
+    """Return the share of the travel inside U, in the mean over machines whose readings strains make longer."""
+    observation = observed(described(LASER + said, target=target))
+    root, places, shares = along(observation), np.random.default_rng(3).uniform(0, 1, 24), list[float]()
+    for seed, strain in enumerate(strains):
+        errors, readings = drawn(observation, places, strain, seed)
+        found = posterior(problem(observation, readings, NOBODY, usual=usual))
+        covariance = found.covariance[: root.shape[1], : root.shape[1]]
+        limit = reach(np.einsum("ij,jk,ik->i", root, covariance, root)[:, None])
+        off = root @ (found.mean[: root.shape[1]] - errors)
+        shares.append(float(np.mean(np.abs(off) <= limit)))
+    return float(np.mean(shares))
+
+
+@pytest.mark.parametrize("strain", [0.0, 5 * PPM, 11.7 * PPM])
+def test_a_warm_machine_and_a_false_laser_are_inside_u(strain: float) -> None:
+    assert _inside([strain] * 15) > 0.93
+
+
+def test_a_machine_that_is_warmer_still_is_inside_where_somebody_says_how_warm() -> None:
+    assert _inside([20 * PPM] * 15, 'temperature_std = "1.7 K"') > 0.93
+
+
+def test_u_covers_strains_drawn_as_the_table_says_as_often_as_it_promises() -> None:
+    """Temperature, laser, air, expansion at 1 K, and a rectangle of half a mrad squared."""
+    std = float(np.linalg.norm([11.7, 1.0, np.hypot(0.5, 0.54), 1.0, 0.5 / np.sqrt(3.0)])) * PPM
+    strains = std * np.random.default_rng(8).standard_normal(200)
+    assert _inside(strains.tolist()) == pytest.approx(0.95, abs=0.03)
+
+
+@pytest.mark.parametrize(("target", "usual"), [("", False), (AS_READ, True)])
+def test_a_warm_machine_is_outside_where_its_temperature_is_left_out(target: str, usual: bool) -> None:
+    assert _inside([11.7 * PPM] * 15, target=target, usual=usual) < 0.5

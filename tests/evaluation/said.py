@@ -1,0 +1,11 @@
+"""What a check says of a judgement."""
+
+from __future__ import annotations
+
+from axiscal.evaluation.acceptance.judgement import Judgement
+from axiscal.present.check_answer import check_answer, check_text
+
+
+def said_of(judgement: Judgement) -> str:
+    """Return the words for a judgement."""
+    return check_text(check_answer(judgement, 1))

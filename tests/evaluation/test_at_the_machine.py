@@ -1,0 +1,238 @@
+"""A check with spheres that the machine touches itself: where it goes, what may be in force, and what is kept."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.campaign.sources.source import Answer, Request, Source
+from axiscal.cli.app import run
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.evaluation.acceptance.at_the_machine import Sheet
+from axiscal.evaluation.acceptance.check import Check, requests
+from axiscal.exceptions import SourceError, TableError
+from axiscal.measurement.place import Places
+from axiscal.measurement.simulation import Simulator
+from axiscal.ports.linuxcnc import live as linuxcnc_live
+from axiscal.ports.linuxcnc.live import InForce
+from axiscal.tables.effect import CommandedMachine
+from tests.generators import touched_table as table
+
+pytestmark = pytest.mark.long
+
+SEED = 3
+CONTROL = "linuxcnc-volumetric"
+CAMPAIGN = table.CAMPAIGN.replace("\n\n[target]", '\ntool_length = "1 um"\ntool_eccentricity = "0.5 um"\n\n[target]')
+READY: dict[str, Any] = {"compensated": [], "tables": [None], "whole": None, "checksum": None}
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("touched") / "m.axiscal"
+    description = campaign_from_texts(CAMPAIGN, "c.toml", table.MACHINE, "m.toml")
+    truth = Simulator(description.machine, description.setups).drawn(SEED)
+    with Campaign.create(path, description) as campaign:
+        campaign.run(SimulatedSource(truth, SEED), lambda _: None)
+    return path
+
+
+@pytest.fixture(scope="module")
+def check(record: Path) -> Check:
+    with Campaign.open(record, write=False) as campaign:
+        return Check.of(campaign, CONTROL)
+
+
+def tips(check: Check, places: Places) -> list[float]:
+    """How far each place is from the next ball, mm."""
+    axes, far = check.description.machine.axes, list[float]()
+    for pose in places.poses:
+        named = zip(axes, pose, strict=True)
+        at = {axis.name: float(np.degrees(value) if axis.rotary else 1e3 * value) for axis, value in named}
+        tip = table.tip(at, table.STATED)
+        far.append(min(float(np.linalg.norm(tip - np.array(ball))) for ball in table.BALLS.values()))
+    return far
+
+
+def test_every_place_is_at_a_ball_and_none_comes_twice(check: Check) -> None:
+    for count in (None, 4, 16):
+        places = check.planned(count)
+        assert max(tips(check, places)) < 1e-3
+        assert len({(*pose, *sides) for pose, sides in zip(places.poses, places.approaches, strict=True)}) == len(
+            places
+        )
+
+
+class Machine:
+    """The simulated machine in place of one that runs, with the files loaded or not."""
+
+    def __init__(self, check: Check, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.check, self.asked, self.dies_at = check, list[tuple[bool, int]](), 10**6
+        monkeypatch.setattr(linuxcnc_live, "attached_to", self.attached)
+        description = check.description
+        self.truth = Simulator(description.machine, description.setups).drawn(SEED)
+
+    def attached(self, host: str, _: object, in_force: InForce) -> Source:
+        assert host == "mill.local"
+        compensated = CommandedMachine.corrected(self.truth, self.check.tables.control)
+        inner, outer = SimulatedSource(compensated if in_force.active else self.truth, SEED), self
+
+        class Here:
+            def read(self, request: Request) -> Answer:
+                outer.asked.append((in_force.active, request.reading))
+                if len(outer.asked) == outer.dies_at:
+                    raise SourceError("the line to LinuxCNC was cut", "Look at the machine")
+                answer = inner.read(request)
+                assert isinstance(answer, Answer)
+                return answer
+
+            def close(self) -> None:
+                pass
+
+        return Here()
+
+
+def test_a_check_is_read_in_two_commands_and_goes_on_where_it_was_cut(
+    record: Path, check: Check, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    machine = Machine(check, monkeypatch)
+    found, left = tmp_path / "found.csv", tmp_path / "left.csv"
+    words = ["verify", str(record), "--to", CONTROL, "--source", "linuxcnc-live:mill.local", "--tolerance", "20 um"]
+    words += ["--found", str(found), "--left", str(left), "--points", "8"]
+    machine.dies_at = 4
+    assert run(words) == 1
+    said = " ".join(capsys.readouterr().err.split())
+    assert "3 of 8 readings are kept in" in said
+    assert "go on with the same command" in said
+    assert run(words) == 0
+    assert "give the same command again" in capsys.readouterr().out
+    assert machine.asked == [(False, n) for n in (1, 2, 3, 4, 4, 5, 6, 7, 8)]
+    assert run([*words, "--json"]) == 0
+    judged = json.loads(capsys.readouterr().out)
+    assert machine.asked[9:] == [(True, n) for n in range(1, 9)]
+    assert judged["verdict"] == "pass"
+    assert judged["tables_loaded"]
+    assert run(words) == 0
+    assert "PASS" in capsys.readouterr().out
+    assert len(machine.asked) == 17
+    assert run([*words[:-1], "6"]) == 1
+    assert "other" in capsys.readouterr().err
+
+
+def test_the_standard_deviation_of_a_reading_is_kept_in_the_file(check: Check, tmp_path: Path) -> None:
+    """The first readings are of a machine that says none, as in files of before; the file goes on with the others."""
+    wanted = requests(check.description, check.planned(4))
+    stds = [None, None, 0.7e-6, 1.25e-7]
+
+    class Source:
+        def read(self, request: Request) -> Answer:
+            number = wanted.index(request)
+            return Answer(1e-6 * number, stds[number], (2e-6, -3e-6))
+
+        def close(self) -> None:
+            pass
+
+    file = tmp_path / "found.csv"
+    for some in (2, 4):
+        Sheet(file, check.description, wanted[:some]).fill(Source, lambda *_: None)
+        assert file.read_text().splitlines()[0].endswith("std_um") == (some == 4)
+    held = Sheet(file, check.description, wanted).held()
+    assert [each.std for each in held] == [None, None, *map(pytest.approx, stds[2:])]
+    assert held[3].values == pytest.approx((3e-6, 2e-6, -3e-6))
+
+
+@pytest.mark.parametrize(
+    ("file", "tolerance", "why", "status"),
+    [
+        ("nowhere/found.csv", "20 um", "nothing can be written there", 1),
+        ("found.csv", "20 kg", "unknown unit", 1),
+        ("left.csv", "20 um", "are one file", 2),
+    ],
+)
+def test_what_would_end_a_check_later_is_said_before_anything_moves(
+    record: Path,
+    check: Check,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    file: str,
+    tolerance: str,
+    why: str,
+    status: int,
+) -> None:
+    machine = Machine(check, monkeypatch)
+    words = ["verify", str(record), "--to", CONTROL, "--source", "linuxcnc-live:mill.local", "--tolerance", tolerance]
+    words += ["--found", str(tmp_path / file), "--left", str(tmp_path / "left.csv"), "--points", "4"]
+    assert run(words) == status
+    assert why in " ".join(capsys.readouterr().err.split())
+    assert machine.asked == []
+
+
+def test_balls_that_are_placed_by_hand_are_judged_against_themselves(check: Check, record: Path) -> None:
+    """The places of the balls, 50 um each, would hide 20 um otherwise; a missing file is seen all the same."""
+    places = check.planned(12)
+    right = check.asked(f"sim:{SEED}", places)
+    assert check.judged(right, "20 um").verdict == "pass"
+    found, _ = right
+    assert check.judged((found, found), "20 um").verdict == "fail"
+
+
+def exported(folder: Path) -> Path:
+    folder.mkdir()
+    (folder / "X.comp").write_text("0 0 0\n1 0.1 0.1\n")
+    return folder
+
+
+def test_what_is_to_be_in_force_is_what_was_exported(check: Check, tmp_path: Path) -> None:
+    for name, text in check.tables.files.items():
+        (tmp_path / name).write_text(text)
+    wanted = InForce.of(tmp_path)
+    assert wanted.checksum is not None
+    there = READY | {"whole": True, "checksum": str(wanted.checksum)}
+    wanted.refuse(there)
+    wanted.refuse(there | {"checksum": hex(wanted.checksum)})
+    for other, why in (
+        ({"checksum": None}, "is not loaded"),
+        ({"checksum": "17"}, "holds another file"),
+        ({"whole": False}, "is not true"),
+        ({"compensated": [1]}, "of joint 1 is in force beside"),
+    ):
+        with pytest.raises(SourceError, match=why):
+            wanted.refuse(there | other)
+
+
+def test_tables_are_known_by_what_is_in_them(tmp_path: Path) -> None:
+    wanted = InForce.of(exported(tmp_path / "tables"))
+    digest = hashlib.sha256(b"0 0 0\n1 0.1 0.1\n").hexdigest()
+    there = READY | {"compensated": [0], "tables": [digest, None]}
+    wanted.refuse(there)
+    with pytest.raises(SourceError, match=r"no joint has X\.comp"):
+        wanted.refuse(there | {"tables": [digest[::-1], None]})
+    with pytest.raises(SourceError, match="beside the tables"):
+        wanted.refuse(there | {"whole": True})
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(TableError, match="no file for LinuxCNC"):
+        InForce.of(tmp_path / "empty")
+
+
+def test_nothing_or_anything_may_be_in_force() -> None:
+    InForce().refuse(READY)
+    InForce(True).refuse(READY | {"compensated": [0]})
+    InForce(True).refuse(READY | {"whole": True})
+    for wanted, status in ((InForce(), {"whole": True}), (InForce(), {"compensated": [0]}), (InForce(True), {})):
+        with pytest.raises(SourceError):
+            wanted.refuse(READY | status)
+
+
+@pytest.mark.parametrize(
+    "more", [["--found", "f.csv"], ["--plan", "p.csv"], ["--found", "f.csv", "--left", "l.csv", "--plan", "p.csv"]]
+)
+def test_what_does_not_go_together_is_refused(more: list[str], record: Path) -> None:
+    assert run(["verify", str(record), "--source", "linuxcnc-live", *more]) == 2
+    assert run(["verify", str(record), "--loaded", "tables"]) == 2

@@ -1,0 +1,194 @@
+"""A check with instruments that read along x, y and z at once: trackers."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.cli.app import run
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.evaluation.acceptance.check import Check
+from axiscal.evaluation.acceptance.datums import datums_of
+from axiscal.evaluation.acceptance.straightened import straightened
+from axiscal.evaluation.acceptance.verification import plan_check, values_at
+from axiscal.exceptions import ReadingError
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.place import Places
+from axiscal.measurement.simulation import Simulator
+from tests.evaluation.test_verification import MACHINE
+from tests.generators.reaches import reach_of
+
+pytestmark = pytest.mark.long
+
+NEAR = '[[setups]]\nname = "nest"\ninstrument = "tracker"\nnoise = "0.4 um"\nstation = ["0 mm", "-900 mm", "0 mm"]\n'
+TRACKER = '[[setups]]\nname = "afar"\ninstrument = "tracker"\nnoise = "1 um"\nstation = ["0 mm", "-900 mm", "0 mm"]\n'
+PROBE = '[[setups]]\nname = "along y"\ninstrument = "probe"\ndirection = "y"\nnoise = "0.4 um"\n' + reach_of(MACHINE)
+SEED = 5
+
+
+def _description(*setups: str) -> CampaignDescription:
+    text = 'machine = "m.toml"\n[target]\nrms = "1.5 um"\nreadings = 24\n' + "".join(setups)
+    return campaign_from_texts(text, "c.toml", MACHINE, "m.toml")
+
+
+def _record(path: Path, *setups: str) -> Path:
+    description = _description(*setups)
+    truth = Simulator(description.machine, description.setups).drawn(SEED)
+    with Campaign.create(path, description) as campaign:
+        campaign.run(SimulatedSource(truth, SEED), lambda _: None)
+    return path
+
+
+@pytest.mark.parametrize("setup", [NEAR, TRACKER], ids=["near", "afar"])
+def test_the_right_tables_pass_and_another_machine_is_noticed(
+    setup: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record = _record(tmp_path / "m.axiscal", setup)
+    assert run(["verify", str(record), "--source", f"sim:{SEED}", "--tolerance", "12 um", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["verdict"] == "pass"
+    assert said["tables_loaded"]
+    assert said["estimate_believed"]
+    assert len(said["readings"]) >= 3 * 12
+    assert len(said["readings"]) % 3 == 0
+    assert run(["verify", str(record), "--source", "sim:99", "--tolerance", "12 um"]) == 0
+    assert "do not agree with the estimate" in capsys.readouterr().out
+
+
+def test_the_sheet_to_fill_in_has_a_column_for_every_value(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record, plan = _record(tmp_path / "m.axiscal", NEAR + 'moves = ["X"]\n', PROBE), tmp_path / "check.csv"
+    assert run(["verify", str(record), "--points", "8", "--plan", str(plan), "--json"]) == 0
+    planned = json.loads(capsys.readouterr().out)["plan"]
+    assert {len(p["found_um"]) if isinstance(p["found_um"], list) else 1 for p in planned} == {1, 3}
+    with plan.open(newline="") as file:
+        lines = list(csv.DictReader(file))
+    columns = ("value_um", "value_x_um", "value_y_um", "value_z_um")
+    assert tuple(lines[0])[-4:] == columns
+    for name, key in (("found.csv", "found_um"), ("left.csv", "left_um")):
+        with (tmp_path / name).open("w", newline="") as file:
+            sheet = csv.DictWriter(file, list(lines[0]))
+            sheet.writeheader()
+            for line, place in zip(lines, planned, strict=True):
+                shown = place[key] if isinstance(place[key], list) else [place[key]]
+                names = columns[1:] if len(shown) == 3 else columns[:1]
+                sheet.writerow(line | {n: f"{v:.4f}" for n, v in zip(names, shown, strict=True)})
+    arguments = ["verify", str(record), "--found", str(tmp_path / "found.csv"), "--left", str(tmp_path / "left.csv")]
+    assert run([*arguments, "--tolerance", "12 um"]) == 0
+    assert "PASS" in capsys.readouterr().out
+    assert run(["verify", str(record), "--points", "8", "--plan", str(plan)]) == 0
+    shown_text = capsys.readouterr().out
+    assert "fill in value_um, value_x_um, value_y_um, value_z_um" in " ".join(shown_text.split())
+    assert "as found (" in shown_text
+
+
+def test_datums_take_off_what_a_tracker_brings() -> None:
+    """Three zeros, and three turns that are not known to the tolerance: nothing of them is left on a true machine."""
+    description = _description(TRACKER)
+    setup, rng = replace(description.setups[0], noise=0.0), np.random.default_rng(0)
+    low, high = np.array([axis.travel for axis in description.machine.axes]).T
+    poses = rng.uniform(low, high, (6, 2))
+    truth = Simulator(description.machine, description.setups).with_curves({}, 1)
+    values = np.array([truth.read_all(setup, tuple(map(float, pose)), (1, 1), rng) for pose in poses]).ravel()
+    assert np.abs(values).max() > 1e-4
+    of, directions = np.repeat(np.arange(6), 3), np.tile(np.eye(3), (6, 1))
+    datums = datums_of(
+        description.machine, description.setups, np.zeros(18, dtype=np.intp), poses[of], directions, 1e-6
+    )
+    assert np.abs(datums.free @ values).max() < 3e-6  # a turn of 1 mrad is linear to a millionth of the distance
+    assert {datum.unknown for datum in datums.taken} == {unknown.name for unknown in setup.unknowns}
+    assert datums.lines == ("afar",)
+
+
+def test_a_tracker_set_down_by_eye_shows_the_machine_and_not_its_turn() -> None:
+    """Twelve places, 20 mrad off about each axis: by scipy's rotation, and what is left of 10 um of deviations."""
+    description, rng = _description(TRACKER), np.random.default_rng(7)
+    setup, turn = description.setups[0], Rotation.from_rotvec([0.019, -0.021, 0.023])
+    station = np.array([0.0, -0.9, 0.0])
+    low, high = np.array([axis.travel for axis in description.machine.axes]).T
+    poses, deviations = rng.uniform(low, high, (12, 2)), rng.normal(0, 1e-5, (12, 3))
+    tips = frames(description.machine, poses).tcp
+    shown = turn.apply(tips + deviations - station) + station - tips
+    straight = straightened(description.machine, setup, poses, shown, ["turn_x", "turn_y", "turn_z"])
+    of, directions = np.repeat(np.arange(12), 3), np.tile(np.eye(3), (12, 1))
+    none = np.zeros(36, dtype=np.intp)
+    datums = datums_of(description.machine, description.setups, none, poses[of], directions, 1e-6)
+    left = datums.free @ straight.ravel() - datums.free @ deviations.ravel()
+    assert np.abs(left).max() < 2e-8
+    assert np.abs(datums.free @ shown.ravel() - datums.free @ deviations.ravel()).max() > 2e-5
+
+
+def test_a_check_with_a_tracker_set_down_by_eye_passes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Mounted anew for as found and for as left, some 20 mrad off each time."""
+    turns = ", ".join(f'turn_{axis} = "20 mrad", zero_{axis} = "1 mm"' for axis in "xyz")
+    record = _record(tmp_path / "m.axiscal", f"{TRACKER}unknowns = {{ {turns} }}\n")
+    arguments = ["verify", str(record), "--source", f"sim:{SEED}", "--tolerance", "12 um", "--json"]
+    assert run(arguments) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["verdict"] == "pass"
+    assert said["tables_loaded"]
+    assert said["estimate_believed"]
+
+
+@pytest.fixture(scope="module")
+def two_setups(tmp_path_factory: pytest.TempPathFactory) -> Check:
+    record = _record(tmp_path_factory.mktemp("two") / "m.axiscal", NEAR + 'moves = ["X"]\n', PROBE)
+    with Campaign.open(record, write=False) as campaign:
+        return Check.of(campaign, "csv")
+
+
+@pytest.mark.parametrize("count", [3, 4, 5, 7, 8, 13, None])
+def test_a_check_tells_the_machine_from_every_set_up_that_it_reads(count: int | None, two_setups: Check) -> None:
+    """What is planned can be judged: with three zeros and three turns a tracker is read at three places, or at none."""
+    places = two_setups.planned(count)
+    assert count is None or len(places) == count
+    judged = two_setups.judged(two_setups.asked(f"sim:{SEED}", places), "1 nm")
+    assert len(judged.left) == len(values_at(two_setups.description.setups, places).of)
+    assert int(np.sum(places.setups == 0)) not in (1, 2)
+
+
+def test_fewer_places_than_any_set_up_needs_are_refused(two_setups: Check) -> None:
+    with pytest.raises(ReadingError, match=r"2 places cannot tell the machine from a set-up\. Ask for 3 or more"):
+        two_setups.planned(2, "tracker")
+    assert len(two_setups.planned(2, "tracker", tolerance=1.0)) == 2
+
+
+def _places(check: Check, setup: int) -> Places:
+    """Return where a check may read in a set-up."""
+    lattice = check.estimation.case.lattice
+    return lattice.within(lattice.setups == setup)
+
+
+def test_what_is_said_of_places_counts_those_that_are_known(two_setups: Check) -> None:
+    """Of 1 + 1 places that are asked for the one of the probe is known, and the tracker needs three more."""
+    setups, control = two_setups.description.setups, two_setups.tables.control
+    known, nest = _places(two_setups, 1).within(slice(1)), _places(two_setups, 0)
+    with pytest.raises(ReadingError, match="2 places cannot tell the machine from a set-up") as refused:
+        plan_check(two_setups.estimate, setups, nest, (), control, 1, known)
+    assert refused.value.remedy == "Ask for 4 or more"
+    assert len(plan_check(two_setups.estimate, setups, nest, (), control, 4 - len(known), known)) == 3
+
+
+def test_the_number_of_places_that_is_named_can_be_asked_for(two_setups: Check) -> None:
+    with pytest.raises(ReadingError, match=r"only \d+ places of 500 are new") as refused:
+        two_setups.planned(500)
+    new = int(str(refused.value.what).split()[1])
+    assert refused.value.remedy == f"Ask for --points {new} or fewer"
+    assert len(two_setups.planned(new)) == new
+
+
+def test_a_set_up_with_too_few_new_places_is_left_out(two_setups: Check) -> None:
+    """The tracker was read everywhere but at one place: with two that the tables would have it lacks one."""
+    nest, probe = _places(two_setups, 0), _places(two_setups, 1)
+    first = Places.joined([nest.within(slice(1)), probe.within(slice(2))])
+    few = Places.joined([nest.within(slice(2)), probe])
+    whole = two_setups._whole(first, few, 12, 0.0)
+    assert set(whole.setups.tolist()) == {1}
+    assert set(two_setups._others(few, 6, whole, 0.0).setups.tolist()) == {1}

@@ -1,0 +1,193 @@
+"""The check looks where each table corrects most: one that is wrong or missing fails, one not looked at is named."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.cli.app import run
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.evaluation.acceptance.check import Check
+from axiscal.evaluation.acceptance.judgement import Judgement
+from axiscal.evaluation.acceptance.table_checks import parts_of, shares
+from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator, VirtualMachine
+from axiscal.numerics import Array
+from axiscal.present.check_answer import check_answer
+from axiscal.tables.effect import Control, left_by, table_control
+from tests.evaluation.said import said_of
+from tests.generators.reaches import reach_of
+from tests.generators.texts import machine_text
+
+pytestmark = pytest.mark.long
+
+MACHINE = machine_text(
+    "w-X'-b-Y-Z-t",
+    {"X": (0, 300), "Y": (0, 200), "Z": (0, 150)},
+    {"EXX EYY EZZ": "20 um", "EYX": "15 um", "C0Y": "90 urad", "EXX_reversal": "8 um"},
+    tool=50,
+    name="Bench",
+)
+SETUPS = "".join(
+    f'[[setups]]\nname = "{d}"\ninstrument = "probe"\ndirection = "{d}"\nnoise = "0.3 um"\napproach = "both"\n'
+    f'unknowns = {{ zero = "100 um" }}\n' + reach_of(MACHINE)
+    for d in "xyz"
+)
+CAMPAIGN = f'machine = "m.toml"\nusual = "off"\nsure = "exactly"\n[target]\nreadings = 45\n{SETUPS}'
+HUGE = "1 mm"
+
+
+@cache
+def checked(folder: Path) -> tuple[Check, VirtualMachine]:
+    described = campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m.toml")
+    truth = Simulator(described.machine, described.setups).drawn(8)
+    with Campaign.create(folder / "bench.axiscal", described) as campaign:
+        campaign.run(SimulatedSource(truth, 8), lambda _: None)
+    with Campaign.open(folder / "bench.axiscal", write=False) as campaign:
+        return Check.of(campaign, "csv"), truth
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("single")
+
+
+def readings(check: Check, truth: VirtualMachine, places: Places, control: Control, seed: int) -> tuple[Reading, ...]:
+    """Return what probes show on the true machine under a control, with zeros of their own and noise."""
+    rng, setups = np.random.default_rng(seed), check.description.setups
+    tips = left_by(truth.model.machine, truth.deviation, control, places.poses, places.approaches)
+    zeros = rng.normal(0, 5e-5, len(setups))
+    rows = zip(places.setups.tolist(), places.poses.tolist(), places.approaches.tolist(), tips, strict=True)
+    return tuple(
+        Reading(
+            setups[s].name,
+            tuple(pose),
+            tuple(int(side) for side in sides),
+            float(tip @ setups[s].direction + zeros[s] + rng.normal(0, setups[s].noise)),
+        )
+        for s, pose, sides, tip in rows
+    )
+
+
+def nothing(poses: Array, approaches: Array) -> Array:
+    return np.zeros_like(poses)
+
+
+def judged(check: Check, truth: VirtualMachine, places: Places, loaded: Control, tolerance: str = HUGE) -> Judgement:
+    found, left = (readings(check, truth, places, control, seed) for seed, control in ((1, nothing), (2, loaded)))
+    return check.judged((found, left), tolerance)
+
+
+def with_share(check: Check, name: str, share: float) -> Control:
+    """Return the tables with one of them loaded so many times: 0 is a missing file, -1 one with the wrong sign."""
+    (table,) = (t for t in check.tables.tables if name == (t.axis if t.axis == t.over else f"{t.axis} over {t.over}"))
+    alone = table_control(check.estimate.machine, [table])
+    return lambda poses, ways: check.tables.control(poses, ways) + (share - 1) * alone(poses, ways)
+
+
+def test_every_table_is_read_at_its_ends_and_where_it_corrects_most(folder: Path) -> None:
+    check, _ = checked(folder)
+    places = check.planned()
+    for table in check.tables.tables:
+        over, along = check.estimate.machine.index(table.over), "XYZ".index(table.axis)
+        mine = places.poses[[abs(check.description.setups[s].direction[along]) > 0.9 for s in places.setups]][:, over]
+        low, high = check.estimate.box[over]
+        at = np.linspace(low, high, 301)
+        most = at[np.argmax(np.abs(table.deviation(at, 1)))]
+        for wanted in (low, high, most):
+            assert np.min(np.abs(mine - wanted)) < 0.1 * (high - low), (table.axis, table.over, wanted)
+    x = places.approaches[[check.description.setups[s].name == "x" for s in places.setups]][:, 0]
+    assert set(x.tolist()) == {1.0, -1.0}
+
+
+def test_all_tables_loaded_pass_and_are_all_checked(folder: Path) -> None:
+    check, truth = checked(folder)
+    judgement = judged(check, truth, check.planned(), check.tables.control)
+    assert judgement.verdict == "pass"
+    assert {share.name for share in judgement.shares if share.checked} >= {"X", "Y", "Z", "Y over X", "reversal of X"}
+    assert judgement.idle == ()
+    assert "NOT CHECKED: axis" not in said_of(judgement)
+    for share in judgement.shares:
+        assert not share.checked or abs(share.value - 1) < 5 * share.std + 0.05
+
+
+@pytest.mark.parametrize("name", ["X", "Y", "Z", "Y over X", "X over Y"])
+@pytest.mark.parametrize(("share", "cause"), [(-1.0, "wrong sign"), (0.0, "was not loaded")])
+def test_a_single_table_that_is_wrong_or_missing_fails_whatever_the_tolerance(
+    folder: Path, name: str, share: float, cause: str
+) -> None:
+    check, truth = checked(folder)
+    judgement = judged(check, truth, check.planned(), with_share(check, name, share))
+    assert judgement.verdict == "fail"
+    faulty = {each.name for each in judgement.faulty}
+    assert name in faulty
+    assert faulty <= {name, f"reversal of {name}"}
+    text = said_of(judgement)
+    assert cause in text
+    assert f"not as exported: {', '.join(each.name for each in judgement.faulty)}" in text
+
+
+def test_a_reversal_that_is_missing_fails(folder: Path) -> None:
+    check, truth = checked(folder)
+    means = [table.averaged() for table in check.tables.tables]
+    judgement = judged(check, truth, check.planned(), table_control(check.estimate.machine, means))
+    assert [share.name for share in judgement.faulty] == ["reversal of X"]
+    assert judgement.verdict == "fail"
+
+
+def test_tables_that_were_not_looked_at_are_named_beside_the_verdict(folder: Path) -> None:
+    check, truth = checked(folder)
+    places = check.planned()
+    along_x = places.within(np.array([check.description.setups[s].name == "x" for s in places.setups]))
+    judgement = judged(check, truth, along_x, check.tables.control)
+    assert judgement.verdict == "pass"
+    assert {"Y", "Z", "Y over X"} <= set(judgement.unchecked)
+    assert judgement.idle == ("Y", "Z")
+    assert "X" not in judgement.unchecked
+    text = said_of(judgement)
+    assert "only - NOT CHECKED: axis Y (not moved through its volume and read along), axis Z" in text
+    assert text.index("PASS") < text.index("NOT CHECKED")
+    assert list(check_answer(judgement, 1).not_checked) == list(judgement.unchecked)
+    missing = judged(check, truth, along_x, with_share(check, "Z", 0.0))
+    assert missing.verdict == "pass"
+    assert "Z" in missing.unchecked
+
+
+def test_shares_are_the_least_squares_of_the_change(folder: Path) -> None:
+    check, _ = checked(folder)
+    parts = parts_of(check.estimate, check.tables)[:3]
+    rng = np.random.default_rng(3)
+    columns, noise = rng.normal(size=(20, 3)), rng.uniform(0.5, 2.0, 20)
+    change = columns @ np.array([1.0, -1.0, 0.0]) + 0.01 * rng.normal(size=20)
+    found = shares(parts, columns, change, np.diag(noise**2))
+    weights = np.diag(noise**-2.0)
+    normal = columns.T @ weights @ columns
+    assert [share.value for share in found] == pytest.approx(np.linalg.solve(normal, columns.T @ weights @ change))
+    assert [share.std for share in found] == pytest.approx(np.sqrt(np.diag(np.linalg.inv(normal))))
+    twins = columns[:, [0, 0, 1]]
+    assert [share.checked for share in shares(parts, twins, change, np.diag((0.01 * noise) ** 2))] == [
+        False,
+        False,
+        True,
+    ]
+
+
+def test_the_command_takes_as_many_places_as_the_tables_need(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    check, _ = checked(folder)
+    record = str(folder / "bench.axiscal")
+    capsys.readouterr()
+    assert run(["verify", record, "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["plan"]) == len(check.planned()) >= 12
+    assert run(["verify", record, "--points", "6", "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["plan"]) == 6
+    assert run(["verify", record, "--source", "sim:8", "--tolerance", "50 um", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["verdict"] == "pass"
+    assert {table["table"] for table in said["tables"]} >= {"X", "Y", "Z"}

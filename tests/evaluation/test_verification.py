@@ -1,0 +1,312 @@
+"""The check after compensation: new places, both extremes, and a verdict that knows its uncertainty."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.cli.app import run
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.evaluation.acceptance.check import tolerance_of
+from axiscal.evaluation.acceptance.datums import GUARD
+from axiscal.evaluation.acceptance.verification import judge, plan_check, verdict, with_displacements
+from axiscal.exceptions import ReadingError, TargetError
+from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator, VirtualMachine
+from axiscal.numerics import Array
+from axiscal.tables.effect import Control, left_by, table_control
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.registry import export
+from tests.evaluation.said import said_of
+from tests.generators.reaches import reach_of
+from tests.generators.texts import machine_text
+
+MACHINE = machine_text(
+    "w-X'-b-Y-t",
+    {"X": (0, 300), "Y": (0, 200)},
+    {"EXX EYY": "20 um", "C0Y": "90 urad", "EXX_reversal": "4 um"},
+    tool=50,
+    name="Bench",
+)
+CAMPAIGN = """machine = "m.toml"
+usual = "off"
+sure = "exactly"
+[target]
+rms = "1.5 um"
+readings = 40
+[[setups]]
+name = "along x"
+instrument = "probe"
+direction = "x"
+noise = "0.4 um"
+unknowns = { zero = "100 um" }
+{REACH}[[setups]]
+name = "along y"
+instrument = "probe"
+direction = "y"
+noise = "0.4 um"
+unknowns = { zero = "100 um" }
+{REACH}[[setups]]
+name = "level"
+instrument = "level"
+direction = "z"
+{REACH}""".replace("{REACH}", reach_of(MACHINE))
+SEED = 11
+
+
+def description() -> CampaignDescription:
+    return campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m.toml")
+
+
+@cache
+def problem() -> Case:
+    return Case(description())
+
+
+def simulator() -> Simulator:
+    return Simulator(description().machine, description().setups)
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("verify") / "bench.axiscal"
+    with Campaign.create(path, description()) as campaign:
+        campaign.run(SimulatedSource(simulator().drawn(SEED), SEED), lambda _: None)
+    return path
+
+
+@pytest.fixture(scope="module")
+def state(record: Path) -> tuple[Estimate, tuple[Reading, ...], Control]:
+    with Campaign.open(record, write=False) as campaign:
+        estimate = campaign.estimate().estimate()
+        return estimate, tuple(campaign.state.readings), export(estimate, "csv", ExportOptions()).control
+
+
+def candidates() -> Places:
+    lattice = problem().lattice
+    return with_displacements(description().setups, Places(lattice.setups, lattice.poses, lattice.approaches))
+
+
+def readings(truth: VirtualMachine, places: Places, control: Control | None, seed: int) -> tuple[Reading, ...]:
+    """What the set-ups of a campaign would show on the true machine under a control."""
+    rng = np.random.default_rng(seed)
+    setups = description().setups
+
+    def still(poses: Array, approaches: Array) -> Array:
+        return np.zeros_like(poses)
+
+    tips = left_by(truth.model.machine, truth.deviation, control or still, places.poses, places.approaches)
+    zeros = rng.normal(0, 1e-4, len(setups))
+    return tuple(
+        Reading(
+            setups[s].name,
+            tuple(pose),
+            tuple(int(a) for a in signs),
+            float(tip @ setups[s].direction + zeros[s] + rng.normal(0, setups[s].noise)),
+            None,
+            None,
+        )
+        for s, pose, signs, tip in zip(
+            places.setups.tolist(), places.poses.tolist(), places.approaches.tolist(), tips, strict=True
+        )
+    )
+
+
+@pytest.mark.long
+def test_places_are_new_apart_and_of_both_kinds(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
+    estimate, used, control = state
+    chosen = plan_check(estimate, description().setups, candidates(), used, control, 12)
+    assert len(chosen.setups) == 12
+    assert set(chosen.setups.tolist()) == {0, 1}
+    lengths = np.array([axis.length for axis in estimate.machine.axes])
+    for reading in used:
+        mine = chosen.poses[chosen.setups == [s.name for s in description().setups].index(reading.setup)]
+        if len(mine):
+            assert np.min(np.max(np.abs(mine - np.array(reading.pose)) / lengths, axis=1)) >= 0.05
+    for setup in (0, 1):
+        mine = chosen.poses[chosen.setups == setup] / lengths
+        apart = [np.max(np.abs(a - b)) for i, a in enumerate(mine) for b in mine[:i]]
+        assert min(apart) >= 0.15
+
+
+def test_more_places_than_are_new_are_refused(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
+    estimate, used, control = state
+    with pytest.raises(ReadingError, match=r"only \d+ places of 500 are new") as refused:
+        plan_check(estimate, description().setups, candidates(), used, control, 500)
+    new = int(str(refused.value.what).split()[1])
+    assert refused.value.remedy == f"Ask for --points {new} or fewer"
+    few = candidates().within(np.array([0]))
+    with pytest.raises(ReadingError, match=r"too few places are new to tell the machine") as refused:
+        plan_check(estimate, description().setups, few, (), control, 2)
+    assert "fewer" not in refused.value.remedy
+
+
+def test_the_right_tables_pass_and_the_wrong_ones_fail(
+    state: tuple[Estimate, tuple[Reading, ...], Control],
+) -> None:
+    estimate, used, control = state
+    truth, setups = simulator().drawn(SEED), description().setups
+    places = plan_check(estimate, setups, candidates(), used, control, 12)
+    found = readings(truth, places, None, 1)
+    good = judge(estimate, setups, found, readings(truth, places, control, 2), control, 6e-6)
+    assert (good.verdict, good.believed) == ("pass", True)
+    assert np.max(np.abs(good.left)) < 0.3 * np.max(np.abs(good.found))
+    wrong = judge(estimate, setups, found, readings(truth, places, lambda p, a: -control(p, a), 2), control, 6e-6)
+    assert (wrong.verdict, wrong.believed) == ("fail", False)
+    near = float(np.max(np.abs(good.left)))
+    assert judge(estimate, setups, found, readings(truth, places, control, 2), control, near).verdict == "undecided"
+
+
+def test_an_instrument_that_does_not_move_decides_nothing(
+    state: tuple[Estimate, tuple[Reading, ...], Control],
+) -> None:
+    estimate, used, control = state
+    places = plan_check(estimate, description().setups, candidates(), used, control, 8)
+    found = readings(simulator().drawn(SEED), places, None, 1)
+    stuck = tuple(replace(reading, value=0.0) for reading in found)
+    judged = judge(estimate, description().setups, found, stuck, control, 30e-6)
+    assert judged.verdict == "undecided"
+    assert set(judged.still) == {reading.setup for reading in found}
+    assert "the instrument does not move" in said_of(judged)
+
+
+def test_zeros_of_set_ups_do_not_matter(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
+    estimate, used, control = state
+    truth, setups = simulator().drawn(SEED), description().setups
+    places = plan_check(estimate, setups, candidates(), used, control, 8)
+    left = readings(truth, places, control, 2)
+    moved = tuple(replace(r, value=r.value + (3e-3 if r.setup == "along x" else -1e-3)) for r in left)
+    one, other = (judge(estimate, setups, left, r, control, 6e-6) for r in (left, moved))
+    assert one.left == pytest.approx(other.left, abs=1e-12)
+    assert one.agrees == pytest.approx(other.agrees, rel=1e-3)
+
+
+def test_growth_that_is_known_is_not_taken_for_a_deviation(
+    state: tuple[Estimate, tuple[Reading, ...], Control],
+) -> None:
+    estimate, used, control = state
+    truth, setups = simulator().drawn(SEED), description().setups
+    places = plan_check(estimate, setups, candidates(), used, control, 8)
+    left = readings(truth, places, control, 2)
+    warm = (replace(setups[0], warmer=10.0, expansion=1e-5), *setups[1:])
+    grown = tuple(replace(r, value=r.value + 1e-4 * (r.pose[0] - 0.15)) if r.setup == "along x" else r for r in left)
+    one, other = judge(estimate, setups, left, left, control, 6e-6), judge(estimate, warm, grown, grown, control, 6e-6)
+    assert max(abs(g.value - r.value) for g, r in zip(grown, left, strict=True)) > 1e-6
+    assert other.left == pytest.approx(one.left, abs=1e-12)
+
+
+@pytest.mark.long
+def test_agreement_is_as_frequent_as_it_says(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
+    """On machines drawn from the belief itself p is uniform: below 0.1 one time in ten."""
+    estimate, used, control = state
+    setups = description().setups
+    places = plan_check(estimate, setups, candidates(), used, control, 8)
+    rng = np.random.default_rng(5)
+    draws = estimate.mean[:, None] + estimate.factor @ rng.standard_normal((estimate.factor.shape[1], 300))
+    probabilities = []
+    for seed, coefficients in enumerate(draws.T):
+        curves = tuple(
+            (lambda t, f=f, c=coefficients: f.basis.rows(t) @ c[f.columns]) for f in estimate.model.functions
+        )
+        truth = VirtualMachine(estimate.model, curves, {})
+        left = readings(truth, places, control, seed)
+        probabilities.append(judge(estimate, setups, left, left, control, 6e-6).agrees)
+    assert 0.05 < np.mean(np.array(probabilities) < 0.1) < 0.16
+    assert 0.42 < np.mean(np.array(probabilities) < 0.5) < 0.58
+
+
+@given(st.lists(st.floats(-1e-5, 1e-5), min_size=1, max_size=9), st.floats(1e-8, 1e-6), st.floats(1e-7, 1e-5))
+def test_a_verdict_is_decided_by_the_guard_band(values: list[float], std: float, tolerance: float) -> None:
+    deviations, stds = np.array(values), np.full(len(values), std)
+    decided = verdict(deviations, stds, tolerance)
+    worst = float(np.max(np.abs(deviations)))
+    assert (decided == "pass") == (worst + GUARD * std <= tolerance)
+    assert (decided == "fail") == (worst - GUARD * std > tolerance)
+    assert verdict(-deviations, stds, tolerance) == decided
+    assert verdict(deviations, stds, tolerance * 1e3) == "pass"
+
+
+def test_readings_of_other_places_are_refused(state: tuple[Estimate, tuple[Reading, ...], Control]) -> None:
+    estimate, used, control = state
+    truth, setups = simulator().drawn(SEED), description().setups
+    places = plan_check(estimate, setups, candidates(), used, control, 8)
+    found = readings(truth, places, None, 1)
+    with pytest.raises(ReadingError, match="8 as-found and 7 as-left"):
+        judge(estimate, setups, found, found[:-1], control, 1e-6)
+    with pytest.raises(ReadingError, match="not read at the same place"):
+        judge(estimate, setups, found, found[::-1], control, 1e-6)
+    level = tuple(replace(reading, setup="level") for reading in found)
+    with pytest.raises(ReadingError, match='"level" reads no displacement'):
+        judge(estimate, setups, level, level, control, 1e-6)
+    with pytest.raises(ReadingError, match="cannot tell the machine from the set-up"):
+        judge(estimate, setups, found[:1], found[:1], control, 1e-6)
+
+
+def filled(plan: Path, values: list[float], out: Path) -> Path:
+    head, *lines = plan.read_text().splitlines()
+    rows = [line + f"{value * 1e6:.3f}" for line, value in zip(lines, values, strict=True)]
+    out.write_text("\n".join([head, *rows]) + "\n")
+    return out
+
+
+def test_the_command_plans_and_judges(record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan = tmp_path / "check.csv"
+    assert run(["verify", str(record), "--points", "8", "--plan", str(plan), "--json"]) == 0
+    planned = json.loads(capsys.readouterr().out)["plan"]
+    assert len(planned) == 8
+    names = [s.name for s in description().setups]
+    places = Places(
+        np.array([names.index(p["setup"]) for p in planned]),
+        np.array([[p["position"]["X"], p["position"]["Y"]] for p in planned]) * 1e-3,
+        np.array([[1.0 if f"{axis}+" in p["approach"] else -1.0 for axis in "XY"] for p in planned]),
+    )
+    assert run(["verify", str(record), "--points", "8", "--plan", str(plan)]) == 0
+    shown = capsys.readouterr().out
+    assert shown.count("predicted: as found") == 8
+    assert all(f"from {p['approach']}" in shown for p in planned)
+    assert f"Copy {plan} to found.csv and left.csv, and fill in value_um" in " ".join(shown.split())
+    truth = simulator().drawn(SEED)
+    with Campaign.open(record, write=False) as campaign:
+        estimate = campaign.estimate(ended=True).estimate()
+    control = table_control(estimate.machine, export(estimate, "linuxcnc", ExportOptions()).tables)
+    files = [
+        filled(plan, [r.value for r in readings(truth, places, c, 3)], tmp_path / name)
+        for c, name in ((None, "found.csv"), (control, "left.csv"))
+    ]
+    arguments = ["verify", str(record), "--found", str(files[0]), "--left", str(files[1]), "--to", "linuxcnc"]
+    assert run([*arguments, "--tolerance", "6 um"]) == 0
+    assert "PASS at 6 um" in capsys.readouterr().out
+    assert run([*arguments, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["tolerance_um"] == pytest.approx(3.0)
+    assert run([*arguments, "--tolerance", "6 deg"]) == 1
+    assert run(["verify", str(record), "--source", f"sim:{SEED}", "--tolerance", "6 um"]) == 0
+    assert "PASS" in capsys.readouterr().out
+    assert run(["verify", str(record), "--source", "sim:99", "--tolerance", "6 um"]) == 0
+    assert "do not agree with the estimate" in capsys.readouterr().out
+    for source in ("csv:x.csv", "sim:x", "exec:true"):
+        assert run(["verify", str(record), "--source", source]) == 1
+    assert run([*arguments, "--source", "sim:1"]) == 2
+    assert run(arguments[:4]) == 2
+
+
+@pytest.mark.parametrize(
+    ("target", "allowed"), [({"worst": 9e-6}, 9e-6), ({"rms": 4e-6}, 8e-6), ({"expanded": 7e-6}, 7e-6)]
+)
+def test_the_largest_deviation_allowed_follows_from_any_accuracy(target: dict[str, Any], allowed: float) -> None:
+    none = replace(description().target, rms=None, worst=None, expanded=None)
+    assert tolerance_of(replace(none, **target), None) == pytest.approx(allowed)
+    with pytest.raises(TargetError, match="no accuracy target"):
+        tolerance_of(none, None)

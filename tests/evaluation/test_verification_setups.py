@@ -1,0 +1,155 @@
+"""What a check must not swallow: errors that look like a set-up's own unknowns, and tables that were not loaded."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.evaluation.acceptance.judgement import Judgement
+from axiscal.evaluation.acceptance.verification import judge
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup, Unknown
+from axiscal.numerics import Array
+from axiscal.tables.effect import Control
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.registry import export
+from tests.evaluation.said import said_of
+
+MACHINE = """name = "one"
+chain = "w-b-X-t"
+[tool]
+length = "0 mm"
+[axes.X]
+travel = ["-200 mm", "500 mm"]
+[errors]
+EXX = { std = "20 um", knots = 15, length = "300 mm" }
+EBX = { std = "1 urad", knots = 3 }
+"""
+CAMPAIGN = """machine = "m.toml"
+usual = "off"
+sure = "exactly"
+[target]
+readings = 20
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "-x"
+noise = "0.5 um"
+unknowns = { zero = "1 mm" }
+"""
+NOISE, TOLERANCE = 0.5e-6, 6e-6
+PLACES = np.linspace(-0.18, 0.48, 12)
+TRAVELLED = PLACES - 0.15
+
+
+def error(x: Array) -> Array:
+    """What the machine does along x, m: known by hand."""
+    return np.asarray(15e-6 * np.sin(x / 0.1) + 40e-6 * x)
+
+
+@cache
+def described() -> CampaignDescription:
+    return campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m.toml")
+
+
+@cache
+def known() -> tuple[Estimate, Control]:
+    """An estimate that has seen the machine in 60 readings, and its tables."""
+    rng, places = np.random.default_rng(1), np.linspace(-0.2, 0.5, 60).tolist()
+    values = [float(-error(np.array(x)) + rng.normal(0, NOISE)) for x in places]
+    readings = [Reading("laser", (x,), (1,), value) for x, value in zip(places, values, strict=True)]
+    estimate = concluded(Case(described()), readings).estimate()
+    return estimate, export(estimate, "csv", ExportOptions()).control
+
+
+def readings(seed: int, tables: float = 0.0, scale: float = 0.0, factor: float = 1.0) -> tuple[Reading, ...]:
+    """Readings along −x under so many times the tables, with a scale error on top, all of it times a factor."""
+    _, control = known()
+    rng = np.random.default_rng(seed)
+    commanded = tables * control(PLACES[:, None], np.ones((len(PLACES), 1)))[:, 0]
+    tip = error(PLACES + commanded) + commanded + scale * TRAVELLED
+    values = factor * (-tip + rng.normal(0, 1e-4) + rng.normal(0, NOISE, len(PLACES)))
+    return tuple(Reading("laser", (x,), (1,), value) for x, value in zip(PLACES.tolist(), values.tolist(), strict=True))
+
+
+def judged(found: tuple[Reading, ...], left: tuple[Reading, ...], *unknowns: Unknown) -> Judgement:
+    estimate, control = known()
+    (setup,) = described().setups
+    mounted: Setup = replace(setup, unknowns=(Unknown("zero", 1e-3), *unknowns))
+    return judge(estimate, (mounted,), found, left, control, TOLERANCE)
+
+
+OWN = [(), (Unknown("growth", 1e-6),), (Unknown("slope", 2e-6),), (Unknown("slope", 1e-3),)]
+
+
+@pytest.mark.parametrize("unknowns", OWN)
+def test_a_good_machine_passes_whatever_the_set_up_brings(unknowns: tuple[Unknown, ...]) -> None:
+    judgement = judged(readings(2), readings(3, tables=1.0), *unknowns)
+    assert (judgement.verdict, judgement.believed, judgement.loaded, judgement.strained) == ("pass", True, True, ())
+    assert judgement.share == pytest.approx(1.0, abs=0.1)
+    assert judgement.lines == (("laser",) if unknowns == OWN[-1] else ())
+
+
+@pytest.mark.parametrize("unknowns", OWN[:3])
+def test_a_scale_error_fails_beside_a_growth_or_slope_that_is_known_well(unknowns: tuple[Unknown, ...]) -> None:
+    """200 um/m over 330 mm from the middle are 66 um; a growth known to 1 um/m is 0.3 um of them."""
+    judgement = judged(readings(2, scale=2e-4), readings(3, tables=1.0, scale=2e-4), *unknowns)
+    assert (judgement.verdict, judgement.believed, judgement.loaded) == ("fail", False, True)
+    assert np.max(np.abs(judgement.left)) == pytest.approx(66e-6, abs=4e-6)
+
+
+def test_a_line_that_is_taken_off_has_to_be_one_that_was_foreseen() -> None:
+    judgement = judged(readings(2, scale=2e-4), readings(3, tables=1.0, scale=2e-4), Unknown("slope", 3e-5))
+    assert judgement.lines == ("laser",)
+    assert [datum.unknown for datum in judgement.strained] == ["slope"]
+    assert (judgement.verdict, judgement.believed) == ("undecided", True)
+    assert 'the slope of "laser" would have to be far larger' in said_of(judgement)
+
+
+def test_growth_adds_its_own_uncertainty() -> None:
+    """Against the mean of n: noise √(1 − 1/n), and the growth times the distance from the middle of the readings."""
+    judgement = judged(readings(2), readings(3, tables=1.0), Unknown("growth", 4e-6))
+    hand = np.hypot(NOISE * np.sqrt(11 / 12), 4e-6 * (PLACES - PLACES.mean()))
+    assert judgement.std == pytest.approx(hand, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("tables", "share", "cause"),
+    [(0.0, 0.0, "were not loaded"), (-1.0, -1.0, "loaded with the wrong sign"), (2.0, 2.0, "wrong sign or unit")],
+)
+def test_tables_that_are_not_those_are_noticed(tables: float, share: float, cause: str) -> None:
+    judgement = judged(readings(2), readings(3, tables=tables))
+    assert (judgement.verdict, judgement.loaded) == ("fail", False)
+    assert judgement.share == pytest.approx(share, abs=0.1)
+    assert cause in said_of(judgement)
+
+
+@pytest.mark.parametrize("factor", [-1.0, 0.0, 1000.0, 1e-3])
+def test_as_found_values_that_are_nonsense_do_not_pass(factor: float) -> None:
+    judgement = judged(readings(2, factor=factor), readings(3, tables=1.0))
+    assert (judgement.verdict, judgement.believed, judgement.loaded) == ("undecided", True, False)
+    told = said_of(judgement)
+    assert "as found minus as left is not what the tables take away" in told
+    assert "UNDECIDED" in told
+    assert "contradict" in told
+
+
+@pytest.mark.long
+def test_the_change_is_as_unlikely_as_it_says() -> None:
+    """Readings with the tables, of fresh noise each time: p below 0.1 one time in ten."""
+    results = [judged(readings(s), readings(s + 1000, tables=1.0), Unknown("growth", 1e-9)).changed for s in range(300)]
+    assert 0.06 < np.mean(np.array(results) < 0.1) < 0.15
+    assert 0.42 < np.mean(np.array(results) < 0.5) < 0.58
+
+
+def test_rounding_is_printed_as_nothing() -> None:
+    same = tuple(replace(reading, value=0.1) for reading in readings(2))
+    told = said_of(judged(same, same))
+    assert "As found: largest 0 um, RMS 0 um\nAs left:  largest 0 um, RMS 0 um" in told

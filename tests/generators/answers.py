@@ -1,0 +1,61 @@
+"""Answers as documents, with figures of any size."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from axiscal.answers.answer import Aim, AnswerLine, AnswerRow, ResultAnswer
+from axiscal.description.wants import RowName, dimension
+from axiscal.machine import Machine
+
+
+def answer(**changes: Any) -> ResultAnswer:
+    """Return the answer of 32 readings that agree, without rows, with changes."""
+    usual: dict[str, Any] = {
+        "verdict": "measured",
+        "rows": [],
+        "aims": [],
+        "more": 123,
+        "more_minutes": 56.2,
+        "readings": 32,
+        "left_out": 1,
+        "compared": 32,
+        "agreeing": 32,
+        "minutes": 25.3,
+        "clocked": False,
+        "withheld": False,
+        "steps": [],
+    }
+    return ResultAnswer(**(usual | changes))
+
+
+def answer_row(
+    row: RowName, machine: Machine, measured: bool = True, controls: Sequence[str] = ("linuxcnc",)
+) -> AnswerRow:
+    """Return a row with large figures."""
+    unit = "urad" if dimension(row, machine) == "angle" else "um"
+    return AnswerRow(
+        row=row.name,
+        kind=row.kind,
+        axes=row.axes,
+        unit=unit,
+        found=234.5,
+        largest=400.0,
+        known_to=128.9,
+        known_before=300.0,
+        floor=2.0,
+        left=dict.fromkeys(controls if unit == "um" else (), 123.4),
+        limit=None,
+        reached=None,
+        measured=measured,
+        one_more=0.84 if row.kind == "backlash" and not measured else None,
+        lines=[
+            AnswerLine(setup="laser", axis="X", ends=(0.0, 100.0), at={"Y": 0.0}, places={"+": 4, "-": 0, "both": 0})
+        ],
+    )
+
+
+def aim(name: str, now: float, limit: float, floor: float, **more: Any) -> Aim:
+    """Return something that is asked for."""
+    return Aim(name=name, now=now, limit=limit, floor=floor, **more)

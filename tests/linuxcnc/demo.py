@@ -1,0 +1,275 @@
+"""The whole loop on a real control: LinuxCNC moves, hidden errors are added, tables go in, the error is gone.
+
+    python -m tests.linuxcnc.demo --out DIR
+
+A campaign drives a LinuxCNC through MDI, what it makes is loaded, LinuxCNC starts anew, and positions that were never
+measured are visited as found, with the tables, and with the realtime component that corrects everything at once: on a
+mill, on a gantry of two joints, on a mill that is set up in inches, and on swivelling tables with the kinematics that
+LinuxCNC brings, in tool centre point mode: one of them touches three spheres itself, by G38, and one has every error
+that ISO 230-1 names.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.milestones import Milestone
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.document.durable import write_whole
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import AxiscalError
+from axiscal.measurement.simulation import Simulator, VirtualMachine
+from axiscal.numerics import Array
+from axiscal.numerics.threads import one_thread
+from axiscal.ports.linuxcnc.lab import can_load
+from axiscal.present.delivery import write_files
+from axiscal.present.drawing.colours import on_paper
+from axiscal.present.drawing.svg_picture import Figure, picture
+from axiscal.present.figures import axis_style, layout
+from axiscal.tables.effect import left_by, rms
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.offer import Export
+from axiscal.tables.registry import export
+from axiscal.units import to_unit
+from tests.linuxcnc.built import Build, BuiltMachine, BuiltSource
+from tests.linuxcnc.probing import Probe
+
+_TABLE = Build(tcp=True), ExportOptions(pivots=True)
+EXAMPLES: dict[str, tuple[str, Build, ExportOptions]] = {
+    "three-axis": ("three-axis", Build(), ExportOptions()),
+    "gantry": ("gantry", Build(pairs="Y"), ExportOptions(numbers={"Y": (1, 2)})),
+    "inch": ("three-axis", Build(unit="in"), ExportOptions(unit="in")),
+    "xyzac": ("xyzac", Build(tcp=True, probe=Probe()), ExportOptions(pivots=True)),
+    "xyzbc": ("xyzbc", *_TABLE),
+    "xyzac-all": ("xyzac-all", *_TABLE),
+}
+"""Name -> whose description it is, how LinuxCNC is set up, what is exported."""
+MACHINES = tuple(EXAMPLES)[:-1]
+"""Those that take little time; the last one is for the demo alone."""
+_WHAT = {
+    "three-axis": "mill in mm, trivkins",
+    "gantry": "coordinates = XYYZ, trivkins",
+    "inch": "the mill with LINEAR_UNITS = inch",
+    "xyzac": "xyzac-trt-kins in TCP mode, spheres touched by G38",
+    "xyzbc": "xyzbc-trt-kins in TCP mode",
+    "xyzac-all": "xyzac-trt-kins in TCP mode, all 30 error motions",
+}
+FOLDER = Path(__file__).with_name("machines")
+SEED = 2005
+"""Any seed: the demo is to be the same every time."""
+_AT_ONCE = 2
+"""Machines: while one of them moves, another one is planned for; each LinuxCNC is kept apart."""
+POSITIONS = 60
+"""An RMS over so many poses is known to a tenth; each takes time of a real LinuxCNC."""
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """What one closed loop came to: RMS of the TCP deviation over the verification positions, m, without the shift, of
+    a part the shift and the turn, that setting it up takes off.
+
+    before : as LinuxCNC goes there without anything; after, expected, missed : with the tables
+    std : how far off the prediction they were said to be (RMS)
+    whole : with the realtime component, None where it cannot be compiled; messages : of LinuxCNC to the operator
+    """
+
+    readings: int
+    before: float
+    after: float
+    expected: float
+    missed: float
+    std: float
+    whole: Left | None
+    messages: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """What is left with files loaded, m.
+
+    after : as LinuxCNC goes there; expected : what was expected, the uncertainty of the estimate included
+    missed : how far `after` is from the left deviation that was predicted position by position
+    """
+
+    after: float
+    expected: float
+    missed: float
+
+
+def description(name: str) -> CampaignDescription:
+    """Return the campaign on one of `MACHINES`."""
+    stem = EXAMPLES[name][0]
+    campaign, machine = (FOLDER / f"{stem}.{kind}.toml" for kind in ("campaign", "machine"))
+    described, built = (path.read_text(encoding="utf-8") for path in (campaign, machine))
+    return campaign_from_texts(described, campaign.name, built, machine.name)
+
+
+@one_thread()
+def close_loop(name: str, out: Path, seed: int = SEED) -> Loop:
+    """Calibrate, compensate and verify one machine; raises ControlError, RecordError, OSError."""
+    case, (_, build, options) = Case(description(name)), EXAMPLES[name]
+    truth = Simulator(case.description.machine, case.description.setups).drawn(seed)
+    record = out / f"{name}.axiscal"
+    with Campaign.create(record, case.description) as campaign:
+        with BuiltMachine(truth, None, build) as control:
+            campaign.run(BuiltSource(control, seed), _unwatched)
+        estimation, readings = campaign.estimate(ended=True), len(campaign.state.readings)
+    offers = [export(estimation.estimate(), "linuxcnc", options)]
+    if can_load("axiscal_vcomp"):
+        offers.append(export(estimation.estimate(), "linuxcnc-volumetric", replace(options, pivots=False)))
+    for offered in offers:
+        write_files(offered, out / offered.controller / name)
+    return _verified(estimation, offers, truth, build, readings)
+
+
+def _verified(
+    estimation: Estimation, offers: Sequence[Export], truth: VirtualMachine, build: Build, readings: int
+) -> Loop:
+    estimate, yardstick = estimation.estimate(), estimation.case.yardstick
+    poses, approaches = _positions(estimate, yardstick.sample)
+    std, messages = estimation.accuracy.rms, list[str]()
+
+    def size(deviation: Array) -> float:
+        return rms(deviation if yardstick.alignment is None else yardstick.alignment.left(poses, deviation))
+
+    def seen(offered: Export | None) -> Array:
+        with BuiltMachine(truth, None if offered is None else offered.files, replace(build, probe=None)) as machine:
+            deviation = machine.seen.deviation(poses, approaches)
+            messages.extend(machine.errors)
+        return deviation
+
+    def tried(offered: Export) -> Left:
+        foretold = left_by(estimate.machine, estimate.deviation, offered.control, poses, approaches)
+        found = seen(offered)
+        return Left(size(found), float(np.hypot(size(foretold), std)), size(found - foretold))
+
+    before = size(seen(None))
+    tables, *whole = (tried(offered) for offered in offers)
+    left = tables.after, tables.expected, tables.missed
+    return Loop(readings, before, *left, std, whole[0] if whole else None, tuple(messages))
+
+
+def _positions(estimate: Estimate, sample: Array | None) -> tuple[Array, Array]:
+    """Return poses (POSITIONS, q) in the volume that no plan has chosen, and directions of approach.
+
+    sample : (m, q) poses of the volume where it is a part
+    """
+    rng = np.random.default_rng(SEED + 1)
+    low, high = np.array(estimate.box).T
+    shape = (POSITIONS, len(low))
+    inside = low + (high - low) * rng.uniform(size=shape)
+    poses: Array = inside if sample is None else sample[rng.choice(len(sample), POSITIONS, replace=False)]
+    approaches: Array = rng.choice([-1.0, 1.0], size=shape)
+    return poses, approaches
+
+
+def _unwatched(_: Milestone) -> None:
+    """Nobody looks at the single readings."""
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
+def _report(name: str, loop: Loop, seconds: float) -> str:
+    before, after, expected, missed, std = (
+        to_unit(value, "um") for value in (loop.before, loop.after, loop.expected, loop.missed, loop.std)
+    )
+    return (
+        f"{name} ({_WHAT[name]}): {loop.readings} readings through LinuxCNC, files loaded, restarted, {POSITIONS} new "
+        f"positions ({seconds:.0f} s)\n"
+        f"  RMS deviation of the tool as found  {before:6.2f} um\n"
+        f"  with the tables in LinuxCNC         {after:6.2f} um   (expected {expected:.2f} um)\n"
+        f"{_whole(loop)}\n"
+        f"  off the prediction by               {missed:6.2f} um   with the tables (stated {std:.2f} um)"
+    )
+
+
+def _whole(loop: Loop) -> str:
+    if loop.whole is None:
+        return "  with the realtime component: not tried, Debian's linuxcnc-uspace-dev and gcc are not installed"
+    after, expected = (to_unit(value, "um") for value in (loop.whole.after, loop.whole.expected))
+    return f"  with the realtime component         {after:6.2f} um   (expected {expected:.2f} um)"
+
+
+def drawn(loops: Mapping[str, Loop]) -> str:
+    """Return a picture of all machines: bars as found, with tables and with the component, and what was expected."""
+    bars, expected = list[Figure](), list[Figure]()
+    names = list[Figure]()
+    top = 1.25 * max(to_unit(loop.before, "um") for loop in loops.values())
+    for place, (name, loop) in enumerate(loops.items(), 1):
+        whole = (loop.whole.after, loop.whole.expected) if loop.whole else (0.0, 0.0)
+        shown = ((loop.before, None), (loop.after, loop.expected), whole)
+        for i, ((height, foretold), colour) in enumerate(zip(shown, _COLOURS, strict=True)):
+            left = place - 0.36 + 0.25 * i
+            side = {"x0": left, "x1": left + 0.22}
+            bars.append({"type": "rect", "y0": 0, "y1": to_unit(height, "um"), "fillcolor": colour, **side})
+            if foretold:
+                at = to_unit(foretold, "um")
+                expected.append(
+                    {"type": "line", "y0": at, "y1": at, "line": {"color": "var(--ink)", "width": 1.5}, **side}
+                )
+        names.append(_label(name, (place - 0.86) / len(loops), 0.9 * top))
+    said = "as found | with tables | with the component; line: expected"
+    names.append(_label(said, 0.02, 0.98 * top))
+    x = axis_style("machine", range=[0.5, len(loops) + 0.5], dtick=1, showgrid=False)
+    y = axis_style("RMS deviation of the tool (um)", range=[0.0, top])
+    style = layout(x, y, 320) | {"shapes": [*bars, *expected], "annotations": names}
+    return on_paper(picture({"data": [], "layout": style}, 760, "RMS deviation of the tool on every machine"))
+
+
+_COLOURS = ("var(--soft)", "var(--truth)", "var(--accent)")
+
+
+def _label(text: str, x: float, y: float) -> Figure:
+    return {"text": text, "x": x, "y": y, "yanchor": "middle", "font": {"size": 11, "color": "var(--ink)"}}
+
+
+def _timed(name: str, folder: Path) -> tuple[Loop, float]:
+    """Return what a loop came to, and its seconds; raises AxiscalError that goes from one process to another."""
+    begun = time.monotonic()
+    try:
+        return close_loop(name, folder), time.monotonic() - begun
+    except AxiscalError as failure:
+        raise AxiscalError(f"{name}: {failure}") from None
+
+
+def main(arguments: list[str]) -> int:
+    """Close the loop on every machine; returns the exit status."""
+    out = Path(arguments[arguments.index("--out") + 1]) if "--out" in arguments[:-1] else Path("demo-linuxcnc-out")
+    folder = out / time.strftime("%Y%m%d-%H%M%S")
+    try:
+        folder.mkdir(parents=True)
+        loops = dict[str, Loop]()
+        with ProcessPoolExecutor(_AT_ONCE, get_context("spawn")) as pool:
+            closing = {name: pool.submit(_timed, name, folder) for name in EXAMPLES}
+            try:
+                for name, closed in closing.items():
+                    loops[name], seconds = closed.result()
+                    _say(_report(name, loops[name], seconds))
+            except BaseException:
+                pool.shutdown(cancel_futures=True)
+                raise
+        write_whole(folder / "loops.svg", drawn(loops).encode())
+    except (AxiscalError, OSError) as failure:
+        sys.stderr.write(f"{failure}\n")
+        return 1
+    _say("The realtime component was never run on real drives or on a realtime kernel, and it is no safety function.")
+    _say(f"Records, tables, notes and the picture loops.svg: {folder}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

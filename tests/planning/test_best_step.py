@@ -1,0 +1,113 @@
+"""The next measurement: the paper's sequence, lines against a plain twin, and no better reading in a dense lattice."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.estimation.accuracy import criterion
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.numerics.axis_pairs import Pairs
+from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.step.best_step import best_step
+from axiscal.planning.step.climb import Climb
+from axiscal.planning.step.starts_stacked import adds_up
+from tests.generators.designs import levered, random_poses, read, splines
+
+POSITIONS = (5.8730, 2.3144, 8.7285, 4.1742, 1.3682, 0.0, 10.0, 7.0444, 3.1836, 5.0)
+VALUES = (6.86244, 5.29228, 3.73376, 2.21355, 1.07741, 0.62000, 0.19634, 0.09769, 0.07641, 0.06404)
+
+
+def test_one_spline_follows_the_published_sequence() -> None:
+    asked = splines(1, 7, 0.1, 50)
+    belief = asked.belief
+    mirrored = None
+    for position, value in zip(POSITIONS, VALUES, strict=True):
+        step = best_step(Knowledge(asked.observation, belief), asked.root, asked.lattice)
+        found = float(step.pose[0])
+        if mirrored is None:
+            mirrored = abs(found - position) > 0.01
+        assert (10 - found if mirrored else found) == pytest.approx(position, abs=6e-5)
+        belief = belief.update(step.row, 0.0, step.variance)
+        assert criterion.value(belief, asked.root) == pytest.approx(value, abs=6e-6)
+
+
+def test_three_stacked_splines_end_where_exact_greedy_ends() -> None:
+    asked = splines(3, 7, 0.01, 300)
+    belief = asked.belief
+    for _ in range(20):
+        step = best_step(Knowledge(asked.observation, belief), asked.root, asked.lattice)
+        before = criterion.value(belief, asked.root)
+        belief = belief.update(step.row, 0.0, step.variance)
+        assert before - criterion.value(belief, asked.root) == pytest.approx(step.gain, rel=1e-9)
+    assert criterion.value(belief, asked.root) == pytest.approx(2.8749, abs=5e-4)
+
+
+@pytest.mark.parametrize("setup", [0, 1])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_nowhere_along_an_axis_is_there_a_better_reading(setup: int, axis: int) -> None:
+    generator = np.random.default_rng(10 * setup + axis)
+    asked = read(levered(), generator, 6)
+    scorer = Scorer.of(asked.observation, asked.belief, asked.root)
+    poses, approaches = random_poses(asked, generator, 4)
+    _, found, gains = Climb.begun(scorer, setup, poses, approaches)._along(axis)
+    for pose, approach, position, gain in zip(poses, approaches, found, gains, strict=True):
+        line = np.tile(pose, (4002, 1))
+        line[:, axis] = [*np.linspace(*asked.observation.machine.axes[axis].travel, 4001), position]
+        along = scorer.at(setup, line, np.tile(approach, (4002, 1)))
+        assert along.max() <= gain * (1 + 1e-9)
+        assert along[-1] == pytest.approx(gain, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_pose_of_a_dense_lattice_gains_more(seed: int) -> None:
+    generator = np.random.default_rng(seed)
+    asked = read(levered(1500), generator, 8)
+    step = best_step(Knowledge(asked.observation, asked.belief), asked.root, asked.lattice)
+    scorer = Scorer.of(asked.observation, asked.belief, asked.root)
+    for setup in (0, 1):
+        poses, approaches = random_poses(asked, generator, 20000)
+        assert scorer.at(setup, poses, approaches).max() <= step.gain * (1 + 1e-9)
+
+
+def test_a_raster_is_kept_and_the_better_side_chosen() -> None:
+    asked = levered(1500)
+    setups = tuple(replace(s, raster=(0.1, 0.05, 0.05)) for s in asked.observation.setups)
+    observation = replace(asked.observation, setups=setups)
+    step = best_step(Knowledge(observation, asked.belief), asked.root, asked.lattice)
+    multiples = step.pose / np.array([0.1, 0.05, 0.05])
+    np.testing.assert_allclose(multiples, np.round(multiples), atol=1e-9)
+    assert set(step.approach) <= {-1.0, 1.0}
+
+
+def test_additive_machines_are_recognised() -> None:
+    assert adds_up(splines(3, 7, 0.1, 50).observation, 0)
+    assert not adds_up(levered().observation, 0)
+
+
+def test_pairs_hold_the_form_everywhere() -> None:
+    generator = np.random.default_rng(1)
+    rows = [generator.normal(size=(p, c)) for p, c in ((4, 2), (5, 3), (3, 2))]
+    parts = [generator.normal(size=(c, 6)) for c in (2, 3, 2)]
+    fixed = generator.normal(size=6)
+    pairs = Pairs.of(fixed, rows, parts).plus(1.5, [generator.normal(size=p) * 0 for p in (4, 5, 3)])
+    everywhere = pairs.everywhere()
+    for where in itertools.product(range(4), range(5), range(3)):
+        vector = fixed + sum(r[i] @ p for r, p, i in zip(rows, parts, where, strict=True))
+        assert everywhere[where] == pytest.approx(vector @ vector + 1.5)
+    index = np.array([[1, 2, 0], [3, 4, 2]])
+    np.testing.assert_allclose(pairs.along(1, index), [everywhere[1, :, 0], everywhere[3, :, 2]])
+
+
+def test_gains_are_the_fall_of_the_criterion() -> None:
+    asked = read(levered(), np.random.default_rng(3), 3)
+    scorer = Scorer.of(asked.observation, asked.belief, asked.root)
+    pose, approach = random_poses(asked, np.random.default_rng(4), 1)
+    seen = asked.observation.rows(1, pose, approach)
+    after: Belief = asked.belief.update(seen.rows, 0.0, seen.variances)
+    fall = criterion.value(asked.belief, asked.root) - criterion.value(after, asked.root)
+    assert float(scorer.at(1, pose, approach)[0]) == pytest.approx(fall, rel=1e-8)

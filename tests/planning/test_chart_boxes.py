@@ -1,0 +1,118 @@
+"""Proofs on charts: what is seen over a box is never more than is said, and what is said is nearly reached."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.exceptions import PlanError
+from axiscal.machine import load_machine
+from axiscal.measurement.candidates import MOST_TRIED, chart_candidates, spread
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
+from axiscal.numerics import Array
+from axiscal.planning.bound.chart_boxes import largest_on_chart, refuse_unless_boxed
+from axiscal.planning.bound.prove import prove
+from axiscal.planning.next_readings import posed
+
+BALLS = """
+[[artefacts]]
+name = "balls"
+balls = { low = ["200 mm", "0 mm", "-80 mm"], high = ["-100 mm", "170 mm", "120 mm"] }
+"""
+HELD = BALLS + '[[setups]]\nname = "it"\ninstrument = "rtest"\nartefact = "balls"\nball = ["low"]\n'
+CASES = {
+    "a ball held": HELD + 'approach = "both"\n',
+    "one value at a ball": HELD.replace("rtest", "probe") + 'direction = "y"\napproach = "both"\n',
+    "balls one after another": HELD.replace('ball = ["low"]\n', ""),
+    "one axis turns": HELD + 'moves = ["C"]\napproach = "-"\n',
+    "one of two on a raster": HELD + 'raster = { B = "30 deg" }\n',
+    "all on a raster": HELD + 'raster = { B = "30 deg", C = "45 deg" }\napproach = "both"\n',
+    "a bar in a plane": (
+        '[[setups]]\nname = "it"\ninstrument = "ballbar"\nlength = "150 mm"\n'
+        'station = ["0 mm", "0 mm", "100 mm"]\nplane = "zx"\napproach = "both"\n'
+    ),
+    "a bar and an axis in step": (
+        '[[setups]]\nname = "it"\ninstrument = "ballbar"\nlength = "100 mm"\nstation = ["50 mm", "0 mm", "100 mm"]\n'
+        'plane = "xy"\narc = ["10 deg", "200 deg"]\nturning = { C = 1.0 }\n'
+    ),
+    "a diagonal": (
+        '[[setups]]\nname = "it"\ninstrument = "interferometer"\napproach = "both"\n'
+        'along = [["-200 mm", "-200 mm", "50 mm"], ["200 mm", "200 mm", "300 mm"]]\n'
+    ),
+}
+
+
+@cache
+def case(name: str) -> Case:
+    text = f'machine = "dmu60"\n{CASES[name]}'
+    return Case(campaign_from_texts(text, "c.toml", load_machine("dmu60").text, "dmu60"))
+
+
+def along(observation: Observation, seed: int) -> Array:
+    """Four directions of all unknowns, each as large as its prior: rows along them are of one size."""
+    std = np.sqrt(observation.prior_variances())
+    draws: Array = std[:, None] * np.random.default_rng(seed).standard_normal((observation.size, 4))
+    return draws
+
+
+def lengths(observation: Observation, poses: Array, approaches: Array, reach: Array) -> Array:
+    seen = observation.rows_each(0, poses, approaches)
+    total: Array = np.sum([np.sum((each.rows @ reach) ** 2, axis=1) for each in seen], axis=0)
+    return total
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", CASES)
+def test_no_reading_is_above_the_bound_and_one_is_near_it(name: str) -> None:
+    found, gap = case(name), 0.02
+    observation, (setup,) = found.observation, found.description.setups
+    refuse_unless_boxed(observation, 0)
+    assert setup.chart is not None
+    reach = along(observation, 3)
+    poses, approaches = chart_candidates(observation.machine, setup, setup.chart, MOST_TRIED)
+    best = float(lengths(observation, poses, approaches, reach).max())
+    largest = largest_on_chart(observation, 0, reach, 0.3 * best, gap, 100_000)
+    reached = float(lengths(observation, largest.places.poses, largest.places.approaches, reach).max())
+    assert best <= largest.upper * (1 + 1e-9)
+    assert reached <= largest.upper * (1 + 1e-9)
+    assert largest.upper <= reached * (1 + max(gap, (reached / best / 0.3 - 1) / 4) + 1e-9)
+    assert setup.chart.feasible(largest.places.poses).all()
+
+
+@pytest.mark.long
+def test_a_level_that_nothing_reaches_is_what_is_said() -> None:
+    found = case("a ball held")
+    reach = along(found.observation, 1)
+    largest = largest_on_chart(found.observation, 0, reach, 1e3 * float(np.sum(reach**2)), 0.01, 100_000)
+    assert largest.upper == pytest.approx(1e3 * float(np.sum(reach**2)), rel=0.011)
+    assert not len(largest.places)
+
+
+@pytest.mark.long
+def test_a_plan_on_a_circle_is_proven_for_every_angle() -> None:
+    bar = CASES["a bar in a plane"].replace("100 mm", "-70 mm").replace('"0 mm", "0 mm"', '"300 mm", "200 mm"')
+    text = f'machine = "three-axis-mill"\nusual = "off"\n{bar}'
+    mill = Case(campaign_from_texts(text, "c.toml", load_machine("three-axis-mill").text, "three-axis-mill"))
+    task = posed(mill, mill.knowledge, candidates=200)
+    places = task.lattice.within(np.arange(0, 200, 40))
+    proof = prove(task.state, task.lattice, places, 0.05)
+    assert proof.bound.everywhere
+    assert 0 < proof.bound.value < task.state.after_readings(places).value
+    lattice = spread(mill.description.machine, mill.description.setups, 3000)
+    rng = np.random.default_rng(0)
+    for _ in range(100):
+        some: Places = lattice.within(rng.integers(0, len(lattice), 5))
+        assert proof.bound.value <= task.state.after_readings(some).value
+
+
+def test_three_coordinates_are_refused_with_what_would_help() -> None:
+    text = 'machine = "dmu60"\n[[setups]]\nname = "it"\ninstrument = "ballbar"\nlength = "150 mm"\n'
+    text += 'station = ["0 mm", "0 mm", "100 mm"]\nmoves = ["C"]\n'
+    free = Case(campaign_from_texts(text, "c.toml", load_machine("dmu60").text, "dmu60"))
+    with pytest.raises(PlanError, match="3 coordinates without steps"):
+        refuse_unless_boxed(free.observation, 0)

@@ -1,0 +1,108 @@
+"""The plain formula of the gain, and every fast way to it against it: a machine with levers, reversal and rests."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
+from axiscal.measurement.setup import Unknown
+from axiscal.numerics import Array
+from axiscal.planning.gains import dense
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.plan.task import Task
+from tests.generators.designs import levered, random_poses, read
+
+ZEROS = tuple(Unknown(f"zero_{axis}", 1e-4) for axis in "xyz")
+
+
+def _asked(seed: int, nest: bool) -> Task:
+    """A machine after a few readings in random places; with an R-test, which reads three numbers, or without."""
+    asked = levered(60)
+    if nest:
+        first, second = asked.observation.setups
+        setups = (replace(first, instrument="rtest", unknowns=ZEROS), second)
+        observation = Observation(asked.observation.errors, setups)
+        belief = type(asked.belief)(np.zeros(observation.size), observation.prior_covariance())
+        asked = replace(asked, observation=observation, belief=belief)
+    return read(asked, np.random.default_rng(seed), seed)
+
+
+def _known(asked: Task) -> dense.DenseState:
+    return dense.DenseState(asked.observation, asked.belief.covariance)
+
+
+def _gains(asked: Task, places: Places) -> Array:
+    """The gain of each place alone, plainly."""
+    return np.array([dense.gain(_known(asked), asked.root.gram, places.at(i)) for i in range(len(places))])
+
+
+def test_the_gain_of_one_number_is_the_ratio_of_the_paper() -> None:
+    """ΔJ = gᵀCWCg / (σ² + gᵀCg) (B&H eq. 27, 37), and J falls by it."""
+    asked = levered(10)
+    known, place = dense.opened(_known(asked), asked.lattice.at(3)), asked.lattice.at(3)
+    row = known.observation.rows(int(place.setups[0]), place.poses, place.approaches).rows[0]
+    noise, size = asked.observation.setups[place.setups[0]].noise, asked.root.size
+    h = known.covariance @ row
+    expected = h[:size] @ asked.root.gram.matrix @ h[:size] / (noise**2 + row @ h)
+    assert dense.gain(_known(asked), asked.root.gram, place) == pytest.approx(expected, rel=1e-12)
+    after = dense.value(dense.after_readings(_known(asked), place), asked.root.gram)
+    assert dense.value(_known(asked), asked.root.gram) - after == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("nest", [False, True])
+def test_readings_together_bring_what_they_bring_one_after_another(nest: bool) -> None:
+    asked = _asked(0, nest)
+    places, known, total = asked.lattice.within(np.array([1, 1, 20, 41, 7])), _known(asked), 0.0
+    for i in range(len(places)):
+        total += dense.gain(known, asked.root.gram, places.at(i))
+        known = dense.after_readings(known, places.at(i))
+    assert dense.gain(_known(asked), asked.root.gram, places) == pytest.approx(total, rel=1e-6)
+    np.testing.assert_allclose(
+        known.covariance, dense.after_readings(_known(asked), places).covariance, atol=1e-9 * known.covariance.max()
+    )
+
+
+@pytest.mark.parametrize("nest", [False, True])
+@pytest.mark.parametrize("seed", [0, 3])
+def test_every_fast_way_brings_the_plain_gain(seed: int, nest: bool) -> None:
+    """A scorer, the state by Potter and by Cholesky, gains that are kept up to date, and lines along an axis."""
+    asked = _asked(seed, nest)
+    places = asked.lattice.within(np.arange(0, 60, 7))
+    expected = _gains(asked, places)
+    np.testing.assert_allclose(asked.state.scorer().gains(places), expected, rtol=1e-6)
+    for i in range(len(places)):
+        entered, change = asked.state.entered(places.at(i))
+        assert change.gain == pytest.approx(expected[i], rel=1e-6)
+        assert asked.state.value - entered.value == pytest.approx(expected[i], rel=1e-5)
+        fall = asked.state.value - asked.state.after_readings(places.at(i)).value
+        assert fall == pytest.approx(expected[i], rel=1e-5)
+    pool = Pool(asked.observation, asked.lattice)
+    np.testing.assert_allclose(Scores(pool, asked.state).gains, _gains(asked, pool.lattice), rtol=1e-6)
+
+
+@pytest.mark.parametrize("nest", [False, True])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_forms_bring_the_plain_gain(axis: int, nest: bool) -> None:
+    asked = _asked(2, nest)
+    poses, approaches = random_poses(asked, np.random.default_rng(axis), 1)
+    positions = np.linspace(*asked.observation.machine.axes[axis].travel, 9)
+    for setup in (0, 1):
+        line = Places.of_setup(setup, np.tile(poses, (9, 1)), np.tile(approaches, (9, 1)))
+        line.poses[:, axis] = positions
+        above, below = asked.state.scorer().forms(setup, line.poses, line.approaches)
+        np.testing.assert_allclose(above / below, _gains(asked, line), rtol=1e-6)
+
+
+def test_the_state_after_readings_is_the_dense_one() -> None:
+    asked = _asked(3, nest=True)
+    state = asked.state.after_readings(asked.lattice)
+    expected = dense.after_readings(_known(asked), asked.lattice)
+    assert state.observation.cells == expected.observation.cells
+    np.testing.assert_allclose(
+        state.factor @ state.factor.T, expected.covariance, atol=1e-9 * float(expected.covariance.max())
+    )

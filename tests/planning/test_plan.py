@@ -1,0 +1,147 @@
+"""Plans: as good as published, never worse than plain designs, within their limits, and clear when there is none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.estimation.case import Case
+from axiscal.exceptions import PlanError
+from axiscal.measurement.place import Places
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.next_readings import posed
+from axiscal.planning.plan.exchange import exchange
+from axiscal.planning.plan.plain_designs import evenly_spaced, plain_designs, space_filling
+from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.task import Limits, Task, clock
+from axiscal.present.demo import five_axis
+from tests.generators.designs import levered, read, read_at, splines
+
+
+def greedy(asked: Task, count: int) -> float:
+    """Return J after the best candidates one at a time."""
+    scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
+    for _ in range(count):
+        scores.enter(int(scores.gains.argmax()))
+    return scores.state.value
+
+
+def test_seven_readings_on_seven_knots_together() -> None:
+    asked = splines(1, 7, 0.1)
+    plan = make_plan(asked, Limits(readings=7))
+    assert plan.value <= 0.0833
+    assert plan.ratio == pytest.approx(1.056, abs=2e-3)
+    assert greedy(asked, 7) > 0.19
+    assert [r.value for r in plan.readings] == sorted((r.value for r in plan.readings), reverse=True)
+
+
+def test_plain_designs_that_are_one_are_tried_once() -> None:
+    asked, charted = splines(2, 5, 0.1, 100), posed(case := Case(five_axis.description()), case.knowledge)
+    assert [len(each) for each in plain_designs(asked, [(0, 6)])] == [6, 6]
+    on_spheres = [(s, 4) for s, setup in enumerate(charted.observation.setups) if setup.chart is not None]
+    (once,) = plain_designs(charted, on_spheres)
+    assert once.same_as(space_filling(charted, on_spheres))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_never_worse_than_designs_that_need_no_thought(seed: int) -> None:
+    asked = read(levered(300), np.random.default_rng(seed), 3 * seed)
+    plan = make_plan(asked, Limits(readings=9), bounded=False, patience=0.0)
+    counts = [(s, int(np.sum(plan.places.setups == s))) for s in (0, 1)]
+    assert len(plan.readings) == 9
+    for design in (evenly_spaced, space_filling):
+        assert plan.value <= asked.state.after_readings(design(asked, counts)).value * (1 + 1e-9)
+    assert plan.value <= greedy(asked, 9) * (1 + 1e-9)
+    assert plan.value == pytest.approx(asked.state.after_readings(plan.places).value, rel=1e-8)
+
+
+class Falling(Scores):
+    """Scores that note by how much J falls with each exchange."""
+
+    falls: list[float]
+    before: float
+
+    def leave(self, slot: int) -> float:
+        self.before = self.state.value
+        return super().leave(slot)
+
+    def enter(self, what: int | Places, slot: int | None = None, bundle: int = 1) -> float:
+        gain = super().enter(what, slot, bundle)
+        self.falls.append(self.before / self.state.value - 1)
+        return gain
+
+
+def test_readings_that_hold_next_to_nothing_are_not_exchanged_for_one_another() -> None:
+    asked = splines(3, 7, 0.01, 500)
+    scores = Falling(Pool(asked.observation, asked.lattice), asked.state)
+    scores.falls = []
+    scores.enter_all(space_filling(asked, [(0, 40)]))
+    exchange(scores, lambda scores, _: np.ones(len(scores.pool), dtype=bool))
+    assert len(scores.falls) > 20
+    assert min(scores.falls) > 0
+
+
+def test_the_accuracy_after_each_reading_is_that_of_the_belief() -> None:
+    asked = levered(200)
+    plan = make_plan(asked, Limits(readings=5), bounded=False, patience=0.0)
+    observation, belief = asked.observation, asked.belief
+    for i, reading in enumerate(plan.readings):
+        observation, belief = read_at(observation, belief, plan.places.at(i))
+        np.testing.assert_allclose(reading.accuracy, asked.yardstick.measure(belief), rtol=1e-6)
+
+
+def test_a_budget_is_kept_and_used() -> None:
+    asked = levered(200)
+    plan = make_plan(asked, Limits(budget=720.0), bounded=False, patience=0.0)
+    reading = float(clock(asked).reading.max())
+    assert 720.0 - 2 * reading < plan.seconds <= 720.0
+    assert len(set(plan.places.setups)) == 1
+    longer = make_plan(asked, Limits(budget=1500.0), bounded=False, patience=0.0)
+    assert set(longer.places.setups) == {0, 1}
+    assert longer.value < plan.value
+
+
+def test_a_target_is_reached_in_no_more_readings_than_greedily() -> None:
+    asked = levered(200)
+    before = asked.yardstick.measure(asked.belief)
+    target = before.floor + 0.6 * (before.rms - before.floor)
+    plan = make_plan(asked, Limits(rms=target), bounded=False, patience=0.0)
+    assert plan.met
+    assert plan.accuracy.rms <= target
+    assert plan.readings[-2].accuracy.rms > target or len(plan.readings) == 1
+
+
+def test_the_mounted_setup_goes_on_from_where_the_machine_stands() -> None:
+    asked = levered(200)
+    here = Places.one(1, np.array([0.5, 0.3, 0.2]), np.zeros(3))
+    plan = make_plan(replace(asked, here=here), Limits(readings=6), bounded=False, patience=0.0)
+    if 1 in plan.places.setups:
+        assert plan.places.setups[0] == 1
+        assert plan.readings[0].seconds < 60.0
+
+
+def test_the_bound_is_below_the_plan_in_every_kind_of_limit() -> None:
+    asked = levered(200)
+    for limits in (Limits(readings=6), Limits(budget=1500.0), Limits(rms=8e-6)):
+        plan = make_plan(asked, limits, patience=0.0)
+        assert plan.bound is not None
+        assert plan.bound.value <= plan.value
+        assert plan.ratio >= 1
+
+
+@pytest.mark.parametrize(
+    ("limits", "said"), [(Limits(), "nothing would ever end"), (Limits(budget=60.0), "less than the 10.1 min")]
+)
+def test_what_cannot_be_planned_is_said(limits: Limits, said: str) -> None:
+    with pytest.raises(PlanError, match=said):
+        make_plan(levered(100), limits)
+
+
+def test_no_candidate_is_an_error() -> None:
+    asked = levered(100)
+    nothing = Places(np.zeros(0, dtype=np.intp), np.zeros((0, 3)), np.zeros((0, 3)))
+    with pytest.raises(PlanError, match="no place"):
+        make_plan(replace(asked, lattice=nothing), Limits(readings=3))

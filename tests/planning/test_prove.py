@@ -1,0 +1,131 @@
+"""Bounds for readings anywhere: below every plan, close to it where plans are known to be good."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.exceptions import PlanError
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.machine.entry import ErrorEntry
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
+from axiscal.measurement.setup import Setup, Unknown
+from axiscal.planning.bound.lower_bound import lower_bound
+from axiscal.planning.bound.prove import prove
+from axiscal.planning.bound.row_curves import refuse_unless_polynomial
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.task import Limits, Task
+from tests.generators.designs import levered, problem, random_poses, splines
+
+
+def test_seven_readings_on_seven_knots_anywhere() -> None:
+    asked = splines(1, 7, 0.1, 300)
+    plan = make_plan(asked, Limits(readings=7))
+    proof = prove(asked.state, asked.lattice, plan.places, 1e-3)
+    assert proof.bound.everywhere
+    assert proof.gap < 5e-3
+    assert plan.value / proof.bound.value == pytest.approx(1.056, abs=3e-3)
+
+
+@pytest.mark.long
+def test_three_stacked_splines_cannot_be_measured_better() -> None:
+    asked = splines(3, 7, 0.01, 500)
+    plan = make_plan(asked, Limits(readings=20), bounded=False)
+    proof = prove(asked.state, asked.lattice, plan.places)
+    assert 1.0 <= plan.value / proof.bound.value < 1.005
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(5))
+def test_no_random_plan_is_below_it(seed: int) -> None:
+    generator = np.random.default_rng(seed)
+    asked = splines(2, 4, 10.0 ** generator.uniform(-2, 0), 100)
+    poses, approaches = random_poses(asked, generator, 6)
+    places = Places.of_setup(0, poses, np.abs(approaches))
+    bound = prove(asked.state, asked.lattice, places).bound.value
+    assert 0 < bound <= asked.state.after_readings(places).value
+    assert bound <= make_plan(asked, Limits(readings=6), bounded=False).value
+
+
+def plates(rest: float = 0.0) -> Task:
+    """Return three slides that add up, with reversal, and a set-up along each of two directions."""
+    axes = tuple(Axis.named(name, False, (0.0, 0.5)) for name in "XYZ")
+    errors = [ErrorEntry(n, 1e-5, knots=4, rest=rest) for n in ("EXX", "EXY", "EYY", "EYX", "EZZ", "EYZ")]
+    errors.append(ErrorEntry("EXX_reversal", 4e-6))
+    machine = Machine("m", axes, 0.1, tuple(errors), "", "")
+    setups = tuple(
+        Setup(n, "probe", way, (0, 1, 2), (0.2,) * 3, 1e-6, (Unknown("zero", 1e-4),), 600.0, 1.0, 3.0, raster, "both")
+        for n, way, raster in (("x", (1.0, 0.0, 0.0), (0.01, 0.0, 0.0)), ("y", (0.0, 1.0, 0.0), (0.0,) * 3))
+    )
+    return problem(machine, setups, 400)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("rest", [0.0, 1e-6])
+def test_no_search_beats_a_proof_with_several_set_ups_sides_and_a_raster(rest: float) -> None:
+    asked = plates(rest)
+    plan = make_plan(asked, Limits(readings=9), bounded=False)
+    bound = prove(asked.state, asked.lattice, plan.places, 0.05).bound.value
+    assert bound <= plan.value
+    generator = np.random.default_rng(0)
+    for _ in range(200):
+        poses, approaches = random_poses(asked, generator, 9)
+        places = Places(np.array([generator.integers(2) for _ in poses]), poses, approaches)
+        assert bound <= asked.state.after_readings(places).value
+    lattice = prove_on_the_lattice(asked, plan.places)
+    assert 0.9 * lattice < bound
+
+
+def prove_on_the_lattice(asked: Task, places: Places) -> float:
+    """Return the bound for the candidates of the lattice only."""
+    pool = Pool(asked.observation, asked.lattice)
+    return lower_bound(pool, asked.state, places, np.ones(len(pool) + len(places)), float(len(places))).value
+
+
+@pytest.mark.long
+def test_a_reading_of_three_values_counts_three_times() -> None:
+    asked = plates()
+    (first, second), zeros = asked.observation.setups, tuple(Unknown(f"zero_{a}", 1e-4) for a in "xyz")
+    nest = replace(first, instrument="rtest", unknowns=zeros)
+    asked = problem(asked.observation.machine, (nest, second), 300)
+    plan = make_plan(asked, Limits(readings=4), bounded=False)
+    bound = prove(asked.state, asked.lattice, plan.places, 0.05).bound.value
+    assert 0.3 * plan.value < bound <= plan.value
+
+
+def test_a_plan_without_readings_leaves_what_there_was() -> None:
+    asked = splines(1, 4, 0.1, 50)
+    assert prove(asked.state, asked.lattice, Places.none(1)).bound.value == pytest.approx(asked.state.value)
+
+
+def test_one_turning_axis_alone_is_no_polynomial() -> None:
+    asked = levered(50)
+    with pytest.raises(PlanError, match="C turns"):
+        refuse_unless_polynomial(replace_moves(asked, (0,)), 0)
+    refuse_unless_polynomial(replace_moves(asked, (1,)), 0)
+
+
+def replace_moves(asked: Task, moves: tuple[int, ...]) -> Observation:
+    """Return the observation with set-ups that move only some axes."""
+    return replace(asked.observation, setups=tuple(replace(s, moves=moves) for s in asked.observation.setups))
+
+
+def test_lever_arms_are_refused() -> None:
+    asked = levered(50)
+    with pytest.raises(PlanError, match="do not simply add up"):
+        prove(asked.state, asked.lattice, asked.lattice.at(0))
+
+
+@pytest.mark.long
+def test_a_proof_that_closes_no_more_ends_with_the_gap_that_is_left() -> None:
+    asked = plates()
+    plan, rounds = make_plan(asked, Limits(readings=9), bounded=False), list[str]()
+    proof = prove(asked.state, asked.lattice, plan.places, 1e-9, rounds.append)
+    assert 1 < len(rounds) < 40
+    assert 1e-9 < proof.gap < 0.2
+    assert 0 < proof.bound.value <= plan.value

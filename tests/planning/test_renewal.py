@@ -1,0 +1,136 @@
+"""The rest of a plan while measuring: it stands, or it is renewed and no worse, in limits, and on a short way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.machine.motion import approach_seconds
+from axiscal.measurement.place import Places
+from axiscal.planning.plan.order import seconds_of
+from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.renewal import renewed
+from axiscal.planning.plan.task import Limits, Task
+from tests.generators.designs import levered, read_at
+
+
+def taken(asked: Task, places: Places, believed: bool = True) -> Task:
+    """Return the problem after readings; where nobody believes them only the way to them is left."""
+    observation, belief = asked.observation, asked.belief
+    if believed:
+        observation, belief = read_at(observation, belief, places)
+    last = places.at(len(places) - 1)
+    return replace(asked, observation=observation, belief=belief, here=replace(last, approaches=np.zeros((1, 3))))
+
+
+def part(places: Places, start: int, stop: int | None = None) -> Places:
+    """Return places from one to another."""
+    return places.within(slice(start, stop))
+
+
+def same(places: Places, others: Places) -> bool:
+    """Whether two plans take the same readings, in whatever order."""
+    keys = [sorted((s, *p) for s, p in zip(some.setups, some.poses.tolist(), strict=True)) for some in (places, others)]
+    return keys[0] == keys[1]
+
+
+def worth(asked: Task, places: Places) -> float:
+    """Return J after readings."""
+    return asked.state.after_readings(places).value
+
+
+def way(asked: Task, places: Places) -> float:
+    """Return the seconds of readings in this order, one after the other."""
+    machine, before, seconds = asked.observation.machine, asked.here, 0.0
+    for place in map(places.at, range(len(places))):
+        setup = asked.observation.setups[place.setups[0]]
+        if before is None or before.setups[0] != place.setups[0]:
+            seconds += setup.setup_time
+        else:
+            sides = place.approaches[0] * [axis == 1 for axis in range(3)]  # only X has a reversal
+            seconds += float(approach_seconds(machine, before.poses[0], place.poses[0], sides))
+        seconds, before = seconds + setup.settle + setup.reading_time, place
+    return seconds
+
+
+ASKED = levered(300)
+PLAN = make_plan(ASKED, Limits(readings=14), patience=0.0, bounded=False).places
+
+
+@pytest.mark.parametrize("done", [1, 4, 9])
+def test_readings_taken_as_planned_leave_the_plan_as_it_is(done: int) -> None:
+    after = taken(ASKED, part(PLAN, 0, done))
+    rest = renewed(after, Limits(readings=14 - done), part(PLAN, done))
+    assert worth(after, rest) == pytest.approx(worth(ASKED, PLAN), rel=0.01)
+    assert worth(after, rest) <= worth(after, part(PLAN, done)) * (1 + 1e-9)
+    assert way(after, rest) <= way(after, part(PLAN, done)) * 1.05
+
+
+def test_a_plan_that_no_exchange_improves_stays_in_its_order() -> None:
+    settled = part(PLAN, 2)
+    after = taken(ASKED, part(PLAN, 0, 2))
+    for _ in range(5):
+        settled = renewed(after, Limits(readings=12), settled)
+    again = renewed(after, Limits(readings=12), settled)
+    assert same(again, settled)
+    assert way(after, again) <= way(after, settled)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_after_a_reading_elsewhere_no_worse_than_what_was_left_and_about_as_good_as_a_new_plan(seed: int) -> None:
+    pose = np.random.default_rng(seed).uniform([-1.0, 0.0, 0.0], [2.0, 0.6, 0.4])
+    after = taken(ASKED, part(PLAN, 0, 4).moved(np.vstack([PLAN.poses[:3], pose])))
+    rest = renewed(after, Limits(readings=10), part(PLAN, 4))
+    fresh = make_plan(after, Limits(readings=10), patience=0.0, bounded=False)
+    assert len(rest) == 10
+    assert worth(after, rest) <= worth(after, part(PLAN, 4)) * (1 + 1e-9)
+    assert worth(after, rest) <= 1.1 * fresh.value
+
+
+def test_a_rejected_reading_is_made_up_for_where_an_accuracy_is_asked_for() -> None:
+    before = ASKED.yardstick.measure(ASKED.belief)
+    target = before.floor + 0.55 * (before.rms - before.floor)
+    limits = Limits(readings=60, rms=target)
+    plan = make_plan(ASKED, limits, patience=0.0, bounded=False)
+    assert plan.met
+    half = len(plan.places) // 2
+    first, bad = taken(ASKED, part(plan.places, 0, half)), plan.places.at(half)
+    without = taken(first, bad, believed=False)
+    rest = renewed(without, limits, part(plan.places, half + 1))
+    assert limits.met(ASKED.yardstick.measure(taken(without, rest).belief))
+    assert len(rest) >= len(part(plan.places, half + 1))
+
+
+def test_what_came_to_be_too_much_is_left_out() -> None:
+    after = taken(ASKED, part(PLAN, 0, 4))
+    assert len(renewed(after, Limits(readings=6), part(PLAN, 4))) == 6
+    assert len(renewed(after, Limits(readings=12), part(PLAN, 4))) == 12
+    known = after.yardstick.measure(taken(after, part(PLAN, 4)).belief)
+    enough = renewed(after, Limits(readings=10, rms=1.2 * known.rms), part(PLAN, 4))
+    assert len(enough) < 10
+
+
+@pytest.mark.parametrize("share", [0.6, 0.95, 1.3])
+def test_a_budget_is_kept(share: float) -> None:
+    after = taken(ASKED, part(PLAN, 0, 4))
+    whole = seconds_of(after, part(PLAN, 4))
+    rest = renewed(after, Limits(budget=share * whole), part(PLAN, 4))
+    assert 0.5 * share * whole < way(after, rest) <= share * whole
+    assert share < 1 or len(rest) > len(part(PLAN, 4))
+
+
+def test_what_there_is_no_time_to_mount_is_given_up() -> None:
+    here = replace(ASKED, here=Places.one(1, np.array([0.5, 0.3, 0.2]), np.zeros(3)))
+    elsewhere = PLAN.within(PLAN.setups == 0)
+    rest = renewed(here, Limits(budget=300.0), elsewhere)
+    assert set(rest.setups) == {1}
+    assert way(here, rest) <= 300.0
+    assert len(renewed(ASKED, Limits(budget=300.0), elsewhere)) == 0
+
+
+def test_nothing_but_what_is_left_may_be_allowed() -> None:
+    after = taken(ASKED, part(PLAN, 0, 4))
+    nothing = Places.none(3)
+    assert same(renewed(replace(after, lattice=nothing), Limits(readings=10), part(PLAN, 4)), part(PLAN, 4))

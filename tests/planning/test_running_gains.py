@@ -1,0 +1,130 @@
+"""Gains of a lattice kept up to date, against gains computed anew."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from axiscal.measurement.place import Places
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.gains.three_values import joint_gains
+from axiscal.planning.plan.task import Task
+from tests.generators.designs import levered, random_poses, read, splines
+from tests.planning.test_three_values import mixed
+
+
+def _fresh(scores: Scores, start: Covariance) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    state = start.after_readings(scores.places)
+    above, below = scores.pool.forms(state.scorer())
+    return joint_gains(above.transpose(2, 0, 1), below.transpose(2, 0, 1))
+
+
+@pytest.mark.parametrize("memory", [1e9, 0.0])
+def test_entering_leaving_and_exchanging_keep_every_gain(memory: float) -> None:
+    asked = read(levered(400), np.random.default_rng(0), 4)
+    start = asked.state
+    scores = Scores(Pool(asked.observation, asked.lattice, memory), start)
+    for index in (3, 300, 50, 51, 120):
+        value, gain = scores.state.value, scores.enter(index)
+        assert value - scores.state.value == pytest.approx(gain, rel=1e-9)
+    scores.enter(Places.of_setup(0, *random_poses(asked, np.random.default_rng(1), 1)))
+    np.testing.assert_allclose(scores.gains, _fresh(scores, start), rtol=1e-6)
+
+    losses = scores.losses()
+    gains, own = scores.without(2)
+    assert own == pytest.approx(losses[2], rel=1e-9)
+    assert scores.leave(2) == pytest.approx(own, rel=1e-9)
+    np.testing.assert_allclose(scores.gains, gains, rtol=1e-9)
+    scores.enter(200, 2)
+    np.testing.assert_allclose(scores.gains, _fresh(scores, start), rtol=1e-5)
+    scores.leave(0)
+    scores.close(0)
+    assert len(scores.places) == 5
+    np.testing.assert_allclose(scores.gains, _fresh(scores, start), rtol=1e-5)
+
+
+def test_repeating_in_one_cell_shares_its_rest() -> None:
+    asked = levered(200)
+    scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
+    scores.enter(5)
+    again = float(scores.gains[5])
+    independent = asked.state.after_readings(scores.pool.lattice.at(5))
+    assert again == pytest.approx(float(_fresh(scores, asked.state)[5]), rel=1e-8)
+    assert independent.value == pytest.approx(scores.state.value, rel=1e-10)
+
+
+def test_a_fork_goes_its_own_way() -> None:
+    asked = levered(100)
+    scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
+    scores.enter(1)
+    before = scores.gains.copy()
+    scores.fork().enter(2)
+    np.testing.assert_array_equal(scores.gains, before)
+    assert len(scores.places) == 1
+
+
+def test_a_factor_stays_narrow_however_often_readings_leave() -> None:
+    asked = levered(100)
+    state = asked.state.opened(asked.lattice.at(0))
+    rows, variances, _ = state.rows(asked.lattice.at(0))
+    row, variance = rows[0], float(variances[0])
+    value = state.value
+    for _ in range(80):
+        state = state.changed(row[None], np.array([variance]))[0]
+        state = state.changed(row[None], np.array([variance]), leaving=True)[0]
+    assert state.factor.shape[1] <= state.factor.shape[0] + 48
+    assert state.value == pytest.approx(value, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    "asked", [levered(150), mixed(150), splines(1, 4, 0.1, 60)], ids=["levers", "three values", "fewer unknowns"]
+)
+def test_readings_that_enter_together_are_those_that_enter_one_by_one(asked: Task) -> None:
+    one, together = (Scores(Pool(asked.observation, asked.lattice), asked.state) for _ in range(2))
+    together.enter(0)
+    together.without(0)
+    together.leave(0)
+    together.close(0)
+    places = asked.lattice.within(np.arange(0, 50, 5))
+    gains = sum(one.enter(places.at(index)) for index in range(len(places)))
+    assert together.enter_all(places) == pytest.approx(gains, rel=1e-9)
+    np.testing.assert_allclose(together.gains, one.gains, rtol=1e-7)
+    np.testing.assert_allclose(together.losses(), one.losses(), rtol=1e-6)
+    (expected, own), (found, same) = one.without(3), together.without(3)
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+    assert same == pytest.approx(own, rel=1e-6)
+    assert together.state.factor.shape == one.state.factor.shape
+    assert together.enter_all(places.within(slice(0, 0))) == 0.0
+
+
+@pytest.mark.parametrize("asked", [splines(1, 5, 0.1, 200), mixed(120)], ids=["one value", "three values"])
+def test_columns_that_follow_exchanges_are_those_made_anew(asked: Task) -> None:
+    kept = Scores(Pool(asked.observation, asked.lattice), asked.state)
+    for index in range(0, 110, 11):
+        kept.enter(index)
+    for turn in range(40):  # more than wait
+        kept.without(turn % 10)
+        kept.leave(turn % 10)
+        kept.enter((7 * turn) % 120, turn % 10)
+    anew = Scores(kept.pool, asked.state)
+    anew.enter_all(kept.places)
+    for slot in range(len(anew.places)):
+        (gains, own), (expected, same) = kept.without(slot), anew.without(slot)
+        np.testing.assert_allclose(gains, expected, rtol=1e-5, atol=1e-9 * expected.max())
+        assert own == pytest.approx(same, rel=1e-6)
+
+
+@pytest.mark.parametrize("asked", [splines(2, 5, 0.1, 200), levered(200), mixed(200)], ids=["sums", "levers", "mixed"])
+def test_gains_without_a_reading_are_those_of_what_is_known_without_it(asked: Task) -> None:
+    scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
+    scores.enter_all(asked.lattice.within(slice(0, None, 11)))
+    for slot in range(0, len(scores.places), 4):
+        if scores.held_alone(slot):
+            continue
+        state, change = scores.known_without(slot)
+        found, anew = scores.scorer_without(change).gains(asked.lattice), scores.pool.scorer(state).gains(asked.lattice)
+        np.testing.assert_allclose(found, anew, rtol=1e-8)
+        scores.leave(slot)
+        scores.enter(slot, slot)  # another state: what was found once does not hold any more

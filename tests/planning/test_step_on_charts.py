@@ -1,0 +1,153 @@
+"""The next reading on a chart: nowhere along a coordinate, and at no pose that was tried, is there a better one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.machine import load_machine
+from axiscal.measurement.candidates import arrivals_of, spread
+from axiscal.measurement.charts.chart import Chart, has_room
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.travel import sides_of
+from axiscal.numerics import Array
+from axiscal.numerics.ties import TIE
+from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.next_readings import root_of
+from axiscal.planning.step.best_step import best_of
+from axiscal.planning.step.climb import Climb
+from axiscal.planning.step.ground import places_along
+from tests.generators.kinematics import in_travel, tip
+
+BALL = np.array([0.2, 0.0, -0.08])
+AT_BALL = """
+machine = "dmu60"
+[target]
+part = {{ radius = "200 mm", z = ["-100 mm", "100 mm"], B = ["-30 deg", "100 deg"] }}
+[[artefacts]]
+name = "ball"
+balls = {{ low = ["200 mm", "0 mm", "-80 mm"] }}
+[[setups]]
+name = "it"
+instrument = "{instrument}"
+artefact = "ball"
+approach = "both"
+{keys}
+"""
+BAR = """
+machine = "dmu60"
+[[setups]]
+name = "it"
+instrument = "ballbar"
+length = "150 mm"
+station = ["0 mm", "0 mm", "100 mm"]
+plane = "zx"
+approach = "both"
+"""
+CASES = {
+    "one value": AT_BALL.format(instrument="probe", keys='direction = "y"'),
+    "three values": AT_BALL.format(instrument="rtest", keys=""),
+    "bar": BAR,
+}
+
+
+def begun(name: str) -> tuple[Case, Scorer, Places]:
+    """Return a case after two readings, what readings gain there, and candidates."""
+    case = Case(campaign_from_texts(CASES[name], "c.toml", load_machine("dmu60").text, "dmu60"))
+    lattice = spread(case.description.machine, case.description.setups, 120)
+    knowledge = case.knowledge
+    known = knowledge.read([_reading(case, lattice, number) for number in (3, 40)])
+    return case, Scorer.of(known.observation, known.belief, root_of(case, known.belief)), lattice
+
+
+def _reading(case: Case, lattice: Places, number: int) -> Reading:
+    setup = case.description.setups[0]
+    others = (0.0,) * (INSTRUMENTS[setup.instrument].values - 1)
+    pose, approach = lattice.poses[number].tolist(), lattice.approaches[number].astype(int).tolist()
+    return Reading(setup.name, tuple(pose), tuple(approach), 0.0, others=others, time=0.0)
+
+
+def gains_along(case: Case, scorer: Scorer, climb: Climb, number: int, values: Array) -> Array:
+    """Return the gains with other values of a coordinate, −inf where nothing can be read."""
+    places = places_along(climb.places[0], number, values)
+    sides, chart = np.tile(climb.sides[0], (len(values), 1)), chart_of(scorer)
+    setup = scorer.observation.setups[0]
+    taken = has_room(chart, places, sides)
+    come = arrivals_of(case.description.machine, setup, chart, places[taken], sides[taken])
+    found = np.full(len(values), -np.inf)
+    found[taken] = scorer.at(0, chart.poses(places[taken]), come)
+    return found
+
+
+def chart_of(scorer: Scorer) -> Chart:
+    """Return the chart of the only set-up."""
+    chart = scorer.observation.setups[0].chart
+    assert chart is not None
+    return chart
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", CASES)
+def test_nowhere_along_a_coordinate_is_there_a_better_reading(name: str) -> None:
+    case, scorer, lattice = begun(name)
+    climb = Climb.begun(scorer, 0, lattice.poses[[7]], lattice.approaches[[7]])
+    for number in range(chart_of(scorer).size):
+        _, _, (best,) = climb._along(number)
+        cut = climb.ground.pieces(number, climb.places[0], climb.sides[0])
+        assert len(cut) > 5
+        for left, right in cut[:: max(1, len(cut) // 8)]:
+            fine = gains_along(case, scorer, climb, number, np.linspace(left, right, 401)[1:-1])
+            assert np.all(np.isfinite(fine))
+            assert best >= fine.max() * (1 - 1e-9)
+        low, high = climb.ground.ends[number]
+        everywhere = gains_along(case, scorer, climb, number, np.linspace(low, high, 4001))
+        assert best >= everywhere.max() * (1 - 1e-9)
+
+
+def test_pieces_are_all_that_can_be_taken() -> None:
+    _, scorer, lattice = begun("one value")
+    climb = Climb.begun(scorer, 0, lattice.poses[[7]], lattice.approaches[[7]])
+    for number in range(2):
+        cut = climb.ground.pieces(number, climb.places[0], climb.sides[0])
+        low, high = climb.ground.ends[number]
+        fine = np.linspace(low, high, 20_001)
+        places = places_along(climb.places[0], number, fine)
+        taken = has_room(chart_of(scorer), places, np.tile(climb.sides[0], (len(fine), 1)))
+        within = np.any((fine[:, None] >= cut[:, 0] - 1e-9) & (fine[:, None] <= cut[:, 1] + 1e-9), axis=1)
+        assert np.mean(taken != within) < 1e-3
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", CASES)
+def test_the_best_step_is_a_pose_that_can_be_taken_and_no_other_that_was_tried_is_better(name: str) -> None:
+    case, scorer, lattice = begun(name)
+    step = best_of(scorer, lattice)
+    machine, setup = case.description.machine, case.description.setups[0]
+    assert in_travel(machine, step.pose)
+    off = np.linalg.norm(tip(machine, step.pose) - (np.array([0.0, 0.0, 0.1]) if name == "bar" else BALL))
+    assert off == pytest.approx(0.15 if name == "bar" else 0.0, abs=1e-9)
+    assert step.gain >= scorer.gains(lattice).max() * (1 - TIE)
+    others = spread(machine, case.description.setups, 3000)
+    assert setup.chart is not None
+    assert step.gain >= scorer.gains(others).max() * (1 - 2e-3)
+    place = setup.chart.places(step.pose[None])
+    sides = sides_of(setup.chart, place, step.approach[None])
+    assert has_room(setup.chart, place, sides)[0]
+
+
+@pytest.mark.long
+def test_a_raster_keeps_to_its_steps() -> None:
+    keys = 'direction = "y"\nraster = { B = "10 deg" }'
+    text = AT_BALL.format(instrument="probe", keys="@").replace("@", keys)
+    case = Case(campaign_from_texts(text, "c.toml", load_machine("dmu60").text, "dmu60"))
+    lattice = spread(case.description.machine, case.description.setups, 60)
+    scorer = Scorer.of(case.observation, case.prior, case.yardstick.root)
+    climb = Climb.begun(scorer, 0, lattice.poses[:2], lattice.approaches[:2])
+    climb.finish()
+    swivels = np.degrees(climb.readings[0][:, 1])
+    np.testing.assert_allclose(swivels / 10, np.round(swivels / 10), atol=1e-9)
+    assert np.all(climb.gains >= scorer.gains(lattice)[:2])

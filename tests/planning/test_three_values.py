@@ -1,0 +1,204 @@
+"""Planning of readings that have several values: gains, exchanges, bounds and exact lines against dense matrices."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.measurement.instruments.distance import of_each
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
+from axiscal.measurement.setup import Unknown
+from axiscal.measurement.visits import visited
+from axiscal.numerics import Array
+from axiscal.planning.bound.lower_bound import lower_bound
+from axiscal.planning.gains import dense
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.gains.three_values import joint_gains
+from axiscal.planning.plan.exchange import exchange
+from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.step.best_step import best_step
+from tests.generators.designs import levered, random_poses
+
+ZEROS = tuple(Unknown(f"zero_{axis}", 1e-4) for axis in "xyz")
+
+
+STATIONS = ((0.9, -0.4, 0.3), (-0.5, 0.6, 0.1), (0.2, 0.7, 0.9), (0.1, -0.8, -0.4))
+BEAMS = tuple(Unknown(name, 1e-4) for name in ("zero", "station_x", "station_y", "station_z"))
+
+
+def mixed(candidates: int = 300, three: tuple[int, ...] = (0,), beams: dict[int, int] | None = None) -> Task:
+    """Return the table under two slides with an R-test among its set-ups; the others are indicators.
+
+    beams : by set-up how many tracers read at once in place of the R-test or indicator
+    """
+    asked = levered(candidates)
+    setups = tuple(
+        replace(s, instrument="rtest", unknowns=ZEROS) if i in three else s
+        for i, s in enumerate(asked.observation.setups)
+    )
+    setups = tuple(
+        replace(s, instrument="tracer", stations=STATIONS[:count], unknowns=of_each(BEAMS, count)) if count else s
+        for s, count in zip(setups, [(beams or {}).get(i, 0) for i in range(len(setups))], strict=True)
+    )
+    observation = Observation(asked.observation.errors, setups)
+    belief = type(asked.belief)(np.zeros(observation.size), observation.prior_covariance())
+    return Task(observation, belief, asked.root, asked.yardstick, asked.lattice)
+
+
+def dense_value(asked: Task, places: Places) -> float:
+    """Return J after readings, from one big matrix: no factors, no updates."""
+    observation = asked.observation
+    for setup, mine in places.by_setup():
+        seen = visited(observation, places).numbers(setup, places.poses[mine], places.approaches[mine])
+        noise = observation.setups[setup].noise ** 2 * np.eye(seen.covariances.shape[1])
+        np.testing.assert_allclose(seen.covariances, np.tile(noise, (len(mine), 1, 1)), atol=1e-30)
+    known = dense.DenseState(observation, observation.prior_covariance())
+    return dense.value(dense.after_readings(known, places), asked.root.gram)
+
+
+def _falls(asked: Task, places: Places, pool: Pool, indices: Array) -> Array:
+    before = dense_value(asked, places)
+    return np.array([before - dense_value(asked, Places.joined([places, pool.lattice.at(int(i))])) for i in indices])
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("three", "beams"), [((0,), {}), ((1,), {}), ((0, 1), {}), ((0,), {1: 4}), ((1,), {0: 2}), ((), {0: 2, 1: 4})]
+)
+@pytest.mark.parametrize("memory", [1e9, 0.0])
+def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
+    three: tuple[int, ...], beams: dict[int, int], memory: float
+) -> None:
+    asked = mixed(120, three, beams)
+    pool = Pool(asked.observation, asked.lattice, memory)
+    scores, rng = Scores(pool, asked.state), np.random.default_rng(0)
+    looked_at = np.concatenate([np.arange(0, len(pool), 11), [3]])
+    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, Places.none(3), pool, looked_at), rtol=1e-6)
+    for index in (3, 100, 40, 41, 90):
+        value, gain = scores.state.value, scores.enter(index)
+        assert value - scores.state.value == pytest.approx(gain, rel=1e-9)
+    scores.enter(Places.of_setup((*three, 0)[0], *random_poses(asked, rng, 1)))
+    assert scores.state.value == pytest.approx(dense_value(asked, scores.places), rel=1e-7)
+    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, pool, looked_at), rtol=1e-5)
+
+    losses = scores.losses()
+    for slot in range(6):
+        others = scores.places.without(slot)
+        rise = dense_value(asked, others) - dense_value(asked, scores.places)
+        assert losses[slot] == pytest.approx(rise, rel=1e-5)
+        gains, own = scores.without(slot)
+        assert own == pytest.approx(rise, rel=1e-5)
+        np.testing.assert_allclose(gains[looked_at], _falls(asked, others, pool, looked_at), rtol=1e-4)
+
+    gains, _ = scores.without(1)
+    assert scores.leave(1) == pytest.approx(losses[1], rel=1e-8)
+    np.testing.assert_allclose(scores.gains, gains, rtol=1e-7, atol=1e-13 * gains.max())  # by tables and by rows
+    scores.enter(int(pool.lattice.setups[100] == 0) * (len(pool) - 1), 1)  # another count of values
+    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, pool, looked_at), rtol=1e-4)
+    scores.without(3)
+    scores.leave(0)
+    scores.close(0)
+    assert len(scores.places) == 5
+    np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, pool, looked_at), rtol=1e-4)
+    assert scores.losses()[2] > 0
+
+
+def test_an_exchange_makes_a_plan_of_three_values_better() -> None:
+    asked = mixed(200, (0, 1))
+    scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
+    for index in range(8):
+        scores.enter(index)
+    before = scores.state.value
+    exchange(scores, lambda _, __: np.ones(len(scores.pool), dtype=bool))
+    assert scores.state.value < 0.9 * before
+    assert scores.state.value == pytest.approx(dense_value(asked, scores.places), rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_pose_gains_more_than_the_chosen_one(seed: int) -> None:
+    asked, rng = mixed(1500, (0, 1)), np.random.default_rng(seed)
+    state = asked.state
+    for setup in (0, 1, 0):
+        state = state.entered(Places.of_setup(setup, *random_poses(asked, rng, 1)))[0]
+    belief = type(asked.belief)(np.zeros(len(state.factor)), state.factor @ state.factor.T)
+    step = best_step(Knowledge(state.observation, belief), asked.root, asked.lattice)
+    scorer = Scorer.of(state.observation, belief, asked.root)
+    for setup in (0, 1):
+        poses, approaches = random_poses(asked, rng, 20000)
+        assert scorer.at(setup, poses, approaches).max() <= step.gain * (1 + 1e-3)
+    after = state.entered(step.place)[0]
+    assert state.value - after.value == pytest.approx(step.gain, rel=1e-6)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_forms_of_three_values_are_their_gains(axis: int) -> None:
+    asked, rng = mixed(50, (0,)), np.random.default_rng(axis)
+    scorer = asked.state.scorer()
+    poses, approaches = random_poses(asked, rng, 3)
+    start = asked.state.value
+    for line in range(3):
+        for position in np.linspace(*asked.observation.machine.axes[axis].travel, 3):
+            pose = poses[line].copy()
+            pose[axis] = position
+            above, below = scorer.forms(0, pose[None], approaches[line][None])
+            fall = start - dense_value(asked, Places.one(0, pose, approaches[line]))
+            assert above[0] / below[0] == pytest.approx(fall, rel=1e-6)
+
+
+@pytest.mark.parametrize("three", [(0,), (0, 1)])
+def test_no_plan_of_three_values_is_below_its_bound(three: tuple[int, ...]) -> None:
+    asked = mixed(150, three)
+    pool, count = Pool(asked.observation, asked.lattice), 7
+    scores = Scores(pool, asked.state)
+    for _ in range(count):
+        scores.enter(int(scores.gains.argmax()))
+    exchange(scores, lambda _, __: np.ones(len(pool), dtype=bool))
+    bound = lower_bound(pool, asked.state, scores.places, np.ones(len(pool) + count), float(count))
+    assert 0 < bound.value <= scores.state.value
+    assert bound.value > 0.25 * scores.state.value
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        chosen = pool.lattice.within(rng.integers(len(pool), size=count))
+        assert dense_value(asked, chosen) >= bound.value
+
+
+@pytest.mark.long
+def test_a_plan_knows_that_each_reading_brings_three_values() -> None:
+    """Along the diagonal alone it would take about three times as many."""
+    asked = mixed(200, (0, 1))
+    limits = Limits(readings=6)
+    plan = make_plan(asked, limits)
+    assert plan.value == pytest.approx(dense_value(asked, plan.places), rel=1e-6)
+    assert plan.bound is not None
+    assert plan.bound.value <= plan.value
+
+
+def test_gains_of_what_is_open_beyond_the_digits_are_those_of_the_digits_there_are() -> None:
+    """One unknown by which four numbers differ is open by 10¹³ of the noise: rounding leaves no sign of the rest."""
+    seen = np.array([0.3, -0.2, 2.0, -1.0])
+    below = 1e13 * np.outer(seen, seen) + 1e-4 * np.diag([-1.0, 1.0, -1.0, 1.0])
+    above = 1e20 * np.outer(seen, seen)
+    assert joint_gains(above[None], below[None])[0] == pytest.approx(1e7, rel=3e-3)
+
+
+@pytest.mark.parametrize(("open_by", "alone"), [(1e-4, False), (3.0, True)])
+def test_a_reading_that_alone_holds_an_unknown_keeps_its_place(open_by: float, alone: bool) -> None:
+    asked = mixed(three=())
+    beams = tuple(replace(beam, std=open_by) for beam in BEAMS)
+    four = replace(asked.observation.setups[0], instrument="tracer", stations=STATIONS, unknowns=of_each(beams, 4))
+    observation = Observation(asked.observation.errors, (four, *asked.observation.setups[1:]))
+    belief = type(asked.belief)(np.zeros(observation.size), observation.prior_covariance())
+    task = Task(observation, belief, asked.root, asked.yardstick, asked.lattice)
+    scores = Scores(Pool(observation, asked.lattice), task.state)
+    scores.enter(int(np.flatnonzero(asked.lattice.setups == 0)[0]))
+    assert scores.held_alone(0) == alone
+    before = scores.places.poses.copy()
+    exchange(scores, lambda scores, _: np.ones(len(scores.pool), dtype=bool))
+    assert np.array_equal(scores.places.poses, before) or not alone

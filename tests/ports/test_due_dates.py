@@ -1,0 +1,381 @@
+"""When machines are due: how they change is learnt from pairs of campaigns, and what is left is what drifts leave."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from datetime import UTC, date, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.app import run
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.inference.data_equation import DataEquation, data_equation
+from axiscal.estimation.inference.reading_set import ReadingSet
+from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.promise.problem import Inherited
+from axiscal.estimation.type_prior import TypePrior, individual, over
+from axiscal.exceptions import AmbiguityError, PlanError, RecordError, TableError, TargetError
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.numerics.gaussian import unique_root
+from axiscal.ports.fleet.due_dates import DueMachine, Wanted, calendar, due_dates, titles
+from axiscal.ports.fleet.type_learning import learnt_type
+from axiscal.ports.fleet.wearing import Aging, Pair, Wearing, aging
+from axiscal.ports.fleet.worn_machine import WornMachine
+from tests.generators.sisters import read_on, shop, slide, write_record
+
+DAY = date(2030, 1, 1)
+TWO_ERRORS = """name = "Slide"
+chain = "w-b-X-t"
+[axes.X]
+travel = ["0 mm", "500 mm"]
+[errors]
+EXX = { std = "20 um", knots = 7, length = "150 mm" }
+EYX = { std = "20 um", knots = 7, length = "150 mm" }
+"""
+SQUARE_SETUP = """[[setups]]
+name = "square"
+instrument = "indicator"
+direction = "y"
+moves = ["X"]
+approach = "both"
+noise = "0.5 um"
+"""
+
+
+def _known(rng: np.random.Generator, truth: Array, stated: Array) -> tuple[Inherited, DataEquation]:
+    """Return what one campaign of a made-up machine comes to know, and what its readings say."""
+    rows = 3.0 * rng.standard_normal((40, len(truth)))
+    read = DataEquation(rows, rows @ truth + rng.standard_normal(40))
+    gain = stated @ rows.T @ np.linalg.inv(rows @ stated @ rows.T + np.eye(40))
+    return Inherited(gain @ read.values, stated - gain @ rows @ stated), read
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("once", "yearly"), [(0.9, 1.0), (0.97, 0.95)])
+def test_what_is_kept_is_learnt_from_pairs(once: float, yearly: float) -> None:
+    rng, stated, pairs = np.random.default_rng(8), np.eye(30), list[Pair]()
+    wears = Wearing(np.zeros(30), stated, np.zeros((30, 30)))
+    for _ in range(10):
+        years = float(rng.uniform(0.5, 2.0))
+        kept = once * yearly**years
+        before = rng.standard_normal(30)
+        after = kept * before + np.sqrt(1 - kept**2) * rng.standard_normal(30)
+        pairs.append(Pair(years, _known(rng, before, stated)[0], _known(rng, after, stated)[1], wears))
+    found, _ = aging(pairs).kept(1.0)
+    assert abs(found - once * yearly) < 0.03
+
+
+def test_without_pairs_it_is_what_is_believed_beforehand() -> None:
+    found = aging([])
+    assert found.pairs == 0
+    np.testing.assert_allclose(found.at_once[0], 0.9, atol=0.01)  # the mean of a Beta(9, 1), from 0.5 on
+    np.testing.assert_allclose(found.kept(0.0)[0], found.at_once[0])
+
+
+def _certain(share: float) -> Aging:
+    weights = np.zeros((50, 50))
+    weights[round((share - 0.505) / 0.01), -1] = 1.0
+    return Aging(weights, 1)
+
+
+@pytest.mark.parametrize("renewed", [(), ("X",)])
+def test_what_is_left_is_what_machines_that_drift_show(renewed: tuple[str, ...]) -> None:
+    known = concluded(Case(slide()), read_on(1))
+    errors, kept = known.case.errors, 0.905 * 0.995
+    rng, size = np.random.default_rng(9), errors.size
+    mean, factor = known.banded.knowledge.belief.mean[:size], known.banded.knowledge.belief.factor[:size]
+    rho = 0.0 if renewed else kept
+    then = mean[:, None] + factor @ rng.standard_normal((factor.shape[1], 4000))
+    fresh = errors.prior_root() @ rng.standard_normal((size, 4000))
+    left = rho * then + np.sqrt(1 - rho**2) * fresh - mean[:, None]
+    poses = np.tile(np.linspace(0.0, 0.5, 201)[:, None], (2, 1))
+    sides = np.repeat([[1.0], [-1.0]], 201, axis=0)
+    rows = errors.rows(poses, sides)[:, 0]
+    shift = rows.mean(axis=0) if known.case.yardstick.zeroed[0] else 0.0
+    true = float(np.sqrt(np.mean(((rows - shift) @ left) ** 2)))
+    np.testing.assert_allclose(WornMachine(known, _certain(0.905), renewed).rms(1.0), true, rtol=0.05)
+
+
+@pytest.fixture(scope="module")
+def taught(tmp_path_factory: pytest.TempPathFactory) -> TypePrior:
+    return learnt_type(shop(tmp_path_factory.mktemp("sisters"), 4), doubt=1e-9)
+
+
+@pytest.mark.parametrize("renewed", [(), ("X",)])
+def test_what_all_sisters_have_does_not_wear_off(taught: TypePrior, renewed: tuple[str, ...]) -> None:
+    """Machines are drawn with what all have and what is their own, both as the readings leave them."""
+    described, readings = slide(prior=taught.text()), read_on(7)[::3]
+    known = concluded(case_of(described), readings)
+    errors, kept = known.case.errors, 0.905 * 0.995
+    mean, prior, size = known.banded.knowledge.belief.mean[: errors.size], over(taught, errors), errors.size
+    own = individual(taught, errors)
+    equation = data_equation(ReadingSet(known.case.observation, readings), np.ones(len(readings)), np.zeros((size, 0)))
+    rng, count = np.random.default_rng(9), 4000
+    normal = rng.standard_normal
+
+    def drawn(covariance: Array) -> Array:
+        result: Array = unique_root(covariance) @ normal((size, count))
+        return result
+
+    common, mine = prior.mean[:, None] + drawn(prior.covariance - own), drawn(own)
+    rows = equation.rows
+    gain = np.linalg.inv(rows @ prior.covariance @ rows.T + np.eye(len(rows)))
+    off = gain @ (equation.values[:, None] - rows @ (common + mine) - normal((len(rows), count)))
+    common, mine = common + (prior.covariance - own) @ rows.T @ off, mine + own @ rows.T @ off
+    rho = 0.0 if renewed else kept
+    left = common + rho * mine + np.sqrt(1 - rho**2) * drawn(own) - mean[:, None]
+    poses = np.tile(np.linspace(0.0, 0.5, 201)[:, None], (2, 1))
+    seen = errors.rows(poses, np.repeat([[1.0], [-1.0]], 201, axis=0))[:, 0]
+    shift = seen.mean(axis=0) if known.case.yardstick.zeroed[0] else 0.0
+    true = float(np.sqrt(np.mean(((seen - shift) @ left) ** 2)))
+    np.testing.assert_allclose(WornMachine(known, _certain(0.905), renewed).rms(1.0), true, rtol=0.05)
+    stated = concluded(Case(slide()), read_on(7))
+    by_type, plain = (WornMachine(stated, _certain(0.905), renewed, taught=of).rms(1.0) for of in (taught, None))
+    assert by_type < plain
+
+
+def test_a_machine_measured_by_what_its_type_has_taught_is_not_due_before_it_is(
+    taught: TypePrior, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Six readings are few without it: by the stated prior such a machine was due on the day of its campaign."""
+    few = read_on(7)[::3]
+    write_record(tmp_path / "few.axiscal", slide(prior=taught.text()), few)
+    with Campaign.open(tmp_path / "few.axiscal", write=False) as campaign:
+        began, known = date.fromisoformat(campaign.begun[:10]), campaign.estimate(ended=True)
+        there = known.accuracy.rms
+    (machine,) = due_dates([tmp_path / "few.axiscal"], began, Wanted(8e-6)).machines
+    assert there < machine.now < 1.3 * 4e-6
+    for target, said in ((1.1 * there, "and what is not kept is more"), (0.9 * there, "was not as good")):
+        assert run(["due", str(tmp_path), "--target", f"{1e6 * target:.9f} um"]) == 0
+        assert said in capsys.readouterr().out
+    write_record(tmp_path / "plain.axiscal", slide(serial="2"), few)
+    write_record(tmp_path / "other.axiscal", slide(serial="3", travel=600), few)
+    (tmp_path / "slide.type.json").write_text(taught.text())
+    command = ["due", str(tmp_path), "--target", "8 um", "--json"]
+    now = []
+    for more in ([], ["--type", str(tmp_path / "slide.type.json")]):
+        assert run([*command, *more]) == 0
+        now.append({each["record"]: each["rms_um"] for each in json.loads(capsys.readouterr().out)["machines"]})
+    assert now[1]["few.axiscal"] == now[0]["few.axiscal"] < now[1]["plain.axiscal"] < now[0]["plain.axiscal"]
+    assert now[1]["other.axiscal"] == now[0]["other.axiscal"]
+    assert run([*command, "--type", str(tmp_path / "few.axiscal")]) == 1
+    assert run([*command, "--type", str(tmp_path / "none.json")]) == 1
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    write_record(tmp_path / "a-1.axiscal", slide(serial="A"), read_on(1))
+    write_record(tmp_path / "a-2.axiscal", slide(serial="A"), read_on(1, again=1))
+    write_record(tmp_path / "b.axiscal", slide(serial="B"), read_on(2))
+    return tmp_path
+
+
+def test_the_last_campaign_of_each_machine_counts(folder: Path) -> None:
+    found = due_dates(folder.glob("*.axiscal"), DAY, Wanted(15e-6))
+    assert sorted(machine.record.name for machine in found.machines) == ["a-2.axiscal", "b.axiscal"]
+    assert found.aging.pairs == 1
+    for machine in found.machines:
+        later = due_dates(folder.glob("*.axiscal"), machine.due or DAY, Wanted(15e-6))
+        now = next(each.now for each in later.machines if each.record == machine.record)
+        assert (now > 15e-6) == (machine.due is not None)
+    with pytest.raises(RecordError, match="No record can be read"):
+        due_dates([], DAY)
+
+
+def test_machines_of_two_builds_may_have_the_same_number_and_one_that_cannot_be_estimated_ends_nothing(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_record(folder / "longer.axiscal", slide(serial="B", travel=800), read_on(4))
+    write_record(folder / "mirrored.axiscal", slide(serial="C"), read_on(5))
+
+    def estimated(case: Case, readings: tuple[Reading, ...]) -> Estimation:
+        if case.description.particulars.serial == "C":
+            raise AmbiguityError("two places fit", "read again")
+        return concluded(case, readings)
+
+    monkeypatch.setattr("axiscal.ports.fleet.due_dates.concluded", estimated)
+    found = due_dates(folder.glob("*.axiscal"), DAY, Wanted(15e-6))
+    names = sorted(machine.record.name for machine in found.machines)
+    assert names == ["a-2.axiscal", "b.axiscal", "longer.axiscal"]
+    assert [(each.file, each.left_out) for each in found.left_out] == [("mirrored.axiscal", "two places fit")]
+
+
+def test_a_renewed_axis_is_due_at_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = due_dates(folder.glob("b.axiscal"), DAY, Wanted(15e-6)).machines[0]
+    assert run(["note", str(folder / "b.axiscal"), "new ball screw", "--renewed", "Q"]) == 1
+    assert "no axis" in capsys.readouterr().err
+    assert run(["note", str(folder / "b.axiscal"), "new ball screw", "--renewed", "X"]) == 0
+    after = due_dates(folder.glob("b.axiscal"), DAY, Wanted(15e-6)).machines[0]
+    assert after.renewed == ("X",)
+    assert after.now > 1.2 * before.now
+    with Campaign.open(folder / "b.axiscal", write=False) as campaign:
+        assert campaign.state.notes[-1].text == "new ball screw (renewed: X)"
+
+
+def test_the_command_and_its_calendar(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "torn.axiscal").write_text("no record")
+    days, command = folder / "due.ics", ["due", str(folder), "--today", "2030-01-01", "--target", "6 um"]
+    assert run([*command, "--calendar", str(days), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert [each["file"] for each in document["left_out"]] == ["torn.axiscal"]
+    due = sorted(each["due"] for each in document["machines"] if each["due"])
+    lines = days.read_bytes().decode().split("\r\n")
+    starts = sorted(line.removeprefix("DTSTART;VALUE=DATE:") for line in lines if line.startswith("DTSTART"))
+    assert [day.replace("-", "") for day in due] == starts != []
+    assert max(len(line.encode()) for line in lines) <= 75
+    assert run(command) == 0
+    assert "learnt from 1 pair of campaigns" in capsys.readouterr().out
+    assert run(["due", str(folder / "nowhere")]) == 1
+    assert run([*command[:-1], "4 mrad"]) == 1
+
+
+def test_machines_of_one_name_are_told_apart_by_their_records(folder: Path) -> None:
+    shop = due_dates([folder / "b.axiscal"], DAY, Wanted(12e-6)).machines
+    other = replace(shop[0], record=shop[0].record.with_name("c.axiscal"), minutes=75.0)
+    assert titles(shop) == [shop[0].name]
+    assert titles([*shop, other]) == [f"{shop[0].name} (b.axiscal)", f"{shop[0].name} (c.axiscal)"]
+    said = calendar([*shop, other], datetime(2030, 1, 1, tzinfo=UTC)).replace("\r\n ", "")
+    assert "(c.axiscal) is due for calibration" in said
+    assert "c.axiscal\\; about 75 minutes" in said
+
+
+def test_a_calendar_without_dates_is_empty() -> None:
+    assert calendar([], datetime(2030, 1, 1, tzinfo=UTC)).splitlines()[0] == "BEGIN:VCALENDAR"
+    assert "VEVENT" not in calendar([], datetime(2030, 1, 1, tzinfo=UTC))
+
+
+@pytest.mark.long
+def test_tables_leave_what_their_control_cannot_hold(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of a slide with reversal a table of both sides leaves nothing, and a height map is none for it at all."""
+    files = [folder / "b.axiscal"]
+    whole = due_dates(files, DAY, Wanted(15e-6)).machines[0].now
+    table = due_dates(files, DAY, Wanted(15e-6, tables="linuxcnc")).machines[0].now
+    np.testing.assert_allclose(table, whole, rtol=0.05)  # over other poses, a table with its own points
+    with pytest.raises(TableError):
+        due_dates(files, DAY, Wanted(15e-6, tables="klipper"))
+    assert run(["due", str(folder), "--target", "15 um", "--tables", "nobody"]) == 1
+    assert "not a controller" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("asked", ["aligned = false", 'directions = ["x"]', 'directions = ["y"]', ""])
+def test_what_is_left_with_tables_is_what_a_machine_that_drifts_shows(asked: str) -> None:
+    """A table of one axis holds no straightness; the mean that is left is compared in a sampled machine."""
+    text = slide().text.replace("aligned = false\n", "").replace("[[setups]]", f"{asked}\n{SQUARE_SETUP}[[setups]]", 1)
+    described = campaign_from_texts(text, "campaign.toml", TWO_ERRORS, "machine.toml")
+    known = concluded(Case(described), [*read_on(1), *(replace(r, setup="square") for r in read_on(2))])
+    kept, rng, size = 0.905 * 0.995, np.random.default_rng(9), known.case.errors.size
+    mean, factor = known.banded.knowledge.belief.mean[:size], known.banded.knowledge.belief.factor[:size]
+    estimate = known.estimate()
+    poses = np.tile(np.linspace(0.0, 0.5, 201)[:, None], (2, 1))
+    sides = np.repeat([[1.0], [-1.0]], 201, axis=0)
+    straight = [term.columns for term in known.case.errors.terms if term.name == "EYX"]
+    held = np.ones(size, dtype=bool)
+    for columns in straight:
+        held[columns] = False
+    rows = estimate.model.rows(poses, sides)
+    then = mean[:, None] + factor @ rng.standard_normal((factor.shape[1], 4000))
+    left = kept * then + np.sqrt(1 - kept**2) * known.case.errors.prior_root() @ rng.standard_normal((size, 4000))
+    tips = np.einsum("mcn,nk->mck", rows, left - (mean * held)[:, None])
+    tips -= tips.mean(axis=0)
+    if not asked:  # probing takes off how the slide lies
+        lies = poses - poses.mean()
+        tips[:, 1] -= lies @ (lies.T @ tips[:, 1]) / np.sum(lies**2)
+    counts = ["xyz".index(way) for way in "xyz" if f'"{way}"' in asked or "directions" not in asked]
+    true = float(np.sqrt(np.mean(np.sum(tips[:, counts] ** 2, axis=1))))
+    np.testing.assert_allclose(WornMachine(known, _certain(0.905), (), "linuxcnc").rms(1.0), true, rtol=0.05)
+    if 1 in counts:
+        assert WornMachine(known, _certain(0.905)).rms(1.0) < 0.9 * true
+
+
+def test_a_target_of_u_is_read_from_the_campaign(folder: Path) -> None:
+    text = slide(serial="U").text.replace('rms = "2 um"', 'U = "30 um"')
+    described = campaign_from_texts(text, "campaign.toml", slide(serial="U").machine.text, "machine.toml")
+    file = write_record(folder / "u.axiscal", described, read_on(3))
+    (machine,) = due_dates([file], DAY).machines
+    assert 30e-6 / 2.2 < (machine.target or 0.0) < 30e-6 / 1.5  # the factor between both, as docs/conventions.md has it
+
+
+@pytest.mark.long
+def test_a_tolerance_of_the_worst_place_and_measuring_again(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A machine that is due by its worst place is due before its RMS passes; a renewed one is less known."""
+    command = ["due", str(folder), "--today", "2030-01-01", "--target", "15 um", "--tolerance", "35 um", "--again"]
+    assert run([*command, "--json", "--calendar", str(folder / "due.ics")]) == 0
+    document = json.loads(capsys.readouterr().out)
+
+    def on(day: date, wanted: Wanted) -> dict[str, DueMachine]:
+        return {each.record.name: each for each in due_dates(folder.glob("*.axiscal"), day, wanted).machines}
+
+    for each in document["machines"]:
+        name, due, alone = each["record"], date.fromisoformat(each["due"]), on(DAY, Wanted(15e-6))[each["record"]].due
+        assert each["by_worst"]
+        assert alone is None or due < alone
+        assert each["again"]["readings"] > 0
+        assert each["again"]["minutes"] > 0
+        then, before = (on(day, Wanted(15e-6, 35e-6))[name].beyond for day in (due, due - timedelta(days=1)))
+        assert before is not None
+        assert then is not None
+        assert before <= 0.05 < then
+    assert "the worst place may be beyond" in (folder / "due.ics").read_text()
+    assert run(command) == 0
+    said = capsys.readouterr().out
+    assert "P(worst > 35 um)" in said
+    assert "by its worst place" in said
+    (drifted,) = due_dates([folder / "b.axiscal"], DAY, Wanted(15e-6, again=True)).machines
+    assert run(["note", str(folder / "b.axiscal"), "new ball screw", "--renewed", "X"]) == 0
+    (renewed,) = due_dates([folder / "b.axiscal"], DAY, Wanted(15e-6, again=True)).machines
+    assert drifted.again is not None
+    assert renewed.again is not None
+    assert drifted.again.before.rms < renewed.again.before.rms
+    assert renewed.again.accuracy.rms <= 2e-6
+
+
+def test_a_machine_that_no_readings_make_good_enough_says_so(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def none(*_: object, **__: object) -> None:
+        raise PlanError("no readings reach 2 um", "Ask for more")
+
+    monkeypatch.setattr("axiscal.ports.fleet.due_dates.proposed", none)
+    (far,) = due_dates([folder / "b.axiscal"], DAY, Wanted(15e-6, again=True)).machines
+    assert (far.again, far.why_not) == (None, "no readings reach 2 um")
+    assert run(["due", str(folder), "--again"]) == 0
+    assert "again: no readings reach 2 um" in capsys.readouterr().out
+
+
+@pytest.mark.long
+def test_without_a_target_the_worst_place_decides_alone(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = slide(serial="R").text.replace('rms = "2 um"', "readings = 12")
+    described = campaign_from_texts(text, "campaign.toml", slide(serial="R").machine.text, "machine.toml")
+    (folder / "r").mkdir()
+    file = write_record(folder / "r" / "r.axiscal", described, read_on(3))
+    with pytest.raises(TargetError, match=r"no RMS and no U.*`axiscal due --tolerance"):
+        due_dates([file], DAY)
+    (machine,) = due_dates([file], DAY, Wanted(tolerance=20e-6, again=True)).machines
+    assert (machine.target, machine.by_worst) == (None, True)
+    assert machine.again is not None
+    assert len(machine.again.places) == 12
+    assert run(["due", str(file.parent), "--tolerance", "1 um"]) == 0
+    said = capsys.readouterr().out
+    assert "at once: its worst place may be beyond the tolerance, what is not kept counted" in said
+    assert "as its last campaign left it" not in said
+
+
+@pytest.mark.long
+def test_no_plan_of_no_readings_is_made_where_what_is_known_meets_the_target(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = slide(serial="W").text.replace('rms = "2 um"', 'rms = "15 um"')
+    described = campaign_from_texts(text, "campaign.toml", slide(serial="W").machine.text, "machine.toml")
+    file = write_record(tmp_path / "w.axiscal", described, read_on(3))
+    (machine,) = due_dates([file], DAY, Wanted(tolerance=8e-6)).machines
+    assert machine.by_worst
+    assert run(["due", str(tmp_path), "--today", str(machine.last), "--tolerance", "8 um", "--again"]) == 0
+    assert "again: what is known of it meets the target of its last campaign" in capsys.readouterr().out

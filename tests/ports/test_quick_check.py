@@ -1,0 +1,126 @@
+"""Twelve readings tell a machine that is in order from one that is not, rarely wrongly."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.cli.app import run
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.case import Case
+from axiscal.estimation.promise.problem import Inherited
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator
+from axiscal.numerics import Array
+from axiscal.ports.fleet.quick_check import QuickCheck
+from axiscal.ports.fleet.rehearsal import measured
+from tests.generators.sisters import read_on, slide, write_record
+
+KEPT, TRIALS = 0.9, 40
+
+
+def _read(check: QuickCheck, errors: Array, seed: int, places: tuple[Place, ...]) -> list[Reading]:
+    described = check.case.description
+    virtual = Simulator(described.machine, described.setups).with_coefficients(errors, seed)
+    return measured(virtual, described, places, seed)
+
+
+@pytest.mark.long
+def test_false_alarms_are_as_rare_as_said_and_a_crash_is_found() -> None:
+    described, rng = slide(), np.random.default_rng(12)
+    model = ErrorModel(described.machine)
+    root, size = model.prior_root(), model.size
+    last = Inherited(5e-6 * rng.standard_normal(size), 0.01 * Case(described).errors.prior_covariance())
+    check = QuickCheck(described, last, KEPT)
+    places = check.planned(12)
+    assert len(places) == 12
+    alarms, found, by_tables = 0, 0, 0
+    crash = np.zeros(size)
+    crash[: size - 1] = np.linspace(0.0, 120e-6, size - 1)  # the scale is off by 120 um over the travel
+    for trial in range(TRIALS):
+        before = last.mean + 0.1 * root @ rng.standard_normal(size)
+        now = KEPT * before + np.sqrt(1 - KEPT**2) * root @ rng.standard_normal(size)
+        alarms += not check.judged(_read(check, now, trial, places)).in_order
+        by_tables += not check.judged(_read(check, now - last.mean, trial, places), tables=True).in_order
+        found += not check.judged(_read(check, now + crash, trial, places)).in_order
+    assert alarms <= 0.03 * TRIALS
+    assert by_tables <= 0.03 * TRIALS
+    assert found >= 0.9 * TRIALS
+
+
+SQUARE = """[[setups]]
+name = "square"
+instrument = "probe"
+direction = "y"
+moves = ["X"]
+approach = "both"
+noise = "0.5 um"
+unknowns = { zero = "100 um" }
+reach = { X = ["10 mm", "490 mm"] }
+"""
+
+
+@pytest.mark.long
+def test_what_a_control_cannot_hold_is_no_alarm_where_its_tables_are_named() -> None:
+    """A table of X holds no straightness in y: 40 um of it stay, which are no change of the machine."""
+    machine = slide().machine.text.replace("EXX_rev", 'EYX = { std = "20 um", knots = 7, length = "150 mm" }\nEXX_rev')
+    described = campaign_from_texts(slide().text + SQUARE, "campaign.toml", machine, "machine.toml")
+    model, rng, kept = ErrorModel(described.machine), np.random.default_rng(13), 0.98
+    root, size = model.prior_root(), model.size
+    mean = 40e-6 * np.sin(np.linspace(0.0, 6.0, size))
+    straight = next(term.columns for term in model.terms if term.name == "EYX")
+    last = Inherited(mean, 0.01 * Case(described).errors.prior_covariance())
+    held = np.ones(size)
+    held[straight] = 0.0
+
+    def control(poses: Array, approaches: Array) -> Array:
+        return -model.rows(poses, approaches)[:, 0] @ (mean * held)[:, None]
+
+    named, all_away = QuickCheck(described, last, kept, control), QuickCheck(described, last, kept)
+    places = named.planned(12)
+    assert {place.setup for place in places} == {"laser", "square"}
+    alarms, taken_for_all, found = 0, 0, 0
+    crash = np.zeros(size)
+    crash[straight] = np.linspace(0.0, 150e-6, straight.stop - straight.start) ** 2 / 150e-6
+    for trial in range(TRIALS):
+        before = last.mean + 0.1 * root @ rng.standard_normal(size)
+        now = kept * before + np.sqrt(1 - kept**2) * root @ rng.standard_normal(size) - mean * held
+        readings = _read(named, now, trial, places)
+        alarms += not named.judged(readings, tables=True).in_order
+        taken_for_all += not all_away.judged(readings, tables=True).in_order
+        found += not named.judged(_read(named, now + crash, trial, places), tables=True).in_order
+    assert alarms <= 0.03 * TRIALS
+    assert taken_for_all > 0.5 * TRIALS
+    assert found >= 0.9 * TRIALS
+
+
+def test_the_command_plans_and_judges(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record, sheet = write_record(tmp_path / "slide.axiscal", slide(), read_on(1)), tmp_path / "check.csv"
+    assert run(["check", str(record), "--plan", str(sheet), "--readings", "6"]) == 0
+    capsys.readouterr()
+    rows = list(csv.DictReader(io.StringIO(sheet.read_text())))
+    assert len(rows) == 6
+    for far, in_order in ((0.0, True), (2000.0, False)):
+        lines = [",".join([*rows[0]])]
+        lines += [",".join([*list(row.values())[:-1], str(far * float(row["X_mm"]) / 500)]) for row in rows]
+        sheet.write_text("\n".join(lines))
+        assert run(["check", str(record), str(sheet), "--kept", "0.5", "--json"]) == 0
+        assert json.loads(capsys.readouterr().out)["in_order"] is in_order
+    for tables, said in (
+        ("linuxcnc", ""),
+        ("klipper", "This control is for X, Y and Z"),
+        ("nobody", "not a controller"),
+    ):
+        assert run(["check", str(record), str(sheet), "--tables", tables]) == (1 if said else 0), tables
+        assert said in capsys.readouterr().err
+    sheet.write_text("setup,X_mm,approach,value_um\nother,10,X+,1\n")
+    assert run(["check", str(record), str(sheet)]) == 1
+    assert run(["check", str(write_record(tmp_path / "empty.axiscal", slide(), []))]) == 1
+    assert "no readings" in capsys.readouterr().err

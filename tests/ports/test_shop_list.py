@@ -1,0 +1,152 @@
+"""The list of a shop's records, and records brought into its folder."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.app import run
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import expanded_uncertainty
+from axiscal.estimation.inheritance import case_of
+from axiscal.exceptions import RecordError
+from axiscal.ports.fleet.shop_list import brought, shop_list, target_words
+from axiscal.record.folder_index import FolderIndex
+from tests.generators.sisters import read_on, shop, slide, write_record
+
+
+def note(path: Path, text: str) -> None:
+    """Add an event to a record."""
+    with Campaign.open(path) as campaign:
+        campaign.note(text)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "shop").mkdir()
+    for number, serial in enumerate("AB"):
+        write_record(tmp_path / "shop" / f"{serial}.axiscal", slide(serial=serial), read_on(number))
+    return tmp_path / "shop"
+
+
+def test_each_record_is_listed_with_what_it_comes_to(folder: Path) -> None:
+    told = list[str]()
+    found = shop_list(folder, told.append)
+    assert [said for said in told if "estimating" in said] == ["estimating A.axiscal", "estimating B.axiscal"]
+    for each in found.listed:
+        with Campaign.open(each.file, write=False) as campaign:
+            known = concluded(case_of(campaign.description), campaign.state.readings)
+            assert each.chain == campaign.state.name
+            assert each.known.serial == each.file.stem
+        assert (each.known.rms, each.known.expanded) == (known.accuracy.rms, expanded_uncertainty(known).space)
+        assert each.known.agreement == "agree"
+        assert (each.known.target, each.known.readings) == ("RMS 2 um", 16)
+    told.clear()
+    assert shop_list(folder, told.append) == found
+    assert told == []
+
+
+def test_what_is_wrong_with_a_record_is_a_sentence(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "copy.axiscal").write_bytes((folder / "A.axiscal").read_bytes())
+    (folder / "early.axiscal").write_bytes((folder / "B.axiscal").read_bytes())
+    note(folder / "B.axiscal", "repaired")
+    (folder / "torn.axiscal").write_bytes((folder / "A.axiscal").read_bytes()[:-10])
+    (folder / "foreign.axiscal").write_text("shopping list")
+    (folder / "none.axiscal").symlink_to(folder / "nowhere")
+    with Campaign.create(folder / "empty.axiscal", slide(serial="C")):
+        pass
+    assert run(["fleet", str(folder), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    why = {each["file"]: each["why"] for each in document["left_out"]}
+    assert why["copy.axiscal"] == "it is the same as A.axiscal"
+    assert why["early.axiscal"] == "it is an earlier copy of B.axiscal"
+    assert "damaged" in why["torn.axiscal"]
+    assert "not a campaign record" in why["foreign.axiscal"]
+    assert "no such record" in why["none.axiscal"]
+    listed = {each["record"]: each for each in document["records"]}
+    assert set(listed) == {"A.axiscal", "B.axiscal", "empty.axiscal"}
+    assert listed["empty.axiscal"]["remarks"] == ["it has no readings"]
+    assert run(["fleet", str(folder)]) == 0
+    said = capsys.readouterr().out
+    assert "Left out: torn.axiscal" in said
+    assert "3 records of 3 machines" in said
+    assert run(["fleet", str(folder / "nowhere")]) == 1
+
+
+@pytest.mark.long
+def test_a_machine_without_a_serial_number_is_one_of_its_own(tmp_path: Path) -> None:
+    shop(tmp_path, 3)
+    (tmp_path / "fork.axiscal").write_bytes((tmp_path / "slide-0.axiscal").read_bytes())
+    note(tmp_path / "fork.axiscal", "here")
+    note(tmp_path / "slide-0.axiscal", "there")
+    for number in (1, 2):
+        write_record(tmp_path / f"again-{number}.axiscal", slide(serial="7"), read_on(5, again=number))
+    found = shop_list(tmp_path)
+    assert (len(found.listed), found.machines) == (6, 4)
+
+
+def test_two_that_went_on_differently_are_both_listed_and_named(folder: Path) -> None:
+    (folder / "other.axiscal").write_bytes((folder / "A.axiscal").read_bytes())
+    note(folder / "A.axiscal", "here")
+    note(folder / "other.axiscal", "there")
+    remarks = {each.file.name: each.remark for each in shop_list(folder).listed}
+    assert remarks["A.axiscal"] == "it and other.axiscal went on differently from event 18"
+    assert remarks["other.axiscal"] == "it and A.axiscal went on differently from event 18"
+    assert remarks["B.axiscal"] == ""
+
+
+def test_a_record_is_brought_goes_on_and_is_never_overwritten_by_less(folder: Path, tmp_path: Path) -> None:
+    mine = write_record(tmp_path / "A.axiscal", slide(serial="C"), read_on(3))  # another campaign has this name
+    new = brought(folder, mine)
+    assert (new.what, new.events, new.file.name[:2]) == ("new", 17, "A-")
+    assert brought(folder, mine).what == "there already"
+    note(mine, "more")
+    assert (brought(folder, mine).what, brought(folder, mine).what) == ("went on", "there already")
+    with Campaign.open(mine, write=False) as here, Campaign.open(new.file, write=False) as there:
+        assert here.state == there.state
+    note(new.file, "in the folder")
+    assert brought(folder, mine).what == "there already"  # the folder has more
+    note(mine, "on the laptop")
+    before = new.file.read_bytes()
+    with pytest.raises(RecordError, match="from event 19"):
+        brought(folder, mine)
+    assert new.file.read_bytes() == before
+
+
+def test_what_is_measured_in_the_folder_meanwhile_is_not_lost(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mine = write_record(tmp_path / "mine.axiscal", slide(serial="C"), read_on(3))
+    there = brought(folder, mine).file
+    note(mine, "on the laptop")
+    refreshed = FolderIndex.refresh
+
+    def then_noted(index: FolderIndex) -> None:
+        refreshed(index)
+        note(there, "in the folder")
+
+    monkeypatch.setattr(FolderIndex, "refresh", then_noted)
+    with pytest.raises(RecordError, match="Another process has written"):
+        brought(folder, mine)
+    with Campaign.open(there, write=False) as campaign:
+        assert campaign.state.notes[-1].text == "in the folder"
+
+
+def test_one_that_cannot_be_brought_stops_no_other(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = write_record(tmp_path / "mine.axiscal", slide(serial="C"), read_on(3))
+    (tmp_path / "bad.axiscal").write_text("x")
+    assert run(["bring", str(folder), str(tmp_path / "bad.axiscal"), str(mine)]) == 1
+    captured = capsys.readouterr()
+    assert "is new, by 17 events" in captured.out
+    assert "not a campaign record" in " ".join(captured.err.split())
+    assert run(["bring", str(folder), str(mine), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["brought"][0]["what"] == "there already"
+
+
+def test_targets_in_words() -> None:
+    assert target_words(slide().target) == "RMS 2 um"

@@ -1,0 +1,194 @@
+"""What is asked of a folder of records is asked of the store by the same door, with the same answers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.app import run
+from axiscal.exceptions import RecordError, UnreachableError
+from axiscal.ports.fleet.shop_list import shop_list
+from axiscal.ports.fleet.sister_records import read_records
+from axiscal.ports.fleet.type_learning import campaign_with_sisters
+from axiscal.ports.postgres.address import store_address
+from axiscal.ports.postgres.database import Database, prepare
+from axiscal.ports.postgres.server_log import ServerLog
+from axiscal.ports.postgres.syncing import Synced, synced
+from axiscal.record.copies import write_copy
+from axiscal.record.opening import gathered, opened_log, records_of
+from axiscal.record.store import Record
+from tests.generators.sisters import CAMPAIGN, MACHINE, read_on, shop, slide, write_record
+from tests.record.postgres_server import RunningServer, running_server
+
+STORE = Path("store:")
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[RunningServer]:
+    """Yield a server of this file's own: one test takes it away."""
+    with running_server() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def folder(server: RunningServer, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder of records, all of which are in the store too."""
+    folder = tmp_path_factory.mktemp("records")
+    shop(folder, 3)
+    write_record(folder / "again.axiscal", slide(serial="7"), read_on(5))
+    database = Database(store_address(server.address()))
+    prepare(database)
+    for file in folder.glob("*.axiscal"):
+        sent(database, file)
+    database.close()
+    return folder
+
+
+@pytest.fixture(autouse=True)
+def store(folder: Path, server: RunningServer, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Name the store, and an empty folder for caches."""
+    monkeypatch.setenv("AXISCAL_STORE", server.address())
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "caches"))
+
+
+def sent(database: Database, file: Path) -> Synced:
+    """Bring a record and the store together."""
+    with Record.open(file) as record:
+        return synced(database, record, file.stem)
+
+
+@pytest.mark.long
+def test_what_a_type_teaches_is_the_same_from_the_store(folder: Path, tmp_path: Path) -> None:
+    taught = []
+    for source in (str(folder), "store:"):
+        assert run(["type", "learn", source, "--of", "Slide", "--out", str(tmp_path / "t.type.json")]) == 0
+        found = json.loads((tmp_path / "t.type.json").read_text())
+        names = [each.pop("file") for each in found["records"]]
+        found.pop("digest")  # of the text, in which the files have their names
+        taught.append(found)
+    assert taught[0] == taught[1]
+    assert sorted(names) == ["store:again", "store:slide-0", "store:slide-1", "store:slide-2"]
+
+
+def test_a_campaign_names_a_type_in_the_store(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "machine.toml").write_text(MACHINE.format(serial="", travel=500))
+    text = CAMPAIGN.format(first="") + '\n[sisters]\ntype = "Slide"\n'
+    (tmp_path / "campaign.toml").write_text(text)
+    assert "store:slide-1" in campaign_with_sisters(tmp_path / "campaign.toml").prior_text
+    (tmp_path / "campaign.toml").write_text(text.replace('"Slide"', '"Lathe"'))
+    with pytest.raises(RecordError, match=r'None of the records is of a machine "Lathe".*"Slide"'):
+        campaign_with_sisters(tmp_path / "campaign.toml")
+
+
+@pytest.mark.long
+def test_due_check_and_pages_are_the_same_from_the_store(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = []
+    for source in (str(folder), "store:"):
+        assert run(["due", source, "--target", "4 um", "--today", "2030-01-01", "--json"]) == 0
+        found = json.loads(capsys.readouterr().out)
+        machines = [{**each, "record": None} for each in found["machines"]]
+        said.append((sorted(map(json.dumps, machines)), found["kept_at_once"]))
+    assert said[0] == said[1]
+    assert run(["fleet", "store:", "--page", str(tmp_path / "years.html"), "--target", "4 um"]) == 0
+    assert "store:slide-2" in (tmp_path / "years.html").read_text()
+    assert run(["check", "store:slide-0", "--plan", str(tmp_path / "check.csv"), "--readings", "4"]) == 0
+
+
+@pytest.mark.long
+def test_the_list_of_a_store_estimates_each_once(folder: Path) -> None:
+    told = list[str]()
+    found = shop_list(STORE, told.append)
+    assert next(each.file.name for each in found.listed) == "store:again"
+    assert {each.chain for each in found.listed} == {each.chain for each in shop_list(folder).listed}
+    assert "estimating store:slide-0" in told
+    told.clear()
+    assert shop_list(STORE, told.append) == found
+    assert told == []
+
+
+@pytest.mark.long
+def test_of_two_that_went_on_differently_one_counts(folder: Path, server: RunningServer, tmp_path: Path) -> None:
+    mine, other = tmp_path / "mine.axiscal", tmp_path / "other.axiscal"
+    write_record(mine, slide(serial="9"), read_on(6)[:6])
+    with Record.open(mine, write=False) as record:
+        write_copy(record, other)
+    for file, readings in ((mine, read_on(6)[6:7]), (other, read_on(6)[8:12])):
+        with Campaign.open(file) as campaign:
+            campaign.adopt(tuple(readings))
+    database = Database(store_address(server.address()))
+    assert [sent(database, file).case for file in (mine, other)] == ["new", "fork"]
+    branch = sent(database, other).campaign.called
+    database.close()
+    found, left = read_records(gathered([Path("store:mine"), Path(f"store:{branch}")]))
+    assert [record.file.name for record in found] == [f"store:{branch}"]
+    assert "went on differently from event 8" in left[0].left_out
+    remarks = {each.file.name: each.remark for each in shop_list(STORE).listed}
+    assert remarks["store:mine"] == f"it and store:{branch} went on differently from event 8"
+    assert run(["adopt", "store:mine", f"store:{branch}", "--same-mounting"]) == 0
+    found, left = read_records(gathered([Path("store:mine"), Path(f"store:{branch}")]))
+    assert [record.file.name for record in found] == ["store:mine"]
+    assert len(found[0].readings) == 6 + 1 + 4
+    assert [each.file for each in left] == [f"store:{branch}"]
+    with Campaign.open(other) as campaign:  # nothing of it is new to whoever has the whole
+        campaign.adopt(tuple(read_on(6)[12:]))
+    with Record.open(other, write=False) as record:
+        write_copy(record, tmp_path / "copy.axiscal")
+    found, left = read_records([other, Path(f"store:{branch}")])
+    assert [record.file for record in found] == [other]
+    assert left[0].left_out == "it is an earlier copy of other.axiscal"
+
+
+def test_campaigns_of_one_name_are_named_by_their_ids(folder: Path, server: RunningServer, tmp_path: Path) -> None:
+    write_record(tmp_path / "slide-1.axiscal", slide(), read_on(7))
+    database = Database(store_address(server.address()))
+    sent(database, tmp_path / "slide-1.axiscal")
+    write_record(tmp_path / "deep.axiscal", slide(), read_on(8))
+    with Record.open(tmp_path / "deep.axiscal") as record:
+        synced(database, record, "halls/3")
+    database.close()
+    names = [path.name for path in records_of(STORE)]
+    assert "store:slide-1" not in names
+    assert "store:halls/3" not in names
+    for name in names:
+        with opened_log(name, write=False) as log:
+            assert log.last() > 0
+
+
+def test_a_store_that_goes_away_leaves_nothing_out(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened, count = ServerLog.open.__func__, [0]  # type: ignore[attr-defined]
+
+    def gone_after_two(cls: type[ServerLog], database: Database, name: str, *, write: bool = True) -> ServerLog:
+        count[0] += 1
+        if count[0] > 2:
+            database.address = store_address("postgresql://nobody@/none?host=/nowhere")
+            database.close()
+        return opened(cls, database, name, write=write)  # type: ignore[no-any-return]
+
+    monkeypatch.setattr(ServerLog, "open", classmethod(gone_after_two))
+    for command in (["due", "store:"], ["type", "learn", "store:"], ["fleet", "store:"]):
+        count[0] = 0
+        assert run(command) == 1
+        captured = capsys.readouterr()
+        assert captured.out == ""
+        assert "The store does not answer" in " ".join(captured.err.split())
+    with pytest.raises(UnreachableError):
+        shop_list(STORE)
+
+
+def test_no_store_and_no_folder_are_sentences(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delenv("AXISCAL_STORE")
+    for command in ("due", "fleet"):
+        assert run([command, "store:"]) == 1
+        assert "No store is named" in capsys.readouterr().err
+    assert run(["due", "nowhere"]) == 1
+    assert "This is no folder" in capsys.readouterr().err

@@ -1,0 +1,120 @@
+"""study.toml: its cases, and what is wrong with it, each in a sentence with its line."""
+
+from __future__ import annotations
+
+from itertools import product
+from pathlib import Path
+
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts, read_campaign
+from axiscal.exceptions import InputError
+from axiscal.ports.study.study_file import read_study
+from tests.ports.texts import CAMPAIGN, STUDY, written
+
+HEAD = '[study]\ncampaign = "campaign.toml"\nmachines = 3\n'
+
+
+def test_cases_are_every_combination_with_every_machine(tmp_path: Path) -> None:
+    grid = '[grid]\n"target.rms" = ["2 um", "3 um"]\n"setups[*].noise" = ["0.3 um", "1 um", "2 um"]\n'
+    drawn = '[random]\ndraws = 2\n"setups[dial].noise" = { between = ["1 um", "3 um"] }\n'
+    study = read_study(written(tmp_path, HEAD + grid.replace("setups[*]", "setups[laser]") + drawn))
+    cases = list(study.cases())
+    assert study.count == len(cases) == 2 * 3 * 2 * 3
+    assert len({case.key for case in cases}) == len(cases)
+    assert [case.machine for case in cases] == [0, 1, 2] * 12
+
+
+def test_a_choice_changes_what_it_names_and_nothing_else(tmp_path: Path) -> None:
+    grid = '[grid]\n"target.rms" = ["4 um"]\n"setups[2].noise" = ["7 um"]\n"errors.EXX.std" = ["9 um"]\n'
+    study = read_study(written(tmp_path, HEAD + grid))
+    variant = next(study.cases()).variant
+    base = read_campaign(tmp_path / "campaign.toml")
+    changed = campaign_from_texts(variant.campaign, "c", variant.machine, "m")
+    assert changed.target.rms == pytest.approx(4e-6)
+    assert [setup.noise_alone for setup in changed.setups] == pytest.approx([base.setups[0].noise_alone, 7e-6])
+    stds = {entry.name: entry.std for entry in changed.machine.errors}
+    assert stds == pytest.approx({entry.name: entry.std for entry in base.machine.errors} | {"EXX": 9e-6})
+    assert variant.truth == base.machine.text
+
+
+def test_draws_are_the_same_again_and_lie_between_their_ends(tmp_path: Path) -> None:
+    drawn = (
+        '[random]\ndraws = 60\n"setups[*].noise" = { between = ["0.3 um", "3 um"], scale = "log" }\n'
+        '"errors.EXX.knots" = { between = [8, 11] }\n"target.criterion" = { of = ["volume", "joint"] }\n'
+    )
+    study = read_study(written(tmp_path, HEAD + drawn))
+    values = [study.drawn_values(draw) for draw in range(study.draws)]
+    assert values == [study.drawn_values(draw) for draw in range(study.draws)]
+    noises = [float(value["setups[*].noise"].removesuffix(" um")) for value in values]
+    assert all(0.3 <= noise <= 3 for noise in noises)
+    assert 0.3 < sum(noise < 0.3 * 10**0.5 for noise in noises) / len(noises) < 0.7
+    assert {value["errors.EXX.knots"] for value in values} == {8, 9, 10, 11}
+    assert {value["target.criterion"] for value in values} == {"volume", "joint"}
+
+
+FAULTS = [
+    ('[grid]\n"target.rmss" = ["2 um"]\n', 5, "rmss", 'Perhaps "rms" is meant'),
+    ('[grid]\n"targets.rms" = ["2 um"]\n', 5, 'there is no key "targets"', 'Perhaps "target" is meant'),
+    ('[grid]\n"errors.EYY.std" = ["2 um"]\n', 5, 'there is no "EYY"', "EXX"),
+    ('[grid]\n"errors.EXX.stdd" = ["2 um"]\n', 5, "stdd", '"std"'),
+    ('[grid]\n"setups[3].noise" = ["2 um"]\n', 5, 'there is no "3" in setups', "its name"),
+    ('[grid]\n"setups[lasr].noise" = ["2 um"]\n', 5, 'there is no "lasr"', "[laser]"),
+    ('[grid]\n"setups.noise" = ["2 um"]\n', 5, "is no table", "setups[*]"),
+    ('[grid]\n"setups[*]..noise" = ["2 um"]\n', 5, "is no path", "setups[*].noise"),
+    ('[grid]\n"target.rms" = ["2 um", "2 parsec"]\n', 5, "parsec", ""),
+    ('[grid]\n"target.rms" = []\n', 5, "there is no value", ""),
+    ('[grid]\n"target.rms" = ["2 um", "2 um"]\n', 5, "is there twice", ""),
+    ('[grid]\nsetups = [["laser", "lazer"]]\n', 5, 'no set-up "lazer"', '"laser", "dial"'),
+    ("[grid]\nsetups = [3]\n", 5, "names no set-ups", '"all"'),
+    ('[grid]\n"prior.times" = [0]\n', 5, "is no factor", ""),
+    ('[grid]\n"prior.times" = ["3"]\n', 5, "is no factor", ""),
+    ('[grid]\nmachine = ["five.toml"]\n', 5, "cannot vary", ""),
+    ('[random]\n"target.rms" = { between = ["1 um", "2 um"] }\n', 4, "no number of draws", "draws = 100"),
+    ('[random]\ndraws = 3\n"target.rmss" = { between = ["1 um", "2 um"] }\n', 6, "rmss", '"rms"'),
+    ('[random]\ndraws = 3\n"target.rms" = { between = ["1 um", "2 mm"] }\n', 6, "one unit", ""),
+    ('[random]\ndraws = 3\n"target.rms" = { between = ["2 um", "1 um"] }\n', 6, "does not increase", ""),
+    ('[random]\ndraws = 3\n"target.rms" = { betwen = ["1 um", "2 um"] }\n', 6, "does not say what to draw", ""),
+    ('[results]\nkeep = ["minuts"]\n', 5, "nothing that can be kept", '"minutes"'),
+    ("[gird]\n", 4, 'unknown key "gird"', '"grid"'),
+]
+
+
+@pytest.mark.parametrize(("text", "line", "what", "remedy"), FAULTS)
+def test_a_fault_is_said_with_its_line_and_what_would_be_right(
+    tmp_path: Path, text: str, line: int, what: str, remedy: str
+) -> None:
+    file = written(tmp_path, HEAD + text)
+    with pytest.raises(InputError) as caught:
+        read_study(file)
+    assert str(caught.value).startswith(f"{file}, line {line}: ")
+    assert what in caught.value.what
+    assert remedy in caught.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("stop", "said"),
+    [
+        ('"now"', "not possible here"),
+        ("{ readings = 0 }", "no number of readings"),
+        ("{ readings = 3, budget = '1 h' }", "not possible here"),
+        ("{ budget = '0 min' }", "no time to measure in"),
+        ("{ budget = '3 um' }", "3 um"),
+    ],
+)
+def test_a_stop_that_is_none_is_refused(tmp_path: Path, stop: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        read_study(written(tmp_path, f"{HEAD}stop = {stop}\n"))
+
+
+def test_a_campaign_without_target_needs_a_stop(tmp_path: Path) -> None:
+    campaign = CAMPAIGN.replace('rms = "3 um"', "")
+    with pytest.raises(InputError, match="has no target to stop at"):
+        read_study(written(tmp_path, HEAD, campaign))
+    read_study(written(tmp_path, STUDY, campaign))
+
+
+def test_the_digest_follows_every_text(tmp_path: Path) -> None:
+    texts = product((STUDY, STUDY + "# note\n"), (CAMPAIGN, CAMPAIGN.replace("0.5 um", "0.6 um")))
+    digests = {read_study(written(tmp_path, *pair)).digest for pair in texts}
+    assert len(digests) == 4

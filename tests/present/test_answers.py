@@ -1,0 +1,138 @@
+"""What is typed at the prompt."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.exceptions import AxiscalError
+from axiscal.machine import load_machine
+from axiscal.measurement.setup import Setup
+from axiscal.present.guide.answers import Value, Word, answer
+from axiscal.present.guide.sign import reads_text, sign_text, ways
+
+SETUPS = """
+machine = "three-axis-mill"
+[target]
+readings = 1
+[[setups]]
+name = "dial"
+instrument = "indicator"
+direction = "-y"
+[[setups]]
+name = "level"
+instrument = "level"
+direction = "x"
+[[setups]]
+name = "nest"
+instrument = "rtest"
+station = ["0 mm", "0 mm", "-300 mm"]
+"""
+
+
+def setup(name: str) -> Setup:
+    """Return one of the set-ups."""
+    return campaign_from_texts(SETUPS, "campaign.toml", load_machine("three-axis-mill").text, "mill").setup(name)
+
+
+DIAL, LEVEL, NEST = setup("dial"), setup("level"), setup("nest")
+
+
+@pytest.mark.parametrize(
+    ("text", "metres"),
+    [
+        ("-1.7", -1.7e-6),
+        ("−1,7", -1.7e-6),
+        (" 2 ", 2e-6),
+        (".5", 0.5e-6),
+        ("2.1um", 2.1e-6),
+        ("0,0021 mm", 2.1e-6),
+        ("1e-3 mm", 1e-6),
+    ],
+)
+def test_a_number_is_in_the_unit_shown_unless_one_is_said(text: str, metres: float) -> None:
+    typed = answer(text, DIAL)
+    assert isinstance(typed, Value)
+    np.testing.assert_allclose(typed.values, [metres], rtol=1e-12)
+
+
+def test_angles_are_in_microradians() -> None:
+    typed = answer("4 arcsec", LEVEL), answer("19.39", LEVEL)
+    values = [each.values[0] for each in typed if isinstance(each, Value)]
+    np.testing.assert_allclose(values, [4 / 3600 / 180 * np.pi, 19.39e-6], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text", ["1.2 -0.4 0.8", "1,2 -0,4 0,8", "1.2; -0.4; 0.8", "1.2, -0.4, 0.8", "1.2um -0.4um 0.8 um"]
+)
+def test_three_values_stand_in_one_line(text: str) -> None:
+    typed = answer(text, NEST)
+    assert isinstance(typed, Value)
+    np.testing.assert_allclose(typed.values, [1.2e-6, -0.4e-6, 0.8e-6], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "0.0012 -0.0004 0.0008 mm",
+        "1.2um,-0.4um,0.8um",
+        "0.0012 -4e-4 8e-4 mm",
+        "0.0012 mm, -0.0004 mm, 0.0008 mm",
+        "1.2; -0.4; 0.8 um",
+    ],
+)
+def test_a_unit_after_the_last_of_three_is_of_all(text: str) -> None:
+    typed = answer(text, NEST)
+    assert isinstance(typed, Value)
+    np.testing.assert_allclose(typed.values, [1.2e-6, -0.4e-6, 0.8e-6], rtol=1e-12)
+
+
+@pytest.mark.parametrize("text", ["0.0012 mm -0.4 0.8", "1.2 -0.0004 mm 0.0008 mm", "1.2 -0.4 mm 0.8"])
+def test_units_of_some_values_are_refused(text: str) -> None:
+    with pytest.raises(AxiscalError, match="a unit for some of its values"):
+        answer(text, NEST)
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("", Word("show")),
+        ("u", Word("undo")),
+        ("UNDO", Word("undo")),
+        ("skip the clamp is there", Word("skip", "the clamp is there")),
+        ("q", Word("pause")),
+        ("?", Word("help")),
+    ],
+)
+def test_words_are_no_readings(text: str, word: Word) -> None:
+    assert answer(text, DIAL) == word
+
+
+@pytest.mark.parametrize("text", ["foo", "1.2.3", "3 kg", "1 2", "--4", "1,2,3", "5 arcsec", "nan", "inf um", "1e999"])
+def test_anything_else_is_refused_in_words(text: str) -> None:
+    with pytest.raises(AxiscalError):
+        answer(text, DIAL)
+
+
+@given(st.text(max_size=30))
+def test_nothing_typed_is_a_traceback(text: str) -> None:
+    for where in (DIAL, LEVEL, NEST):
+        try:
+            typed = answer(text, where)
+        except AxiscalError:
+            continue
+        assert isinstance(typed, Word) or np.all(np.isfinite(typed.values))
+
+
+def test_the_sign_is_said_in_words() -> None:
+    assert sign_text(DIAL) == "+ where the tool stands too far towards -y, seen from the workpiece"
+    assert sign_text(LEVEL) == "+ where the tool is turned too far about +x by the right hand, seen from the workpiece"
+    assert "+x, +y, +z" in sign_text(NEST)
+
+
+def test_the_way_drawn_is_the_way_in_words() -> None:
+    assert (ways(DIAL), ways(LEVEL), len(ways(NEST))) == (((0.0, -1.0, 0.0),), ((1.0, 0.0, 0.0),), 3)
+    assert [reads_text(each) for each in (DIAL, LEVEL, NEST)] == ["along -y", "about x", "x, y and z"]

@@ -1,0 +1,160 @@
+"""The certificate and the CSV files: elements in the order of DCC 3.3.0, the numbers of the summary, schemas used."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.exceptions import ReadingError
+from axiscal.present.calibration_certificate import DCC, SI, certificate, check_against
+from axiscal.present.data_files import data_files
+from axiscal.present.result_document import result_json
+from axiscal.present.sentences import values_text
+from tests.present.test_page import HOSTILE, _with_every_text, five_axis_summary
+
+ORDER = {
+    "digitalCalibrationCertificate": ["administrativeData", "measurementResults"],
+    "administrativeData": [
+        "dccSoftware", "coreData", "items", "calibrationLaboratory", "respPersons", "customer",
+    ],
+    "coreData": [
+        "countryCodeISO3166_1", "usedLangCodeISO639_1", "mandatoryLangCodeISO639_1", "uniqueIdentifier",
+        "beginPerformanceDate", "endPerformanceDate", "performanceLocation",
+    ],
+    "item": ["name", "manufacturer", "identifications"],
+    "identification": ["issuer", "value", "name"],
+    "respPerson": ["person", "role", "mainSigner"],
+    "measurementResults": ["usedMethods", "measuringEquipments", "influenceConditions", "measurementResult"],
+    "usedMethod": ["name", "norm"],
+    "measuringEquipment": ["name", "description", "identifications"],
+    "measurementResult": ["name", "description", "results"],
+    "result": ["name", "data"],
+    "realListXMLList": ["valueXMLList", "unitXMLList", "measurementUncertaintyUnivariateXMLList"],
+    "expandedMUXMLList": ["valueExpandedMUXMLList", "coverageFactorXMLList", "coverageProbabilityXMLList"],
+    "real": ["value", "unit", "measurementUncertaintyUnivariate"],
+}  # fmt: skip
+"""Children of each element in the order in which the schemas DCC 3.3.0 and D-SI 2.2 ask for them."""
+
+
+def _name(element: ET.Element) -> str:
+    return element.tag.rpartition("}")[2]
+
+
+@pytest.fixture(scope="module")
+def root() -> ET.Element:
+    return ET.fromstring(certificate(five_axis_summary(12)))
+
+
+def test_elements_stand_in_the_order_of_the_schema(root: ET.Element) -> None:
+    met = set()
+    for element in root.iter():
+        if (order := ORDER.get(_name(element))) is not None:
+            places = [order.index(_name(child)) for child in element]
+            assert places == sorted(places)
+            met.add(_name(element))
+    assert met == set(ORDER)
+    assert root.get("schemaVersion") == "3.3.0"
+
+
+def test_curves_have_their_numbers_and_expanded_uncertainties(root: ET.Element) -> None:
+    curve = five_axis_summary(12).curves[3]
+    results = root.findall(f".//{{{DCC}}}result")
+    (mine,) = [each for each in results if each.findtext(f"{{{DCC}}}name/{{{DCC}}}content", "").startswith(curve.name)]
+    series = mine.findall(f".//{{{SI}}}realListXMLList")
+    position, value = ([float(x) for x in each.findtext(f"{{{SI}}}valueXMLList", "").split()] for each in series)
+    half = [float(x) for x in series[1].findtext(f".//{{{SI}}}valueExpandedMUXMLList", "").split()]
+    np.testing.assert_allclose(position, curve.position, rtol=1e-5, atol=1e-9)
+    np.testing.assert_allclose(value, curve.mean, rtol=1e-5)
+    np.testing.assert_allclose(half, 1.96 * np.array(curve.std), rtol=1e-5)
+
+
+_PLUS = r"\+?((\d*\.\d+)|(\d+\.\d*)|(\d+\.?))([Ee][-+]?\d+)?"
+PATTERNS = {
+    "value": r"[-+]?" + _PLUS[3:],
+    "valueExpandedMU": _PLUS,
+    "coverageFactor": r"\+?(([1-9]\d*\.\d*)|([1-9]\d*))",
+    "coverageProbability": r"\+?((0(\.\d*)?)|(1(\.0*)?))",
+}
+"""How D-SI 2.2 writes numbers, alone and in lists, without NaN."""
+
+
+def test_rows_have_the_figures_of_the_answer(root: ET.Element) -> None:
+    given = {
+        each.findtext(f"{{{DCC}}}name/{{{DCC}}}content", ""): each.findtext(f"{{{SI}}}real/{{{SI}}}value", "")
+        for each in root.findall(f".//{{{DCC}}}quantity")
+    }
+    rows = [row for row in five_axis_summary(12).answer.rows if row.measured]
+    assert rows
+    for row in rows:
+        named = {"as found": row.found, "U, 95%": row.known_to}
+        named |= {f"as left with {name}": size for name, size in row.left.items()}
+        for name, size in named.items():
+            assert float(given[f"{row.row}, {name}"]) == pytest.approx(size, rel=1e-5)
+
+
+def test_numbers_are_written_as_the_schema_wants_them(root: ET.Element) -> None:
+    met = set()
+    for element in root.iter():
+        name = _name(element).removesuffix("XMLList")
+        if element.tag.startswith(f"{{{SI}}}") and name in PATTERNS:
+            met.add(name)
+            assert all(re.fullmatch(PATTERNS[name], each) for each in (element.text or "").split())
+            assert element.text
+    assert met == set(PATTERNS)
+
+
+def test_any_text_makes_a_certificate_that_parses() -> None:
+    text = certificate(_with_every_text(five_axis_summary(2), HOSTILE + "\ud800\x07"))
+    assert "alert(1)" in "".join(ET.fromstring(text).itertext())
+
+
+SCHEMA = """<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema" targetNamespace="https://ptb.de/dcc">
+<xs:element name="{name}"><xs:complexType><xs:sequence>
+<xs:any minOccurs="0" maxOccurs="unbounded" processContents="skip"/></xs:sequence>
+<xs:attribute name="schemaVersion"/></xs:complexType></xs:element></xs:schema>"""
+
+
+def test_a_schema_at_hand_is_used(tmp_path: Path) -> None:
+    schema, document = tmp_path / "dcc.xsd", certificate(five_axis_summary(2))
+    schema.write_text(SCHEMA.format(name="digitalCalibrationCertificate"))
+    check_against(schema, document, tmp_path / "c.xml")
+    schema.write_text(SCHEMA.format(name="other"))
+    with pytest.raises(ReadingError, match=r"c\.xml|another version"):
+        check_against(schema, document, tmp_path / "c.xml")
+    schema.write_text("<not a schema")
+    with pytest.raises(ReadingError, match="cannot be used"):
+        check_against(schema, document, tmp_path / "c.xml")
+
+
+def test_csv_files_hold_what_the_summary_holds() -> None:
+    summary = five_axis_summary(12)
+    rows = {name: list(csv.DictReader(io.StringIO(text.decode()))) for name, text in data_files(summary).items()}
+    assert [row["reading"] for row in rows["readings.csv"]] == [str(n) for n in range(1, 13)]
+    assert len(rows["curves.csv"]) == sum(len(curve.position) for curve in summary.curves)
+    first = rows["curves.csv"][0]
+    assert float(first["mean"]) == pytest.approx(summary.curves[0].mean[0], rel=1e-5)
+    assert float(first["half_width_95"]) == pytest.approx(1.96 * summary.curves[0].std[0], rel=1e-5)
+    assert len(rows["constants.csv"]) == len(summary.constants)
+
+
+def test_all_numbers_of_a_reading_are_in_its_row() -> None:
+    summary = five_axis_summary(3)
+    last = replace(summary.history[-1], others=(0.25, -3.5))
+    shown = replace(summary, history=[*summary.history[:-1], last])
+    rows = list(csv.DictReader(io.StringIO(data_files(shown)["readings.csv"].decode())))
+    assert [(row["value_2"], row["value_3"]) for row in rows] == [("", ""), ("", ""), ("0.25", "-3.5")]
+    assert b"value_2" not in data_files(summary)["readings.csv"]
+    assert result_json(shown)["history"][-1]["others"] == [0.25, -3.5]
+    assert values_text(last.values, "um").endswith(" / 0.25 / \N{MINUS SIGN}3.50\N{NO-BREAK SPACE}µm")
+
+
+def test_a_name_that_a_spreadsheet_would_compute_is_shielded() -> None:
+    files = data_files(_with_every_text(five_axis_summary(2), "=1+1"))
+    assert b"'=1+1" in files["readings.csv"]

@@ -1,0 +1,170 @@
+"""Displays that move in coarse steps which nobody stated: found where values show it, not where chance might do it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from typer.testing import CliRunner
+
+from axiscal.cli.app import app
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal.present.doubled import coarse_displays, step_of
+
+NOISE = 0.5
+"""um"""
+MACHINE = """
+chain = "w-b-X-t"
+[axes.X]
+travel = ["0 mm", "1000 mm"]
+[errors]
+EXX = { std = "20 um", length = "300 mm", knots = 9 }
+"""
+CAMPAIGN = """machine = "machine.toml"
+[target]
+readings = 20
+[[setups]]
+name = "laser along x"
+instrument = "interferometer"
+direction = "x"
+noise = "0.5 um"
+"""
+
+
+def curve(seed: int, count: int, size: float = 30.0) -> Array:
+    """Return readings before any display, um: a smooth curve of some size, with the noise."""
+    rng = np.random.default_rng(seed)
+    smooth = size * np.sin(np.linspace(0, 6, count) + rng.uniform(0, 6)) + rng.uniform(-size, size)
+    return np.asarray(smooth + rng.normal(0, NOISE, count))
+
+
+def shown(values: Array, step: float, decimals: int = 2) -> Array:
+    """Return what a display of some step shows, as a file has it, m."""
+    return np.round(np.round(values / step) * step, decimals) * 1e-6
+
+
+def found(values: Array) -> float | None:
+    """Return the step that is found beside the noise, um."""
+    step = step_of(values, NOISE * 1e-6)
+    return None if step is None else step * 1e6
+
+
+@given(
+    step=st.floats(1.7, 40),
+    counts=st.lists(st.integers(-30, 30), min_size=6, max_size=40),
+    offset=st.floats(-50, 50),
+    decimals=st.sampled_from([3, 4, 9]),
+)
+def test_the_step_found_is_the_largest_of_which_all_values_differ_by_multiples(
+    step: float, counts: list[int], offset: float, decimals: int
+) -> None:
+    multiples = np.array([0, 1, 2, 4, 7, 11, 16, 22, 29, *counts])
+    for times in (1, 3):
+        values = np.round(times * multiples * step + offset, decimals) * 1e-6
+        assert found(values) == pytest.approx(times * step, abs=2 * 10.0**-decimals + 1e-5 * step)
+
+
+@pytest.mark.parametrize("step", [1.6, 2.0, 2.54, 5.0, 6.35, 10.0])
+def test_coarse_displays_are_found(step: float) -> None:
+    steps = [found(shown(curve(seed, 26), step)) for seed in range(40)]
+    assert steps == pytest.approx([step] * 40, rel=2e-3)
+
+
+def test_arc_seconds_are_a_step_of_microradians() -> None:
+    seconds = np.array([0, 1, 1, 3, 4, 6, 7, 9, 12, 10, 8, 5, 2, -1])
+    assert found(np.round(seconds * 4.84813681, 1) * 1e-6) == pytest.approx(4.848, abs=0.02)
+
+
+def test_values_written_by_hand_without_decimals_are_steps_of_the_last_one() -> None:
+    written = np.round(curve(1, 20)) * 1e-6
+    assert step_of(written, 0.1e-6) == 1e-6
+    assert step_of(written, 0.4e-6) is None  # no coarser than three noises
+
+
+@pytest.mark.parametrize("decimals", [1, 2, 3, 9])
+@pytest.mark.parametrize("count", [3, 5, 12, 40])
+def test_values_with_usual_decimals_are_no_steps(decimals: int, count: int) -> None:
+    files = [np.round(curve(seed, count, size), decimals) * 1e-6 for seed in range(100) for size in (0.3, 3.0, 30.0)]
+    assert [step for step in map(found, files) if step] == []
+
+
+@pytest.mark.parametrize("display", [0.5, 0.7, 1.0, 1.5])
+def test_displays_as_coarse_as_may_be_are_hardly_ever_taken_for_coarser_ones(display: float) -> None:
+    files = [shown(curve(seed, count, 3.0), display) for seed in range(300) for count in (5, 12, 26)]
+    assert sum(found(each) is not None for each in files) <= 9  # one in a hundred
+
+
+@pytest.mark.parametrize("values", [[], [0.0], [0.0, 10.0], [0.0, 10.0, -10.0], [5.0] * 40, [0.0, 10.0] * 12])
+def test_few_different_values_tell_no_step(values: list[float]) -> None:
+    assert found(np.array(values) * 1e-6) is None
+
+
+def test_values_that_tell_a_step_no_longer_do_with_one_between() -> None:
+    values = shown(curve(2, 26), 10.0)
+    assert found(values) == pytest.approx(10.0)
+    assert found(np.append(values, values[0] + 3.1e-6)) is None
+
+
+def setups(more: str) -> tuple[Setup, ...]:
+    """Return the set-up of the campaign with more said of it."""
+    return campaign_from_texts(CAMPAIGN + more, "campaign.toml", MACHINE, "machine.toml").setups
+
+
+def taken(values: Array, std: float | None = None) -> list[Reading]:
+    """Return values as readings along the axis."""
+    places = np.linspace(0, 1, len(values))
+    return [Reading("laser along x", (float(x),), (0,), float(y), std) for x, y in zip(places, values, strict=True)]
+
+
+def test_the_step_is_said_with_what_to_state() -> None:
+    (finding,) = coarse_displays(taken(shown(curve(3, 26), 10.0)), setups(""))
+    assert (finding.code, finding.error) == ("resolution", None)
+    assert 'The values of "laser along x" move in steps of 10 um, 20 times its noise' in finding.text
+    assert 'State resolution = "10 um"' in finding.text
+    assert "interval it fell into" in finding.text
+
+
+def test_what_is_stated_is_not_asked_for() -> None:
+    readings = taken(shown(curve(3, 26), 10.0))
+    assert coarse_displays(readings, setups('resolution = "10 um"')) == []
+    assert coarse_displays(readings, setups('bound = "6 um"')) == []
+    assert coarse_displays(taken(shown(curve(3, 26), 10.0), 3e-6), setups("")) == []
+    (finer,) = coarse_displays(readings, setups('resolution = "1 um"'))
+    assert 'State resolution = "10 um"' in finer.text
+
+
+def estimated(folder: Path, step: float, campaign: str) -> tuple[str, list[str]]:
+    """Return what `estimate` prints of readings that a display shows, and the codes of the warnings in result.json."""
+    (folder / "machine.toml").write_text(MACHINE)
+    (folder / "campaign.toml").write_text(campaign)
+    values = np.round(curve(4, 24) / step) * step
+    rows = [f"laser along x,{x:.3f},{y:.2f}" for x, y in zip(np.linspace(0, 1000, 24), values, strict=True)]
+    (folder / "readings.csv").write_text("\n".join(["setup,X_mm,value_um", *rows]) + "\n")
+    files = [str(folder / name) for name in ("campaign.toml", "readings.csv", "out")]
+    printed = CliRunner().invoke(app, ["estimate", *files[:2], "--out", files[2], "--details"]).stdout
+    document = json.loads((folder / "out" / "result.json").read_text())
+    return " ".join(printed.split()), [warning["code"] for warning in document["warnings"]]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("learnt", [False, True])
+def test_estimate_says_it_until_it_is_stated(tmp_path: Path, learnt: bool) -> None:
+    said = "move in steps of 10 um, 20 times its noise"
+    for name, step, more, warned in [
+        ("coarse", 10.0, "", True),
+        ("stated", 10.0, 'resolution = "10 um"\n', False),
+        ("fine", 0.01, "", False),
+    ]:
+        folder = tmp_path / name
+        folder.mkdir()
+        scales = 'scales = "estimate"\n' if learnt else ""
+        printed, codes = estimated(folder, step, f"{scales}{CAMPAIGN}{more}")
+        assert (said in printed) == warned
+        assert ("resolution" in codes) == warned

@@ -1,0 +1,109 @@
+"""What a report holds beside curves: who and with what, the error of the volume, standards' figures, files once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimation.estimate import concluded
+from axiscal.evaluation import PositioningTest, evaluate
+from axiscal.exceptions import DescriptionError
+from axiscal.measurement.reading import Reading
+from axiscal.present.sentences import files_of_controls, left_out_words
+from axiscal.present.standard import iso230_blocks
+from axiscal.present.summary import TableOffer
+from axiscal.present.volume_error import volume_error
+from axiscal.tables.effect import Control
+from tests.generators.campaigns import drawn, mixed
+from tests.generators.laser_axis import CAMPAIGN, MACHINE
+
+REPORT = '[report]\noperator = "R. Turner"\ncountry = "DE"\n'
+
+
+def _described(text: str) -> CampaignDescription:
+    return campaign_from_texts(text, "c.toml", 'serial = "M-1"\n' + MACHINE, "m")
+
+
+def test_who_measured_with_what_is_read() -> None:
+    text = CAMPAIGN.replace('name = "laser"', 'name = "laser"\nserial = "4711"\ncertificate = "K 8"') + REPORT
+    said = _described(text).particulars
+    assert (said.operator, said.country, said.serial, said.customer) == ("R. Turner", "DE", "M-1", "")
+    assert (said.setups["laser"].serial, said.setups["laser"].certificate) == ("4711", "K 8")
+
+
+@pytest.mark.parametrize(("key", "value"), [("operator", "a\\u0007b"), ("customer", "x" * 600), ("country", "GER")])
+def test_what_no_report_can_show_is_refused_with_its_line(key: str, value: str) -> None:
+    with pytest.raises(DescriptionError) as caught:
+        _described(f'{CAMPAIGN}[report]\n{key} = "{value}"\n')
+    assert caught.value.line == CAMPAIGN.count("\n") + 2
+
+
+def test_the_error_of_the_volume_is_that_of_the_estimate() -> None:
+    case = mixed()
+    known = concluded(case, drawn(case))
+    volume = volume_error(known)
+    found, half = np.array(volume.found_um), np.array(volume.half_um)
+    assert found.shape == half.shape == np.array(volume.tcp_mm).shape
+    np.testing.assert_allclose(found.mean(axis=0), 0, atol=1e-9)
+    assert np.all(half > 0)
+    assert volume.left_um == ()
+
+
+def test_tables_that_do_nothing_leave_what_was_found() -> None:
+    case = mixed()
+    known = concluded(case, drawn(case))
+    idle: Control = lambda poses, approaches: np.zeros_like(poses)  # noqa: E731
+    volume = volume_error(known, "none", idle)
+    np.testing.assert_allclose(volume.left_um, volume.found_um, atol=1e-9)
+
+
+def _test_readings(skip: int | None = None) -> tuple[list[Reading], PositioningTest]:
+    rng = np.random.default_rng(5)
+    targets = np.linspace(0.05, 0.95, 7)
+    up, down = (rng.normal(0, 1e-6, (7, 3)) for _ in range(2))
+    readings = [
+        Reading("laser", (float(target),), (side,), float(values[i, run]))
+        for run in range(3)
+        for values, side in ((up, 1), (down, -1))
+        for i, target in enumerate(targets)
+    ]
+    return [r for i, r in enumerate(readings) if i != skip], PositioningTest(targets, up, down)
+
+
+def test_readings_that_are_a_test_after_iso_230_2_get_its_figures() -> None:
+    readings, test = _test_readings()
+    (block,) = iso230_blocks(_described(CAMPAIGN), readings)
+    wanted = evaluate(test)
+    assert block.axis == "X"
+    for name in ("A", "E", "R", "B", "M"):
+        assert block.figures[name] == pytest.approx(1e6 * getattr(wanted, name), rel=1e-9)
+
+
+def test_a_reading_that_was_not_believed_takes_its_run_out_of_the_test() -> None:
+    readings, test = _test_readings()
+    wrong = 16  # in the second run upwards
+    readings[wrong] = replace(readings[wrong], value=1e-3)
+    (block,) = iso230_blocks(_described(CAMPAIGN), readings, {wrong})
+    assert test.up is not None
+    wanted = evaluate(PositioningTest(test.targets, test.up[:, [0, 2]], test.down))
+    for name in ("A", "E", "R", "B", "M"):
+        assert block.figures[name] == pytest.approx(1e6 * getattr(wanted, name), rel=1e-9)
+    assert left_out_words(block) == "Without the run of reading 17, which was not believed."
+
+
+def test_a_test_with_too_few_whole_runs_is_none() -> None:
+    readings, _ = _test_readings()
+    assert iso230_blocks(_described(CAMPAIGN), readings, {0, 14}) == []
+
+
+def test_readings_with_a_gap_are_no_such_test() -> None:
+    assert iso230_blocks(_described(CAMPAIGN), _test_readings(skip=4)[0]) == []
+
+
+def test_a_sentence_about_many_files_is_said_once() -> None:
+    offers = [TableOffer(f"tables/linuxcnc/{n}.comp", "linuxcnc", n, "They leave 1 um.") for n in "XYZ"]
+    (one,) = files_of_controls(offers)
+    assert (one.sentence, len(one.files)) == ("They leave 1 um.", 3)

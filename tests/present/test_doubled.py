@@ -1,0 +1,119 @@
+"""Readings that stand in a file twice: found where they were pasted, not where chance or a coarse display does it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from axiscal.cli.app import app
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.measurement.reading import Reading
+from axiscal.present.doubled import copies, repeated
+
+NOISE = 0.5e-6
+MACHINE = """
+chain = "w-b-X-t"
+[axes.X]
+travel = ["0 mm", "1000 mm"]
+[errors]
+EXX = { std = "10 um", length = "200 mm", knots = 9 }
+"""
+CAMPAIGN = """machine = "machine.toml"
+[target]
+readings = 20
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+noise = "0.5 um"
+"""
+
+
+def taken(seed: int, count: int, decimals: int, noise: float = NOISE, runs: int = 1) -> list[Reading]:
+    """Return readings as a display shows them: each place as often as there are runs, at a curve of 10 um."""
+    rng = np.random.default_rng(seed)
+    places = np.linspace(0, 1, count)
+    curve = 10 * np.sin(4 * places + rng.uniform(0, 6))
+    shown = [np.round(curve + rng.normal(0, noise * 1e6, count), decimals) for _ in range(runs)]
+    return [
+        Reading("laser", (float(x),), (1,), float(value) * 1e-6, line=None)
+        for values in shown
+        for x, value in zip(places, values, strict=True)
+    ]
+
+
+def test_a_file_that_was_added_twice_is_found() -> None:
+    once = taken(1, 20, 2)
+    found = repeated([*once, *once], NOISE)
+    assert found is not None
+    assert (found.before, found.again, found.count) == ((0, 19), (20, 39), 20)
+
+
+def test_a_block_that_was_pasted_again_elsewhere_is_found() -> None:
+    readings = taken(2, 24, 3)
+    pasted = [
+        Reading("laser", here.pose, (1,), of.value) for here, of in zip(readings[14:19], readings[5:10], strict=True)
+    ]
+    found = repeated([*readings[:14], *pasted, *readings[19:]], NOISE)
+    assert found is not None
+    assert (found.before, found.again) == ((5, 9), (14, 18))
+
+
+def test_a_display_that_froze_is_found() -> None:
+    readings = taken(3, 24, 2)
+    frozen = [Reading("laser", each.pose, (1,), readings[9].value) for each in readings[10:]]
+    assert repeated([*readings[:10], *frozen], NOISE) is not None
+
+
+def test_readings_of_three_numbers_are_compared_whole() -> None:
+    rng = np.random.default_rng(4)
+    rows = np.round(rng.normal(0, 8, (12, 3)), 1) * 1e-6
+    readings = [Reading("nest", (0.0,), (0,), float(x), others=(float(y), float(z))) for x, y, z in rows]
+    assert repeated(readings, NOISE) is None
+    assert repeated([*readings, *readings[3:7]], NOISE) is not None
+    other = [Reading("nest", (0.0,), (0,), each.value, others=(each.others[0], 0.0)) for each in readings[3:7]]
+    assert repeated([*readings, *other], NOISE) is None
+
+
+@pytest.mark.parametrize(("decimals", "noise"), [(2, NOISE), (1, NOISE), (0, NOISE), (0, 2e-6), (1, 0.1e-6)])
+def test_right_files_are_not_taken_for_copies(decimals: int, noise: float) -> None:
+    files = [taken(seed, 12, decimals, noise, runs=5) for seed in range(400)]
+    assert sum(repeated(each, noise) is not None for each in files) == 0  # one of 10,000 may be
+
+
+def test_of_a_display_coarser_than_the_noise_nothing_is_said() -> None:
+    once = taken(5, 20, 0, 0.3e-6)
+    assert repeated([*once, *once], 0.3e-6) is None
+
+
+def test_no_reading_and_one_reading_are_no_copies() -> None:
+    assert repeated([], NOISE) is None
+    assert repeated(taken(6, 1, 2), NOISE) is None
+
+
+def test_each_set_up_is_looked_at_by_itself() -> None:
+    second = CAMPAIGN.partition("[[setups]]")[2].replace('"laser"', '"again"')
+    described = campaign_from_texts(f"{CAMPAIGN}[[setups]]{second}", "campaign.toml", MACHINE, "machine.toml")
+    once = taken(7, 12, 2)
+    elsewhere = [Reading("again", each.pose, each.approach, each.value) for each in once]
+    assert copies([*once, *elsewhere], described.setups) == []
+    (found,) = copies([*once, *once, *elsewhere], described.setups)
+    assert (found.code, found.error) == ("copies", None)
+    assert '12 values of "laser" in its readings 13 to 24 repeat those in its readings 1 to 12' in found.text
+
+
+def test_estimate_names_the_lines_of_the_file(tmp_path: Path) -> None:
+    (tmp_path / "machine.toml").write_text(MACHINE)
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    lines = [f"laser,{each.pose[0] * 1e3:.3f},{each.value * 1e6:.2f}" for each in taken(8, 14, 2)]
+    (tmp_path / "readings.csv").write_text("\n".join(["setup,X_mm,value_um", *lines, *lines]) + "\n")
+    command = ["estimate", *(str(tmp_path / name) for name in ("campaign.toml", "readings.csv"))]
+    assert CliRunner().invoke(app, [*command, "--out", str(tmp_path / "out")]).exit_code == 0
+    warned = json.loads((tmp_path / "out" / "result.json").read_text())["warnings"]
+    assert any(
+        '14 values of "laser" in lines 16 to 29 repeat those in lines 2 to 15' in each["text"] for each in warned
+    )

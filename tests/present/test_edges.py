@@ -1,0 +1,143 @@
+"""The report page where there is little, too much or too large to show."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import pytest
+
+from axiscal.answers.answer import ReadingAgreement
+from axiscal.errors.iso230 import words
+from axiscal.exceptions import SummaryError
+from axiscal.machine import load_machine
+from axiscal.machine.questions import which_way
+from axiscal.present.calibration_certificate import SI, certificate
+from axiscal.present.figures import accuracy, innovations
+from axiscal.present.page import render
+from axiscal.present.result_document import result_json
+from axiscal.present.summary import ConstantSummary, CurveSummary, HistoryRow, Summary, Uncertainty
+from tests.generators.answers import answer
+
+EXPANDED = Uncertainty(23.4, (11.0, 12.0, 13.0), 51.0, 1.65, "for a tool of 120 mm")
+
+
+def _bare(**changes: Any) -> Summary:
+    first = HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0)
+    figures = 0, 0.0, 14.2, 31.0, 0.0, [first], EXPANDED, answer(verdict="nothing", readings=0, compared=0, minutes=0.0)
+    empty = Summary("t", "m", "", "c.toml", "", [], "nothing measured", *figures)
+    return replace(empty, **changes)
+
+
+def _plain_curve(mean: list[float], std: float) -> CurveSummary:
+    size = len(mean)
+    where = [float(n) for n in range(size)]
+    return CurveSummary("EXX", "X", words("EXX"), where, mean, [std] * size, [std] * size, [std] * size, "mm", "um")
+
+
+def test_a_campaign_without_readings_has_a_page() -> None:
+    curve = CurveSummary(
+        "EXX", "X", "positioning of X", [0.0, 1.0], [0.0, 0.0], [9.0, 9.0], [9.0, 9.0], [9.0, 9.0], "mm", "um"
+    )
+    page = render(_bare(curves=[curve]))
+    assert "<strong>NO READINGS YET</strong>" in page
+    stated = ("u", "14.2\u00a0µm"), ("U in space", "23.4\u00a0µm"), ("U along y", "± 12.0\u00a0µm")
+    for name, size in stated:
+        assert re.search(rf"<th>[^<]*{name}[^<]*</th><td>{size}</td>", page), name
+    assert "<td>for a tool of 120 mm</td>" in page
+    assert "hardly touched by the readings" in page
+    assert "truth" not in page[: page.index("<script>")].split("</style>")[1].replace('"truth"', "")
+
+
+def test_an_evaluation_without_history_or_curves_has_a_page() -> None:
+    assert "NO READINGS YET" in render(_bare(history=[]))
+
+
+def test_what_nobody_has_said_stands_on_the_page() -> None:
+    assert "What nobody has said" not in render(_bare())
+    assert "<li>Which way do C and B count?" in render(_bare(questions=which_way(load_machine("dmu60"))))
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e-12, 1e12, 1e150])
+def test_extreme_figures_still_make_a_page(size: float) -> None:
+    scaled = [size, -size, size]
+    curve = CurveSummary(
+        "EXX", "X", "positioning of X", [0.0, 1.0, 2.0], scaled, [size] * 3, [size] * 3, [size] * 3, "mm", "um"
+    )
+    constant = ConstantSummary("C0Y", words("C0Y"), size, size, size, "urad")
+    page = render(_bare(curves=[curve], constants=[constant], rms_um=size, worst_um=size))
+    assert page.count('class="picture"') == 3 + 3  # the accuracy and the curve, at three widths
+    assert not re.search(r"\b(?:nan|inf)\b", page.split("<main>")[1].split("</main>")[0])
+
+
+def test_a_figure_that_is_not_finite_is_refused_by_name() -> None:
+    curve = CurveSummary(
+        "EXX", "X", "positioning of X", [0.0, 1.0], [0.0, float("nan")], [1.0, 1.0], [1.0, 1.0], [1.0, 1.0], "mm", "um"
+    )
+    with pytest.raises(SummaryError, match="mean of EXX is nan"):
+        render(_bare(curves=[curve]))
+
+
+@pytest.mark.parametrize("field", ["mean", "std", "std_seen", "prior_std"])
+def test_a_curve_whose_lengths_differ_is_refused_by_name(field: str) -> None:
+    curve = replace(_plain_curve([0.0, 1.0], 1.0), **{field: [1.0]})  # type: ignore[arg-type]
+    with pytest.raises(SummaryError, match=f"{field} of EXX has 1 values for 2 positions"):
+        render(_bare(curves=[curve]))
+
+
+def test_a_surprise_off_the_scale_stands_at_the_edge_as_a_triangle() -> None:
+    rows = [HistoryRow(n, "a", {"X": 1.0}, 1.0, z, 1.0, 1.0, 2.0, 1.0) for n, z in ((1, 0.5), (2, 900.0), (3, -40.0))]
+    drawn = innovations(_bare(history=rows, readings=3))
+    assert drawn is not None
+    usual, unusual, _ = drawn["data"]
+    assert usual["y"] == [0.5]
+    assert list(zip(unusual["y"], unusual["marker"]["symbol"], strict=True)) == [
+        (6.0, "triangle-up"),
+        (-6.0, "triangle-down"),
+    ]
+
+
+def test_labels_of_lines_that_end_together_do_not_overlap() -> None:
+    rows = [HistoryRow(n, "a", None, None, None, None, 5.0, 5.01, 0.0, traditional_rms_um=5.005) for n in range(2)]
+    figure = accuracy(_bare(history=rows))
+    low, high = figure["layout"]["yaxis"]["range"]
+    margin = figure["layout"]["margin"]
+    pixels = (figure["layout"]["height"] - margin["t"] - margin["b"]) / (high - low)
+    ends = [label for label in figure["layout"]["annotations"] if label["x"] == 1]
+    heights = sorted(label["y"] * pixels + label["yshift"] for label in ends)
+    assert len(heights) == 3
+    assert min(b - a for a, b in pairwise(heights)) >= 16
+
+
+@pytest.mark.parametrize(("unseen", "drawn"), [(0.6, True), (0.4, False), (0.04, False)])
+def test_what_cannot_be_seen_is_drawn_as_far_as_it_counts(unseen: float, drawn: bool) -> None:
+    rows = [HistoryRow(n, None, None, None, None, None, rms, 9.0, 0.0) for n, rms in enumerate((50.0, 5.0))]
+    labels = str(accuracy(_bare(history=rows, rms_um=5.0, unseen_rms_um=unseen))["layout"]["annotations"])
+    assert ("cannot be seen" in labels) is drawn
+
+
+AT_ODDS = ReadingAgreement(24, 11, 80.0, 1e-9, True, words="The readings contradict each other (p = 1e-09)")
+
+
+def test_readings_that_contradict_each_other_leave_no_uncertainty() -> None:
+    withheld = answer(verdict="contradict", withheld=True)
+    summary = _bare(agreement=AT_ODDS, answer=withheld, readings=24, curves=[_plain_curve([0.0], 9.0)])
+    page, result = render(summary), result_json(summary)
+    assert "<strong>READINGS CONTRADICT</strong>" in page
+    assert f"<p>{AT_ODDS.words}.</p>" in page
+    assert "23.4" not in page
+    assert "14.2\u00a0µm RMS" not in page
+    assert f'<p class="mark">{AT_ODDS.words}</p>' in page
+    assert [result[name] for name in ("U_um", "U_axis_um", "U_worst_um", "k", "rms_um", "worst_um")] == [None] * 6
+    assert (result["agreement"]["contradict"], result["agreement"]["text"]) == (True, AT_ODDS.words)
+    assert f"{{{SI}}}valueExpandedMUXMLList" not in {each.tag for each in ET.fromstring(certificate(summary)).iter()}
+
+
+def test_what_is_printed_anyway_says_on_each_page_that_readings_contradict() -> None:
+    summary = _bare(agreement=AT_ODDS, readings=24)
+    assert result_json(summary)["U_um"] == 23.4
+    assert f'<p class="mark">{AT_ODDS.words}</p>' in render(summary)
+    assert 'class="mark"' not in render(_bare())

@@ -1,0 +1,119 @@
+"""Positioning from both directions and circles of a ball bar: numbers of the tests' own, drawn to scale."""
+
+from __future__ import annotations
+
+import math
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.machine import load_machine
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.present.ball_bar_circles import BallBarCircle, ball_bar_circles, circle_picture, division
+from axiscal.present.figures import positioning_figure
+from axiscal.present.positioning_curves import positioning_curves
+from axiscal.tables.effect import Control
+from tests.generators.kinematics import tip
+from tests.generators.laser_axis import CAMPAIGN, MACHINE
+
+_BAR = """machine = "three-axis-mill"
+[target]
+readings = 40
+[[setups]]
+name = "bar"
+instrument = "ballbar"
+length = "150 mm"
+station = ["300 mm", "200 mm", "80 mm"]
+plane = "xy"
+approach = "both"
+"""
+
+
+def _idle(poses: Array, approaches: Array) -> Array:
+    return np.zeros_like(poses)
+
+
+def _laser() -> tuple[Case, list[Reading]]:
+    case = Case(campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m.toml"))
+    low, high = case.description.machine.axes[0].travel
+    places = np.linspace(low, high, 9)
+    readings = [
+        Reading("laser", (float(x),), (side,), 1e-5 * math.sin(3 * x / high) + side * 1e-6)
+        for side in (1, -1)
+        for x in places
+    ]
+    return case, readings
+
+
+def test_positioning_is_that_of_the_estimate_from_both_sides() -> None:
+    case, readings = _laser()
+    known = concluded(case, readings)
+    (curve,) = positioning_curves(case.description, readings, known)
+    estimate, axis = known.estimate(), case.description.machine.axes[0]
+    at = np.linspace(*axis.travel, len(curve.position))
+    np.testing.assert_allclose(curve.position, 1e3 * at, atol=1e-9)
+    sides = [estimate.deviation(at[:, None], np.full((len(at), 1), side))[:, 0] for side in (1.0, -1.0)]
+    mean = np.mean(sides)
+    for found, own in zip(curve.found, sides, strict=True):
+        np.testing.assert_allclose(found, 1e6 * (own - mean), atol=1e-6)
+    assert curve.left is None
+    assert min(min(half) for half in curve.half) > 0
+
+
+def test_tables_that_do_nothing_leave_the_positioning_that_was_found() -> None:
+    case, readings = _laser()
+    idle: Control = _idle
+    (curve,) = positioning_curves(case.description, readings, concluded(case, readings), "none", idle)
+    assert curve.left is not None
+    np.testing.assert_allclose(curve.left, curve.found, atol=1e-9)
+    lines = [trace for trace in positioning_figure(curve)["data"] if "line" in trace]
+    assert [line["line"]["dash"] for line in lines] == ["solid", "dash", "solid", "dash"]
+
+
+def test_a_circle_shows_the_readings_without_their_centre() -> None:
+    machine = load_machine("three-axis-mill")
+    case = Case(campaign_from_texts(_BAR, "c.toml", machine.text, "m.toml"))
+    angles = np.radians(np.arange(5.0, 360.0, 20.0))
+    oval = 8e-6 * np.cos(2 * angles)
+    bars = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
+    base = tip(machine, np.zeros(3))
+    poses = np.array([0.3, 0.2, 0.08]) + 0.15 * bars - base
+    poses = poses[:, [{"X": 0, "Y": 1, "Z": 2}[axis.name] for axis in machine.axes]]
+    values = oval + 2e-5 * np.cos(angles) - 3e-5 * np.sin(angles) + 4e-6
+    readings = [
+        Reading("bar", tuple(pose.tolist()), (1, 1, 1), float(v)) for pose, v in zip(poses, values, strict=True)
+    ]
+    known = concluded(case, readings)
+    (circle,) = ball_bar_circles(case.description, readings, known, "none", _idle)
+    assert circle.plane == "xy"
+    np.testing.assert_allclose(circle.angle, np.degrees(angles), atol=1e-6)
+    np.testing.assert_allclose(circle.read, 1e6 * oval, atol=1e-6)
+    np.testing.assert_allclose(circle.left or (), circle.found, atol=1e-9)
+    assert ball_bar_circles(case.description, readings[:7], known) == []
+    assert ball_bar_circles(case.description, readings[:9], known) == []  # half a turn
+
+
+@pytest.mark.parametrize("size", [0.3, 7.0, 180.0])
+def test_a_circle_is_drawn_to_scale(size: float) -> None:
+    angles = np.arange(0.0, 360.0, 30.0)
+    rng = np.random.default_rng(2)
+    read = size * rng.uniform(-1, 1, len(angles))
+    circle = BallBarCircle("bar", "zx", angles.tolist(), read.tolist(), (read / 2).tolist(), None)
+    assert max(abs(read)) / 5 <= division(circle) <= max(abs(read)) / 2
+    drawing = ElementTree.fromstring(circle_picture(circle, 340.0))
+    radii = sorted(float(each.get("r", "0")) for each in drawing.iter("circle"))
+    step, nominal = (radii[-1] - radii[0]) / 10, radii[5]
+    marks = next(each.get("d", "") for each in drawing.iter("path") if each.get("stroke-linecap") == "round")
+    points = np.array([[float(x), float(y)] for x, y in re.findall(r"M([\d.]+) ([\d.]+)h0", marks)]) - 170.0
+    np.testing.assert_allclose(np.hypot(*points.T), nominal + read / division(circle) * step, atol=0.2)
+    turns = np.degrees(np.arctan2(-points[:, 1], points[:, 0])) % 360
+    np.testing.assert_allclose(turns, angles, atol=0.2)
+    words = {each.text for each in drawing.iter("text")}
+    assert words == {"z", "x", f"one division: {division(circle):g} µm"}
+    assert all(float(each.get("font-size", "0")) >= 14 for each in drawing.iter("text"))

@@ -1,0 +1,318 @@
+"""Drawn machines: where their parts are, against a chain of matrices of the tests' own, for every machine there is."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
+from axiscal.measurement.candidates import spread
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.place import Place
+from axiscal.numerics import Array
+from axiscal.present.drawing.scene import EYE, RIGHT, UP, Arrow, RoundMark, Stroke, flat
+from axiscal.present.drawing.solids import Solid, box, cylinder, far_to_near
+from axiscal.present.machine_drawing.instruments import _DRAWN
+from axiscal.present.machine_drawing.machine_scene import machine_parts, reached
+from axiscal.present.machine_drawing.setup_picture import plan_picture, setup_scene
+from axiscal.present.machine_drawing.standing_machine import StandingMachine
+from tests.docs.howtos import DOCS, files
+from tests.generators.kinematics import shifted, tip, turned
+
+SVG = "{http://www.w3.org/2000/svg}"
+ROOT = DOCS.parent
+BENCHES = sorted((ROOT / "src" / "axiscal" / "present" / "demo").rglob("*.machine.toml"))
+CHAINS = [
+    "w-b-X-Y-Z-C-A-t",
+    "w-b-Y-X-Z-B-t",
+    "w-X'-Y'-b-Z-B-t",
+    "w-X'-Y'-Z'-b-t",
+    "w-Y'-b-Z-X-t",
+    "w-C'-b-Z-X-t",
+    "w-b-X-Z-t",
+    "w-Z'-B'-X'-b-Y-t",
+    "w-A'-X'-Y'-b-Z-t",
+    "w-b-Z-Y-X-t",
+    "w-b-X-Y-t",
+    "w-C'-b-X-Z-t",
+    "w-b-C-t",
+]
+
+
+def _of_chain(chain: str) -> Machine:
+    """Return a machine of a chain, its rotary axes aside from where the others are at nought."""
+    axes = [link.rstrip("'") for link in chain.split("-")[1:-1] if link != "b"]
+    travels = [f'[axes.{a}]\ntravel = ["-20 deg", "100 deg"]\norigin = ["10 mm", "-20 mm", "-90 mm"]' if a in "ABC"
+               else f'[axes.{a}]\ntravel = ["-100 mm", "500 mm"]' for a in axes]  # fmt: skip
+    tool = '[tool]\nlength = "110 mm"\n'
+    return machine_from_text(f'name = "{chain}"\nchain = "{chain}"\n{tool}' + "\n".join(travels) + _error(axes[0]))
+
+
+def _error(axis: str) -> str:
+    """Return one error of an axis: a machine without any is refused."""
+    along, std = (axis, "10 urad") if axis in "ABC" else (axis, "10 um")
+    return f'\n[errors]\nE{along}{axis} = {{ std = "{std}" }}\n'
+
+
+MACHINES: list[Machine] = [
+    *(load_machine(name) for name in builtin_names()),
+    *(load_machine(path) for path in BENCHES),
+    *(_of_chain(chain) for chain in CHAINS),
+]
+
+
+def _poses(machine: Machine) -> list[Array]:
+    rng = np.random.default_rng(len(machine.chain))
+    low, high = np.array([axis.travel for axis in machine.axes]).T
+    return [low, high, *(low + (high - low) * rng.random((3, len(low))))]
+
+
+def _carried(machine: Machine, part: int, pose: Array) -> Array:
+    """Return the motion of what an axis carries against the bed, (4, 4), link by link."""
+    links = machine.chain.split("-")
+    bed, own = links.index("b"), machine.axes[part].name
+    names = (
+        links[bed + 1 : -1]
+        if not machine.axes[part].workpiece_side
+        else [n.rstrip("'") for n in links[bed - 1 : 0 : -1]]
+    )
+    motion = np.eye(4)
+    for name in names[: names.index(own) + 1]:
+        axis, at = machine.axis(name), pose[machine.index(name)]
+        if axis.counting == "reversed":
+            at = -at
+        origin = np.array(axis.origin)
+        step = (
+            shifted(origin) @ turned(name[0], at) @ shifted(-origin)
+            if axis.rotary
+            else shifted(at * np.eye(3)["XYZUVWPQR".index(name[0]) % 3])
+        )
+        motion = motion @ (np.linalg.inv(step) if axis.workpiece_side else step)
+    return motion
+
+
+@pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.chain)
+def test_the_tip_is_where_the_chain_puts_it(machine: Machine) -> None:
+    for pose in _poses(machine):
+        room = StandingMachine(machine, pose)
+        on_bed = (
+            room.upright @ (_carried(machine, room.spindle, pose) @ [0, 0, -machine.tool, 1])[:3]
+            if room.tool
+            else room.tip
+        )
+        there = (room.moved(room.spindle) @ np.append(room.tip, 1.0))[:3]
+        np.testing.assert_allclose(there, on_bed, atol=1e-12)
+        np.testing.assert_allclose(room.on_table(tip(machine, pose)[None])[0], there, atol=1e-12)
+        np.testing.assert_allclose(room.tip_now, there, atol=1e-12)
+
+
+@pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.chain)
+def test_an_axis_is_drawn_along_the_way_on_which_its_part_moves(machine: Machine) -> None:
+    for pose in _poses(machine)[2:4]:
+        room = StandingMachine(machine, pose)
+        arrows = {part.name: part for part in machine_parts(room) if isinstance(part, Arrow)}
+        primed = {axis.name + ("′" if axis.workpiece_side else "") for axis in machine.axes}
+        assert set(arrows) == primed
+        for k, axis in enumerate(machine.axes):
+            arrow = arrows[axis.name + ("′" if axis.workpiece_side else "")]
+            further = pose.copy()
+            further[k] += 1e-6
+            step = _carried(machine, k, further) @ np.linalg.inv(_carried(machine, k, pose))
+            if axis.rotary:
+                _turns_with(room, arrow, step)
+            else:
+                way = room.upright @ step[:3, 3] / 1e-6
+                drawn = arrow.points[-1] - arrow.points[0]
+                np.testing.assert_allclose(drawn / np.linalg.norm(drawn), way, atol=1e-5)
+
+
+def _turns_with(room: StandingMachine, arrow: Arrow, step: Array) -> None:
+    """An arc is about the line of its axis, and a point of it moves along it as the axis turns."""
+    inside = room.upright.T @ arrow.points.T
+    middle = inside.shape[1] // 2
+    moved = step @ np.vstack([inside, np.ones(inside.shape[1])])
+    went = (moved[:3] - inside)[:, middle]
+    along = inside[:, middle + 1] - inside[:, middle - 1]
+    assert went @ along / np.linalg.norm(went) / np.linalg.norm(along) == pytest.approx(1.0, abs=1e-4)
+    axis = np.linalg.svd(step[:3, :3] - np.eye(3))[2][-1]
+    heights = axis @ inside
+    np.testing.assert_allclose(heights, heights[0], atol=1e-9)
+
+
+@pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.chain)
+def test_what_is_reached_holds_the_tool_and_the_drawing_shows_the_machine(machine: Machine) -> None:
+    pose = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in machine.axes])
+    room = StandingMachine(machine, pose)
+    low, high = room.reach
+    ends = itertools.product(*[[0.0] if axis.rotary else axis.travel for axis in machine.axes])
+    tips = np.array([tip(machine, np.array(end)) for end in ends])
+    np.testing.assert_allclose(tips.min(axis=0), low, atol=1e-12)
+    np.testing.assert_allclose(tips.max(axis=0), high, atol=1e-12)
+    solids = [part for part in machine_parts(room) if isinstance(part, Solid)]
+    assert len(solids) >= 4
+    if any(not axis.rotary for axis in machine.axes):
+        lines = np.vstack([part.points for part in reached(room)])
+        assert np.ptp(lines, axis=0).max() == pytest.approx((high - low).max(), rel=1e-9)
+
+
+@pytest.mark.long
+def test_a_solid_that_is_nearer_comes_later() -> None:
+    """Against rays: where two solids cover the same place of the picture, the one that the ray meets first is above."""
+    rng = np.random.default_rng(3)
+    for _ in range(40):
+        solids = []
+        for k in range(6):
+            low = np.array([2.0 * (k % 3), 2.0 * (k // 3), 0.0]) + rng.random(3)
+            far = low + rng.uniform(0.2, 0.9, 3)
+            solids.append(box(low, far, f"{k}") if k % 2 else cylinder(low, [*low[:2], far[2]], 0.2, f"{k}"))
+        order = {solid.paint: n for n, solid in enumerate(far_to_near(solids, EYE))}
+        for one, other in itertools.combinations(solids, 2):
+            for at in rng.uniform(-2, 6, (60, 2)):
+                depths = [_depth(solid, at) for solid in (one, other)]
+                if None not in depths and abs(depths[0] - depths[1]) > 1e-9:  # type: ignore[operator]
+                    assert (depths[0] > depths[1]) == (order[one.paint] > order[other.paint])  # type: ignore[operator]
+
+
+def _depth(solid: Solid, at: Array) -> float | None:
+    """Return how far towards who looks a ray meets a solid first, None where it passes by."""
+    best = None
+    for face in solid.faces:
+        if face.normal @ EYE > 1e-9:
+            start = at[0] * RIGHT + at[1] * UP
+            depth = float(face.normal @ (face.points[0] - start) / (face.normal @ EYE))
+            where = start + depth * EYE
+            edges = np.roll(face.points, -1, axis=0) - face.points
+            sides = np.cross(edges, where - face.points) @ face.normal
+            if np.all(sides >= -1e-12) or np.all(sides <= 1e-12):
+                best = depth if best is None else max(best, depth)
+    return best
+
+
+def _campaigns(folder: Path) -> list[tuple[str, CampaignDescription]]:
+    found = []
+    for page in sorted(set((DOCS / "howto").glob("*.md")) - {DOCS / "howto" / "a-port-of-your-own.md"}):
+        own = folder / page.stem
+        own.mkdir()
+        for name, text in files(page).items():
+            (own / name).write_text(text, encoding="utf-8")
+        found.append((page.stem, read_campaign(own / "campaign.toml", target_needed=False, asking=False)))
+    paths = [*ROOT.glob("examples/*.campaign.toml"), *(ROOT / "src").rglob("*.campaign.toml")]
+    found += [(path.stem, read_campaign(path, target_needed=False, asking=False)) for path in sorted(paths)]
+    return found
+
+
+def _places(campaign: CampaignDescription, each: int = 10) -> list[Place]:
+    lattice = spread(campaign.machine, campaign.setups, each * len(campaign.setups))
+    rows = zip(lattice.setups.tolist(), lattice.poses.tolist(), lattice.approaches.astype(int).tolist(), strict=True)
+    return [Place(campaign.setups[setup].name, tuple(pose), tuple(side)) for setup, pose, side in rows]
+
+
+@pytest.fixture(scope="module")
+def campaigns(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, CampaignDescription]]:
+    """Every campaign of the how-tos, the examples and the demos."""
+    return _campaigns(tmp_path_factory.mktemp("campaigns"))
+
+
+def test_readings_are_drawn_where_the_tool_is_on_the_table(campaigns: list[tuple[str, CampaignDescription]]) -> None:
+    for _, campaign in campaigns:
+        places = _places(campaign)
+        for setup in campaign.setups:
+            own = [place for place in places if place.setup == setup.name]
+            scene = setup_scene(campaign, setup, places, own[0])
+            dots = [part.centre for part in scene.parts if isinstance(part, RoundMark) and part.colour == "read"]
+            machine, pose = campaign.machine, np.array(own[0].pose)
+            room = StandingMachine(machine, pose)
+            held = _carried(machine, room.table, pose) if room.work else np.eye(4)
+            for place in own:
+                there = room.upright @ (held @ np.append(tip(machine, np.array(place.pose)), 1.0))[:3]
+                assert min(np.linalg.norm(there - dot) for dot in dots) < 1e-9
+
+
+def test_every_instrument_is_drawn() -> None:
+    assert set(_DRAWN) == set(INSTRUMENTS)
+
+
+def _boxes(drawing: ElementTree.Element) -> list[tuple[str, tuple[float, float, float, float]]]:
+    """Return the words of a drawing with what each covers by a width of letters of the test's own."""
+    found = []
+    for text in drawing.iter(f"{SVG}text"):
+        words, size = text.text or "", float(text.get("font-size", "0"))
+        x, y, wide = float(text.get("x", "0")), float(text.get("y", "0")), 0.5 * size * len(words)
+        left = x - {"start": 0.0, "middle": wide / 2, "end": wide}[text.get("text-anchor", "start")]
+        found.append((words, (left, y - 0.7 * size, left + wide, y)))
+    return found
+
+
+@pytest.mark.parametrize("width", [1400.0, 768.0, 390.0])
+def test_words_are_inside_of_the_picture_and_none_lies_over_another(
+    campaigns: list[tuple[str, CampaignDescription]], width: float
+) -> None:
+    for name, campaign in campaigns:
+        root = ElementTree.fromstring(plan_picture(campaign.machine.name, campaign, _places(campaign), (width,)))
+        (drawing,) = root.findall(f"{SVG}svg")
+        _, _, wide, high = map(float, drawing.get("viewBox", "").split())
+        covered = _boxes(drawing)
+        assert wide == width
+        assert {float(text.get("font-size", "0")) for text in drawing.iter(f"{SVG}text")} <= {14.0, 16.0}
+        for words, (left, top, right, bottom) in covered:
+            assert left >= -0.5, (name, words)
+            assert right <= width + 0.5, (name, words)
+            assert 0 <= top < bottom <= high, (name, words)
+        for (one, a), (other, b) in itertools.combinations(covered, 2):
+            across, down = min(a[2], b[2]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[1], b[1])
+            assert across <= 0 or down <= 0, (name, one, other)
+
+
+def test_a_file_shows_one_drawing_at_each_width(campaigns: list[tuple[str, CampaignDescription]]) -> None:
+    name, campaign = campaigns[0]
+    root = ElementTree.fromstring(plan_picture(name, campaign, _places(campaign)))
+    style = root.findtext(f"{SVG}style") or ""
+    assert [each.get("class") for each in root.findall(f"{SVG}svg")] == ["w1400", "w768", "w390"]
+    for width, shown in ((2000, "w1400"), (1400, "w1400"), (1399, "w768"), (768, "w768"), (767, "w390"), (200, "w390")):
+        assert _shown_at(style, width) == {shown}
+
+
+def _shown_at(style: str, width: int) -> set[str]:
+    """Return the classes that a sheet shows at a width: rules are taken in order, and the last one counts."""
+    always, *narrower = style.split("@media(max-width:")
+    sheets = [always, *(sheet for sheet in narrower if width <= int(sheet.partition("px")[0]))]
+    shown = dict.fromkeys(("w1400", "w768", "w390"), "inline")
+    for sheet in sheets:
+        shown |= dict(re.findall(r"\.(w\d+)\{display:(\w+)\}", sheet))
+    return {name for name, how in shown.items() if how != "none"}
+
+
+def test_a_name_stays_a_name(campaigns: list[tuple[str, CampaignDescription]]) -> None:
+    hostile = "<script>alert(1)</script>"
+    text = plan_picture(hostile, campaigns[0][1], _places(campaigns[0][1])[:3])
+    assert hostile not in text
+    assert ElementTree.fromstring(text).findtext(f"{SVG}title") == hostile
+
+
+def test_a_line_on_the_table_moves_with_it() -> None:
+    """Two drawings of one mill differ for the table by what its axes differ, and not at all for the column."""
+    machine = load_machine("three-axis-mill")
+    one, other = (StandingMachine(machine, np.array(pose)) for pose in ([0.1, 0.1, 0.1], [0.3, 0.25, 0.1]))
+    for a, b in zip(reached(one), reached(other), strict=True):
+        assert isinstance(a, Stroke)
+        np.testing.assert_allclose(b.points - a.points, np.tile([-0.2, -0.15, 0.0], (2, 1)), atol=1e-12)
+    bed = [_lowest([part for part in machine_parts(room) if isinstance(part, Solid)]) for room in (one, other)]
+    np.testing.assert_allclose(bed[0], bed[1], atol=1e-12)
+
+
+def _lowest(solids: list[Solid]) -> Array:
+    return min((solid.points for solid in solids), key=lambda points: float(points[:, 2].min()))
+
+
+def test_what_lies_to_the_right_is_drawn_to_the_right_and_what_is_higher_is_drawn_higher() -> None:
+    origin, right, high = flat(np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 1]]))
+    assert right[0] > origin[0]
+    assert high[1] < origin[1]
+    assert high[0] == pytest.approx(origin[0], abs=1e-12)
+    np.testing.assert_allclose([RIGHT @ UP, RIGHT @ EYE, UP @ EYE], 0, atol=1e-12)

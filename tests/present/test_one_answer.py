@@ -1,0 +1,121 @@
+"""The same first line and the same rows on a terminal, on the page, in HTML, in the PDF and in JSON."""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.app import run
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.measurement.reading import Reading
+from axiscal.web.desk import Desk
+from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, plus, read
+
+DRIFTED = plus(read(machine(2), 24), 10e-6 * np.linspace(0, 1, 24))
+SCATTERED = plus(read(machine(1), 24), 25e-6 * np.random.default_rng(1).choice([-1.0, 1.0], 24))
+
+
+RECORDS: dict[str, tuple[str, list[Reading]]] = {
+    "reached": ('rms = "3 um"', read(machine(2), 24)),
+    "not reached": ('rms = "0.2 um"\nreadings = 12', read(machine(2), 12)),
+    "withheld": ('U = "9 um"', SCATTERED),
+    "by a hair": ('U = "13 um"\nrms = "6 um"', read(machine(3), 8)),
+    "drifted": ('U = "2 um"\nworst = "4 um"', DRIFTED),
+    "few": ('U = "9 um"', read(machine(5), 5)),
+    "hardly any": ('worst = "9 um"', read(machine(5), 2)),
+    "a reading of nothing": ("readings = 9", read(machine(6), 9)),
+    "all three": ('U = "3 um"\nrms = "1 um"\nworst = "1.5 um"', read(machine(7), 18)),
+    "more than a millimetre": ('U = "1 um"', []),
+}
+"""Target, and readings."""
+QUICK = ("reached", "not reached", "withheld")
+
+
+VERDICTS = {
+    "measured": "MEASURED",
+    "reached": "TARGET REACHED",
+    "more": "MORE READING",
+    "unreachable": "CANNOT BE REACHED WITH THESE SET-UPS",
+    "contradict": "READINGS CONTRADICT",
+    "nothing": "NO READINGS YET",
+}
+
+
+def written(name: str, folder: Path) -> tuple[Path, dict[str, Any]]:
+    """Return the record of a campaign that the page has ended, and what the page shows."""
+    target, readings = RECORDS[name]
+    described = MACHINE.replace('std = "10 um"', 'std = "3 mm"') if name == "more than a millimetre" else MACHINE
+    text = CAMPAIGN.replace('rms = "3 um"', target)
+    record = folder / "c.axiscal"
+    with Campaign.create(record, campaign_from_texts(text, "c.toml", described, "m")) as campaign:
+        campaign.adopt(tuple(readings))
+        desk = Desk(campaign, lambda states: None)
+        desk.finish(campaign.state.last)
+        assert desk.state.answer is not None
+        return record, desk.state.answer.model_dump(mode="json")
+
+
+def plain(text: str) -> str:
+    """Return a text with one spelling of units and spaces."""
+    return re.sub("[\u00a0\u202f]", " ", html.unescape(text)).replace("µ", "u")
+
+
+def figures(text: str) -> list[float]:
+    """Return the numbers of a row behind its name; several rows together have a range."""
+    return [float(each) for each in re.findall(r"(?<![A-Za-z])[0-9]+(?:\.[0-9]+)?", plain(text))]
+
+
+def of_lines(lines: list[str]) -> dict[str, list[float]]:
+    """Return the numbers of the rows of a text whose columns are set off by two spaces."""
+    columns = [re.split(r" {2,}", line.strip(), maxsplit=1) for line in lines if "±" in line]
+    rows = [cells for cells in columns if len(cells) == 2]
+    return {name: figures(rest) for name, rest in rows}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.long) for name in RECORDS]
+)
+def test_every_surface_says_the_same(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record, page = written(name, tmp_path)
+    out = tmp_path / "c-results"
+    assert run(["finish", str(record), "--out", str(tmp_path / "again")]) == int(page["document"]["withheld"])
+    terminal = plain(capsys.readouterr().out).splitlines()
+    document = json.loads((out / "result.json").read_text())
+    verdict = VERDICTS[document["answer"]["verdict"]]
+
+    wanted = {row["row"]: row for row in document["rows"] if row["measured"]}
+    rows = {cells[0]: figures(" ".join(cells[1:])) for cells in page["rows"][1:]}
+    assert list(rows) == list(wanted)
+    for row, found in rows.items():
+        figure = wanted[row]
+        limit = [figure["limit"]] if figure["limit"] is not None else []
+        assert found == pytest.approx(
+            [figure["found"], figure["known_to"], *limit, *figure["left"].values()], rel=0.051
+        )
+
+    text = (out / "report.html").read_text()
+    box = re.search(r'<p class="box [a-z]+">(.*?)</p>', text)
+    assert box is not None
+    assert plain(re.sub(r"<[^>]*>", "", box[1])) == plain(" ".join(page["first"]))
+    words = plain(" ".join(page["first"])).split()
+    assert " ".join(terminal[:2]).split()[: len(words)] == words
+    assert verdict in " ".join(words)
+    shown = re.search(r'<table class="answer">(.*?)</table>', text, re.DOTALL)
+    cells = [] if shown is None else re.findall(r"<tr>(.*?)</tr>", shown[1])[1:]
+    split = [re.sub(r"<[^>]*>", "|", row).strip("|").split("|", 1) for row in cells]
+    assert {plain(row): figures(rest) for row, rest in split} == rows
+    assert of_lines(terminal) == rows
+    if shutil.which("pdftotext") is not None:
+        command = ["pdftotext", "-layout", "-l", "1", str(out / "report.pdf"), "-"]
+        paper = plain(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+        assert verdict in paper
+        assert of_lines(paper.splitlines()) == rows

@@ -1,0 +1,167 @@
+"""What `plan` says: its budgets in both languages, the figures of its document, and commands that work when pasted."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import pytest
+
+from axiscal.answers.answer import NextStep, PlannedRow
+from axiscal.answers.answer_words import WIDTH
+from axiscal.cli.app import run
+from axiscal.description.wants import RowName, dimension, rows_of
+from axiscal.language.spoken import LANGUAGES, speaking
+from axiscal.machine import Machine, load_machine
+from axiscal.planning.helping import Helping
+from axiscal.present.plan_answer import PlanAnswer, PlannedSetup, PlanVerdict, ReachAnswer
+from axiscal.present.plan_words import LINES, plan_screen
+from tests.generators.answers import aim
+from tests.golden.given import CAMPAIGNS
+
+WORDS = 60
+"""Beside the rows."""
+NUMBERS = 3
+"""In a row."""
+HELP = Helping(("laser along X", "ball bar in the plane XY"), 123, 156.3, reached=True)
+
+
+def planned_row(row: RowName, machine: Machine) -> PlannedRow:
+    """Return a row with large figures."""
+    unit = "urad" if dimension(row, machine) == "angle" else "um"
+    return PlannedRow(
+        row=row.name,
+        kind=row.kind,
+        axes=row.axes,
+        unit=unit,
+        known_to=128.9,
+        known_before=300.0,
+        floor=2.0,
+        limit=100.0,
+        reached=False,
+        measured=row.kind != "yaw",
+    )
+
+
+def plan(verdict: PlanVerdict, rows: list[PlannedRow], setups: int) -> PlanAnswer:
+    """Return a plan with as much to say as there may be."""
+    names = [f"straightedge along axis {number}" for number in range(setups)]
+    missed = [aim("rms", 9.0, 5.0, 8.123, reachable=False), aim("squareness XY", 30.0, 10.0, 19.4, reachable=False)]
+    return PlanAnswer(
+        verdict=verdict,
+        rows=rows,
+        aims=[] if verdict == "planned" else missed,
+        reach=ReachAnswer(missed=missed, helps=HELP) if verdict == "unreachable" else None,
+        setups=[
+            PlannedSetup(setup=each, instrument="straightedge", moves=["X"], readings=12, minutes=1.0) for each in names
+        ],
+        steps=[NextStep(code="target"), NextStep(code="start")],
+        criterion="volume",
+        points=[],
+        units={"X": "mm"},
+        readings=123,
+        allowed=150,
+        minutes=1234.5,
+        budget_minutes=1240.0,
+        **dict.fromkeys(("rms_um", "worst_um", "before_rms_um", "unseen_rms_um", "reachable_rms_um", "J"), 1.0),
+        **dict.fromkeys(("bound_J", "bound_rms_um", "ratio", "percent_from_best", "bound_holds_for")),
+        target_met=False,
+        proof_gap_percent=None,
+    )
+
+
+@pytest.mark.parametrize("language", sorted(LANGUAGES))
+@pytest.mark.parametrize("verdict", ["planned", "reached", "short", "unreachable"])
+@pytest.mark.parametrize("name", ["three-axis-mill", "dmu60"])
+@pytest.mark.parametrize("setups", [1, 3, 12])
+def test_the_screen_keeps_its_budgets(language: str, verdict: PlanVerdict, name: str, setups: int) -> None:
+    built = load_machine(name)
+    rows = [planned_row(row, built) for row in rows_of(built)]
+    with speaking(language):
+        text = plan_screen(plan(verdict, rows, setups), "mill/campaign.toml", ["where.svg", "programs (12 files)"])
+    _within_budgets(text)
+    assert "axiscal step start mill/campaign.toml" in text.splitlines()[-1]
+    assert ("laser along X" in text) == (verdict == "unreachable")
+
+
+def _within_budgets(text: str) -> None:
+    lines = text.splitlines()
+    assert len(lines) <= LINES, text
+    assert max(map(len, lines)) <= WIDTH, text
+    rows = _rows(text)
+    beside = [line for line in lines if line not in rows]
+    names = re.compile(r'"[^"]*"')
+    said = [word for word in names.sub("", " ".join(beside)).split() if re.search(r"[^\W\d_]{2}", word)]
+    assert len(said) <= WORDS, text
+    for row in rows:
+        assert len(re.findall(r"[0-9]+(?:[.,][0-9]+)?", row)) <= NUMBERS, row
+
+
+def _rows(text: str) -> list[str]:
+    return [line for line in text.splitlines() if line.startswith("  ") and "±" in line]
+
+
+PLANS = {
+    "ball_bar": "campaign.toml --readings 3",
+    "densities": "campaign.toml --readings 3 --candidates 100",
+    "drift": "campaign.toml --readings 3 --candidates 100",
+    "five_axes": "campaign.toml --readings 2 --candidates 100",
+    "level": "campaign.toml --readings 3 --candidates 60",
+    "mill": 'campaign.toml --budget "90 min" --readings 4 --candidates 100',
+    "one_spline": "campaign.toml",
+    "plane_map": "campaign.toml --readings 3 --candidates 100",
+    "programs": "campaign.toml --candidates 40",
+    "rotary": "campaign.toml --readings 3 --candidates 100",
+    "shapes": "campaign.toml --readings 3 --candidates 40",
+    "square": "campaign.toml --readings 3 --candidates 60",
+    "tracker": "campaign.toml --readings 3 --candidates 100",
+}
+"""Of golden campaigns whose plan takes no more than two seconds."""
+QUICK = ("square", "programs")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.long) for name in PLANS]
+)
+def test_the_screen_shows_the_figures_of_the_document(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(shutil.copytree(CAMPAIGNS / name, tmp_path / name))
+    words = ["plan", *shlex.split(PLANS[name])]
+    assert run(words) == 0
+    text = capsys.readouterr().out
+    assert run([*words, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    _within_budgets(text)
+
+    readings, minutes = document["readings"], document["minutes"]
+    assert (
+        re.search(rf"\b{readings} READINGS?, {minutes:.0f} MIN", text)
+        or f"{readings} readings, {minutes:.0f} min" in text
+    )
+    rows = {row["row"]: row for row in document["rows"]}
+    for line in _rows(text):
+        row = rows[re.split(r" {2,}", line.strip())[0]]
+        figures = [float(each) for each in re.findall(r"(?<![A-Za-z])[0-9]+(?:\.[0-9]+)?", line)]
+        limit = [] if row["limit"] is None or not row["measured"] else [row["limit"]]
+        known = [row["known_to"]] if row["measured"] else []
+        assert figures == pytest.approx([row["known_before"], *known, *limit], rel=0.051)
+    mounted = [(each["setup"], each["readings"]) for each in document["setups"]]
+    flat = " ".join(text.split())
+    assert flat.index("Mount in turn") < flat.index(f'"{mounted[0][0]}" ({mounted[0][1]} reading')
+    assert mounted == _runs([point["setup"] for point in document["points"]])
+    assert document["setups"][-1]["minutes"] == pytest.approx(minutes)
+
+    lines = text.splitlines()
+    if write := re.search(r'write "(readings = \d+)" below', text):
+        campaign = Path("campaign.toml")
+        campaign.write_text(campaign.read_text().replace("[target]", f"[target]\n{write[1]}"))
+    assert run(shlex.split(lines[-1].removeprefix("Next"))[1:]) == 0, lines[-1]
+
+
+def _runs(names: list[str]) -> list[tuple[str, int]]:
+    """Return each set-up with its readings, in the order in which they come."""
+    return [(name, names.count(name)) for name in dict.fromkeys(names)]

@@ -1,0 +1,100 @@
+"""Errors of two axes in `result.json` and in the report, against what `predict` says at the same places."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.cli.app import run
+from tests.docs.result import Result
+
+MACHINE = """
+chain = "w-X'-Y'-b-Z-t"
+[axes.X]
+travel = ["0 mm", "300 mm"]
+[axes.Y]
+travel = ["0 mm", "200 mm"]
+[axes.Z]
+travel = ["0 mm", "100 mm"]
+[errors]
+EZX = { std = "30 um", length = "150 mm" }
+EZY = { std = "30 um", length = "100 mm" }
+EZXY = { std = "30 um", length = ["150 mm", "100 mm"], rest = "1 um" }
+"""
+BARE = """usual = "off"
+sure = "exactly"
+"""
+CAMPAIGN = f"""
+machine = "machine.toml"
+{BARE}[[setups]]
+name = "table"
+instrument = "probe"
+direction = "z"
+moves = ["X", "Y"]
+noise = "1 um"
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("plane")
+    x, y = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 300, 7), np.linspace(0, 200, 5)))
+    z = 40 * (x / 150 - 1) * (y / 100 - 1) + 20 * np.cos(x / 80)
+    lines = [f"table,{a:g},{b:g},{c:.4f}" for a, b, c in zip(x, y, z, strict=True)]
+    (folder / "machine.toml").write_text(MACHINE)
+    (folder / "campaign.toml").write_text(CAMPAIGN)
+    (folder / "readings.csv").write_text("\n".join(["setup,X_mm,Y_mm,value_um", *lines]) + "\n")
+    readings, out = folder / "readings.csv", folder / "out"
+    assert run(["estimate", str(folder / "campaign.toml"), str(readings), "--out", str(out)]) == 0
+    return out
+
+
+def test_the_whole_map_is_what_predict_says_of_the_tool(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    result = json.loads((folder / "result.json").read_text())
+    Result.model_validate(result)
+    plane = result["plane_errors"]["EZXY"]
+    assert (plane["axes"], plane["position_unit"], plane["value_unit"]) == (["X", "Y"], ["mm", "mm"], "um")
+    x, y = plane["position"]
+    rows = [f"{a},{b},0" for a in x for b in y]
+    (folder / "poses.csv").write_text("\n".join(["X_mm,Y_mm,Z_mm", *rows]) + "\n")
+    capsys.readouterr()
+    assert run(["predict", str(folder / "campaign.axiscal"), str(folder / "poses.csv"), "--json"]) == 0
+    tool = np.array([pose["mean_um"][2] for pose in json.loads(capsys.readouterr().out)["poses"]])
+    whole = np.array(plane["whole_mean"])
+    assert whole.shape == (len(x), len(y))
+    np.testing.assert_allclose(whole.ravel(), tool - tool.mean(), atol=2e-3)
+
+
+def test_the_twist_is_found_with_the_sign_of_the_table(folder: Path) -> None:
+    """The tool is high where x and y are; the table Y', on which both stand, is low there."""
+    plane = json.loads((folder / "result.json").read_text())["plane_errors"]["EZXY"]
+    mean, std = np.array(plane["mean"]), np.array(plane["std"])
+    assert mean[-1, -1] == pytest.approx(-40, abs=6)
+    assert mean[0, -1] == pytest.approx(40, abs=6)
+    assert np.all(std < np.array(plane["prior_std"]) * 1.001)
+    assert plane["from_readings"] > 0.9
+    np.testing.assert_allclose(np.array(plane["whole_std"])[15, 15], 0, atol=4)
+
+
+def test_the_report_shows_the_plane_its_band_and_what_no_sum_holds(folder: Path) -> None:
+    page = (folder / "report.html").read_text()
+    assert "What two axes do together" in page
+    assert "Displacement in z that X and Y make together" in page
+    assert page.count("data:image/png") >= 6  # three maps, each with the bar of its colours
+    assert "of the 3 errors that are described" in page
+    assert all(f"<td>{name}</td>" in page for name in ("EZX", "EZY", "EZXY"))
+
+
+def test_a_plane_that_nobody_describes_is_found(folder: Path, tmp_path: Path) -> None:
+    """The same readings where the machine states two curves only: two axes that move together usually have one."""
+    (tmp_path / "machine.toml").write_text("\n".join(line for line in MACHINE.splitlines() if "EZXY" not in line))
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN.replace(BARE, ""))
+    readings = folder.parent / "readings.csv"
+    assert run(["estimate", str(tmp_path / "campaign.toml"), str(readings), "--out", str(tmp_path / "out")]) == 0
+    result = json.loads((tmp_path / "out" / "result.json").read_text())
+    plane = result["plane_errors"]["EZXY"]
+    assert plane["mean"][-1][-1] == pytest.approx(-40, abs=6)
+    assert any("EZXY, what two axes do together" in each["text"] for each in result["warnings"])

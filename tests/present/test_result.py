@@ -1,0 +1,156 @@
+"""`result.json` against the contract."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import BaseModel, ConfigDict
+
+from axiscal.exceptions import SummaryError
+from axiscal.present.result_document import result_json
+from axiscal.present.summary import (
+    ConstantSummary,
+    CurveSummary,
+    Finding,
+    HistoryRow,
+    Rejection,
+    Summary,
+    TruthCheck,
+    Uncertainty,
+)
+from tests.generators.answers import answer
+
+
+class _Row(BaseModel):
+    reading: int
+    position: dict[str, float] | None
+    rms_um: float
+    worst_um: float
+    minutes: float
+
+
+class _Error(BaseModel):
+    axis: str
+    position: list[float]
+    mean: list[float]
+    std: list[float]
+    position_unit: str
+    value_unit: str
+
+
+class _Constant(BaseModel):
+    mean: float
+    std: float
+    unit: str
+
+
+class _Warning(BaseModel):
+    code: str
+    error: str | None
+    text: str
+
+
+class _Result(BaseModel):
+    """contract.md, section result.json; strict, so that a number as text fails."""
+
+    model_config = ConfigDict(strict=True, allow_inf_nan=False)
+    schema_: str
+    readings: int
+    minutes: float
+    stopped_because: str
+    rms_um: float
+    worst_um: float
+    history: list[_Row]
+    errors: dict[str, _Error]
+    constants: dict[str, _Constant]
+    observability: list[str]
+    rejected: list[dict[str, object]]
+    warnings: list[_Warning]
+    versions: dict[str, str]
+
+
+CURVE = CurveSummary(
+    "EXX", "X", "words", [0.0, 1 / 3], [1.23456789, -0.0], [2.0, 2.5], [1.0, 1.0], [9.0, 9.0], "mm", "um"
+)
+ROWS = [
+    HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0),
+    HistoryRow(1, "laser", {"X": 120.0}, 1.5, 0.1, 0.2, 9.1, 20.0, 31.2),
+]
+SUMMARY = Summary(
+    title="t",
+    machine="m",
+    chain="w-b-X-t",
+    campaign_file="c.toml",
+    date="",
+    setups=[],
+    stopped_because="rms target reached",
+    readings=1,
+    minutes=31.2,
+    rms_um=9.1,
+    worst_um=20.0,
+    unseen_rms_um=0.5,
+    history=ROWS,
+    expanded=Uncertainty(15.6, (9.0, 8.0, 7.0), 33.0, 1.71, "for a tool of 120 mm"),
+    answer=answer(),
+    curves=[CURVE],
+    reversals=[replace(CURVE, name="EXX_reversal")],
+    constants=[ConstantSummary("C0Y", "squareness of Y to X", 12.1, 1.1, 30.0, "urad")],
+    observability=["one sentence"],
+    rejected=[Rejection(2, "laser", {"X": 1.0}, 99.0, "too far off")],
+    warnings=[Finding("lack-of-fit", "EXX", "finer than this model")],
+    truth=TruthCheck(9.1, 8.8),
+    versions={"numpy": "2", "axiscal": "0.1.0"},
+)
+
+
+def test_the_document_is_what_the_contract_says() -> None:
+    document = result_json(SUMMARY)
+    assert document["schema"] == "axiscal-result/1"
+    read = _Result.model_validate_json(json.dumps({**document, "schema_": document["schema"]}))
+    assert set(read.errors) == {"EXX", "EXX_reversal"}
+    assert read.errors["EXX"].std == [2.0, 2.5]  # the whole standard deviation, not the part that is seen
+    assert read.history[0].position is None
+    assert read.history[1].position == {"X": 120.0}
+    assert document["unseen_rms_um"] == 0.5
+    assert (document["U_um"], document["k"], document["U_axis_um"]) == (15.6, 1.71, {"x": 9.0, "y": 8.0, "z": 7.0})
+    assert (document["promised_rms_um"], document["reached_rms_um"]) == (9.1, 8.8)
+
+
+def test_numbers_keep_six_digits_and_zero_has_no_sign() -> None:
+    error = result_json(SUMMARY)["errors"]["EXX"]
+    assert error["position"] == [0.0, 0.333333]
+    assert json.dumps(error["mean"]) == "[1.23457, 0.0]"
+
+
+def test_where_an_axis_stood_is_written_to_far_below_a_nanometre() -> None:
+    stood = {"X": 120.12345678949, "C": -179.123456789}
+    document = result_json(replace(SUMMARY, history=[replace(SUMMARY.history[1], position=stood)]))
+    assert document["history"][0]["position"] == {"X": 120.123456789, "C": -179.123456789}
+    with pytest.raises(SummaryError, match="position of X"):
+        result_json(replace(SUMMARY, history=[replace(SUMMARY.history[1], position={"X": float("nan")})]))
+
+
+def test_same_summary_same_bytes_whatever_the_order_of_versions() -> None:
+    other = replace(SUMMARY, versions=dict(reversed(list(SUMMARY.versions.items()))))
+    assert json.dumps(result_json(SUMMARY)) == json.dumps(result_json(other))
+
+
+@given(st.sampled_from(["minutes", "rms_um", "worst_um", "unseen_rms_um"]), st.sampled_from(["nan", "inf", "-inf"]))
+def test_what_is_not_a_number_never_leaves(field: str, value: str) -> None:
+    with pytest.raises(SummaryError, match=field):
+        result_json(replace(SUMMARY, **{field: float(value)}))  # type: ignore[arg-type]
+
+
+def test_lengths_that_differ_are_refused_by_name() -> None:
+    with pytest.raises(SummaryError, match="std of EXX has 1 values for 2 positions"):
+        result_json(replace(SUMMARY, curves=[replace(CURVE, std=[1.0])]))
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False, min_value=-1e300, max_value=1e300))
+def test_rounding_moves_no_number_by_more_than_half_its_sixth_digit(value: float) -> None:
+    written = result_json(replace(SUMMARY, rms_um=value))["rms_um"]
+    assert abs(written - value) <= 5.0001e-6 * abs(value) + 1e-310

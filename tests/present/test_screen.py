@@ -1,0 +1,169 @@
+"""The last screen: its budgets in both languages, and what its first line and its commands are."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from axiscal.answers.answer import Aim, NextStep, ResultAnswer, TablesChecked, Verdict
+from axiscal.answers.answer_words import LINES, WIDTH, screen
+from axiscal.campaign.campaign import Campaign
+from axiscal.cli.app import run
+from axiscal.description.wants import RowName, rows_of
+from axiscal.language.spoken import LANGUAGES, speaking
+from axiscal.machine import load_machine
+from tests.generators.answers import aim, answer, answer_row
+from tests.generators.laser_axis import CASE, machine, read
+
+WORDS = 60
+"""Beside the rows."""
+NUMBERS = 3
+"""In a row, beside the columns of what is left."""
+STEPS = [NextStep(code="load", control="linuxcnc-volumetric"), NextStep(code="verify")]
+MISTAKE = 'the zero of "laser along X" jumped before reading 14 ("laser along X", X = 120 mm, from +). Take it again'
+CONTRADICTING = f"The readings contradict each other (p = 1e-09): {MISTAKE}; or {MISTAKE}"
+
+
+CHECKED = TablesChecked(places=12, found=27.1, left=4.93, tolerance=10.0, verdict="pass")
+
+
+def _screen(found: ResultAnswer) -> str:
+    return screen(
+        found.model_copy(update={"steps": STEPS}), CONTRADICTING, "mill.axiscal", "demo-out", "demo-out/r.pdf"
+    )
+
+
+@pytest.mark.parametrize("language", sorted(LANGUAGES))
+@pytest.mark.parametrize("verdict", ["measured", "reached", "more", "unreachable", "contradict"])
+@pytest.mark.parametrize("name", ["three-axis-mill", "dmu60"])
+@pytest.mark.parametrize("silent", [(), ("backlash", "yaw"), ("positioning", "straightness", "squareness")])
+def test_the_screen_keeps_its_budgets(language: str, verdict: Verdict, name: str, silent: tuple[str, ...]) -> None:
+    built = load_machine(name)
+    controls = ("linuxcnc", "linuxcnc-volumetric", "heidenhain")
+    rows = [answer_row(row, built, row.kind not in silent, controls) for row in rows_of(built)]
+    aims = [aim("rms", 4.9, 5.0, 1.0), aim("positioning X", 12.0, 5.0, 6.0, measured=False, unread=1)]
+    checked = (
+        TablesChecked(places=12, found=27.1, left=4.9, tolerance=10.0, verdict="pass") if verdict == "reached" else None
+    )
+    with speaking(language):
+        _within_budgets(_screen(answer(verdict=verdict, rows=rows, aims=aims, checked=checked)))
+
+
+def _within_budgets(text: str) -> None:
+    lines = text.splitlines()
+    assert len(lines) <= LINES, text
+    assert max(map(len, lines)) <= WIDTH, text
+    rows = [line for line in lines if line.startswith("  ") and "±" in line]
+    beside_rows = [line for line in lines if line not in rows and not line.startswith("    ")]
+    assert sum(bool(re.search(r"[^\W\d_]{2}", word)) for line in beside_rows for word in line.split()) <= WORDS, text
+    for row in rows:
+        beside = row.partition("±")[0] + row.partition("±")[2].split("   ")[0]
+        assert len(re.findall(r"[0-9]+(?:[.,][0-9]+)?", beside)) <= NUMBERS, row
+        assert not re.search(r"[1-9][0-9]*[.,]?[0-9]*[1-9][0-9]*[.,]?[0-9]*[1-9]", row), row
+
+
+MILL = load_machine("three-axis-mill")
+POSITIONING = answer_row(RowName("positioning", ("X",)), MILL)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "aims", "begins"),
+    [
+        ("measured", [], "MEASURED   32 readings, 25 min planned"),
+        ("reached", [aim("rms", 4.876, 5.0, 1.0)], "TARGET REACHED   volume 4.88 of 5 um RMS   32 readings"),
+        ("reached", [aim("U", 8.14, 20.0, 1.0)], "TARGET REACHED   volume 8.1 of 20 um   32 readings"),
+        ("more", [aim("worst", 7.16, 5.0, 1.0)], "123 MORE READINGS, 57 MIN\n  worst place 7.2 of 5 um   32 readings"),
+        ("unreachable", [aim("rms", 7.16, 5.0, 6.0)], "CANNOT BE REACHED WITH THESE SET-UPS\n  volume 7.2 of 5 um RMS"),
+        ("contradict", [aim("rms", 4.0, 5.0, 1.0)], "READINGS CONTRADICT   32 readings"),
+        ("nothing", [], "NO READINGS YET   32 readings"),
+        (
+            "more",
+            [aim("backlash X", 4, 1, 0), aim("yaw X", 1, 2, 0)],
+            "123 MORE READINGS, 57 MIN\n  1 of 2 limits: backlash X 4.0 / 1 um",
+        ),
+    ],
+)
+def test_the_first_line_says_what_became_of_the_target(verdict: Verdict, aims: list[Aim], begins: str) -> None:
+    assert _screen(answer(verdict=verdict, rows=[POSITIONING], aims=aims)).startswith(begins)
+
+
+def test_a_row_that_is_missing_is_named_in_the_language_that_is_spoken() -> None:
+    missing = answer(verdict="more", aims=[aim("straightness X in Y", 4, 1, 0), aim("centre of C", 1, 2, 0)])
+    with speaking("de"):
+        assert "1 von 2 Grenzen: Geradheit X in Y 4,0 / 1 um" in _screen(missing)
+
+
+def test_a_row_says_found_known_and_left() -> None:
+    figures = {"found": 10.23, "known_to": 4.87, "limit": 5.0, "reached": True, "left": {"linuxcnc": 0.6123}}
+    found = answer(rows=[POSITIONING.model_copy(update=figures)])
+    text = _screen(found)
+    assert re.search(r"positioning X +10 um +± 4\.87 of 5 um +0\.61 um", text)
+    with speaking("de"):
+        assert re.search(r"Positionierung X +10 um +± 4,87 von 5 um", _screen(found))
+
+
+def test_what_is_not_measured_is_named_with_its_reason() -> None:
+    rows = [answer_row(RowName("backlash", (name,)), MILL, measured=False) for name in "XY"]
+    text = " ".join(_screen(answer(rows=rows)).split())
+    assert "Not measured: backlash X Y (one reading from the other side: ± 0.84 um)." in text
+    far = rows[0].model_copy(update={"one_more": None, "kind": "yaw", "unit": "urad"})
+    assert "yaw X (4 places read: ± 130 urad)" in _screen(answer(rows=[far]))
+
+
+def test_before_the_first_reading_nothing_is_measured(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record = tmp_path / "axis.axiscal"
+    Campaign.create(record, CASE.description).close()
+    assert run(["status", str(record)]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert text.startswith("NO READINGS YET volume 8.0 of 3 um RMS 0 readings")
+    assert "Not measured: positioning X (not read), backlash X (not read), volume (not read)." in text
+    assert f"axiscal measure {record}" in text
+
+
+def test_readings_that_are_left_out_are_not_compared() -> None:
+    text = _screen(answer(rows=[POSITIONING], readings=16, left_out=1, compared=15, agreeing=14))
+    assert "Readings agree: 14 of 15. 1 left out." in text
+
+
+def test_a_check_of_the_tables_says_found_left_and_its_verdict() -> None:
+    text = _screen(answer(verdict="reached", rows=[POSITIONING], checked=CHECKED))
+    assert "Checked at 12 new places: found 27 -> left 4.9 um, PASS." in text
+
+
+def test_no_figure_stands_where_uncertainty_is_withheld() -> None:
+    text = _screen(answer(verdict="contradict", withheld=True))
+    assert "±" not in text
+    assert "The readings contradict each other" in text
+
+
+def _record(folder: Path) -> Path:
+    path = folder / "axis.axiscal"
+    with Campaign.create(path, CASE.description) as campaign:
+        campaign.adopt(tuple(read(machine(3), 12)))
+    return path
+
+
+def test_status_and_finish_show_it_and_its_commands_work(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record = _record(tmp_path)
+    assert run(["status", str(record)]) == 0
+    _says(capsys.readouterr().out, "")
+    assert run(["finish", str(record), "--out", str(tmp_path / "out")]) == 0
+    text = capsys.readouterr().out
+    assert f"Report  {tmp_path}/out/report.pdf" in text
+    short = _says(text, str(tmp_path))
+    for command in re.findall(r"^(?:Next)? +axiscal (.+)$", text, re.MULTILINE):
+        assert run(command.split() if "measure" not in command else ["next", str(record)]) == 0, command
+    capsys.readouterr()
+    assert run(["finish", str(record), "--out", str(tmp_path / "out"), "--details"]) == 0
+    long = capsys.readouterr().out
+    assert len(long.split()) > 2 * len(short.split())
+    assert "U = k u = " in long
+
+
+def _says(text: str, folder: str) -> str:
+    """Return the screen with short paths, within its budgets."""
+    short = text.replace(f"{folder}/", "") if folder else re.sub(r"\S*/", "", text)
+    _within_budgets(short)
+    return short

@@ -1,0 +1,521 @@
+"""Measuring programs: what each control is told, what is refused, and what the judge of random plans would catch."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from dataclasses import replace
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.exceptions import InputError, ProgramError
+from axiscal.machine import Machine, load_machine
+from axiscal.machine.axis import Axis
+from axiscal.machine.driving import USUAL, Driving
+from axiscal.machine.motion import inward
+from axiscal.measurement.place import Place
+from axiscal.measurement.readers.csv_readings import read_readings
+from axiscal.measurement.setup import Setup
+from axiscal.programs import Program, controllers, dialect, programs, write_programs
+from axiscal.programs.scale import AxisScale
+from tests.certify.gcode import HOSTILE, Judge, Plan, judged
+from tests.certify.gcode_traces import READERS, Halt, Mark, Move
+
+TABLE = Axis.named("C", True, (0.0, math.tau), speed=math.radians(90), acceleration=math.radians(180))
+SLIDE = Axis.named("X", False, (0.0, 0.5), speed=0.1, acceleration=1.0)
+MACHINE = Machine("Mill (old)", (TABLE, SLIDE), 0.1, (), "w-C'-b-X-t", "")
+SETUP = Setup("laser 1", "interferometer", (1, 0, 0), (1,), (0.0, 0.25), 1e-6, (), 0, 1.5, 3.0, (0.0, 0.0), "both")
+UP, DOWN = Place(SETUP.name, (0.0, 0.1), (0, 1)), Place(SETUP.name, (0.0, 0.3), (0, -1))
+
+
+def text_of(
+    controller: str,
+    *places: Place,
+    driving: Driving = USUAL,
+    machine: Machine = MACHINE,
+    setup: Setup = SETUP,
+) -> str:
+    """Return the program of visits in one set-up."""
+    (program,) = programs(machine, [replace(setup, driving=driving)], places, dialect(controller))
+    return program.text
+
+
+def refusal(*places: Place, driving: Driving = USUAL, machine: Machine = MACHINE, setup: Setup = SETUP) -> str:
+    """Return why a program cannot be written."""
+    with pytest.raises(InputError) as refused:
+        programs(machine, [replace(setup, driving=driving)], places, dialect("linuxcnc"))
+    return str(refused.value)
+
+
+def single(name: str) -> Machine:
+    """Return a machine of one axis."""
+    return Machine("m", (Axis.named(name, False, (0.0, 0.5)),), 0.0, (), "", "")
+
+
+def test_a_program_for_linuxcnc() -> None:
+    assert text_of("linuxcnc", UP, DOWN).splitlines() == [
+        "G21 G90 G94 G17 G40 G49 G80",
+        "M5 M9",
+        "G61",
+        "(AXISCAL MEASURING PROGRAM)",
+        "(MACHINE MILL _OLD_)",
+        "(SET-UP LASER 1)",
+        "(READINGS 1 TO 2)",
+        "(MACHINE COORDINATES IN MM AND DEG)",
+        "(ORDER OF MOVES X THEN C)",
+        "(PRESS START WHEN THE WAY TO THE START IS CLEAR)",
+        "M0",
+        "G53 G1 X99.0000 F6000",
+        "G53 G1 C0.0000 F5400",
+        "(MOUNT AND ZERO THE INSTRUMENT THEN PRESS START)",
+        "M0",
+        "G53 G1 X99.0000 F6000",
+        "G53 G1 C0.0000 F5400",
+        "G53 G1 X100.0000 F6000",
+        "(READING 1)",
+        "G4 P1.500",
+        "M0",
+        "G53 G1 X301.0000 F6000",
+        "G53 G1 X300.0000 F6000",
+        "(READING 2)",
+        "G4 P1.500",
+        "M0",
+        "M2",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("controller", "move", "dwell"),
+    [
+        ("linuxcnc", "G53 G1 X100.0000 F6000", "G4 P1.500"),
+        ("sinumerik", "G1 SUPA X100.0000 F6000", "G4 F1.500"),
+        ("heidenhain", "L X+100.0000 R0 F6000 M91", "CYCL DEF 9.1 DWELL 1.500"),
+        ("fanuc", "G1 X100.000 F6000", "G4 P1500"),
+        ("isg", "G1 X100.0000 F6000", "#TIME 1.500"),
+    ],
+)
+def test_each_control_moves_and_waits_in_its_own_words(controller: str, move: str, dwell: str) -> None:
+    lines = [
+        line.split(" ", 1)[1] if controller == "heidenhain" else line for line in text_of(controller, UP).splitlines()
+    ]
+    assert move in lines
+    assert dwell in lines
+
+
+@pytest.mark.parametrize("controller", controllers())
+def test_what_was_never_tried_on_a_control_says_so(controller: str) -> None:
+    (program,) = programs(MACHINE, [SETUP], [UP], dialect(controller))
+    said = "Tried on LinuxCNC's own interpreter" if controller == "linuxcnc" else "Never tried on a control"
+    assert program.notes[0].startswith(said)
+
+
+def test_each_set_up_has_its_program_and_readings_keep_their_numbers() -> None:
+    other = replace(SETUP, name="laser 2")
+    first, second = programs(MACHINE, [SETUP, other], [UP, replace(DOWN, setup=other.name), DOWN], dialect("fanuc"))
+    assert [r.number for r in first.readings] == [1, 3]
+    assert [r.number for r in second.readings] == [2]
+    assert (first.file_name, second.file_name) == ("AXISCAL_01_LASER_1.NC", "AXISCAL_02_LASER_2.NC")
+    assert [program.text.splitlines()[1] for program in (first, second)] == ["O1001", "O1002"]
+
+
+def test_an_axis_that_comes_far_enough_does_not_turn() -> None:
+    moves = [line for line in text_of("linuxcnc", UP, replace(UP, pose=(0.0, 0.2))).splitlines() if "X" in line]
+    assert moves[-2:] == ["G53 G1 X100.0000 F6000", "G53 G1 X200.0000 F6000"]
+
+
+def test_the_whole_overrun_fits_up_to_the_end_of_the_travel() -> None:
+    assert "G53 G1 X0.0000 F6000" in text_of("linuxcnc", replace(UP, pose=(0.0, 0.001)))
+    assert "G53 G1 X500.0000 F6000" in text_of("linuxcnc", replace(DOWN, pose=(0.0, 0.499)))
+
+
+@pytest.mark.parametrize("controller", controllers())
+def test_what_rounding_takes_of_an_overrun_is_forgiven(controller: str) -> None:
+    axis = Axis.named("X", False, (0.00001234, 0.4), overrun=0.00123456)
+    machine = Machine("m", (axis,), 0.0, (), "", "")
+    place = inward(axis, 0.0, 1)
+    assert place == pytest.approx(0.00001234 + 0.00123456)
+    assert text_of(controller, Place(SETUP.name, (place,), (1,)), machine=machine)
+
+
+def test_the_usual_overrun_of_a_short_axis_is_a_hundredth_of_its_travel() -> None:
+    short = Machine("m", (Axis.named("X", False, (0.0, 0.02)), Axis.named("A", False, (0.0, 0.2))), 0.0, (), "", "")
+    text = text_of("linuxcnc", Place(SETUP.name, (0.01, math.radians(5)), (1, -1)), machine=short)
+    assert "X9.8000" in text
+    assert "A5.1146 " in text  # 5 deg and a hundredth of 0.2 rad
+
+
+def test_an_approach_without_room_is_refused_and_named() -> None:
+    why = refusal(UP, replace(UP, pose=(0.0, 0.00005)))
+    assert 'reading 2 of the set-up "laser 1" is to be approached with X+ at X = 0.0500 mm' in why
+    assert "ends at 0.0 mm" in why
+    assert "less than the overrun of 1 mm" in why
+    assert "from the other side, or give the axis a smaller overrun" in why
+    assert refusal(replace(DOWN, pose=(0.0, 0.5)))
+    longer = replace(MACHINE, axes=(TABLE, replace(SLIDE, stated_overrun=0.02)))
+    assert "X+ at X" in refusal(replace(UP, pose=(0.0, 0.001)), machine=longer)
+
+
+def test_poses_may_come_as_numpy_has_them() -> None:
+    pose, approach = np.array(UP.pose), np.array([0.0, 1.0])
+    as_arrays = Place(SETUP.name, tuple(pose), tuple(approach))
+    assert text_of("linuxcnc", as_arrays, DOWN) == text_of("linuxcnc", UP, DOWN)
+
+
+def test_a_reading_at_the_end_without_a_side_is_possible() -> None:
+    assert "X500.0000" in text_of("linuxcnc", Place(SETUP.name, (0.0, 0.5), (0, 0)))
+
+
+def test_the_two_ends_of_a_full_turn_are_one_place() -> None:
+    (program,) = programs(MACHINE, [SETUP], [Place(SETUP.name, (0.0, 0.1), (1, 1))], dialect("linuxcnc"))
+    assert program.readings[0].coordinates == ("360.0000", "100.0000")
+    assert "G53 G1 C359.0000 F5400" in program.text
+
+
+def test_long_turns_are_made_in_parts_so_that_no_control_takes_the_short_way() -> None:
+    text = text_of("linuxcnc", UP, Place(SETUP.name, (math.radians(300), 0.1), (0, 0)))
+    assert [line for line in text.splitlines() if "C" in line.split(" F")[0] and "G53" in line][2:] == [
+        "G53 G1 C100.0000 F5400",
+        "G53 G1 C200.0000 F5400",
+        "G53 G1 C300.0000 F5400",
+    ]
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("place", [0.0, 0.0005, 0.001, 0.25, 0.499, 0.4999, 0.5])
+def test_what_has_no_room_for_the_planner_has_none_for_a_program(place: float, side: int) -> None:
+    visit = Place(SETUP.name, (0.0, place), (0, side))
+    if inward(SLIDE, place, side) == place:
+        assert text_of("linuxcnc", visit)
+    else:
+        assert "leaves less than the overrun" in refusal(visit)
+        assert text_of("linuxcnc", replace(visit, pose=(0.0, inward(SLIDE, place, side))))
+
+
+@pytest.mark.parametrize("value", [-1e-5, 0.50001, math.nan, math.inf])
+def test_a_reading_outside_the_travel_is_refused(value: float) -> None:
+    why = refusal(UP, replace(UP, pose=(0.0, value)))
+    assert why.startswith('reading 2 of the set-up "laser 1": X = ')
+    assert "raster" in why
+
+
+def test_a_coordinate_that_rounding_would_push_out_is_rounded_inwards() -> None:
+    tight = Machine("m", (Axis.named("X", False, (0.0, 0.12345678)),), 0.0, (), "", "")
+    text = text_of("linuxcnc", Place(SETUP.name, (0.12345678,), (0,)), machine=tight)
+    assert "X123.4567 " in text
+    assert "X123.4568" not in text
+
+
+def test_what_arithmetic_adds_to_the_end_of_the_travel_is_forgiven() -> None:
+    assert "X500.0000" in text_of("linuxcnc", Place(SETUP.name, (0.0, 0.5 + 1e-13), (0, 0)))
+
+
+@pytest.mark.parametrize("value", ["-0.0001", "500.0001", "0.00001"])
+def test_a_number_is_read_again_before_it_is_written(value: str) -> None:
+    with pytest.raises(ProgramError, match=r"X would go to .* its travel is 0\.0 to 500\.0"):
+        AxisScale.of(SLIDE, 4).written(Decimal(value))
+
+
+def test_a_travel_without_any_number_that_can_be_written_is_refused() -> None:
+    sliver = Machine("m", (Axis.named("X", False, (0.10000004, 0.10000006)),), 0.0, (), "", "")
+    assert "no number with 4 decimals" in refusal(Place(SETUP.name, (0.10000005,), (0,)), machine=sliver)
+
+
+@pytest.mark.parametrize("name", ["X2", "P", "U1"])
+def test_axes_that_a_control_cannot_name_are_refused(name: str) -> None:
+    assert f"LinuxCNC programs have no axis {name}" in refusal(Place(SETUP.name, (0.1,), (0,)), machine=single(name))
+
+
+def test_sinumerik_writes_a_digit_with_an_equals_sign() -> None:
+    assert "G1 SUPA X2=100.0000 F10000" in text_of("sinumerik", Place(SETUP.name, (0.1,), (0,)), machine=single("X2"))
+    with pytest.raises(ProgramError, match="no axis A3"):
+        text_of("sinumerik", Place(SETUP.name, (0.1,), (0,)), machine=single("A3"))
+
+
+def test_waits_longer_than_a_minute_come_in_parts_and_over_an_hour_not_at_all() -> None:
+    text = text_of("linuxcnc", UP, setup=replace(SETUP, settle=150))
+    assert text.count("G4 P50.000") == 3
+    assert "a wait of 4000 s at each reading" in refusal(UP, setup=replace(SETUP, settle=4000))
+    assert "G4 P0.000" not in text_of("linuxcnc", UP, setup=replace(SETUP, settle=0))
+
+
+def test_a_dwell_gives_the_instrument_its_time() -> None:
+    lines = text_of("linuxcnc", UP, driving=Driving(dwell=True)).splitlines()
+    assert lines[-4:] == ["(READING 1)", "G4 P1.500", "G4 P3.000", "M2"]
+
+
+def test_a_straight_move_is_as_fast_as_its_slowest_axis_allows() -> None:
+    slow = Axis.named("Y", False, (0.0, 0.5), speed=0.03)
+    machine = Machine("m", (SLIDE, slow), 0.0, (), "", "")
+    visits = [Place(SETUP.name, (0.1, 0.1), (0, 0)), Place(SETUP.name, (0.4, 0.5), (0, 0))]
+    assert "X400.0000 Y500.0000 F2250" in text_of("linuxcnc", *visits, machine=machine)  # Y: 2250 * 4/5 = 1800
+
+
+@pytest.mark.parametrize(("speed", "feed"), [(0.29, 17400), (0.55, 33000), (11 / 60, 11000), (50.0, 99999)])
+def test_a_feed_is_a_whole_number_without_the_noise_of_arithmetic(speed: float, feed: int) -> None:
+    machine = Machine("m", (replace(SLIDE, speed=speed),), 0.0, (), "", "")
+    assert f"F{feed}\n" in text_of("linuxcnc", Place(SETUP.name, (0.1,), (0,)), machine=machine)
+
+
+def test_the_time_of_a_reading_counts_ways_and_waits() -> None:
+    (program,) = programs(MACHINE, [SETUP], [UP, DOWN], dialect("linuxcnc"))
+    first = 2 * math.sqrt(0.001 / 1)
+    second = first + 1.5 + (0.201 / 0.1 + 0.1) + 2 * math.sqrt(0.001)
+    assert [r.seconds for r in program.readings] == pytest.approx([first, second])
+
+
+@pytest.mark.parametrize(
+    ("order", "said"),
+    [
+        ((("X",),), "Name each of C X once"),
+        ((("X", "X"), ("C",)), "Name each of C X once"),
+        ((("X", "C"),), "X C are to move together"),
+    ],
+)
+def test_an_order_that_cannot_be_is_refused(order: tuple[tuple[str, ...], ...], said: str) -> None:
+    assert said in refusal(UP, driving=Driving(order=order))
+
+
+def test_the_order_of_moves_is_a_choice_and_is_said() -> None:
+    setup = replace(SETUP, driving=Driving(order=(("C",), ("X",))))
+    (program,) = programs(MACHINE, [setup], [UP], dialect("linuxcnc"))
+    assert "(ORDER OF MOVES C THEN X)" in program.text
+    assert program.text.index("C0.0000") < program.text.index("X99.0000")
+    assert any("C then X" in note for note in program.notes)
+
+
+def test_other_things_that_cannot_be() -> None:
+    assert "no readings" in refusal()
+    assert "does not fit the machine's 2 axes" in refusal(Place(SETUP.name, (0.1,), (0,)))
+    assert "does not fit" in refusal(Place(SETUP.name, (0.0, 0.1), (0, 2)))
+    creep = Machine("m", (replace(SLIDE, speed=1e-6),), 0.0, (), "", "")
+    assert "less than 1 mm/min" in refusal(Place(SETUP.name, (0.1,), (0,)), machine=creep)
+    with pytest.raises(ProgramError, match="Perhaps fanuc is meant"):
+        dialect("fanuk")
+
+
+def test_the_list_says_which_reading_is_where_and_when() -> None:
+    (program,) = programs(MACHINE, [SETUP], [UP, DOWN], dialect("fanuc"))
+    rows = list(csv.DictReader(program.listing.splitlines()))
+    assert [(row["reading"], row["X_mm"], row["C_deg"], row["approach"]) for row in rows] == [
+        ("1", "100.000", "0.000", "X+"),
+        ("2", "300.000", "0.000", "X-"),
+    ]
+    assert rows[1]["time_s"] == "3.7"
+
+
+def test_the_form_with_values_filled_in_is_a_file_of_readings(tmp_path: Path) -> None:
+    places = [Place("laser 1", visit.pose, visit.approach) for visit in (UP, DOWN)]
+    write_programs(MACHINE, [SETUP], places, "fanuc", tmp_path)
+    blank = (tmp_path / "readings.csv").read_text()
+    (tmp_path / "readings.csv").write_text(blank.replace(",\n", ",1.5\n"))
+    first, second = read_readings(tmp_path / "readings.csv")
+    assert (first.setup, first.position, first.approach, first.value) == ("laser 1", {"X": 0.1}, {"X": 1}, 1.5e-6)
+    assert second.approach == {"X": -1}
+    assert (first.number, second.number) == (1, 2)
+
+
+def test_the_form_has_the_numbers_of_the_programs_set_up_by_set_up(tmp_path: Path) -> None:
+    other = replace(SETUP, name="laser 2")
+    places = [UP, replace(DOWN, setup=other.name), DOWN]
+    write_programs(MACHINE, [SETUP, other], places, "fanuc", tmp_path)
+    rows = list(csv.DictReader((tmp_path / "readings.csv").read_text().splitlines()))
+    assert [(row["reading"], row["setup"]) for row in rows] == [("1", "laser 1"), ("3", "laser 1"), ("2", "laser 2")]
+    marked = [re.findall(r"READING (\d+)\)", (tmp_path / f"AXISCAL_0{n}_LASER_{n}.NC").read_text()) for n in (1, 2)]
+    assert marked == [["1", "3"], ["2"]]
+
+
+def test_the_form_has_a_column_for_each_value_of_an_instrument_that_reads_three(tmp_path: Path) -> None:
+    tracker = replace(SETUP, name="tracker", instrument="tracker")
+    write_programs(MACHINE, [tracker], [replace(UP, setup="tracker")], "linuxcnc", tmp_path)
+    header, row = (tmp_path / "readings.csv").read_text().splitlines()
+    assert header.endswith("approach,value_x_um,value_y_um,value_z_um")
+    (tmp_path / "readings.csv").write_text(f"{header}\n{row.removesuffix(',,,')},1.5,2,3\n")
+    (reading,) = read_readings(tmp_path / "readings.csv")
+    assert (reading.value, reading.others) == (1.5e-6, (2e-6, 3e-6))
+
+
+def test_the_form_leaves_parked_axes_out(tmp_path: Path) -> None:
+    write_programs(MACHINE, [SETUP], [Place("laser 1", (0.1, 0.2), (1, -1))], "linuxcnc", tmp_path)
+    header, row = (tmp_path / "readings.csv").read_text().splitlines()
+    assert header == "reading,setup,C_deg,X_mm,approach,value_um"
+    assert row == "1,laser 1,,200.0000,X-,"
+
+
+def test_the_form_has_a_column_for_each_kind_of_value(tmp_path: Path) -> None:
+    level = replace(SETUP, name="level", instrument="level")
+    places = [Place(setup.name, UP.pose, UP.approach) for setup in (SETUP, level)]
+    write_programs(MACHINE, [SETUP, level], places, "linuxcnc", tmp_path)
+    assert (tmp_path / "readings.csv").read_text().splitlines()[0].endswith("approach,value_um,value_urad")
+
+
+def test_the_files_of_a_plan(tmp_path: Path) -> None:
+    folder = tmp_path / "programs"
+    paths = write_programs(MACHINE, [SETUP], [Place("laser 1", UP.pose, UP.approach)], "heidenhain", folder)
+    names = ["AXISCAL_01_LASER.H", "AXISCAL_01_LASER.csv", "readings.csv", "README.txt"]
+    assert paths == [folder / name for name in names]
+    assert "Never tried on a control" in paths[-1].read_text()
+
+
+def test_nothing_is_written_where_one_reading_is_refused(tmp_path: Path) -> None:
+    places = [Place("laser 1", UP.pose, UP.approach), Place("laser 1", (0.0, 0.0), (0, 1))]
+    with pytest.raises(ProgramError):
+        write_programs(MACHINE, [SETUP], places, "linuxcnc", tmp_path / "out")
+    with pytest.raises(ProgramError, match="laser 9"):
+        write_programs(MACHINE, [SETUP], [Place("laser 9", UP.pose, UP.approach)], "linuxcnc", tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("name", ["three-axis-mill", "dmu60", "one-axis", "printer-gantry"])
+@pytest.mark.parametrize("controller", controllers())
+def test_built_in_machines_have_programs(name: str, controller: str) -> None:
+    machine = load_machine(name)
+    middle = tuple(sum(axis.travel) / 2 for axis in machine.axes)
+    every = tuple(range(len(middle)))
+    setup = replace(SETUP, moves=every, park=middle)
+    plan = Plan(machine, (setup,), tuple(Place(setup.name, middle, (side,) * len(middle)) for side in (1, -1)))
+    (program,) = plan.programs(controller)
+    judge = Judge(plan, setup, dialect(controller).decimals)
+    assert judged(program.text, READERS[controller], judge)[1] == []
+
+
+@pytest.mark.parametrize("controller", controllers())
+def test_the_last_millimetres_are_slow_in_every_dialect(controller: str) -> None:
+    """From 100 mm up to 300 mm and back over the overrun: quick until 298 mm, then at 600 mm/min, C at 600 deg/min."""
+    turned = replace(DOWN, pose=(math.radians(90), 0.3))
+    text = text_of(controller, UP, turned, driving=Driving(feed=0.01))
+    events = READERS[controller](text)
+    first, second = (k for k, event in enumerate(events) if isinstance(event, Mark))
+    moves = [(event.to, event.feed) for event in events[first:second] if isinstance(event, Move)]
+    assert moves == [
+        ({"X": 298.0}, 6000),
+        ({"X": 301.0}, 600),
+        ({"C": 88.0}, 5400),
+        ({"C": 90.0}, 600),
+        ({"X": 300.0}, 600),
+    ]
+
+
+def test_the_way_back_after_jogging_at_the_mounting_is_slow_too() -> None:
+    events = READERS["linuxcnc"](text_of("linuxcnc", UP, driving=Driving(feed=0.01)))
+    quick, slow = (k for k, event in enumerate(events[:-1]) if event == Halt() and isinstance(events[k + 1], Move))
+    assert [event.feed for event in events[quick:slow] if isinstance(event, Move)] == [6000, 5400]
+    assert {event.feed for event in events[slow:] if isinstance(event, Move)} == {600}
+
+
+def test_over_a_clearance_only_the_end_of_the_way_back_is_slow() -> None:
+    """X goes clear at 400 mm quickly, and comes down to its start at 99 mm slowly from 102 mm on."""
+    events = READERS["linuxcnc"](text_of("linuxcnc", UP, driving=Driving(feed=0.01, clearance=("X", 0.4))))
+    stops = [k for k, event in enumerate(events) if event == Halt()]
+    back = [(event.to, event.feed) for event in events[stops[1] : stops[2]] if isinstance(event, Move)]
+    assert back == [
+        ({"X": 400.0}, 6000),
+        ({"C": 0.0}, 5400),
+        ({"X": 102.0}, 6000),
+        ({"X": 99.0}, 600),
+        ({"X": 100.0}, 600),
+    ]
+
+
+def test_a_slow_axis_is_no_faster_near_the_place() -> None:
+    """What an axis can do goes before what is asked for."""
+    slow = Machine("m", (replace(SLIDE, speed=0.004),), 0.0, (), "", "")
+    assert {
+        event.feed
+        for event in READERS["linuxcnc"](
+            text_of("linuxcnc", Place(SETUP.name, (0.1,), (1,)), machine=slow, driving=Driving(feed=0.01))
+        )
+        if isinstance(event, Move)
+    } == {240}
+
+
+SPOILT = {
+    "beyond the travel": ("X301.0000", "X501.0000"),
+    "a rapid": ("G53 G1 X301", "G53 G0 X301"),
+    "in work coordinates": ("G53 G1 X301", "G1 X301"),
+    "from the wrong side": ("X301.0000", "X299.0000"),
+    "from too near": ("X301.0000", "X300.5000"),
+    "another place": ("X300.0000 F6000\n(READING 2)", "X300.0100 F6000\n(READING 2)"),
+    "too fast": ("X301.0000 F6000", "X301.0000 F6001"),
+    "too long a wait": ("(READING 2)\nG4 P1.500", "(READING 2)\nG4 P1500.000"),
+    "no wait": ("(READING 2)\nG4 P1.500\n", "(READING 2)\n"),
+    "no stop": ("(READING 2)\nG4 P1.500\nM0\n", "(READING 2)\nG4 P1.500\n"),
+    "no reading": ("(READING 2)\n", ""),
+    "both at once": ("X301.0000 F", "X301.0000 C1.0000 F"),
+    "a spindle": ("M2\n", "M3\nM2\n"),
+    "a comment that says more": ("(READINGS", "(PROBEOPEN) G0 X0 (READINGS"),
+    "inches": ("G21", "G20"),
+    "a stop less": ("(MOUNT AND ZERO THE INSTRUMENT THEN PRESS START)\nM0\n", ""),
+}
+
+
+@pytest.mark.parametrize("what", SPOILT)
+def test_the_judge_of_the_random_plans_sees_what_is_spoilt(what: str) -> None:
+    plan = Plan(MACHINE, (SETUP,), (UP, DOWN))
+    text = text_of("linuxcnc", UP, DOWN)
+    judge = Judge(plan, SETUP, 4)
+    assert judged(text, READERS["linuxcnc"], judge)[1] == []
+    spoilt = text.replace(*SPOILT[what])
+    assert spoilt != text
+    assert judged(spoilt, READERS["linuxcnc"], Judge(plan, SETUP, 4))[1] != []
+
+
+@pytest.mark.parametrize("controller", controllers())
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_name_stays_a_comment(controller: str, name: str) -> None:
+    (harmless,), (hostile,) = (
+        programs(
+            replace(MACHINE, name=each), [replace(SETUP, name=each)], [replace(UP, setup=each)], dialect(controller)
+        )
+        for each in ("A", name)
+    )
+    lines = list(zip(harmless.text.splitlines(), hostile.text.splitlines(), strict=True))
+    others = [new for old, new in lines if old != new and "PGM" not in old]
+    assert all(re.fullmatch(r"(\d+ )?[;(] ?(SET-UP|MACHINE)[A-Z0-9 _.+-]*\)?", line) for line in others)
+    assert re.fullmatch(r"[A-Z0-9_]+\.[A-Za-z]+", hostile.file_name)
+
+
+def test_a_program_knows_its_name() -> None:
+    (program,) = programs(MACHINE, [SETUP], [UP], dialect("heidenhain"))
+    assert isinstance(program, Program)
+    assert program.text.splitlines()[0] == f"0 BEGIN PGM {program.name} MM"
+
+
+def test_what_goes_clear_does_so_before_others_move_and_at_the_end() -> None:
+    """Wherever X or Y go further than an overrun, Z is at its clearance; so it is when the program ends."""
+    axes = tuple(Axis.named(name, False, (0.0, 0.5)) for name in "XYZ")
+    mill = Machine("m", axes, 0.0, (), "", "")
+    probe = Setup("p", "probe", (1, 0, 0), (0, 1, 2), (0.0,) * 3, 1e-6, (), 0, 0.001, 0, (0.0,) * 3, "both")
+    rng = np.random.default_rng(3)
+    poses = [tuple(map(float, rng.uniform(0.01, 0.4, 3))) for _ in range(12)]
+    poses.append((*poses[-1][:2], 0.05))  # only Z moves: no need to go clear
+    places = [Place("p", pose, (1, -1, 1)) for pose in poses]
+    probe = replace(probe, driving=Driving(clearance=("Z", 0.45)))
+    (program,) = programs(mill, [probe], places, dialect("linuxcnc"))
+    at: dict[str, float] = {}
+    seen = 0
+    for event in READERS["linuxcnc"](program.text):
+        if not isinstance(event, Move):
+            continue
+        far = [axis for axis in "XY" if axis in event.to and abs(event.to[axis] - at.get(axis, -99.0)) > 1.0001]
+        seen += bool(far)
+        assert not far or (at["Z"] == 450.0 and "Z" not in event.to)
+        at |= event.to
+    assert seen >= 12
+    assert at["Z"] == 450.0
+    assert "Z goes to 450.0000 mm before others move, and at the end" in " ".join(program.notes)
+    beyond = replace(probe, driving=Driving(clearance=("Z", 0.6)))
+    with pytest.raises(ProgramError, match="outside its travel"):
+        programs(mill, [beyond], places, dialect("linuxcnc"))
+
+
+def test_an_isg_control_is_told_how_it_counts_and_writes_no_log() -> None:
+    places = [UP, DOWN]
+    (program,) = programs(MACHINE, [SETUP], places, dialect("isg"))
+    assert program.text.startswith("%AXISCAL1\n#TRAFO OFF\nG71 G90 G94 G17 G40 G53 G60 D0\n")
+    assert program.file_name.endswith(".nc")
+    with pytest.raises(ProgramError, match="write no log"):
+        dialect("isg").logging()

@@ -1,0 +1,99 @@
+"""A campaign without a file: planned, estimated and exported in Python as on the command line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import axiscal as ac
+from axiscal.exceptions import DescriptionError, ReadingError
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import Simulator
+from axiscal.python.measured_case import Case
+
+
+def case() -> Case:
+    laser = ac.setup("interferometer", "x", moves=["X"], name="laser", approach="both", park={"Y": "100 mm"})
+    return ac.Case(ac.load_machine("three-axis-mill"), [laser], {"rms": "2 um"})
+
+
+def test_the_keys_are_those_of_a_file(tmp_path: Path) -> None:
+    written = tmp_path / "campaign.toml"
+    written.write_text(
+        'machine = "three-axis-mill"\n[target]\nrms = "2 um"\n'
+        '[[setups]]\nname = "laser"\ninstrument = "interferometer"\n'
+        'direction = "x"\nmoves = ["X"]\napproach = "both"\npark = { Y = "100 mm" }\n',
+        encoding="utf-8",
+    )
+    described = ac.read_campaign(written)
+    assert (case().description.setups, case().description.target) == (described.setups, described.target)
+
+
+def test_a_plan_says_its_figures_and_shows_itself() -> None:
+    plan = case().plan(readings=4, candidates=60)
+    document = plan.document
+    assert (len(plan), len(plan.places)) == (4, 4)
+    assert document["rms_um"] == pytest.approx(1e6 * plan.rms)
+    assert document["minutes"] == pytest.approx(plan.minutes)
+    assert plan.bound is not None
+    assert plan.bound <= plan.rms
+    assert plan._repr_html_().count("<tr>") == 5
+    assert "plan of 4 readings" in repr(plan)
+    assert plan.plot().figures[0]["data"][0]["y"] == pytest.approx(
+        [document["before_rms_um"], *(p["rms_um"] for p in document["points"])]
+    )
+
+
+def test_a_hostile_name_stays_text() -> None:
+    name = '<b>"x"</b>'
+    laser = ac.setup("interferometer", "x", moves=["X"], name=name)
+    plan = ac.Case(ac.load_machine("three-axis-mill"), [laser]).plan(readings=2, candidates=40)
+    assert plan.places[0].setup == name
+    assert "<b>" not in plan._repr_html_()
+
+
+def test_what_makes_no_sense_is_refused_as_in_a_file() -> None:
+    with pytest.raises(DescriptionError, match="interferometr"):
+        ac.Case(ac.load_machine("three-axis-mill"), [ac.setup("interferometr", "x")])
+
+
+def test_the_estimate_holds_the_truth_within_its_band() -> None:
+    described = case().description
+    truth, rng = Simulator(described.machine, described.setups).drawn(4), np.random.default_rng(1)
+    setup = described.setups[0]
+    readings = []
+    for x in np.linspace(0.02, 0.58, 15):
+        for side in (1, -1):
+            pose, approach = (float(x), *setup.park[1:]), (side, 0, 0)
+            readings.append(Reading("laser", pose, approach, truth.read(setup, pose, approach, rng)))
+    known = ac.estimate(case(), readings)
+    poses: list[dict[str, float | int | str]] = [{"X": x, "Y": "100 mm"} for x in (0.1, 0.3, 0.5)]
+    mean, std = known.deviation(*poses, approach={"X": 1})
+    at = np.array([(x, *setup.park[1:]) for x in (0.1, 0.3, 0.5)])
+    shown = truth.deviation(at, np.tile([1.0, 0.0, 0.0], (3, 1)))
+    assert np.all(np.abs(mean - shown) < 4 * std)
+    assert set(known) == set(known.estimation.case.errors.names)
+    drawn = known.plot()
+    assert [each["name"] for each in drawn.figures] == [name for name in known if known[name].spline.size > 1]
+    assert [ElementTree.fromstring(svg).tag for svg in drawn.svg] == ["{http://www.w3.org/2000/svg}svg"] * len(
+        drawn.figures
+    )
+    assert known._repr_html_().count("<tr>") == len(known) + 1
+
+
+def test_a_place_outside_the_travel_is_refused() -> None:
+    known = ac.estimate(case(), [])
+    with pytest.raises(ReadingError, match="outside the travel"):
+        known.deviation({"X": "2000 mm"})
+    with pytest.raises(ReadingError, match='no axis "W"'):
+        known.deviation({"W": "0 mm"})
+
+
+def test_tables_are_those_of_the_command(tmp_path: Path) -> None:
+    known = ac.estimate(case(), [Reading("laser", (x, 0.1, 0.2), (1, 0, 0), 3e-6 * x) for x in (0.1, 0.2, 0.3, 0.5)])
+    files = known.export("linuxcnc", tmp_path)
+    assert sorted(file.name for file in files) == sorted(file.name for file in tmp_path.iterdir())
+    assert (tmp_path / "X.comp").is_file()

@@ -1,0 +1,64 @@
+"""One curve in Python: its band and its next place, against a plain dense twin."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import axiscal as ac
+from axiscal.errors.prior import matern52
+from axiscal.exceptions import ShapeError, UnitError
+from axiscal.numerics import Array
+
+NOISE = 0.3e-6
+
+
+def plain_rms(covariance: Array, places: Array, spline: ac.NaturalSpline, at: Array) -> Array:
+    """Return the mean variance over the travel after one reading at each of many places, (m,), by plain formulas."""
+    grid = spline.rows(at)
+    found = []
+    for row in spline.rows(places):
+        h = covariance @ row
+        after = covariance - np.outer(h, h) / (NOISE**2 + row @ h)
+        values = np.einsum("ij,jk,ik->i", grid, after, grid)
+        found.append(np.sqrt(np.trapezoid(values, at) / (at[-1] - at[0])))
+    return np.array(found)
+
+
+def test_the_next_place_is_the_best_of_a_dense_grid() -> None:
+    curve = ac.Curve([0.0, 0.6], std=10e-6, length=0.15)
+    spline = ac.NaturalSpline(np.linspace(0, 0.6, 7))
+    covariance = 1e-10 * matern52(np.abs(spline.knots[:, None] - spline.knots) / 0.15)
+    for _ in range(3):
+        at, places = np.linspace(0, 0.6, 4001), np.linspace(0, 0.6, 1201)
+        each = plain_rms(covariance, places, spline, at)
+        place = curve.next(NOISE)
+        curve = curve.read(place, 1e-6, NOISE)
+        assert curve.rms == pytest.approx(float(plain_rms(covariance, np.array([place]), spline, at)[0]), rel=1e-6)
+        assert curve.rms <= each.min() * (1 + 1e-6)
+        row = spline.rows(place)[0]
+        covariance = covariance - np.outer(covariance @ row, covariance @ row) / (NOISE**2 + row @ covariance @ row)
+
+
+def test_a_curve_is_not_changed_by_reading() -> None:
+    curve = ac.Curve(["0 mm", "600 mm"], std="10 um", length="150 mm")
+    before = curve.rms
+    read = curve.read("100 mm", "4 um", "0.3 um")
+    assert curve.rms == before
+    mean, std = read([0.1])
+    assert mean[0] == pytest.approx(4e-6, rel=1e-2)
+    assert std[0] < 0.3e-6
+
+
+def test_a_curve_says_what_it_is() -> None:
+    assert repr(ac.Curve(["0 mm", "600 mm"], std="10 um")).startswith("<Curve curve: from 0 to 600 mm, known to ")
+    with pytest.raises(UnitError):
+        ac.Curve(["0 mm", "600 s"], std="10 um")
+
+
+def test_what_no_spline_follows_is_not_averaged_away() -> None:
+    case = ac.Case(ac.load_machine("one-axis"), [ac.setup("interferometer", "x")])
+    known = ac.estimate(case, [])["EXX"]
+    assert known.rest > 0
+    with pytest.raises(ShapeError, match="readings share"):
+        known.read(0.1, 1e-6, 1e-7)

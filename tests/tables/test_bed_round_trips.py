@@ -1,0 +1,276 @@
+"""A bed map that is read and written again has the same sign, and a printer that loads it holds its height.
+
+The readers here are twins of the printers' own: Klipper's configfile.py and bed_mesh.py, RepRapFirmware's HeightMap.
+"""
+
+from __future__ import annotations
+
+import configparser
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.cli.app import run
+from axiscal.numerics import Array
+from axiscal.ports.printers.klipper import plain_profile, write_mesh
+from axiscal.tables.surface import Mesh
+from tests.generators.begun import begun
+
+AXES = {"X": 300.0, "Y": 240.0, "Z": 100.0}
+PRIORS = (
+    'EZX = { std = "80 um", length = "100 mm" }\nEZY = { std = "80 um", length = "100 mm" }\n'
+    'EXY = { std = "30 um", length = "100 mm" }\n'
+)
+SQUARES = 'C0Y = { std = "1 mrad" }\nB0Z = { std = "1 mrad" }\nA0Z = { std = "1 mrad" }\n'
+PROBE = '[[setups]]\nname = "bed"\ninstrument = "probe"\ndirection = "z"\nmoves = ["X", "Y"]\nnoise = "2 um"\n'
+GAUGE = '[[setups]]\nname = "square"\ninstrument = "probe"\ndirection = "x"\nmoves = ["Y"]\n'
+KLIPPER_HEAD = (
+    "\n#*# <---------------------- SAVE_CONFIG ---------------------->\n"
+    "#*# DO NOT EDIT THIS BLOCK OR BELOW. The contents are auto-generated.\n#*#\n"
+)
+
+
+def bed(x: Array, y: Array) -> Array:
+    """Return the height of the bed at (y, x), mm: positive where it is high."""
+    arch = 0.12 * np.sin(np.pi * x / 300.0) ** 2
+    return arch[None] + (4e-4 * y + 0.05 * np.cos(y / 60.0))[:, None]
+
+
+X, Y = np.linspace(30.0, 270.0, 7), np.linspace(20.0, 220.0, 6)
+
+
+def klipper_file(x: Array, y: Array, z: Array) -> str:
+    rows = "".join("#*# \t" + ", ".join(f"{v:.6f}" for v in row) + "\n" for row in z)
+    keys = {"x_count": len(x), "y_count": len(y), "min_x": x[0], "max_x": x[-1], "min_y": y[0], "max_y": y[-1]}
+    tail = "".join(f"#*# {key} = {value}\n" for key, value in keys.items())
+    block = f"#*# [bed_mesh default]\n#*# version = 1\n#*# points =\n{rows}{tail}"
+    return f"[printer]\nkinematics: cartesian\n{KLIPPER_HEAD}{block}"
+
+
+def duet_file(x: Array, y: Array, z: Array) -> str:
+    head = "RepRapFirmware height map file v2 generated at 2026-01-01 10:00\n"
+    head += "xmin,xmax,ymin,ymax,radius,xspacing,yspacing,xnum,ynum\n"
+    numbers = [x[0], x[-1], y[0], y[-1], -1.0, x[1] - x[0], y[1] - y[0], len(x), len(y)]
+    return head + ",".join(map(str, numbers)) + "\n" + "\n".join(",".join(f"{v:.6f}" for v in row) for row in z) + "\n"
+
+
+def klipper_profile(printer_cfg: str, name: str) -> tuple[Array, Array, Array]:
+    """Return x, y and the points of a profile as Klipper finds them after a restart."""
+    regular, header, saved = printer_cfg.partition(KLIPPER_HEAD)
+    assert header, "Klipper finds no SAVE_CONFIG block"
+    assert "\n#*# " not in regular
+    lines = saved.strip().split("\n")
+    assert all(line.startswith("#*#") and (len(line) < 4 or line.startswith("#*# ")) for line in lines)
+    config = configparser.RawConfigParser(strict=False, inline_comment_prefixes=(";", "#"))
+    config.read_string(regular + "\n" + "\n".join(line[4:] for line in lines))
+    profile = config[f"bed_mesh {name}"]
+    assert profile["version"] == "1"
+    assert profile["algo"] in ("lagrange", "bicubic", "direct")
+    points = [[float(v) for v in row.split(",") if v.strip()] for row in profile["points"].strip().split("\n")]
+    x, y = (
+        np.linspace(float(profile[f"min_{a}"]), float(profile[f"max_{a}"]), int(profile[f"{a}_count"])) for a in "xy"
+    )
+    assert np.shape(points) == (len(y), len(x))
+    return x, y, np.array(points)
+
+
+def duet_map(text: str) -> tuple[Array, Array, Array]:
+    first, keys, numbers, *rows = text.splitlines()
+    assert first.startswith("RepRapFirmware height map file v2")
+    head = dict(zip(keys.split(","), map(float, numbers.split(",")), strict=True))
+    x, y = (head[f"{a}min"] + head[f"{a}spacing"] * np.arange(head[f"{a}num"]) for a in "xy")
+    return x, y, np.array([[float(v) for v in row.split(",")] for row in rows])
+
+
+def marlin_words(text: str, command: str) -> list[dict[str, float]]:
+    lines = [line.split()[1:] for line in text.splitlines() if line.split()[0] == command]
+    return [{word[0]: float(word[1:]) for word in words} for words in lines]
+
+
+def estimated(folder: Path, readings: str, name: str, axes: str = "XYZ", more: str = "", planes: str = "") -> Path:
+    travel = "".join(f'[axes.{a}]\ntravel = ["0 mm", "{AXES[a]:g} mm"]\n' for a in axes)
+    chain = "w-Y'-b-X-t" if axes == "XY" else "w-Y'-b-Z-X-t"
+    errors = PRIORS + planes + (SQUARES if axes == "XYZ" else "")
+    files = {
+        "machine.toml": f'chain = "{chain}"\n{travel}[errors]\n{errors}',
+        "campaign.toml": f'machine = "machine.toml"\nusual = "off"\nsure = "exactly"\n{PROBE}{more}',
+        name: readings,
+    }
+    begun(folder, files, ("estimate", "campaign.toml", name, "--out", "out"))
+    return folder / "out" / "campaign.axiscal"
+
+
+def exported(record: Path, controller: str, *options: str) -> dict[str, str]:
+    out = record.parent / controller
+    assert run(["export", str(record), "--to", controller, "--out", str(out), *options]) == 0
+    return {path.name: path.read_text() for path in out.iterdir()}
+
+
+WRITERS = {"klipper": (klipper_file, "printer.cfg"), "reprapfirmware": (duet_file, "heightmap.csv")}
+
+
+def held_by(controller: str, files: dict[str, str]) -> tuple[Array, Array, Array]:
+    """Return the map that a printer holds: for Klipper in a fresh printer.cfg."""
+    if controller == "reprapfirmware":
+        return duet_map(files["heightmap.csv"])
+    fresh = "[printer]\nkinematics: cartesian\n[bed_mesh]\nmesh_min: 0, 0\nmesh_max: 300, 240\n"
+    return klipper_profile(fresh + files["bed_mesh.cfg"], "axiscal")
+
+
+@pytest.mark.parametrize(
+    ("controller", "axes"),
+    [
+        ("klipper", "XYZ"),
+        ("reprapfirmware", "XY"),
+        pytest.param("klipper", "XY", marks=pytest.mark.long),
+        pytest.param("reprapfirmware", "XYZ", marks=pytest.mark.long),
+    ],
+)
+def test_a_map_comes_back_as_it_went_in(controller: str, axes: str, tmp_path: Path) -> None:
+    """The same sign, the same points, and the same heights up to one shift; also without a Z in the machine."""
+    write, name = WRITERS[controller]
+    record = estimated(tmp_path, write(X, Y, bed(X, Y)), name, axes)
+    x, y, z = held_by(controller, exported(record, controller))
+    assert x == pytest.approx(X)
+    assert y == pytest.approx(Y)
+    apart = z - bed(X, Y)
+    assert np.corrcoef(z.ravel(), bed(X, Y).ravel())[0, 1] > 0.999
+    assert np.std(apart) < 0.004 < 0.04 < np.std(bed(X, Y))
+
+
+def warped(x: Array, y: Array) -> Array:
+    """Return a bed that no sum of a curve over X and one over Y follows: twisted, with a dent, mm."""
+    dent = np.exp(-(((x[None] - 90) / 60) ** 2) - ((y[:, None] - 150) / 60) ** 2)
+    twist: Array = 8e-6 * (x[None] - 150) * (y[:, None] - 120) - 0.1 * dent
+    return twist + 0.3 * bed(x, y)
+
+
+@pytest.mark.parametrize(
+    "controller", ["marlin", *(pytest.param(name, marks=pytest.mark.long) for name in ("klipper", "reprapfirmware"))]
+)
+def test_a_warped_bed_comes_back_where_the_machine_has_an_error_of_both_axes(controller: str, tmp_path: Path) -> None:
+    """Without one, the best sum of two curves holds nine tenths of its correlation and leaves 34 um."""
+    plane = 'EZXY = { std = "80 um", length = "100 mm", rest = "3 um" }\n'
+    write, name = WRITERS.get(controller, WRITERS["klipper"])
+    record = estimated(tmp_path, write(X, Y, warped(X, Y)), name, planes=plane)
+    files = exported(record, controller)
+    if controller == "marlin":
+        z = np.zeros((6, 7))
+        for word in marlin_words(files["axiscal.gcode"], "M421"):
+            z[int(word["J"]), int(word["I"])] = word["Z"]
+    else:
+        z = held_by(controller, files)[2]
+    whole = warped(X, Y)
+    additive = whole.mean(axis=0)[None] + whole.mean(axis=1)[:, None]
+    assert np.corrcoef(additive.ravel(), whole.ravel())[0, 1] < 0.92
+    assert np.corrcoef(z.ravel(), whole.ravel())[0, 1] > 0.998
+    assert np.std(z - whole) < 0.004
+
+
+@pytest.mark.parametrize("controller", ["klipper", pytest.param("reprapfirmware", marks=pytest.mark.long)])
+def test_what_is_written_is_read_by_estimate_as_the_same_bed(controller: str, tmp_path: Path) -> None:
+    record = estimated(tmp_path, klipper_file(X, Y, bed(X, Y)), "printer.cfg")
+    files = exported(record, controller)
+    again = tmp_path / "again"
+    again.mkdir()
+    written = next(text for name, text in files.items() if name != "README.txt" and name != "skew.gcode")
+    second = estimated(again, written, "written.cfg")
+    x, y, z = held_by(controller, exported(second, controller))
+    assert np.corrcoef(z.ravel(), bed(x, y).ravel())[0, 1] > 0.999
+
+
+def test_a_high_bed_is_a_tool_too_low(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record = estimated(tmp_path, klipper_file(X, Y, bed(X, Y)), "printer.cfg")
+    poses = tmp_path / "poses.csv"
+    poses.write_text("X_mm,Y_mm,Z_mm\n150,120,50\n30,120,50\n")
+    capsys.readouterr()
+    assert run(["predict", str(record), str(poses), "--json"]) == 0
+    top, side = (pose["mean_um"][2] for pose in json.loads(capsys.readouterr().out)["poses"])
+    assert top - side == pytest.approx(-1e3 * np.ptp(bed(np.array([30.0, 150.0]), np.array([120.0]))), abs=3)
+
+
+def test_a_mesh_of_another_size_is_written_when_it_is_asked_for(tmp_path: Path) -> None:
+    record = estimated(tmp_path, klipper_file(X, Y, bed(X, Y)), "printer.cfg")
+    assert duet_map(exported(record, "reprapfirmware", "--mesh", "4")["heightmap.csv"])[2].shape == (4, 4)
+    assert duet_map(exported(record, "reprapfirmware")["heightmap.csv"])[2].shape == (6, 7)
+
+
+def test_marlin_gets_the_heights_and_no_skew_that_nothing_has_seen(tmp_path: Path) -> None:
+    record = estimated(tmp_path, klipper_file(X, Y, bed(X, Y)), "printer.cfg")
+    files = exported(record, "marlin")
+    text = files["axiscal.gcode"]
+    z = np.zeros((6, 7))
+    for word in marlin_words(text, "M421"):
+        z[int(word["J"]), int(word["I"])] = word["Z"]
+    assert np.corrcoef(z.ravel(), bed(X, Y).ravel())[0, 1] > 0.999
+    assert "M852" not in text
+    assert "7 x 6 points (GRID_MAX_POINTS_X, _Y) from X 30 to 270 and Y 20 to 220" in files["README.txt"]
+
+
+def test_a_map_of_the_bed_brings_no_skew_and_no_table_of_one_axis_over_another(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record = estimated(tmp_path, klipper_file(X, Y, bed(X, Y)), "printer.cfg")
+    assert "skew.gcode" not in exported(record, "klipper")
+    tables = set(exported(record, "csv"))
+    assert {name for name in tables if "_over_" in name} == {"Z_over_X.csv", "Z_over_Y.csv"}
+
+
+def test_the_plane_that_was_read_has_its_skew_and_the_others_keep_theirs(tmp_path: Path) -> None:
+    """Y leans towards +x by 0.8 mrad: both printers take it away at their XY alone."""
+    rows = "".join(f"square,{y},{0.8 * y}\n" for y in range(0, 241, 30))
+    record = estimated(tmp_path, f"setup,Y_mm,value_um\n{rows}", "readings.csv", more=GAUGE)
+    klipper, marlin = exported(record, "klipper"), exported(record, "marlin")["axiscal.gcode"]
+    assert "bed_mesh.cfg" not in klipper
+    assert re.findall(r"\b(XY|XZ|YZ)=", klipper["skew.gcode"]) == ["XY"]
+    ac, bd, ad = (float(v) for v in re.findall(r"XY=(.*?),(.*?),(\S*)", klipper["skew.gcode"])[0])
+    other = np.sqrt(2 * ac**2 + 2 * bd**2 - 4 * ad**2) / 2  # skew_correction.py: the other side of the square
+    factor = np.tan(np.pi / 2 - np.arccos((ac**2 - other**2 - ad**2) / (2 * other * ad)))
+    assert factor == pytest.approx(0.8e-3, rel=0.02)
+    assert marlin_words(marlin, "M852") == [{"I": pytest.approx(0.8e-3, rel=0.02)}]
+    assert "M421" not in marlin
+
+
+def test_a_height_that_nothing_has_seen_is_no_flat_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record = estimated(tmp_path, "setup,Y_mm,value_um\nsquare,10,0\nsquare,200,150\n", "readings.csv", more=GAUGE)
+    capsys.readouterr()
+    assert run(["export", str(record), "--to", "reprapfirmware", "--out", str(tmp_path / "duet")]) == 1
+    assert "no reading has seen the height" in capsys.readouterr().err
+
+
+def test_a_plane_without_z_is_told_where_its_height_can_go(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record = estimated(tmp_path, klipper_file(X, Y, bed(X, Y)), "printer.cfg", "XY")
+    capsys.readouterr()
+    assert run(["export", str(record), "--to", "linuxcnc", "--out", str(tmp_path / "cnc")]) == 1
+    said = capsys.readouterr().err
+    assert "goes as a height map to klipper, marlin or reprapfirmware" in " ".join(said.split())
+    assert "readings first" not in said
+
+
+def test_tables_say_that_they_leave_what_two_axes_do_together(tmp_path: Path) -> None:
+    """A mesh holds it and says nothing; tables of Z over X and over Y cannot."""
+    plane = 'EZXY = { std = "80 um", length = "100 mm", rest = "3 um" }\n'
+    record = estimated(tmp_path, klipper_file(X, Y, warped(X, Y)), "printer.cfg", planes=plane)
+    tables, mesh = exported(record, "csv")["README.txt"], exported(record, "klipper")["README.txt"]
+    found = re.search(r"what two axes do together \(EZXY: ([\d.]+) um RMS over the volume\)", tables)
+    assert found, tables
+    whole = warped(X, Y)
+    alone = whole - whole.mean(axis=0)[None] - whole.mean(axis=1)[:, None] + whole.mean()
+    assert float(found[1]) == pytest.approx(1e3 * np.std(alone), rel=0.5)
+    assert "two axes do together" not in mesh
+
+
+def test_a_saved_profile_reads_the_same_in_a_file_that_is_included() -> None:
+    """The block that Klipper keeps is made of comments; an included file has the lines themselves."""
+    saved = write_mesh(Mesh(X / 1e3, Y / 1e3, bed(X, Y) / 1e3), "axiscal")
+    plain = plain_profile(saved)
+    assert "#*#" not in plain
+    parser = configparser.RawConfigParser()
+    parser.read_string(plain)
+    own = configparser.RawConfigParser()
+    own.read_string("\n".join(line[4:] for line in saved.partition("#*#\n")[2].splitlines()))
+    assert dict(parser["bed_mesh axiscal"]) == dict(own["bed_mesh axiscal"])
+    assert parser["bed_mesh axiscal"]["x_count"] == "7"

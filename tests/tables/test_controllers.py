@@ -1,0 +1,497 @@
+"""Every controller: what is read back of its files corrects a machine that really turns; nothing else is offered."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from functools import cache
+from typing import get_args
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from axiscal.description.campaign_schema import ControlName
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import whole_travel
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine, load_machine, machine_from_text
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.simulation import VirtualMachine
+from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.tables import pivots
+from axiscal.ports.linuxcnc.tables.cross import Hal
+from axiscal.ports.printers import klipper, marlin
+from axiscal.tables.controllers import fanuc, heidenhain, isg, sinumerik
+from axiscal.tables.effect import Effect, effect_of_control, rms, tour
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.offer import Draft, tried_out
+from axiscal.tables.registry import CONTROLLERS, export, exporter
+from axiscal.tables.sampling import axis_tables
+from axiscal.tables.surface import Skew
+from axiscal.tables.table import CompensationTable
+from tests.generators.texts import machine_text
+
+TOOTHED = machine_text(
+    "w-X'-b-Y-Z-t",
+    {"X": (-100, 500), "Y": (0, 400), "Z": (-300, 0)},
+    {
+        "EXX EYX": "10 um",
+        "EZX": "20 um",
+        "EYY": "10 um",
+        "EZY": ("20 um", 5, 200),
+        "EZZ": "10 um",
+        "C0Y B0Z": "90 urad",
+        "EXX_reversal EYY_reversal": "5 um",
+    },
+    curve=(7, 200),
+    tool=100,
+    name="M",
+)
+
+FANUC = "\n".join(
+    [
+        "%",
+        "N3620Q1A1P20A2P100A3P240;",
+        "N3621Q1A1P10A2P100A3P200;",
+        "N3622Q1A1P80A2P140A3P241;",
+        "N3623Q1A1P1A2P1A3P1;",
+        "N3624Q1A1P10000A2P10.000A3P10000;",
+        *(f"N{number}Q1P0;" for number in range(10000, 10300)),
+        "%",
+    ]
+)
+COM = """BEGIN OLD_AXIS .COM MM
+NR        AXISPOS    BACKLASH           X           Y           Z
+0       -100.0000      0.0000      0.0000      0.0000      0.0000
+1          0.0000      0.0000      0.0000      0.0000      0.0000
+[END]
+"""
+NARROW = """BEGIN OLD_AXIS .COM MM
+NR AXISPOS BACKLASH X      Y      Z
+0  1.0000  0.0000   0.0000 0.0000 0.0000
+[END]
+"""
+OPTIONS = {"fanuc": ExportOptions(template=FANUC), "heidenhain": ExportOptions(template=COM)}
+_ALWAYS_WHOLE = {"fanuc", "isg", "isg-etalon"}  # their files name every axis, with zeros where nothing is known
+LEAVES = {  # the largest share of the error that may be left on this machine
+    "csv": 0.01, "fanuc": 0.98, "heidenhain": 0.02, "isg": 0.3, "isg-etalon": 0.3, "klipper": 0.95,
+    "linuxcnc": 0.03, "linuxcnc-volumetric": 0.001, "marlin": 0.95, "reprapfirmware": 0.98, "sinumerik": 0.01,
+}  # fmt: skip
+
+
+def counting(name: str, *ways: str) -> Machine:
+    """A built-in machine, its B and C counting in stated ways."""
+    text = load_machine(name).text
+    for axis, way in zip("BC", ways, strict=bool(ways)):
+        text = text.replace(f"[axes.{axis}]", f'[axes.{axis}]\ndirection = "{way}"')
+    return machine_from_text(text)
+
+
+@cache
+def known(name: str, seed: int = 3) -> tuple[Estimate, VirtualMachine]:
+    """A machine drawn from the prior, and the belief of somebody who knows it."""
+    model = ErrorModel(machine_from_text(TOOTHED) if name == "small" else counting(*name.split()))
+    draw = np.random.default_rng(seed).standard_normal(model.size)
+    mean = np.linalg.cholesky(model.prior_covariance()) @ draw  # unique, where eigenvectors of equal values are not
+    curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
+    belief = Belief(mean, 1e-20 * np.eye(model.size))
+    return Estimate(model, belief, whole_travel(model)), VirtualMachine(model, curves, {})
+
+
+def draft(controller: str, name: str = "small") -> tuple[Estimate, Draft]:
+    estimate, _ = known(name)
+    return estimate, exporter(controller).make(estimate, OPTIONS.get(controller, ExportOptions()))
+
+
+def on_the_truth(estimate: Estimate, truth: VirtualMachine, made: Draft) -> Effect:
+    low, high = np.array(estimate.box).T
+    poses: Array = low + (high - low) * np.random.default_rng(1).uniform(size=(500, len(low)))
+    return effect_of_control(estimate.machine, truth.deviation, made.control, poses, estimate.box)
+
+
+def test_campaign_toml_knows_every_control_by_its_name() -> None:
+    assert get_args(ControlName) == tuple(CONTROLLERS)
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_what_is_read_back_corrects_the_true_machine_as_stated(controller: str) -> None:
+    estimate, truth = known("small")
+    made = draft(controller)[1]
+    stated = tried_out(controller, estimate, made).effect
+    found = on_the_truth(estimate, truth, made)
+    assert found.after < LEAVES[controller] * found.before
+    assert found.after == pytest.approx(stated.after, rel=0.1, abs=0.02e-6)
+    assert found.before == pytest.approx(stated.before, rel=0.1)
+
+
+@pytest.mark.parametrize("controller", ["linuxcnc", "linuxcnc-volumetric", "sinumerik", "csv", "isg", "isg-etalon"])
+def test_five_axes_are_corrected_as_stated(controller: str) -> None:
+    estimate, truth = known("dmu60")
+    made = draft(controller, "dmu60")[1]
+    stated = tried_out(controller, estimate, made).effect
+    found = on_the_truth(estimate, truth, made)
+    assert found.after < (0.2 if controller.startswith("isg") else 0.6) * found.before
+    assert found.after == pytest.approx(stated.after, rel=0.1, abs=1e-9)  # a nanometre is what linearity neglects
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_the_wrong_sign_is_never_offered(controller: str) -> None:
+    estimate, made = draft(controller)
+    wrong = replace(made, control=lambda poses, approaches: -made.control(poses, approaches))
+    with pytest.raises(TableError, match="more or less than they should"):
+        tried_out(controller, estimate, wrong)
+    with pytest.raises(TableError, match="would take the error from"):
+        tried_out(controller, estimate, replace(wrong, wanted=wrong.control))
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_nothing_is_written_when_nothing_is_known(controller: str) -> None:
+    model = known("small")[0].model
+    blank = Estimate(model, Belief(np.zeros(model.size), model.prior_covariance()), whole_travel(model))
+    options = OPTIONS.get(controller, ExportOptions())
+    if controller in _ALWAYS_WHOLE:
+        assert export(blank, controller, options).effect == (0, 0)
+        return
+    with pytest.raises(TableError, match="no deviation"):
+        export(blank, controller, options)
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_the_note_says_what_is_left_and_who_has_tried(controller: str) -> None:
+    estimate, made = draft(controller)
+    readme = tried_out(controller, estimate, made).readme
+    assert ("NOT VERIFIED ON A CONTROL" in readme) is not made.tried
+    assert re.search(r"from \d[\d.]* um RMS to \d[\d.e-]* um\. ", readme)
+    assert "Left out: " in readme
+    assert all(text.isascii() for text in made.files.values())
+
+
+def test_what_is_expected_is_what_machines_of_the_belief_show() -> None:
+    """The mean square over machines drawn from the belief, each corrected as estimated, up to its one shift."""
+    estimate, _ = known("small")
+    offered = export(estimate, "csv", ExportOptions())
+    drawn = (
+        estimate.mean + np.random.default_rng(5).standard_normal((400, estimate.factor.shape[1])) @ estimate.factor.T
+    )
+    low, high = np.array(estimate.box).T
+    poses, approaches = tour(np.random.default_rng(6).uniform(low, high, (3000, 3)), estimate.box)
+    rows, added = estimate.model.rows(poses, approaches), offered.control(poses, approaches)
+    moved = frames(estimate.machine, poses + added).tcp - frames(estimate.machine, poses).tcp
+    left = [rms(rows @ machine + moved) ** 2 for machine in drawn]
+    assert np.sqrt(np.mean(left)) == pytest.approx(offered.expected, rel=0.05)
+    assert offered.unknown > 0
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_machine_zero_stays_where_it_is(controller: str) -> None:
+    """Every axis at 0, or at the end of its travel nearest to it: the mean of both directions moves nothing."""
+    estimate, made = draft(controller)
+    zero = np.clip(0.0, *np.array([axis.travel for axis in estimate.machine.axes]).T)[None]
+    moved = (made.control(zero, np.ones_like(zero)) + made.control(zero, -np.ones_like(zero))) / 2
+    far = made.control(zero + np.array([0.3, 0.3, -0.2]), np.ones_like(zero))
+    assert np.max(np.abs(moved)) < (0.6e-6 if controller == "fanuc" else 2e-8)
+    assert np.max(np.abs(far)) > 2e-6
+
+
+def test_the_note_says_first_what_moves_where() -> None:
+    """A machine that is 24, 23 and 1.5 um off everywhere and 10 more on the way to the middle of X."""
+    estimate, _ = known("small")
+    names, mean = estimate.model.names, np.zeros(estimate.model.size)
+    for name, constant in (("EXX", 24e-6), ("EYY", 23e-6), ("EZZ", 1.5e-6)):
+        mean[names[name].columns] = constant
+    knots = names["EXX"].basis.knots
+    mean[names["EXX"].columns] += 1e-5 * knots / 0.2
+    known_mean = Estimate(estimate.model, Belief(mean, 1e-20 * np.eye(len(mean))), estimate.box)
+    for controller in ("linuxcnc", "csv", "sinumerik", "isg"):
+        first = export(known_mean, controller, ExportOptions()).readme.splitlines()[1]
+        assert first.startswith("ZERO WORK OFFSETS, TOOL SETTER AND PROBE ANEW after loading.")
+        assert "X 0 mm Y 0 mm Z 0 mm by x +0.0, y +0.0, z +0.0 um" in first
+        # X carries the workpiece and its errors are those of the carriage: the tool is off by minus that, and goes back
+        assert "X 200 mm Y 200 mm Z -150 mm by x +10.0, y +0.0, z +0.0 um" in first
+
+
+def test_a_constant_that_nothing_shows_is_not_in_a_table() -> None:
+    """It makes no value of a table uncertain that counts from machine zero, and the shape not at all."""
+    model = known("small")[0].model
+    prior, ones = model.prior_covariance(), np.zeros(model.size)
+    ones[model.names["EXX"].columns] = 1.0
+    estimates = [
+        Estimate(model, Belief(np.ones(model.size), c), whole_travel(model))
+        for c in (prior, prior + 1e-6 * np.outer(ones, ones))
+    ]
+    before, after = (axis_tables(e)[0] for e in estimates)
+    assert after.std == pytest.approx(before.std, rel=1e-6, abs=1e-12)
+    assert after.shape_std == pytest.approx(before.shape_std, rel=1e-6)
+    assert 0 < before.shape_std <= np.max(before.std)
+
+
+@pytest.mark.parametrize("controller", ["sinumerik", "isg", "fanuc", "heidenhain"])
+def test_a_control_that_takes_the_other_sign_gets_it(controller: str) -> None:
+    estimate, plain = draft(controller)
+    options = replace(OPTIONS.get(controller, ExportOptions()), flip=True)
+    other = exporter(controller).make(estimate, options)
+    assert other.files != plain.files
+    poses = np.array(estimate.box).mean(axis=1)[None] * 0.7
+    up = np.ones_like(poses)
+    assert other.control(poses, up) == pytest.approx(plain.control(poses, up), abs=2e-6)
+    tried_out(controller, estimate, other)
+
+
+@pytest.mark.parametrize("controller", ["klipper", "marlin", "reprapfirmware"])
+def test_printers_have_three_axes(controller: str) -> None:
+    with pytest.raises(TableError, match="the machine has axes B, C, X, Y, Z"):
+        export(known("dmu60")[0], controller, ExportOptions())
+
+
+def test_an_unknown_controller_is_named_without_harm() -> None:
+    with pytest.raises(TableError, match=r'"no\\x1b" is not a controller.*linuxcnc'):
+        export(known("small")[0], "no\x1b", ExportOptions())
+
+
+@pytest.mark.parametrize("name", ["", "a b", "a\nG0 X9", "../x", "1st", "x" * 40, "é"])
+def test_a_name_that_could_do_harm_is_refused(name: str) -> None:
+    with pytest.raises(TableError, match="is not a name for a table"):
+        ExportOptions(name=name)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (ExportOptions(spacing=0.07), "does not divide"),
+        (
+            ExportOptions(spacing=0.001),
+            r"makes 601 points of X, this control holds 200. 200 fit: take 3.015 mm or more",
+        ),
+        (ExportOptions(numbers={"X": (2,)}), "same number"),
+        (ExportOptions(unit="in"), "written in mm and deg"),
+    ],
+)
+def test_sinumerik_refuses_before_writing(options: ExportOptions, message: str) -> None:
+    with pytest.raises(TableError, match=message):
+        export(known("small")[0], "sinumerik", options)
+
+
+def test_sinumerik_points_fit_between_its_ends() -> None:
+    for name in ("small", "dmu60"):
+        text = "".join(draft("sinumerik", name)[1].files.values())
+        for step, low, high in re.findall(r"_STEP\S*=([\d.-]+)\n\S+_MIN\S*=([\d.-]+)\n\S+_MAX\S*=([\d.-]+)", text):
+            assert (float(high) - float(low)) / float(step) == pytest.approx(
+                round((float(high) - float(low)) / float(step))
+            )
+
+
+def test_sinumerik_text_by_hand() -> None:
+    """The example of the manual, read by hand: positive values move the axis down."""
+    text = "%_N_AX_EEC_INI\nCHANDATA(1)\n$AA_ENC_COMP[0,0,AX1]=0.0\n$AA_ENC_COMP[0,1,AX1]=0.0042\n"
+    text += "$AA_ENC_COMP_STEP[0,AX1]=50.0\n$AA_ENC_COMP_MIN[0,AX1]=0.0\n$AA_ENC_COMP_MAX[0,AX1]=50.0\nM17\n"
+    found = sinumerik.read([text], {"X": "AX1"}, known("small")[0].machine)[0]
+    assert found.at(np.array([0.025, 0.05, 9.0]), np.ones(3)) == pytest.approx([-2.1e-6, -4.2e-6, -4.2e-6])
+    with pytest.raises(TableError, match="would not understand 'G0 X9'"):
+        sinumerik.read([text + "G0 X9\n"], {"X": "AX1"}, known("small")[0].machine)
+
+
+@pytest.mark.parametrize(("write", "read"), [(isg.write_csv, isg.read_csv), (isg.write_etalon, isg.read_etalon)])
+def test_isg_text_read_and_written_again_is_the_same(write: object, read: object) -> None:
+    for name in ("small", "dmu60"):
+        estimate = known(name)[0]
+        files = draft("isg" if write is isg.write_csv else "isg-etalon", name)[1].files
+        text = next(iter(files.values()))
+        assert write(read(text, estimate.machine), estimate.machine) == text  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("text", ["// c\nX EXQ\n0 1\n", "X EXX\n0 1\n#\nX EXX\n0 1\n"])
+def test_isg_columns_that_the_kernel_would_refuse(text: str) -> None:
+    with pytest.raises(TableError, match="would refuse the column"):
+        isg.read_csv(text, known("small")[0].machine)
+
+
+@given(st.integers(0, 10**6), st.integers(1, 4))
+def test_fanuc_sums_are_within_half_an_entry(seed: int, magnification: int) -> None:
+    rng = np.random.default_rng(seed)
+    plan = fanuc.PitchParameters(5, 0, 30, magnification, 0.01)
+    curve = np.cumsum(rng.uniform(-2e-6, 2e-6, 32))
+    table = CompensationTable("X", False, plan.positions, curve, curve, np.zeros(32))
+    sums = np.cumsum(np.r_[0, fanuc.increments(table, plan).up]) * plan.step
+    wanted = np.interp(0.0, plan.positions, curve) - curve
+    assert np.max(np.abs((sums - sums[6]) - (wanted - wanted[6]))) <= 1.0 * plan.step + 1e-15
+    rounded = np.round(wanted / plan.step) * plan.step
+    assert sums + rounded[0] == pytest.approx(rounded, abs=1e-12)
+    assert np.max(np.abs(rounded - wanted)) <= 0.5 * plan.step + 1e-15
+
+
+def test_fanuc_refuses_increments_that_do_not_fit() -> None:
+    curve = np.array([0, 0, 20e-6, 20e-6])
+    plan = fanuc.PitchParameters(1, 1, 3, 1, 0.01)
+    table = CompensationTable("X", False, plan.positions, curve, curve, np.zeros(4))
+    with pytest.raises(TableError, match=r"increment of 20, an entry holds 7. Magnification 3623 = 3 would fit"):
+        fanuc.increments(table, plan)
+    fanuc.increments(table, replace(plan, magnification=3))
+
+
+def test_fanuc_leaves_the_rest_of_the_file_alone() -> None:
+    made = draft("fanuc")[1].files["pitch.txt"]
+    changed = [(a, b) for a, b in zip(FANUC.splitlines(), made.splitlines(), strict=True) if a != b]
+    assert changed
+    assert all(re.fullmatch(r"N10\d\d\dQ1P-?[1-7];", new) for _, new in changed)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, "Give it: --template FILE"),
+        ("N10000P0;", "does not begin and end with %"),
+        (FANUC.replace("N3624Q1A1P10000", "N3624Q1A4P10000"), "no parameters 3624 for X"),
+        (FANUC.replace("N10015Q1P0;\n", ""), r"there is no row N10015(?! and)"),
+        (FANUC.replace("N10015Q1P0;\nN10016Q1P0;\n", ""), "there is no row N10015 and 1 more"),
+        (FANUC.replace("N10015Q1P0;", "N10015 drop table"), "line 22: 'N10015 drop table' is not a record"),
+        (FANUC.replace("N3622Q1A1P80", "N3622Q1A1P40"), "3621 = 11 and 3622 = 70 would cover it"),
+        (FANUC.replace("A1P20", "A1P200"), "The reference point lies between"),
+    ],
+)
+def test_a_fanuc_template_that_is_not_one_is_refused(text: str | None, message: str) -> None:
+    with pytest.raises(TableError, match=message):
+        export(known("small")[0], "fanuc", ExportOptions(template=text))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, "Give it: --template FILE"),
+        ("hello", "this is not a .COM table"),
+        (COM.replace("AXISPOS", "POS"), "line 2: the column heads are"),
+        (COM.replace("1          0.0000", "1          zero"), "line 4: .* does not fit the column heads"),
+        (COM.replace("0.0000", "0.0"), "the values have 1 decimals"),
+        (COM.replace("0.0000", "0.00"), "the values have 2 decimals"),
+        (NARROW, "too narrow for .* Widen them up to BACKLASH"),
+    ],
+)
+def test_a_heidenhain_template_that_is_not_one_is_refused(text: str | None, message: str) -> None:
+    with pytest.raises(TableError, match=message):
+        export(known("small")[0], "heidenhain", ExportOptions(template=text))
+
+
+def test_heidenhain_keeps_the_form_of_the_template() -> None:
+    files = draft("heidenhain")[1].files
+    assert set(files) == {"X_AXIS.COM", "Y_AXIS.COM", "Z_AXIS.COM"}
+    for name, text in files.items():
+        lines = text.splitlines()
+        assert lines[0] == f"BEGIN {name.removesuffix('.COM')} .COM MM"
+        assert (lines[1], lines[-1]) == (COM.splitlines()[1], "[END]")
+        assert {len(line) for line in lines[2:-1]} == {len(COM.splitlines()[2])}
+    assert heidenhain.read_layout(files["X_AXIS.COM"], "again").heads == ("NR", "AXISPOS", "BACKLASH", "X", "Y", "Z")
+
+
+@given(st.floats(-0.02, 0.02), st.floats(-0.02, 0.02), st.floats(-0.02, 0.02))
+def test_klipper_finds_the_skew_in_its_lengths(xy: float, xz: float, yz: float) -> None:
+    found = klipper.read_skew(klipper.write_skew(Skew(xy, xz, yz), "a"))
+    assert (found.xy, found.xz, found.yz) == pytest.approx((xy, xz, yz), abs=1e-9)
+
+
+def test_klipper_reads_the_lengths_of_its_manual() -> None:
+    """Three lengths of its documentation: AC 140.4, BD 142.8, AD 99.8."""
+    found = klipper.read_skew("SET_SKEW XY=140.4,142.8,99.8 XZ=141.6,141.4,99.8 YZ=142.4,140.5,99.5\n")
+    assert found.xy == pytest.approx((140.4**2 - 142.8**2) / (4 * 99.8 * 100.4), rel=0.02)
+    assert found.xz is not None
+    assert found.xy is not None
+    assert found.xz > 0 > found.xy
+
+
+def test_meshes_are_read_row_by_row() -> None:
+    estimate, truth = known("small")
+    low, high = np.array(estimate.box).T
+    poses = low + (high - low) * np.random.default_rng(5).uniform(size=(200, 3))
+    dips = truth.deviation(poses, np.zeros_like(poses))[:, estimate.machine.index("Z")]
+    for controller in ("klipper", "marlin", "reprapfirmware"):
+        added = draft(controller)[1].control(poses, np.zeros_like(poses))[:, estimate.machine.index("Z")]
+        assert np.corrcoef(added, -dips)[0, 1] > 0.7, controller
+
+
+def test_marlin_has_no_backlash_that_runs_ahead() -> None:
+    play = marlin.backlash(known("small")[0])
+    assert all(value > 0 for value in play.values())
+
+
+def test_hal_refuses_what_it_does_not_know() -> None:
+    with pytest.raises(TableError, match="line 2: HAL does not know 'addf nothing servo-thread'"):
+        Hal.load("loadrt sum2 names=a\naddf nothing servo-thread\n")
+
+
+@pytest.mark.parametrize(("way", "sign"), [("iso", -1), ("reversed", 1)])
+def test_pivots_take_away_where_rotors_lie(way: str, sign: int) -> None:
+    """Our model of the kinematics is the nominal chain, and its settings hold four location errors whole."""
+    estimate = known(f"dmu60 {way} {way}")[0]
+    machine, model = estimate.machine, estimate.model
+    low, high = np.array(estimate.box).T
+    poses: Array = low + (high - low) * np.random.default_rng(3).uniform(size=(60, 5))
+    nominal = pivots.pivots(machine, {})
+    tip = poses[:, [machine.index(name) for name in "XYZ"]] - np.array([0, 0, machine.tool])
+    angles = sign * poses[:, machine.index("B")], sign * poses[:, machine.index("C")]
+    assert pivots.place_at(nominal, tip, *angles) == pytest.approx(frames(machine, poses).tcp, abs=1e-12)
+    only = np.zeros(model.size)
+    errors = {name: 1e-5 * (1 + i) for i, name in enumerate(pivots.names(machine))}
+    for name, value in errors.items():
+        only[model.names[name].columns] = value
+    control = pivots.control(machine, nominal, pivots.read(pivots.write(pivots.pivots(machine, errors), "mm"), "mm"))
+    found = effect_of_control(machine, lambda p, a: model.rows(p, a) @ only, control, poses, estimate.box)
+    assert found.after < 1e-9 < 1e-5 < found.before
+
+
+def test_pivots_make_five_axes_better_than_tables_alone() -> None:
+    estimate, truth = known("dmu60 reversed reversed")
+    plain, turned = (exporter("linuxcnc").make(estimate, ExportOptions(pivots=choice)) for choice in (False, True))
+    assert set(turned.files) == {*plain.files, "axiscal-pivots.hal"}
+    assert on_the_truth(estimate, truth, turned).after < 0.95 * on_the_truth(estimate, truth, plain).after
+    with pytest.raises(TableError, match="has no table C on a swivel"):
+        exporter("linuxcnc").make(known("small")[0], ExportOptions(pivots=True))
+
+
+def test_pivots_of_a_machine_whose_axis_lines_are_sure_are_those_of_its_description() -> None:
+    axes = {"X": (-200, 200), "Y": (-200, 200), "Z": (0, 300), "A": (-60, 60), "C": (0, 360)}
+    text = machine_text("w-C'-A'-X'-Y'-b-Z-t", axes, {"EXX": "5 um", "Y0A": "30 um"})
+    for name in "AC":
+        text = text.replace(f"[axes.{name}]", f'[axes.{name}]\ndirection = "reversed"')
+    model = ErrorModel(machine_from_text(text))
+    mean = np.zeros(model.size)
+    mean[model.names["Y0A"].columns] = 25e-6
+    estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    made = exporter("linuxcnc").make(estimate, ExportOptions(pivots=True)).files["axiscal-pivots.hal"]
+    assert pivots.pivots(model.machine, {"Y0A": 25e-6}) != pivots.pivots(model.machine, {})
+    assert re.search(r"^setp xyzac-trt-kins\.y-rot-point\s+-?0\.025", made, re.MULTILINE)
+
+
+def test_pivots_are_refused_where_nobody_says_which_way_axes_count() -> None:
+    for ways, message in (("", "does not say which way C and B count"), (" iso reversed", "count in different ways")):
+        with pytest.raises(TableError, match=message):
+            exporter("linuxcnc").make(known(f"dmu60{ways}")[0], ExportOptions(pivots=True))
+    text = counting("dmu60", "iso", "iso").text.replace("[axes.X]", '[axes.X]\ndirection = "reversed"')
+    linear = machine_from_text(text)
+    with pytest.raises(TableError, match="X counts against ISO 841"):
+        pivots.pivots(linear, {})
+
+
+def test_a_control_that_can_count_as_iso_841_is_told_to() -> None:
+    for way, told in (("iso", True), ("reversed", False)):
+        text = pivots.write(pivots.pivots(counting("dmu60", way, way), {}), "mm")
+        assert ("setp xyzbc-trt-kins.conventional-directions 1\n" in text) is told
+        assert pivots.read(text, "mm").conventional is told
+
+
+def test_the_note_asks_which_way_rotary_axes_count_until_it_is_said() -> None:
+    for ways, asked in (("", True), (" iso reversed", False)):
+        lines = export(known(f"dmu60{ways}")[0], "csv", ExportOptions()).readme.splitlines()
+        assert lines[2].startswith("WHICH WAY DO C and B COUNT?") is asked
+
+
+def test_a_kinematics_without_all_its_settings_is_refused() -> None:
+    with pytest.raises(TableError, match="not whole"):
+        pivots.read("setp xyzac-trt-kins.x-rot-point 1.0\n", "mm")
+
+
+def test_the_note_on_kinematics_is_for_machines_with_rotary_axes() -> None:
+    turning, straight = (export(known(name)[0], "linuxcnc", ExportOptions()).readme for name in ("dmu60", "small"))
+    assert "xyzac-trt-kins" in turning
+    assert "xyzac-trt-kins" not in straight

@@ -1,0 +1,323 @@
+"""LinuxCNC tables: read as the controller was seen to read them, written so that it corrects."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from axiscal.exceptions import TableError
+from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.tables import (
+    LinuxcncTable,
+    correction,
+    dead_band,
+    offer,
+    parse,
+    verify,
+    write,
+    writer,
+)
+from axiscal.ports.linuxcnc.tables.writer import notes
+from axiscal.tables.table import CompensationTable
+
+SEEN = "-100 -100.010 -100.014\n0 0 -0.004\n100 100.020 100.016\n200 200.005 200.001\n"
+ROW = "0 0.25 -0.5\n"
+INCREASE = "joint 0: compensation values must increase"
+TOO_MANY = "joint 0: too many compensation entries"
+
+
+def at(*positions: float) -> Array:
+    return np.array(positions)
+
+
+def rows(parsed: LinuxcncTable) -> list[tuple[float, ...]]:
+    columns = (parsed.nominal, parsed.forward, parsed.reverse)
+    return [tuple(row) for row in np.array(columns).T.tolist()]
+
+
+def numbered(n: int) -> str:
+    return "".join(f"{i} {i} {i}\n" for i in range(n))
+
+
+@pytest.mark.parametrize(
+    ("position", "direction", "seen"),
+    [(100, 1, -0.020), (100, -1, -0.016), (300, 1, -0.005), (-300, -1, 0.014), (50, 1, -0.010), (-300, 1, 0.010)],
+)
+def test_corrections_seen_on_the_controller(position: float, direction: int, seen: float) -> None:
+    assert correction(parse(SEEN), at(position), direction) == pytest.approx([seen], abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "0e0 2.5e-1 -5E-1\n", "+0 +.25 -0.5\n", "0x0 0x1p-2 -0x.8\n", "\t0\t0.25\t-0.5\n", "0 0.25 -0.5\r\n",
+        "0 0.25 -0.5 7 8 9\n", "0 0.25 -0.5 # why\n", "0 0.25 -0.5", "0 0.25 -0.5;G0\n", "0+.25-.5\n",
+    ],
+)  # fmt: skip
+def test_spellings_that_are_read(text: str) -> None:
+    parsed = parse(text)
+    assert rows(parsed) == [(0.0, -0.25, 0.5)]
+    assert (parsed.errors, parsed.unread) == ((), None)
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        "# table\n",
+        "nominal fwd rev\n",
+        "\n",
+        "\ufeff",
+        "0,0.25,-0.5\n",
+        "0,0 0,25 -0,5\n",
+        "0 0.25\n",
+        "0 1 0x\n",
+        "a\0",
+    ],
+)
+def test_a_first_line_that_does_not_match_gives_no_correction_at_all(start: str) -> None:
+    parsed = parse(start + ROW)
+    assert rows(parsed) == []
+    assert (parsed.errors, parsed.unread) == ((), 1)
+    assert correction(parsed, at(-1, 0, 1), 1).tolist() == [0, 0, 0]
+
+
+def test_an_empty_file_gives_no_correction() -> None:
+    parsed = parse("")
+    assert (rows(parsed), parsed.errors, parsed.unread) == ([], (), None)
+
+
+@pytest.mark.parametrize("stop", ["\n", "# half way\n", "; half way\n", "1 1\n"])
+def test_everything_after_a_line_in_the_middle_that_does_not_match_is_dropped(stop: str) -> None:
+    parsed = parse(ROW + stop + "2 2 2\n3 3 3\n")
+    assert len(parsed.nominal) == 1
+    assert (parsed.errors, parsed.unread) == ((), 2)
+
+
+def test_reading_stops_at_a_line_that_is_too_long() -> None:
+    row = "1 1 1"
+    fits, too_long = row.ljust(253) + "\n", row.ljust(300) + "\n"
+    assert len(parse(ROW + fits + "2 2 2\n").nominal) == 3
+    parsed = parse(ROW + too_long + "2 2 2\n")
+    assert (len(parsed.nominal), parsed.errors, parsed.unread) == (2, (), 2)
+
+
+@pytest.mark.parametrize(
+    ("text", "kept", "errors"),
+    [
+        ("2 2 2\n1 1 1\n0 0 0\n", [2], 2),
+        ("0 0 0\n2 2 2\n1 1 1\n3 3 3\n", [0, 2, 3], 1),
+        ("0 0 0\n0 1 1\n1 1 1\n", [0, 1], 1),
+        ("-inf 0 0\n1 1 1\n", [1], 1),
+    ],
+)
+def test_rows_that_do_not_increase_are_left_out_and_reported(text: str, kept: list[float], errors: int) -> None:
+    parsed = parse(text)
+    assert parsed.nominal.tolist() == kept
+    assert parsed.errors == (INCREASE,) * errors
+
+
+def test_256_rows_are_kept_and_every_further_one_is_reported() -> None:
+    assert (len(parse(numbered(256)).nominal), parse(numbered(256)).errors) == (256, ())
+    parsed = parse(numbered(259))
+    assert (len(parsed.nominal), parsed.errors) == (256, (TOO_MANY,) * 3)
+
+
+def test_what_is_not_finite_is_taken_as_it_is() -> None:
+    parsed = parse("0 nan 0\n1 inf 0\n")
+    assert np.isnan(parsed.forward[0])
+    assert parsed.forward[1] == -np.inf
+    assert parsed.errors == ()
+
+
+def test_large_and_steep_corrections_are_taken_as_they_are() -> None:
+    assert correction(parse("0 5 5\n1 -4 6\n"), at(0.5), 1) == pytest.approx([0])
+
+
+def test_trims_are_kept_in_32_bits() -> None:
+    assert parse("100 100.1 100").forward[0] == np.float32(100 - 100.1)
+
+
+def test_rows_as_in_the_sample_that_linuxcnc_brings_along() -> None:
+    """Rows of configs/sim/screwcompX.dat, with its blanks."""
+    parsed = parse("-10 -10.001  -9.999\n -4  -4.2  -3.998\n  2   1.997   2.003\n 10   9.999  10.000\n")
+    assert (len(parsed.nominal), parsed.errors, parsed.unread) == (4, (), None)
+    assert correction(parsed, at(-4, 2, 6, 99), 1) == pytest.approx([0.2, 0.003, 0.002, 0.001], abs=1e-8)
+    assert correction(parsed, at(-99, 10), -1) == pytest.approx([-0.001, 0], abs=1e-8)
+
+
+def test_the_table_that_a_rotary_axis_is_shipped_with() -> None:
+    """PocketNC's a.comp.default: zero trims, of Type 1; read as Type 0 it would turn the axis by 45 degrees."""
+    text = "0 0 0\n45 0 0\n90 0 0\n135 0 0\n"
+    assert correction(parse(text), at(45), 1) == pytest.approx([45])
+    parsed = parse(text, file_type=1)
+    assert rows(parsed) == [(0, 0, 0), (45, 0, 0), (90, 0, 0), (135, 0, 0)]
+
+
+def c_sscanf(chunk: bytes) -> tuple[float, ...] | None:
+    numbers = [ctypes.c_double() for _ in range(3)]
+    count = ctypes.CDLL(None).sscanf(chunk, b"%lf %lf %lf", *map(ctypes.byref, numbers))
+    return tuple(number.value for number in numbers) if count == 3 else None
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="compares with the C library of Linux")
+@given(st.text(alphabet="0123456789abfxXpPeEiInNtTyY+-. \t\r,#", max_size=40) | st.text(max_size=20))
+@example("1e 2 3")
+@example("1 2 0x")
+@example("0x. 1 2")
+@example("-0xp+ 1 2")
+@example("1 2 infin")
+@example("1 2 inf3")
+@example("-.5e1-3+4")
+@example("1e999 0x1p99999 -1e-999")
+def test_a_line_is_read_as_the_c_library_reads_it(line: str) -> None:
+    line = line.partition("\n")[0][:60]
+    expected = c_sscanf(line.encode("utf-8", "surrogatepass"))
+    parsed = parse(line, file_type=1)
+    if expected is None or expected[0] <= -np.finfo(np.float64).max:
+        assert rows(parsed) == []
+    else:
+        with np.errstate(over="ignore"):
+            trims = np.array(expected[1:]).astype(np.float32).astype(np.float64)
+        assert np.array_equal(rows(parsed)[0], np.array([expected[0], *trims]), equal_nan=True)
+
+
+def table(**changes: Any) -> CompensationTable:
+    good: dict[str, Any] = {"axis": "X", "rotary": False, "positions": [-0.1, 0.0, 0.3]} | {
+        "forward": [1e-6, 3e-6, -1e-6], "reverse": [0.0, 1e-6, -3e-6], "std": [1e-7] * 3
+    }  # fmt: skip
+    return CompensationTable(**(good | changes))
+
+
+def test_the_text_is_rows_of_actual_positions() -> None:
+    assert write(table()) == (
+        "-100.000000 -99.999000 -100.000000\n0.000000 0.003000 0.001000\n300.000000 299.999000 299.997000\n"
+    )
+    degrees = table(axis="C", rotary=True, positions=np.radians([0, 90, 180]), forward=np.radians([0, 1e-3, 0]))
+    assert write(degrees).splitlines()[1].startswith("90.000000 90.001000 ")
+    assert write(table(), "in").startswith("-3.937008 -3.936969 ")
+
+
+@st.composite
+def tables(draw: st.DrawFn) -> CompensationTable:
+    rotary = draw(st.booleans())
+    gaps = draw(st.lists(st.floats(1e-4, 0.5), min_size=0, max_size=30))
+    positions = draw(st.floats(-2, 2)) + np.cumsum([0.0, *gaps])
+    values = st.lists(st.floats(-2e-5, 2e-5), min_size=len(positions), max_size=len(positions))
+    forward, reverse = np.array(draw(values)), np.array(draw(values))
+    return CompensationTable("C" if rotary else "X", rotary, positions, forward, reverse, forward)
+
+
+@given(tables(), st.integers(0, 1000))
+def test_what_is_offered_takes_the_deviation_away(written: CompensationTable, seed: int) -> None:
+    text = offer(written)
+    parsed = parse(text)
+    unit, scale = ("deg", np.pi / 180) if written.rotary else ("mm", 1e-3)
+    residual, resolution = verify(text, written), writer.resolution(written, unit)
+    rng = np.random.default_rng(seed)
+    anywhere = rng.uniform(written.positions[0] - 0.1, written.positions[-1] + 0.1, 50)
+    for direction in (1, -1):
+        left = written.deviation(anywhere, direction) + scale * correction(parsed, anywhere / scale, direction)
+        assert np.max(np.abs(left)) <= residual + 1e-14 <= resolution, unit
+    assert resolution < 2.1e-6 * scale
+    assert text.isascii()
+    assert text[0] in "-0123456789"
+
+
+def test_the_sign_turned_on_purpose_is_not_offered(monkeypatch: pytest.MonkeyPatch) -> None:
+    good = table()
+    turned = write(table(forward=-good.forward, reverse=-good.reverse))
+    with pytest.raises(TableError, match="would leave 6 um of the deviation of X"):
+        verify(turned, good)
+    monkeypatch.setattr(writer, "write", lambda *_: turned)
+    with pytest.raises(TableError, match="would leave 6 um"):
+        offer(good)
+
+
+def test_directions_exchanged_are_not_offered() -> None:
+    good = table()
+    with pytest.raises(TableError, match="would leave 2 um"):
+        verify(write(table(forward=good.reverse, reverse=good.forward)), good)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda text: "# made by us\n" + text, "keeps 0 of 3 rows"),
+        (lambda text: text.replace("\n", "\n\n", 1), "keeps 1 of 3 rows"),
+        (lambda text: text.replace(".", ","), "keeps 0 of 3 rows"),
+        (lambda text: text + "0 0 0\n", "must increase"),
+        (lambda text: text + "\n", "not .*read the table of X as meant"),
+        (lambda text: text.replace("0.003000", "0.003010"), "would leave 0.01 um"),
+        (lambda text: text.replace("0.003000", "nan"), "not finite"),
+        (lambda text: text.replace("0.003000", "inf"), "not finite"),
+    ],
+)
+def test_a_file_that_the_controller_reads_differently_is_refused(change: Any, message: str) -> None:
+    with pytest.raises(TableError, match=message):
+        verify(change(write(table())), table())
+
+
+def long_table(n: int) -> CompensationTable:
+    zeros = np.zeros(n)
+    return table(positions=np.linspace(0, 1.0, n), forward=zeros, reverse=zeros, std=zeros)
+
+
+def test_256_points_fit_and_257_do_not() -> None:
+    assert len(offer(long_table(256)).splitlines()) == 256
+    with pytest.raises(TableError, match=r"257 points.*256 points fit.*one every 3\.922 mm or wider"):
+        offer(long_table(257))
+
+
+@pytest.mark.parametrize(
+    ("changes", "unit", "message"),
+    [
+        ({"positions": [0.0, 1e-10, 1.0], "forward": [0.0] * 3, "reverse": [0.0] * 3}, None, "one in the six decimals"),
+        ({"forward": [0.0, 0.1, 0.0]}, None, "after -100 mm changes by more than 50% of the way"),
+        ({}, "deg", "X has no table in 'deg'.*mm or in"),
+        ({"axis": "C", "rotary": True}, "mm", "C has no table in 'mm'.*deg"),
+    ],
+)
+def test_what_a_file_cannot_hold_is_refused(changes: dict[str, Any], unit: str | None, message: str) -> None:
+    with pytest.raises(TableError, match=message):
+        offer(table(**changes), unit=unit)
+
+
+def said(word: str, **known: Any) -> str:
+    changes = known.pop("changes", {})
+    given = table(**changes)
+    (note,) = [note for note in notes(given, "deg" if given.rotary else "mm", **known) if word in note]
+    return note
+
+
+def test_notes_say_what_to_write_and_what_to_mind() -> None:
+    assert "[JOINT_1] and [JOINT_2]: COMP_FILE = X.comp" in said("COMP_FILE", joints=(1, 2))
+    assert "[JOINT_2]: COMP_FILE = X.comp and COMP_FILE_TYPE = 0" in said("COMP_FILE", joints=(2,))
+    assert "[JOINT_n]" in said("COMP_FILE")
+    assert "ignored" in said("BACKLASH")
+    assert "-100 to 300 mm" in said("Outside")
+    assert "move it once" in said("homing")
+    assert "turn" in said("Outside", changes={"axis": "C", "rotary": True})
+
+
+def test_dead_bands_seen_on_the_controller() -> None:
+    for acceleration, seen in [(1000, (0.25, 0.5)), (5000, (1.25, 2.5)), (50000, (12.5, 25)), (5e5, (125, 250))]:
+        assert dead_band(acceleration / 1e3, 1e-3) == pytest.approx(np.array(seen) * 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("acceleration", "warned"),
+    [(1.9, False), (2.1, True), (4.0, True), (7.9, True), (8.1, False)],
+)
+def test_a_reversal_step_in_the_dead_band_is_warned_of(acceleration: float, warned: bool) -> None:
+    """The steps are 1 to 2 um: in the band from 2 a dt²/4 = 1 um on, out of it when a dt²/4 is 2 um."""
+    assert said("reversal step", acceleration=acceleration).startswith("WARNING") is warned
+
+
+def test_without_reversal_no_warning_is_needed() -> None:
+    assert "knows no reversal" in said("knows", changes={"reverse": table().forward}, acceleration=4.0)

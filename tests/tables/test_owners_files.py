@@ -1,0 +1,114 @@
+"""The INI file of an owner beside machine.toml: what does not agree, cannot be read, or has to be done by hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from axiscal.exceptions import InputError
+from axiscal.machine import Machine, machine_from_text
+from axiscal.ports.linuxcnc.volumetric.configured import agreeing, configured, options_of
+from axiscal.tables.export_options import ExportOptions
+from tests.generators.texts import machine_text
+
+INI = """\
+[EMC]
+MACHINE = mill
+[KINS]
+KINEMATICS = {kinematics}
+JOINTS = {joints}
+[TRAJ]
+COORDINATES = {axes}
+LINEAR_UNITS = mm
+{more}
+[HAL]
+HALFILE = LIB:core_sim.hal
+HALFILE = mill.hal
+"""
+HAL = """\
+loadrt [KINS]KINEMATICS
+addf motion-command-handler servo-thread
+addf motion-controller servo-thread
+"""
+
+
+def ini(folder: Path, axes: str = "XYZ", kinematics: str = "trivkins", more: str = "", hal: str = "") -> Path:
+    """Return the INI file of a machine whose axes go from -100 to 100, beside its HAL file."""
+    text = INI.format(kinematics=kinematics, joints=len(axes), axes=axes, more=more)
+    text += "".join(f"[AXIS_{name}]\nMIN_LIMIT = -100\nMAX_LIMIT = 100\n" for name in axes)
+    joins = "".join(f"net j{k} joint.{k}.motor-pos-cmd => joint.{k}.motor-pos-fb\n" for k in range(len(axes)))
+    (folder / "mill.hal").write_text(HAL + joins + hal)
+    (folder / "mill.ini").write_text(text)
+    return folder / "mill.ini"
+
+
+def mill(travel: float = 100) -> Machine:
+    return machine_from_text(machine_text("w-X'-Y'-b-Z-t", dict.fromkeys("XYZ", (-travel, travel)), {"EXX": "5 um"}))
+
+
+def trunnion(low: float) -> Machine:
+    """Return a machine whose swivelling axis lies so many mm below the zero."""
+    axes = {**dict.fromkeys("XYZ", (-100, 100)), "A": (-100, 100), "C": (-100, 100)}
+    text = machine_text("w-C'-A'-X'-Y'-b-Z-t", axes, {"EXX": "5 um"})
+    for name in "AC":
+        placed = f'direction = "reversed"\norigin = ["0 mm", "0 mm", "{-low} mm"]'
+        text = text.replace(f"[axes.{name}]", f"[axes.{name}]\n{placed}")
+    return machine_from_text(text)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("HALFILE = mill.hal", "HALFILE = parts/mill.hal", r"line 12: .*lies in another folder"),
+        ("LINEAR_UNITS = mm", "LINEAR_UNITS = mm\nANGULAR_UNITS = radian", "ANGULAR_UNITS are radians"),
+    ],
+)
+def test_what_cannot_be_taken_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
+    path = ini(tmp_path, "XYZC")
+    assert options_of(configured(path), mill(), ExportOptions()).unit == "mm"
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(InputError, match=message):
+        options_of(configured(path), mill(), ExportOptions())
+
+
+def test_a_file_that_is_no_utf_8_is_refused_with_the_byte(tmp_path: Path) -> None:
+    path = ini(tmp_path)
+    (tmp_path / "mill.hal").write_bytes(b"# 5 \xb5m\n")
+    with pytest.raises(InputError, match=r"mill\.hal: byte 4 is no UTF-8"):
+        configured(path)
+
+
+def test_joints_are_said_by_the_ini_file_alone(tmp_path: Path) -> None:
+    found = configured(ini(tmp_path))
+    assert options_of(found, mill(), ExportOptions()).numbers == {"X": (0,), "Y": (1,), "Z": (2,)}
+    with pytest.raises(InputError, match="--number and --coordinates out"):
+        options_of(found, mill(), ExportOptions(numbers={"X": (0,)}))
+
+
+def test_what_lies_beyond_the_calibrated_travel_is_said(tmp_path: Path) -> None:
+    found = configured(ini(tmp_path))
+    assert agreeing(found, mill()) == ()
+    (x, *others) = agreeing(found, mill(80))
+    assert x.startswith("X may go -100 mm to 100 mm, and was calibrated over -80 mm to 80 mm")
+    assert len(others) == 2
+
+
+def test_a_pivot_that_lies_elsewhere_is_said(tmp_path: Path) -> None:
+    pins = "".join(f"setp xyzac-trt-kins.{pin} {value}\n" for pin, value in (("z-rot-point", -50), ("z-offset", 0)))
+    found = configured(ini(tmp_path, "XYZAC", "xyzac-trt-kins", hal=pins))
+    assert agreeing(found, trunnion(50)) == ()
+    warnings = agreeing(found, trunnion(60))
+    assert [each.partition(" about ")[0] for each in warnings] == [f"WARNING: the kinematics turn {n}" for n in "CA"]
+    assert all("(0 mm, 0 mm, -50 mm), machine.toml about (0 mm, 0 mm, -60 mm)" in each for each in warnings)
+
+
+def test_where_the_ini_file_itself_names_no_hal_file_it_is_done_by_hand(tmp_path: Path) -> None:
+    path = ini(tmp_path)
+    head, _, rest = path.read_text().partition("[HAL]\n")
+    hal, rest = rest[: rest.index("[AXIS_X]")], rest[rest.index("[AXIS_X]") :]
+    (tmp_path / "hal.inc").write_text(f"[HAL]\n{hal}")
+    configured(path).patched()
+    path.write_text(f"{head}#INCLUDE hal.inc\n{rest}")
+    with pytest.raises(InputError, match=r"\[HAL\] names no HALFILE"):
+        configured(path).patched()

@@ -1,0 +1,134 @@
+"""Where the points of a table are: against what is asked of them, said again in exact fractions."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from axiscal.errors.model import ErrorModel
+from axiscal.exceptions import TableError
+from axiscal.machine import machine_from_text
+from axiscal.numerics import Array
+from axiscal.tables.sampling import closest, places, points
+
+
+def model(start: int, stop: int, knots: int = 4) -> ErrorModel:
+    """Return the errors of a linear axis from and to so many mm."""
+    return ErrorModel(machine_from_text(f"""
+chain = "w-b-X-t"
+[axes.X]
+travel = ["{start} mm", "{stop} mm"]
+[errors]
+EXX = {{ std = "10 um", length = "{stop - start} mm", knots = {knots} }}
+EYX = {{ std = "10 um", length = "{stop - start} mm", knots = 3 }}
+"""))  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("knots", "most", "count"),
+    [(4, 129, 13), (4, 13, 13), (4, 12, 12), (4, 3, 3), (4, 2, 2), (3, 129, 9), (40, 129, 129)],
+)
+def test_there_are_four_intervals_between_two_knots_as_far_as_they_fit(knots: int, most: int, count: int) -> None:
+    """Of the finest error of the axis."""
+    at = points(model(-100, 300, knots), 0, most=most)
+    assert at == pytest.approx(np.linspace(-0.1, 0.3, count))
+    assert (at[0], at[-1]) == (-0.1, 0.3)
+
+
+@given(st.integers(-500, 500), st.integers(20, 900), st.integers(1, 40), st.integers(2, 140))
+def test_points_on_multiples_cover_the_travel_with_as_few_steps_as_fit(
+    start: int, length: int, multiple: int, most: int
+) -> None:
+    stop = start + length
+    at = points(model(start, stop), 0, most=most, multiple=multiple * 1e-3)
+    steps = np.diff(at) * 1e3
+    exact = [Fraction(round(float(x) * 1e6), 1000) for x in at]
+    assert all(x % multiple == 0 for x in exact)
+    assert steps == pytest.approx(steps[0])
+    assert exact[0] <= start < exact[0] + multiple
+    assert exact[-1] >= stop
+    assert len(exact) < 3 or exact[-2] < stop
+    step, limit = round(float(steps[0])), max(min(12, most - 1), 1)
+    assert step * limit >= stop - exact[0]
+    assert (step - multiple) * limit < stop - exact[0]
+
+
+@given(st.integers(1, 400), st.integers(1, 400), st.integers(2, 150))
+def test_a_spacing_that_divides_the_travel_is_taken_as_far_as_its_points_fit(
+    length: int, spacing: int, most: int
+) -> None:
+    errors = model(0, 400 + length)
+    travel = 400 + length
+    if travel % spacing == 0 and travel // spacing + 1 <= most:
+        at = points(errors, 0, spacing * 1e-3, most)
+        assert at == pytest.approx(np.arange(travel // spacing + 1) * spacing * 1e-3)
+        assert points(errors, 0, {"X": spacing * 1e-3}, most) == pytest.approx(at)
+    elif travel % spacing == 0:
+        with pytest.raises(TableError, match=f"makes {travel // spacing + 1} points of X, this control holds {most}"):
+            points(errors, 0, spacing * 1e-3, most)
+    else:
+        with pytest.raises(TableError, match="does not divide the"):
+            points(errors, 0, spacing * 1e-3, most)
+
+
+def test_a_spacing_of_another_axis_changes_nothing_and_one_beyond_the_travel_is_refused() -> None:
+    errors = model(0, 300)
+    assert np.array_equal(points(errors, 0, {"Y": 0.1}), points(errors, 0))
+    assert points(errors, 0, 0.3).tolist() == [0.0, 0.3]
+    with pytest.raises(TableError, match=r"1000 mm does not divide the 300 mm of X.*300 mm would"):
+        points(errors, 0, 1.0)
+    with pytest.raises(TableError, match=r"makes 4 points of X, this control holds 3.*3 fit: take 150 mm or more"):
+        points(errors, 0, 0.1, 3)
+
+
+TURN = """
+chain = "w-C'-b-t"
+[axes.C]
+travel = ["0 deg", "360 deg"]
+[errors]
+EXC = { std = "10 um", knots = 12 }
+"""
+
+
+@pytest.mark.parametrize(
+    ("multiple", "most", "step"), [(10, 129, 10), (10, 20, 20), (10, 13, 30), (7.2, 129, 14.4), (180, 129, 180)]
+)
+def test_points_of_a_whole_turn_are_multiples_that_divide_it(multiple: float, most: int, step: float) -> None:
+    """The finest of 48 intervals and fewer that fit."""
+    axis = ErrorModel(machine_from_text(TURN))
+    assert axis.machine.axes[0].cyclic
+    at = np.degrees(points(axis, 0, most=most, multiple=float(np.radians(multiple))))
+    assert at == pytest.approx(np.arange(0.0, 360.0 + step / 2, step))
+
+
+def farthest(curves: Array, at: Array, chosen: Array) -> float:
+    """Return how far lines through points of curves are from them."""
+    return max(float(np.max(np.abs(c - np.interp(at, chosen, np.interp(chosen, at, c))))) for c in curves)
+
+
+@given(st.integers(0, 10_000), st.integers(2, 14), st.integers(0, 4))
+def test_points_anywhere_are_no_more_keep_both_ends_and_are_never_farther(seed: int, count: int, inner: int) -> None:
+    rng, at = np.random.default_rng(seed), places(-0.1, 0.4)
+    kinks = np.sort(rng.uniform(-0.1, 0.4, inner))
+    curves = 1e-5 * np.stack([np.abs(at - k) for k in (*kinks, 0.1)]).sum(axis=0) * np.array([[1.0], [-0.5]])
+    curves = curves + 1e-6 * np.sin(9 * at)
+    even = np.linspace(-0.1, 0.4, count)
+    found = closest(curves, at, np.r_[kinks, kinks + 1e-12, -0.1, 0.4 - 1e-9], even)
+    assert len(found) <= count
+    assert (found[0], found[-1]) == (-0.1, 0.4)
+    assert np.all(np.diff(found) > 1e-6)
+    assert farthest(curves, at, found) <= farthest(curves, at, even) + 1e-18
+
+
+def test_a_curve_of_lines_needs_no_more_points_than_its_kinks() -> None:
+    at, knots = places(0.0, 1.0), np.array([0.25, 0.5])
+    curves = 1e-5 * (np.abs(at - 0.25) - np.abs(at - 0.5))[None]
+    found = closest(curves, at, knots, np.linspace(0.0, 1.0, 8))
+    assert found.tolist() == [0.0, 0.25, 0.5, 1.0]
+    assert len(at) == 1025
+    straight = closest(1e-5 * at[None], at, np.zeros(0), np.linspace(0.0, 1.0, 8))
+    assert farthest(1e-5 * at[None], at, straight) < 1e-20

@@ -1,0 +1,224 @@
+"""What printers' files say to the firmware and to their reader: against what the firmware's documents compute."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.errors.model import ErrorModel
+from axiscal.exceptions import ReadingError, TableError
+from axiscal.numerics import Array
+from axiscal.ports.printers import klipper, marlin, reprapfirmware
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import Exporter
+from axiscal.tables.loaded import Loaded, Lookup, both_ways
+from axiscal.tables.old_files import OldFile
+from axiscal.tables.sampling import axis_tables
+from axiscal.tables.surface import Mesh, Skew, skew_control, skew_of
+from tests.tables.test_controllers import known
+from tests.tables.test_sampling import known as drawn_machine
+from tests.tables.test_sampling import machine as linear_machine
+
+SMALL = known("small")[0]
+MACHINE = SMALL.machine
+MESH = Mesh(np.linspace(-0.03, 0.27, 4), np.linspace(0.01, 0.19, 3), 1e-6 * np.arange(12.0).reshape(3, 4))
+
+
+def loaded(control: Exporter, texts: Sequence[str]) -> Loaded:
+    """Return what a control holds that was given these files."""
+    files = [OldFile(f"file{n}.cfg", text) for n, text in enumerate(texts)]
+    return control.load(files, MACHINE, ExportOptions())
+
+
+def test_a_mesh_and_a_skew_in_two_files_both_count_in_either_order() -> None:
+    skewed = klipper.write_skew(Skew(0.01, None, -0.004), "a")
+    saved = "#*# [skew_correction a]\n#*# xy_skew = 0.003\n#*# xz_skew = 0.0\n#*# yz_skew = -0.001\n"
+    flat = klipper.write_mesh(MESH, "default")
+    for files in ([skewed, flat], [flat, skewed]):
+        found = loaded(klipper.Klipper(), files)
+        assert found.skew.xz is None
+        assert (found.skew.xy, found.skew.yz) == pytest.approx((0.01, -0.004))
+        (mesh,) = found.meshes
+        assert mesh.added == pytest.approx(MESH.added, abs=1e-12)
+        assert (mesh.x[0], mesh.x[-1], mesh.y[0], mesh.y[-1]) == pytest.approx((-0.03, 0.27, 0.01, 0.19))
+    for files in ([saved, flat], [flat, saved], [skewed, saved]):
+        assert loaded(klipper.Klipper(), files).skew == Skew(0.003, 0.0, -0.001)
+    with pytest.raises(TableError, match="no mesh and no skew is saved here"):
+        loaded(klipper.Klipper(), [flat, "[printer]\n"])
+
+
+def lost(play: dict[str, float]) -> tuple[Lookup, ...]:
+    """Return the tables that make up for lost motion, half to each side."""
+    ends = np.array([0.0, 0.1])
+    halves = ((axis, np.full(2, value / 2)) for axis, value in play.items())
+    return tuple(one for axis, half in halves for one in both_ways(axis, axis, ends, half, -half))
+
+
+def klipper_mesh(text: str) -> tuple[dict[str, float], Array]:
+    """Return keys and heights of a saved block, by hand."""
+    lines = [line.removeprefix("#*# ") for line in text.splitlines() if line.startswith("#*# ")]
+    keys = {key: float(value) for key, value in re.findall(r"^(\w+) = (-?[\d.]+)$", "\n".join(lines), re.MULTILINE)}
+    rows = [line for line in lines if line.startswith("\t")]
+    return keys, np.array([[float(each) for each in row.split(",")] for row in rows])
+
+
+def test_a_mesh_of_klipper_has_its_ends_its_counts_and_a_row_for_each_y() -> None:
+    keys, heights = klipper_mesh(klipper.write_mesh(MESH, "bed"))
+    assert heights == pytest.approx(1e3 * MESH.added)
+    counts = {"x_count": 4, "y_count": 3, "mesh_x_pps": 0, "mesh_y_pps": 0}
+    ends = {"min_x": -30, "max_x": 270, "min_y": 10, "max_y": 190}
+    assert keys == {"version": 1, "tension": 0.2, **counts, **ends}
+
+
+def test_notes_of_a_mesh_name_its_corners_and_its_size() -> None:
+    draft = klipper.Klipper().make(SMALL, ExportOptions(name="bed", mesh=7))
+    keys, heights = klipper_mesh(draft.files["bed_mesh.cfg"])
+    notes = " ".join(draft.notes)
+    corners = (keys[f"{end}_{axis}"] for end in ("min", "max") for axis in "xy")
+    assert "mesh_min: {:g}, {:g} and mesh_max: {:g}, {:g}".format(*corners) in notes
+    assert heights.shape == (7, 7)
+    assert "The mesh has 7 x 7 points" in notes
+    other = " ".join(marlin.Marlin().make(SMALL, ExportOptions(mesh=7)).notes)
+    x, y = (MACHINE.axes[MACHINE.index(name)].travel for name in "XY")
+    place = "X {:g} to {:g} and Y {:g} to {:g}".format(*(1e3 * end for end in (*x, *y)))
+    assert f"a mesh of 7 x 7 points (GRID_MAX_POINTS_X, _Y) from {place};" in other
+    assert "The map has 7 x 7 points" in " ".join(
+        reprapfirmware.RepRapFirmware().make(SMALL, ExportOptions(mesh=7)).notes
+    )
+
+
+@pytest.mark.parametrize(
+    ("skew", "needs", "off"),
+    [
+        (Skew(0.01), "SKEW_CORRECTION", "M852 I0 J0 K0"),
+        (Skew(0.01, 0.02, 0.03), "SKEW_CORRECTION, SKEW_CORRECTION_FOR_Z", "M852 I0 J0 K0"),
+        (Skew(None, 0.02), "SKEW_CORRECTION, SKEW_CORRECTION_FOR_Z", "M852 I0 J0 K0"),
+        (Skew(None, None, 0.03), "SKEW_CORRECTION, SKEW_CORRECTION_FOR_Z", "M852 I0 J0 K0"),
+        (Skew(), "", ""),
+    ],
+)
+def test_marlin_is_told_what_it_was_built_with_and_how_to_switch_it_off(skew: Skew, needs: str, off: str) -> None:
+    for play in ({}, {"X": 1e-5}):
+        notes = " ".join(marlin._notes(None, skew, play))
+        words = ", ".join(word for word in (needs, "BACKLASH_COMPENSATION" if play else "") if word)
+        told = set(re.findall(r"[A-Z_]{10,}", notes))
+        assert told == set(words.split(", ")) - {""}
+        assert ("The firmware needs" in notes) == bool(words)
+        codes = ", ".join(code for code in ("M425 F0" if play else "", off) if code)
+        assert f"Before measuring again take it off: {codes}." in notes
+        planes = [plane for plane, seen in zip(("XY", "XZ", "YZ"), (skew.xy, skew.xz, skew.yz), strict=True) if seen]
+        assert (f"M852 sets {', '.join(planes)}:" in notes) == bool(planes)
+
+
+def test_commands_of_marlin_are_millimetres_with_columns_along_x() -> None:
+    text = marlin.text_of(Loaded(lost({"X": 12.3e-6, "Z": 4e-6}), (MESH,), Skew(0.012, None, -0.03)))
+    assert "M852 I0.0120000 K-0.0300000\n" in text
+    assert "M425 X0.0123 Z0.0040 F1 S0\n" in text
+    nodes = {(int(i), int(j)): float(z) for i, j, z in re.findall(r"M421 I(\d+) J(\d+) Z(\S+)", text)}
+    assert len(nodes) == 12
+    assert all(1e-3 * nodes[i, j] == pytest.approx(MESH.added[j, i], abs=5e-8) for i, j in nodes)
+    found = marlin.read(text, replace(MESH, added=np.zeros((3, 4))), MACHINE)
+    (mesh,) = found.meshes
+    assert mesh.added == pytest.approx(MESH.added, abs=5e-8)
+    assert found.skew == Skew(0.012, None, -0.03)
+    assert marlin.play_of(found) == pytest.approx({"X": 12.3e-6, "Z": 4e-6})
+    half = marlin.read("M425 X0.02 F0.5 S3", None, MACHINE)
+    assert marlin.play_of(half) == pytest.approx({"X": 1e-5})
+    assert text.endswith("M500\n")
+
+
+def test_a_lost_motion_is_made_up_half_to_each_side() -> None:
+    control = loaded(marlin.Marlin(), ["M425 Y0.010 F1"]).control(MACHINE)
+    poses, sides = np.zeros((3, 3)), np.zeros((3, 3))
+    y = MACHINE.index("Y")
+    sides[:, y] = [1.0, -1.0, 0.0]
+    added = control(poses, sides)
+    assert added[:, y] == pytest.approx([5e-6, -5e-6, 0.0])
+    assert not np.delete(added, y, axis=1).any()
+
+
+def test_one_backlash_is_the_mean_of_what_coming_from_above_is_more_than_from_below() -> None:
+    tables = {table.axis: table for table in axis_tables(SMALL)}
+    expected = {}
+    for name, table in tables.items():
+        apart = np.interp(np.linspace(*SMALL.box[MACHINE.index(name)], 20_001), table.positions, table.reverse)
+        apart = apart - np.interp(np.linspace(*SMALL.box[MACHINE.index(name)], 20_001), table.positions, table.forward)
+        expected[name] = float(np.mean(apart))
+    found = marlin.backlash(SMALL)
+    assert found == pytest.approx({name: value for name, value in expected.items() if value > 0}, rel=2e-3)
+    assert found
+
+
+@pytest.mark.parametrize(
+    ("nodes", "good"),
+    [
+        ([(i, j) for i in range(3) for j in range(2)], True),
+        ([(i, j) for i in range(2) for j in range(2)], True),
+        ([(i, j) for i in range(3) for j in range(2)][:-1], False),
+        ([(i, 0) for i in range(3)], False),
+        ([(0, j) for j in range(3)], False),
+    ],
+    ids=["whole", "the smallest", "a hole", "one row", "one column"],
+)
+def test_an_old_mesh_of_marlin_has_no_holes_and_two_points_each_way(nodes: list[tuple[int, int]], good: bool) -> None:
+    text = "\n".join(f"M421 I{i} J{j} Z{0.01 * (i + 1) + 0.1 * j:.2f}" for i, j in nodes)
+    if not good:
+        with pytest.raises(TableError, match=f"has {len(nodes)} values"):
+            loaded(marlin.Marlin(), [text])
+        return
+    (mesh,) = loaded(marlin.Marlin(), [text]).meshes
+    x, y = (MACHINE.axes[MACHINE.index(name)].travel for name in "XY")
+    assert (mesh.x[0], mesh.x[-1], mesh.y[0], mesh.y[-1]) == pytest.approx((*x, *y))
+    expected = {(i, j): 1e-3 * (0.01 * (i + 1) + 0.1 * j) for i, j in nodes}
+    assert all(mesh.added[j, i] == pytest.approx(value) for (i, j), value in expected.items())
+    assert mesh.added.size == len(nodes)
+
+
+def test_what_is_missing_in_an_old_file_of_marlin_is_said() -> None:
+    with pytest.raises(TableError, match="there is no M421, M425 or M852"):
+        loaded(marlin.Marlin(), ["M104 S200\n"])
+    with pytest.raises(TableError, match="says no height of a point"):
+        loaded(marlin.Marlin(), ["M421 I0 J0 Z0\nM421 I1 J0 Z0\nM421 I0 J1 Z0\nM421 I1 J1\n"])
+    found = loaded(marlin.Marlin(), ["M852 I0.01 J0 K0\n", "M425 X0.01 F1\n", "M425 Y0.02 F1\n"])
+    assert found.skew == Skew(0.01, 0.0, 0.0)
+    assert {(one.axis, one.direction): float(one.added[0]) for one in found.lookups} == pytest.approx(
+        {("X", 1): 5e-6, ("X", -1): -5e-6, ("Y", 1): 1e-5, ("Y", -1): -1e-5}
+    )
+
+
+def test_a_height_map_has_its_ends_spacings_counts_and_statistics() -> None:
+    lines = reprapfirmware.text_of(MESH).splitlines()
+    told = re.search(r"mean error (\S+), deviation (\S+)", lines[0])
+    assert told is not None
+    heights = 1e3 * MESH.added
+    assert (float(told[1]), float(told[2])) == pytest.approx((heights.mean(), heights.std()), abs=6e-4)
+    named = dict(zip(lines[1].split(","), map(float, lines[2].split(",")), strict=True))
+    assert named == pytest.approx(
+        {"xmin": -30, "xmax": 270, "ymin": 10, "ymax": 190, "radius": -1, "xspacing": 100, "yspacing": 90, "xnum": 4}
+        | {"ynum": 3}
+    )
+    assert np.array([[float(each) for each in line.split(",")] for line in lines[3:]]) == pytest.approx(heights)
+    with pytest.raises(ReadingError, match="3 rows are announced, and there are 2"):
+        loaded(reprapfirmware.RepRapFirmware(), ["\n".join(lines[:-1])])
+
+
+def test_a_skew_is_the_slope_of_the_mean_of_both_sides_and_is_taken_away_as_printers_do() -> None:
+    estimate = drawn_machine(ErrorModel(linear_machine("w-b-X-Y-Z-t")), 55)[0]
+    found, (low, high) = skew_of(estimate), np.array(estimate.box).T
+    poses = np.random.default_rng(1).uniform(low, high, (40_000, 3))
+    deviation = estimate.deviation(poses, np.zeros_like(poses))
+    for moved, over, tangent in (("X", "Y", found.xy), ("X", "Z", found.xz), ("Y", "Z", found.yz)):
+        slope = np.polyfit(poses[:, estimate.machine.index(over)], deviation[:, "XYZ".index(moved)], 1)[0]
+        assert tangent == pytest.approx(slope, abs=4e-6)
+        assert abs(slope) > 4e-5  # each plane is skewed ten times what the slope may differ by
+    x, y, z = (MACHINE.index(name) for name in "XYZ")
+    poses = np.array([[0.1, 0.2, 0.3]])[:, np.argsort([x, y, z])]
+    added = skew_control(MACHINE, Skew(0.01, 0.02, -0.03))(poses, np.zeros((1, 3)))
+    by_name = dict(zip("XYZ", poses[0, [x, y, z]].tolist(), strict=True))
+    assert added[0, x] == pytest.approx(-by_name["Y"] * 0.01 - by_name["Z"] * (0.02 + 0.01 * 0.03))
+    assert added[0, y] == pytest.approx(by_name["Z"] * 0.03)
+    assert added[0, z] == 0.0

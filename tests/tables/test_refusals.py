@@ -1,0 +1,241 @@
+"""What no control can hold, and old files that are not whole, are refused with what is wrong and what to do."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import whole_travel
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import DescriptionError, TableError
+from axiscal.machine.description import Machine, machine_from_text
+from axiscal.ports.linuxcnc.tables import cross
+from axiscal.ports.printers import marlin
+from axiscal.tables.controllers import plain_csv
+from axiscal.tables.controllers.isg import leadscrew
+from axiscal.tables.controllers.sinumerik import writing
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.old_files import OldFile, read_old
+from axiscal.tables.registry import export, loaded
+from axiscal.tables.surface import Mesh
+from axiscal.tables.table import CompensationTable
+from tests.generators.texts import machine_text
+
+THREE = machine_from_text(
+    machine_text("w-b-X-Y-Z-t", {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M")
+)
+FANUC = (
+    "%\nN3620A1P10A2P50A3P100;\nN3621A1P11A2P51A3P101;\nN3622A1P40A2P70A3P110;\nN3623A1P1A2P1A3P1;\n{}\nN10000P0;\n%\n"
+)
+PITCH = "N3624A1P10.0A2P10.0A3P10.0;"
+LATHE = machine_from_text(
+    machine_text("w-b-X-Z-t", {"X": (0, 300), "Z": (0, 100)}, {"EXX": ("10 um", 7, 150)}, name="M")
+)
+
+
+@pytest.mark.parametrize(
+    ("controller", "name", "text", "what"),
+    [
+        ("klipper", "printer.cfg", "[printer]\nkinematics: cartesian\n", "no mesh and no skew is saved here"),
+        ("fanuc", "par.txt", FANUC.format("N3624A1P0A2P0A3P0;"), "no axis has an interval of compensation"),
+        ("fanuc", "par.txt", FANUC.format(PITCH + "\nN3605A1P1;\nN3626A1P60;"), "parameter 3626 without 3627"),
+        ("linuxcnc-volumetric", "X.comp", "0 0 0\n1 0 0\n", "X.comp is no file of the component"),
+        (
+            "csv",
+            "X.csv",
+            "axis,over,position_mm,forward_um,reverse_um,std_um\nX,Y,0,0,0,1\nX,Z,10,0,0,1\n",
+            "the file holds several tables",
+        ),
+    ],
+)
+def test_an_old_file_that_is_not_whole(controller: str, name: str, text: str, what: str) -> None:
+    with pytest.raises(TableError, match=re.escape(what)):
+        loaded(controller, THREE, ExportOptions(old_files=(OldFile(name, text),)))
+
+
+@pytest.mark.parametrize("named", ["joint0.comp", "JOINT_0.comp", "x.comp"])
+def test_a_table_of_linuxcnc_is_of_the_joint_that_its_name_says(named: str) -> None:
+    found = loaded("linuxcnc", THREE, ExportOptions(old_files=(OldFile(named, "0 0 0\n100 100.01 100.01\n"),)))
+    assert {table.axis for table in found.lookups} == {"X"}
+
+
+CEC = (
+    "%_N_NC_CEC_INI\nCHANDATA(1)\n$AN_CEC[0,0]=0.01\n$AN_CEC[0,1]=0.02\n$AN_CEC_INPUT_AXIS[0]=(AX1)\n"
+    "$AN_CEC_OUTPUT_AXIS[0]=(AX2)\n$AN_CEC_STEP[0]=100.0\n$AN_CEC_MIN[0]=0.0\n$AN_CEC_MAX[0]=100.0\n"
+    "$AN_CEC_DIRECTION[0]=0\n$AN_CEC_MULT_BY_TABLE[0]={}\nM17\n"
+)
+CURVE = "setp y-x.x-val-0 {}\nsetp y-x.x-val-1 100\nsetp y-x.y-val-0 0\n{}"
+
+
+def test_a_table_that_another_one_multiplies_is_refused() -> None:
+    old = OldFile("NC_CEC.INI", CEC.format(0))
+    assert [(one.axis, one.over) for one in loaded("sinumerik", THREE, ExportOptions(old_files=(old,))).lookups] == [
+        ("Y", "X")
+    ]
+    with pytest.raises(TableError, match="a CEC table of Y is multiplied by another one"):
+        loaded("sinumerik", THREE, ExportOptions(old_files=(OldFile("NC_CEC.INI", CEC.format(1)),)))
+
+
+@pytest.mark.parametrize("text", [CURVE.format(100, "setp y-x.y-val-1 1\n"), CURVE.format(0, "")])
+def test_a_curve_that_does_not_go_on_or_is_cut_is_refused(text: str) -> None:
+    with pytest.raises(TableError, match="the curve of Y over X is not whole"):
+        loaded("linuxcnc", THREE, ExportOptions(old_files=(OldFile("c.hal", text),)))
+
+
+def test_what_a_reader_trips_over_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No file is known that leads there; whoever finds one is not shown a traceback."""
+
+    def missing(*_: object) -> None:
+        raise KeyError("interval")
+
+    monkeypatch.setattr(plain_csv.PlainCsv, "load", missing)
+    with pytest.raises(TableError, match=r"a number that csv needs is missing, or is none \('interval'\)"):
+        loaded("csv", THREE, ExportOptions(old_files=(OldFile("X.csv", ""),)))
+
+
+def test_the_file_of_another_machine_is_refused() -> None:
+    files = export(read_of(THREE), "linuxcnc-volumetric", ExportOptions()).files
+    old = OldFile("axiscal.vcomp", files["axiscal.vcomp"])
+    with pytest.raises(TableError, match="the file has axes X Y Z"):
+        loaded("linuxcnc-volumetric", LATHE, ExportOptions(old_files=(old,)))
+    with pytest.raises(TableError, match="the whole correction cannot go on top of another one"):
+        export(read_of(THREE), "linuxcnc-volumetric", ExportOptions(old_files=(old,)))
+
+
+def test_an_axis_with_a_number_is_none_of_linuxcncs() -> None:
+    axes = {"X2": (0, 300), "Y": (0, 200), "Z": (0, 100)}
+    machine = machine_from_text(machine_text("w-b-X2-Y-Z-t", axes, {"EYY": ("10 um", 7, 150)}, name="M"))
+    with pytest.raises(TableError, match="LinuxCNC has no axis X2"):
+        export(read_of(machine), "linuxcnc-volumetric", ExportOptions())
+
+
+@pytest.mark.parametrize("controller", ["isg", "isg-etalon"])
+def test_an_axis_that_the_isg_kernel_does_not_know_is_refused(controller: str) -> None:
+    axes = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100), "U": (0, 50)}
+    machine = machine_from_text(machine_text("w-b-X-Y-Z-U-t", axes, {"EXU": ("10 um", 7, 150)}, name="M"))
+    with pytest.raises(TableError, match="EXU is not an error that the ISG kernel knows"):
+        export(read_of(machine), controller, ExportOptions())
+
+
+@pytest.mark.parametrize("controller", ["isg", "isg-etalon"])
+def test_nothing_to_hold_is_said(controller: str) -> None:
+    axes = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}
+    machine = machine_from_text(machine_text("w-b-X-Y-Z-t", axes, {"EZXY": ("10 um", 7, 150)}, name="M"))
+    nothing = replace(
+        read_of(machine), belief=Belief(np.zeros(ErrorModel(machine).size), 1e-20 * np.eye(ErrorModel(machine).size))
+    )
+    with pytest.raises(TableError, match="there is no deviation that these files could hold"):
+        export(nothing, controller, ExportOptions())
+
+
+def test_a_spacing_is_of_an_axis_of_the_machine() -> None:
+    with pytest.raises(DescriptionError, match='there is no axis "Q"'):
+        export(read_of(THREE), "csv", ExportOptions(spacing={"Q": 0.01}))
+    made = export(read_of(THREE), "csv", ExportOptions(spacing={"X": 0.1}))
+    assert made.tables[0].positions == pytest.approx([0, 0.1, 0.2, 0.3])
+
+
+def test_more_tables_than_a_sinumerik_has() -> None:
+    one = table("X", "Y", [0.0, 0.1])
+    assert len(writing.blocks_of([], [one] * writing.TABLES)) == writing.TABLES
+    with pytest.raises(TableError, match=f"{writing.TABLES + 1} CEC tables are needed, {writing.TABLES} fit"):
+        writing.blocks_of([], [one] * (writing.TABLES + 1))
+
+
+def test_a_table_is_of_the_axis_that_is_said_on_the_command_line(tmp_path: Path) -> None:
+    (tmp_path / "a.comp").write_text("0 0 0\n100 100.01 100.01\n")
+    (old,) = read_old(["Y=a.comp"], tmp_path)
+    assert old.axis == "Y"
+    assert {each.axis for each in loaded("linuxcnc", THREE, ExportOptions(old_files=(old,))).lookups} == {"Y"}
+
+
+def test_a_table_is_of_the_axis_that_is_said() -> None:
+    old = OldFile("a.comp", "0 0 0\n100 100.01 100.01\n", axis="Y")
+    assert {table.axis for table in loaded("linuxcnc", THREE, ExportOptions(old_files=(old,))).lookups} == {"Y"}
+
+
+def test_a_height_without_its_place() -> None:
+    mesh = Mesh(np.array([0.0, 0.1]), np.array([0.0, 0.1]), np.zeros((2, 2)))
+    with pytest.raises(TableError, match=r"'M421 I0 Z0\.05' says no height of a point"):
+        marlin.read("M421 I0 J0 Z0.01\nM421 I0 Z0.05", mesh, THREE)
+
+
+def test_a_folder_without_files(tmp_path: Path) -> None:
+    with pytest.raises(TableError, match="there is no file in this folder"):
+        read_old([str(tmp_path)])
+
+
+@pytest.mark.parametrize(
+    ("options", "what"),
+    [
+        ({"unit": "cm"}, '"cm" is not the unit of a machine'),
+        ({"points": 1}, "a table of 1 points"),
+        ({"points": 5001}, "a table of 5001 points"),
+        ({"mesh": 1}, "a mesh of 1 points a side"),
+        ({"encoder": 3}, "measuring system 3"),
+        ({"numbers": {"X": (-1,)}}, "numbers of axes are negative"),
+        ({"origin": "record"}, '"record" is not the hash of a record'),
+    ],
+)
+def test_a_choice_that_no_control_has(options: dict[str, object], what: str) -> None:
+    with pytest.raises(TableError, match=what):
+        ExportOptions(**options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("controller", ["fanuc", "heidenhain", "isg", "sinumerik"])
+def test_an_axis_has_one_number_in_these_controls(controller: str) -> None:
+    options = ExportOptions(numbers={"X": (1, 2)})
+    with pytest.raises(TableError, match="X is given the numbers 1 and 2"):
+        options.numbered(THREE)
+
+
+@pytest.mark.parametrize("controller", ["isg-etalon", "linuxcnc-volumetric"])
+def test_the_error_in_space_needs_three_linear_axes(controller: str) -> None:
+    with pytest.raises(TableError, match="the machine has 2 linear axes"):
+        export(read_of(LATHE), controller, ExportOptions())
+
+
+@pytest.mark.parametrize(
+    ("options", "what"),
+    [
+        (ExportOptions(pivots=True), "Leave --pivots out"),
+        (ExportOptions(spacing=0.01), "spacing"),
+    ],
+)
+def test_the_whole_correction_refuses_what_it_does_itself(options: ExportOptions, what: str) -> None:
+    with pytest.raises(TableError, match=what):
+        export(read_of(THREE), "linuxcnc-volumetric", options)
+
+
+def test_uneven_points_where_the_control_knows_one_distance() -> None:
+    uneven = table("X", "X", [0.0, 0.01, 0.03])
+    with pytest.raises(TableError, match="not evenly spaced"):
+        leadscrew.write(uneven, 1, False)
+    with pytest.raises(TableError, match="not evenly spaced"):
+        writing.write([uneven], [], {"X": "X1"})
+
+
+def test_what_a_lincurve_cannot_hold() -> None:
+    wiring = cross.Wiring({"X": (0,), "Y": (1,)}, {"X": 0.1, "Y": 0.1}, "mm")
+    assert cross.write([], wiring) == ""
+    with pytest.raises(TableError, match="the table of X over Y has 17 points, a lincurve holds 16"):
+        cross.write([table("X", "Y", np.linspace(0, 0.2, 17).tolist())], wiring)
+    with pytest.raises(TableError, match="Z has no joint in LinuxCNC"):
+        cross.write([table("X", "Z", [0.0, 0.1])], wiring)
+
+
+def table(axis: str, over: str, at: list[float]) -> CompensationTable:
+    zeros = np.zeros(len(at))
+    return CompensationTable(axis, False, np.array(at), zeros, zeros, zeros, over)
+
+
+def read_of(machine: Machine) -> Estimate:
+    model = ErrorModel(machine)
+    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(6).standard_normal(model.size)
+    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))

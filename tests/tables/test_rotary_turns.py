@@ -1,0 +1,112 @@
+"""Rotary tables over all turns: a `COMP_FILE`, read by a reader of its own, is right wherever the joint may stand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import whole_travel
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import DescriptionError
+from axiscal.machine.description import machine_from_text
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.offer import Export
+from axiscal.tables.registry import export
+
+MACHINE = """name = "M"
+chain = "w-C'-X'-b-Y-t"
+[axes.X]
+travel = ["0 mm", "400 mm"]
+[axes.Y]
+travel = ["0 mm", "300 mm"]
+[axes.C]
+travel = ["{low} deg", "{high} deg"]
+{limits}
+[errors]
+EXX = {{ std = "10 um", knots = 5, length = "150 mm" }}
+ECC = {{ std = "40 urad", knots = {knots}, length = "90 deg" }}
+ECC_reversal = {{ std = "30 urad" }}
+"""
+
+
+def known(limits: str = "", knots: int = 17, low: int = -180, high: int = 180) -> Estimate:
+    text = MACHINE.format(low=low, high=high, knots=knots, limits=f"limits = {limits}" if limits else "")
+    model = ErrorModel(machine_from_text(text))
+    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(4).standard_normal(model.size)
+    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+
+
+def exported(estimate: Estimate) -> Export:
+    return export(estimate, "linuxcnc", ExportOptions())
+
+
+def added(text: str, joint: float, up: bool) -> float:
+    """Return what LinuxCNC adds, deg: nominal less actual, linear between rows, constant outside, 256 rows at most."""
+    rows = np.array([[float(word) for word in line.split()] for line in text.splitlines()])
+    assert rows.shape[0] <= 256
+    assert np.all(np.diff(rows[:, 0]) > 0)
+    return float(np.interp(joint, rows[:, 0], rows[:, 0] - rows[:, 1 if up else 2]))
+
+
+def deviation(estimate: Estimate, angle: float, up: bool) -> float:
+    """Return how much further the table turns than it was told, deg, from the control values themselves."""
+    model = estimate.model
+    own, back = model.names["ECC"], model.names["ECC_reversal"]
+    within = (np.radians(angle) + np.pi) % (2 * np.pi) - np.pi
+    value = own.basis.rows(np.array([within]))[0] @ estimate.mean[own.columns]
+    value += (0.5 if up else -0.5) * estimate.mean[back.columns][0]
+    return -float(np.degrees(value))  # C' carries the workpiece
+
+
+@pytest.mark.parametrize("up", [True, False])
+@pytest.mark.parametrize("angle", [-890.0, -500.0, -100.0, 33.0, 200.0, 475.0, 890.0])
+def test_a_full_turn_is_corrected_over_five_turns(angle: float, up: bool) -> None:
+    estimate = known()
+    found = added(exported(estimate).files["C.comp"], angle, up)
+    wanted = -deviation(estimate, angle, up)
+    assert found == pytest.approx(wanted, abs=np.degrees(1.5e-6))
+    assert abs(wanted) > np.degrees(5e-6) or abs(deviation(estimate, angle, not up)) > np.degrees(5e-6)
+
+
+@pytest.mark.parametrize(
+    ("limits", "ends"),
+    [
+        ("", (-900, 900)),
+        ('["-180 deg", "180 deg"]', (-180, 180)),
+        ('["-270 deg", "1000 deg"]', (-540, 1260)),
+        ('["-180 deg", "3600 deg"]', (-180, 1620)),
+        ('["-9999 deg", "9999 deg"]', (-900, 900)),
+    ],
+)
+def test_the_table_reaches_as_far_as_the_limits_and_at_most_five_turns(limits: str, ends: tuple[int, int]) -> None:
+    rows = [float(line.split()[0]) for line in exported(known(limits)).files["C.comp"].splitlines()]
+    assert (rows[0], rows[-1]) == pytest.approx(ends)
+
+
+def test_one_turn_only_is_as_fine_as_256_rows_allow_and_the_note_says_what_it_holds() -> None:
+    one, five = exported(known('["-180 deg", "180 deg"]', knots=33)), exported(known(knots=33))
+    assert len(one.files["C.comp"].splitlines()) == 33 * 4 - 3
+    assert len(five.files["C.comp"].splitlines()) == 5 * 51 + 1
+    assert "this one holds one turn." in one.readme
+    assert "this one holds 5 turns. The joint counts on after 360 deg, with WRAPPED_ROTARY" in five.readme
+
+
+def test_other_controls_say_what_becomes_of_the_turns() -> None:
+    estimate = known()
+    assert "Tables of C hold one turn and repeat" in export(estimate, "csv", ExportOptions()).readme
+    com = "BEGIN A .COM MM\nNR   AXISPOS    BACKLASH           C\n0     0.0000      0.0000      0.0000\n[END]\n"
+    assert "must be a modulo axis" in export(estimate, "heidenhain", ExportOptions(template=com)).readme
+
+
+@pytest.mark.parametrize(
+    ("low", "limits", "message"),
+    [
+        (-90, '["-720 deg", "720 deg"]', "whose travel is not one turn"),
+        (-180, '["-90 deg", "720 deg"]', "do not hold the travel"),
+    ],
+)
+def test_limits_that_cannot_be_are_refused(low: int, limits: str, message: str) -> None:
+    with pytest.raises(DescriptionError, match=message):
+        known(limits, low=low)

@@ -1,0 +1,158 @@
+"""What is read of a written file and written again is the same file, to the byte: nothing is lost, nothing drifts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.tables import pivots, reader, writer
+from axiscal.ports.printers import klipper, marlin, reprapfirmware
+from axiscal.tables.controllers import plain_csv
+from axiscal.tables.controllers.fanuc.pitch import read_records, replace_values
+from axiscal.tables.controllers.isg import formats as isg_formats
+from axiscal.tables.controllers.isg import leadscrew
+from axiscal.tables.controllers.sinumerik import read_back, writing
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import Exporter
+from axiscal.tables.loaded import Loaded, both_ways
+from axiscal.tables.old_files import OldFile
+from axiscal.tables.surface import Mesh, Skew
+from axiscal.tables.table import CompensationTable
+from axiscal.tables.volumetric import SampledError
+from axiscal.units import from_unit
+
+X, C = Axis.named("X", False, (-0.5, 0.5), 0.1), Axis.named("C", True, (0.0, 2 * np.pi), 1.0)
+MACHINE = Machine("a slide and a table", (X, C), 0.1, (), "", "")
+SMALL = st.floats(-2e-4, 2e-4)
+
+
+def values(count: int) -> st.SearchStrategy[Array]:
+    """Return so many deviations, m or rad."""
+    return st.lists(SMALL, min_size=count, max_size=count).map(np.array)
+
+
+@st.composite
+def tables(draw: st.DrawFn, rotary: bool | None = None) -> CompensationTable:
+    """Return a table of a slide or a rotary table on an even grid that begins where a hundredth of a unit begins."""
+    turning = draw(st.booleans()) if rotary is None else rotary
+    count = draw(st.integers(2, 12))
+    first, step = draw(st.integers(-40_000, 0)), draw(st.integers(100, 3000))
+    at = from_unit((first + step * np.arange(count, dtype=float)) / 100, "deg" if turning else "mm")
+    sides = draw(values(count)), draw(values(count))
+    return CompensationTable("C" if turning else "X", turning, at, *sides, np.abs(draw(values(count))))
+
+
+@st.composite
+def meshes(draw: st.DrawFn) -> Mesh:
+    """Return heights on an even grid of whole millimetres."""
+    columns, rows = draw(st.integers(2, 6)), draw(st.integers(2, 6))
+    x, y = (draw(st.integers(-300, 50)) + draw(st.integers(5, 60)) * np.arange(n, dtype=float) for n in (columns, rows))
+    return Mesh(from_unit(x, "mm"), from_unit(y, "mm"), draw(values(columns * rows)).reshape(rows, columns))
+
+
+def loaded(control: Exporter, text: str) -> Loaded:
+    """Return what a control makes of one file."""
+    return control.load([OldFile("file", text)], MACHINE, ExportOptions())
+
+
+@given(tables())
+def test_csv(table: CompensationTable) -> None:
+    text = plain_csv.text_of(table)
+    assert plain_csv.text_of(plain_csv.parse(text)) == text
+
+
+@given(tables(), st.booleans())
+def test_linuxcnc_table(table: CompensationTable, inch: bool) -> None:
+    """The control keeps its trims in 32 bits: a trim of a millimetre is 6e-11 mm off, far below a digit of the file."""
+    unit = "deg" if table.rotary else "in" if inch else "mm"
+    text = writer.write(table, unit)
+    kept = reader.parse(text)
+    assert (kept.errors, kept.unread) == ((), None)
+    at, forward, reverse = (from_unit(column, unit) for column in (kept.nominal, -kept.forward, -kept.reverse))
+    assert writer.write(CompensationTable(table.axis, table.rotary, at, forward, reverse, table.std), unit) == text
+
+
+@given(st.sampled_from("AB"), st.lists(st.floats(-1, 1), min_size=4, max_size=4), st.booleans())
+def test_linuxcnc_pivots(swivel: str, lengths: list[float], conventional: bool) -> None:
+    x, y, z, offset = lengths
+    text = pivots.write(pivots.Pivots(swivel, (x, y, z), offset, conventional), "mm")
+    assert pivots.write(pivots.read(text, "mm"), "mm") == text
+
+
+@given(tables())
+def test_sinumerik(table: CompensationTable) -> None:
+    names = {"X": "X1", "C": "C1"}
+    files = writing.write([table], writing.blocks_of([table], []), names)
+    found = read_back.read(files.values(), names, MACHINE)
+    middle = -found[0].added
+    half = -found[1].added if len(found) > 1 else np.zeros_like(middle)
+    same = CompensationTable(table.axis, table.rotary, found[0].positions, middle + half, middle - half, table.std)
+    assert writing.write([same], writing.blocks_of([same], []), names) == files
+
+
+@given(tables())
+def test_isg_leadscrew(table: CompensationTable) -> None:
+    text = leadscrew.write(table, 3, cyclic=False)
+    forward, reverse = leadscrew.read(text, MACHINE)
+    same = CompensationTable(table.axis, table.rotary, forward.positions, -forward.added, -reverse.added, table.std)
+    assert leadscrew.write(same, 3, cyclic=False) == text
+
+
+@pytest.mark.parametrize(
+    ("write", "read"),
+    [(isg_formats.write_csv, isg_formats.read_csv), (isg_formats.write_etalon, isg_formats.read_etalon)],
+    ids=["csv", "etalon"],
+)
+@given(st.integers(2, 9), st.data())
+def test_isg_volumetric(write: object, read: object, count: int, data: st.DataObject) -> None:
+    assert callable(write)
+    assert callable(read)
+    curves = {
+        name: SampledError(np.linspace(*axis.travel, count), data.draw(values(count)))
+        for name, axis in (("EXX", X), ("EYX", X), ("EBX", X), ("EZC", C), ("EAC", C))
+    }
+    curves["A0C"] = SampledError(np.zeros(1), data.draw(values(1)))
+    text = write(curves, MACHINE)
+    assert write(read(text, MACHINE), MACHINE) == text
+
+
+@given(meshes())
+def test_klipper_mesh(mesh: Mesh) -> None:
+    text = klipper.write_mesh(mesh, "axiscal")
+    (found,) = loaded(klipper.Klipper(), text).meshes
+    assert klipper.write_mesh(found, "axiscal") == text
+
+
+@given(SMALL, SMALL, SMALL)
+def test_klipper_skew(xy: float, xz: float, yz: float) -> None:
+    text = klipper.write_skew(Skew(xy, xz, yz), "axiscal")
+    assert klipper.write_skew(klipper.read_skew(text), "axiscal") == text
+
+
+@given(meshes(), SMALL, st.floats(0, 1e-3))
+def test_marlin(mesh: Mesh, tangent: float, play: float) -> None:
+    half = np.full(2, play / 2)
+    text = marlin.text_of(Loaded(both_ways("X", "X", np.array(X.travel), half, -half), (mesh,), Skew(xy=tangent)))
+    assert marlin.text_of(marlin.read(text, mesh, MACHINE)) == text
+
+
+@given(meshes())
+def test_reprapfirmware(mesh: Mesh) -> None:
+    text = reprapfirmware.text_of(mesh)
+    (found,) = loaded(reprapfirmware.RepRapFirmware(), text).meshes
+    assert reprapfirmware.text_of(found) == text
+
+
+@given(st.dictionaries(st.tuples(st.integers(1, 9999), st.integers(1, 3)), st.integers(-128, 127), min_size=1))
+def test_fanuc(stored: dict[tuple[int, int], int]) -> None:
+    rows = [f"N{number:05d}Q1A{axis}P{value}" for (number, axis), value in sorted(stored.items())]
+    text = "\n".join(["%", *rows, "%", ""])
+    found = read_records(text, "saved")
+    again = {(number, axis): int(value) for number, row in found.items() for axis, value in row.items()}
+    assert {place: again[place] for place in stored} == stored
+    assert replace_values(text, {place: again[place] for place in stored}, "saved") == text

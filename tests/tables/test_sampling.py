@@ -1,0 +1,330 @@
+"""Tables from the belief: the line nearest to the mean deviation, with the right sign, on machines that really turn."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import mpmath  # type: ignore[import-untyped]
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline
+
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import whole_travel
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine, load_machine, machine_from_text
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.simulation import VirtualMachine
+from axiscal.numerics import Array
+from axiscal.numerics.cubic import NaturalSpline
+from axiscal.tables.conditional import from_the_other_side, mean_along
+from axiscal.tables.effect import Effect, effect_of_control, table_control
+from axiscal.tables.hats import Hats
+from axiscal.tables.sampling import axis_tables, closest, cross_tables, own_table, points
+from axiscal.tables.table import CompensationTable
+from tests.generators.texts import Std, machine_text
+
+STRAIGHT: dict[str, Std] = {
+    "EXX EYX EYY": "10 um",
+    "EXY": ("10 um", 5, 200),
+    "EZZ": "10 um",
+    "EYZ": ("10 um", 5, 200),
+    "C0Y B0Z": "50 urad",
+    "EXX_reversal EYY_reversal": "5 um",
+}
+CHAINS = ["w-X'-Y'-b-Z-t", "w-b-X-Y-Z-t", "w-Y'-b-X-Z-t"]
+
+
+def machine(chain: str) -> Machine:
+    return machine_from_text(
+        machine_text(
+            chain, {"X": (-100, 500), "Y": (0, 400), "Z": (-300, 0)}, STRAIGHT, curve=(7, 200), tool=100, name="M"
+        )
+    )
+
+
+def known(model: ErrorModel, seed: int) -> tuple[Estimate, VirtualMachine]:
+    """A machine drawn from the prior, and the belief of somebody who knows it."""
+    mean = model.prior_root() @ np.random.default_rng(seed).standard_normal(model.size)
+    curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
+    estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    return estimate, VirtualMachine(model, curves, {})
+
+
+def poses(estimate: Estimate, count: int = 600) -> Array:
+    low, high = np.array(estimate.box).T
+    spread: Array = low + (high - low) * np.random.default_rng(0).uniform(size=(count, len(low)))
+    return spread
+
+
+def reached(estimate: Estimate, truth: VirtualMachine, tables: tuple[CompensationTable, ...]) -> Effect:
+    control = table_control(estimate.machine, tables)
+    return effect_of_control(estimate.machine, truth.deviation, control, poses(estimate), estimate.box)
+
+
+def flipped(tables: tuple[CompensationTable, ...]) -> tuple[CompensationTable, ...]:
+    return tuple(replace(t, forward=-t.forward, reverse=-t.reverse) for t in tables)
+
+
+def test_an_axis_alone_has_a_table_of_its_own_and_none_over_another() -> None:
+    estimate, _ = known(ErrorModel(load_machine("one-axis")), 3)
+    assert [(table.axis, table.over) for table in axis_tables(estimate) + cross_tables(estimate)] == [("X", "X")]
+
+
+@pytest.mark.parametrize("chain", CHAINS)
+def test_tables_take_away_what_moves_along_axes_whichever_side_carries_them(chain: str) -> None:
+    estimate, truth = known(ErrorModel(machine(chain)), 3)
+    tables = axis_tables(estimate) + cross_tables(estimate)
+    found = reached(estimate, truth, tables)
+    assert found.before > 10e-6
+    assert found.after < sum(t.departure for t in tables) + 0.02e-6
+    assert found.after < 0.01 * found.before
+    assert reached(estimate, truth, flipped(tables)).after > 1.8 * found.before
+
+
+@pytest.mark.parametrize("name", ["three-axis-mill", "dmu60"])
+def test_tables_are_the_best_that_tables_can_be(name: str) -> None:
+    """On the real kinematics: less of them, more of them, or the other way, leaves more."""
+    estimate, truth = known(ErrorModel(load_machine(name)), 5)
+    tables = axis_tables(estimate) + cross_tables(estimate)
+    best = reached(estimate, truth, tables)
+    assert best.after < 0.95 * best.before
+    for share in (0.7, 1.3, -1.0):
+        scaled = tuple(replace(t, forward=share * t.forward, reverse=share * t.reverse) for t in tables)
+        assert reached(estimate, truth, scaled).after > best.after
+
+
+def test_rows_are_the_mean_over_the_other_axes() -> None:
+    model = ErrorModel(load_machine("three-axis-mill"))
+    estimate, _ = known(model, 8)
+    at = np.array([0.1, 0.47])
+    moved = [model.machine.index("Y"), model.machine.index("X")]
+    over = model.machine.index("X")
+    rows = mean_along(model, estimate.box, moved, over, np.array([0.0, *at, 0.6]), 1)[:, 1:3] @ estimate.mean
+    for n, position in enumerate(at):
+        drawn = poses(estimate, 40_000)
+        drawn[:, over] = position
+        approaches = np.zeros_like(drawn)
+        approaches[:, over] = 1
+        sampled = estimate.deviation(drawn, approaches)
+        error = sampled.std(axis=0) / np.sqrt(len(drawn))
+        assert rows[0, n] == pytest.approx(sampled[:, 1].mean(), abs=5 * error[1])
+        assert rows[1, n] == pytest.approx(sampled[:, 0].mean(), abs=5 * error[0])
+
+
+@pytest.mark.parametrize(("moved", "over"), [(["X", "Z"], "X"), (["Y", "X"], "Z"), (["Z"], "Y")])
+def test_rows_are_the_mean_over_the_other_axes_of_a_machine_that_turns(moved: list[str], over: str) -> None:
+    """From either side, row by row; a turn of a rotor beyond its command is in its own table."""
+    model, rng = ErrorModel(load_machine("dmu60")), np.random.default_rng(1)
+    box = tuple(
+        (low + 0.1 * (high - low), low + 0.8 * (high - low)) for low, high in (a.travel for a in model.machine.axes)
+    )
+    index, axes = model.machine.index(over), [model.machine.index(name) for name in moved]
+    low, high = np.array(box).T
+    at = np.array([low[index], 0.3 * low[index] + 0.7 * high[index], high[index]])
+    rows = mean_along(model, box, axes, index, at, 1)
+    taken = {"B": "EBB", "C": "ECC"}
+    left = [f for f in model.functions if f.name.partition("_")[0] not in taken.values()]
+    for sign, found in ((1, rows), (-1, from_the_other_side(model, index, rows))):
+        for number, position in enumerate(at):
+            poses = rng.uniform(low, high, (6000, len(low)))
+            poses[:, index] = position
+            sides = np.zeros_like(poses)
+            sides[:, index] = sign
+            seen = model.rows(poses, sides)
+            for n, axis in enumerate(axes):
+                ways = frames(model.machine, poses).rotations[axis] @ np.array(model.machine.axes[axis].direction)
+                sampled = np.einsum("mcn,mc->mn", seen, ways)
+                mean, error = sampled.mean(axis=0), sampled.std(axis=0) / np.sqrt(len(poses))
+                for f in left:
+                    assert np.all(np.abs(found[n, number] - mean)[f.columns] <= 5 * error[f.columns] + 1e-12), f.name
+
+
+def test_of_no_axis_that_is_corrected_there_are_no_rows() -> None:
+    model = ErrorModel(load_machine("three-axis-mill"))
+    rows = mean_along(model, whole_travel(model), [], 0, np.array([0.0, 0.1, 0.2]), 1)
+    assert rows.shape == (0, 3, model.size)
+
+
+@given(st.integers(0, 10**6), st.integers(3, 9), st.integers(2, 12))
+def test_the_line_is_the_nearest_one_and_its_distance_is_found(seed: int, knots: int, count: int) -> None:
+    rng = np.random.default_rng(seed)
+    spline = NaturalSpline(np.sort(rng.uniform(0, 1, knots)) + np.arange(knots) * 0.1)
+    low, high = spline.knots[0], spline.knots[-1]
+    points = np.linspace(low, high, count)
+    control = rng.normal(size=knots)
+    hats = Hats.on(points, spline.knots, (low, high))
+    values = hats.best(spline.rows(hats.nodes) @ control)
+    dense = (np.arange(20_000) + 0.5) / 20_000 * (high - low) + low
+    curve = spline.rows(dense) @ control
+    shapes = np.array([np.interp(dense, points, unit) for unit in np.eye(count)]).T
+    naive = np.linalg.lstsq(shapes, curve, rcond=None)[0]
+    assert values == pytest.approx(naive, abs=1e-5)
+    seen = np.max(np.abs(curve - np.interp(dense, points, values)))
+    departure = hats.departure(spline.rows(hats.nodes) @ control, values)
+    assert seen <= departure * (1 + 1e-9)
+    assert departure == pytest.approx(seen, rel=1e-2, abs=1e-6)
+
+
+@given(st.integers(0, 10**6), st.integers(2, 9), st.booleans())
+def test_the_nearest_line_follows_from_all_hats_at_once(seed: int, count: int, closed: bool) -> None:
+    """Against least squares over all hats, weighed where the curve is inside the volume; around a turn as well."""
+    rng = np.random.default_rng(seed)
+    points, bounds = np.cumsum(rng.uniform(0.1, 1, count)), np.sort(rng.uniform(0, count, 2))
+    hats = Hats.on(points, rng.uniform(points[0], points[-1], 5), (float(bounds[0]), float(bounds[1])), closed)
+    curves = rng.normal(size=(len(hats.nodes), 3))
+    shapes = np.array([np.interp(hats.nodes, points, unit) for unit in np.eye(count)]).T
+    if closed:
+        shapes = np.column_stack([shapes[:, 0] + shapes[:, -1], shapes[:, 1:-1]])
+    root = np.sqrt(hats.weights)[:, None]
+    naive = np.linalg.lstsq(root * shapes, root * curves, rcond=None)[0]
+    naive = np.vstack([naive, naive[:1]]) if closed else naive
+    # A sliver of a hat inside the bounds is held by little, so its value keeps half of the digits.
+    rounding = 1e-8 * np.abs(naive).max()
+    assert hats.best(curves) == pytest.approx(naive, rel=1e-6, abs=rounding)
+    assert hats.best(curves[:, 0]) == pytest.approx(hats.best(curves)[:, 0], rel=1e-6, abs=rounding)
+
+
+@given(st.integers(0, 10**6))
+def test_the_stated_distance_is_the_largest_there_is(seed: int) -> None:
+    """Against the roots of the slope of cubic minus line, with 40 digits, interval by interval."""
+    rng = np.random.default_rng(seed)
+    spline = NaturalSpline(np.linspace(0, 1, 6))
+    control, points = rng.normal(size=6), np.linspace(0, 1, 4)
+    hats = Hats.on(points, spline.knots, (0, 1))
+    values = hats.best(spline.rows(hats.nodes) @ control)
+    stated = hats.departure(spline.rows(hats.nodes) @ control, values)
+    breaks = np.union1d(points, spline.knots)
+    with mpmath.workdps(40):
+        largest = max(_largest(spline, control, points, values, *ends) for ends in itertools.pairwise(breaks))
+    assert stated == pytest.approx(float(largest), rel=1e-9)
+
+
+def _largest(
+    spline: NaturalSpline, control: Array, points: Array, values: Array, low: float, high: float
+) -> mpmath.mpf:
+    i = min(int(np.searchsorted(spline.knots, (low + high) / 2)) - 1, len(spline.knots) - 2)
+    a, b, c, d = (
+        mpmath.mpf(float(x))
+        for x in (
+            control[i],
+            spline.slope_matrix[i] @ control,
+            spline.curvature_matrix[i] @ control,
+            spline.cubic_matrix[i] @ control,
+        )
+    )
+    ends = [mpmath.mpf(float(np.interp(x, points, values))) for x in (low, high)]
+    start, width = mpmath.mpf(float(low)), mpmath.mpf(float(high)) - mpmath.mpf(float(low))
+    knot = mpmath.mpf(float(spline.knots[i]))
+    slope = (ends[1] - ends[0]) / width
+
+    def apart(t: mpmath.mpf) -> mpmath.mpf:
+        u = t - knot
+        return abs(a + u * (b + u * (c + u * d)) - ends[0] - slope * (t - start))
+
+    root = mpmath.sqrt(c * c - 3 * d * (b - slope)) if c * c >= 3 * d * (b - slope) else None
+    turns = [] if root is None or d == 0 else [knot + (sign * root - c) / (3 * d) for sign in (1, -1)]
+    return max(apart(t) for t in [start, start + width, *(t for t in turns if start <= t <= start + width)])
+
+
+def test_the_line_is_best_over_the_volume_only() -> None:
+    spline = NaturalSpline(np.linspace(0, 1, 9))
+    control = np.random.default_rng(1).normal(size=9)
+    dense = np.linspace(1 / 3, 2 / 3, 1000)
+    left = []
+    for bounds in ((1 / 3, 2 / 3), (0, 1)):
+        hats = Hats.on(np.linspace(0, 1, 4), spline.knots, bounds)
+        values = hats.best(spline.rows(hats.nodes) @ control)
+        left.append(np.mean((spline.rows(dense) @ control - np.interp(dense, hats.points, values)) ** 2))
+    assert left[0] < 0.9 * left[1]
+
+
+def test_a_full_turn_closes() -> None:
+    estimate, _ = known(ErrorModel(load_machine("dmu60")), 2)
+    axis = estimate.machine.index("C")
+    table = own_table(estimate, axis, np.linspace(0, 2 * np.pi, 37))
+    assert table.forward[0] == table.forward[-1]
+    assert table.reverse[0] == table.reverse[-1]
+
+
+def test_where_nothing_was_read_the_table_says_so() -> None:
+    model = ErrorModel(machine(CHAINS[0]))
+    prior = Belief(np.zeros(model.size), model.prior_covariance())
+    half = model.names["EXX"]
+    rows = np.zeros((1, model.size))
+    rows[0, model.names["EXX_reversal"].columns] = 1.0
+    read = prior.update(rows, 1e-6, 1e-14)
+    rows[:] = 0.0
+    for t in np.linspace(-0.1, 0.1, 6):
+        rows[0, half.columns] = half.basis.rows(np.array([t]))[0]
+        read = read.update(rows, 5e-6, 1e-14)
+    table = own_table(Estimate(model, read, whole_travel(model)), 0, np.linspace(-0.1, 0.5, 13))
+    assert not table.prior_only[:4].any()
+    assert table.prior_only[-2:].all()
+    untouched = own_table(Estimate(model, prior, whole_travel(model)), 0, np.linspace(-0.1, 0.5, 13))
+    assert np.max(np.abs(untouched.forward)) == 0
+    assert untouched.prior_only.sum() >= 11
+
+
+def test_a_table_without_rotors_is_zero_where_the_axis_is() -> None:
+    estimate, _ = known(ErrorModel(machine(CHAINS[0])), 4)
+    for table in axis_tables(estimate) + cross_tables(estimate):
+        zero = (table.deviation(np.zeros(1), 1) + table.deviation(np.zeros(1), -1)) / 2
+        assert zero == pytest.approx(0, abs=1e-15)
+
+
+def test_a_spacing_that_does_not_divide_the_travel_is_refused() -> None:
+    estimate, _ = known(ErrorModel(machine(CHAINS[0])), 4)
+    with pytest.raises(TableError, match=r"70 mm does not divide the 600 mm of X. 66\.6667 mm would"):
+        axis_tables(estimate, spacing=0.07)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_points_that_may_stand_anywhere_bring_the_line_nearer_to_the_curve(seed: int) -> None:
+    """Straightness of X alone: the line through the table against scipy's spline at 5000 places, 16 points in both."""
+    text = machine_text("w-b-X-Y-Z-t", {"X": (0, 600), "Y": (0, 400), "Z": (0, 300)}, {"EYX": "10 um"}, curve=(13, 60))
+    estimate, _ = known(ErrorModel(machine_from_text(text)), seed)
+    knots, t = np.linspace(0, 0.6, 13), np.linspace(0, 0.6, 5000)
+    curve = CubicSpline(knots, estimate.mean[estimate.model.names["EYX"].columns], bc_type="natural")(t)
+    far = []
+    for uneven in (False, True):
+        (table,) = (table for table in cross_tables(estimate, most=16, uneven=uneven) if table.axis == "Y")
+        assert len(table.positions) <= 16
+        off = np.interp(t, table.positions, table.forward) - curve
+        far.append(np.ptp(off) / 2)  # but for a constant, which zeroing takes away
+    assert far[1] < 0.9 * far[0]
+    assert len(set(np.round(np.diff(table.positions), 9))) > 3
+
+
+def test_a_turn_closes_on_points_that_stand_anywhere() -> None:
+    estimate, _ = known(ErrorModel(load_machine("dmu60")), 4)
+    index = estimate.machine.index("C")
+    even, uneven = (own_table(estimate, index, np.linspace(0, 2 * np.pi, 25), each) for each in (False, True))
+    assert len(uneven.positions) <= 25
+    assert uneven.departure < even.departure
+    assert uneven.forward[0] == uneven.forward[-1]
+
+
+def test_no_even_table_is_left_for_a_worse_one() -> None:
+    """A straight line: nothing is gained, and the even points stay."""
+    at = np.linspace(0.0, 1.0, 101)
+    even = np.linspace(0.0, 1.0, 5)
+    assert closest(np.stack([at, 2 * at]), at, np.array([0.3]), even) is even
+
+
+def test_points_of_an_axis_that_turns_for_ever_divide_the_turn_evenly_in_what_is_written() -> None:
+    """The last point is the first one a turn later; the step is a multiple of the grid, so that nothing is rounded."""
+    model = ErrorModel(load_machine("dmu60"))
+    (turning,) = (index for index, axis in enumerate(model.machine.axes) if axis.cyclic)
+    grid = np.radians(1e-4)
+    at = points(model, turning, None, 100, grid)
+    assert (at[0], at[-1]) == pytest.approx(model.machine.axes[turning].travel)
+    assert 20 < len(at) <= 100
+    assert np.ptp(np.diff(at)) < 1e-12
+    steps = np.diff(at) / grid
+    assert steps == pytest.approx(np.round(steps), abs=1e-6)

@@ -1,0 +1,131 @@
+"""SINUMERIK's tables, read by a reader of its own: system variables into tables, tables into corrections."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+
+import numpy as np
+import pytest
+
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import whole_travel
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.description import machine_from_text
+from axiscal.tables.controllers import sinumerik
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.offer import Export
+from axiscal.tables.registry import export
+from axiscal.tables.table import CompensationTable
+from tests.generators.texts import machine_text
+
+MACHINE = machine_text(
+    "w-C'-X'-b-Y-t",
+    {"X": (0, 400), "Y": (0, 300), "C": (0, 360)},
+    {"EXX": ("10 um", 9, 150), "EXX_reversal": "5 um", "EYX": "10 um", "ECC": ("40 urad", 9, 120)},
+    name="M",
+)
+
+
+def known() -> Estimate:
+    model = ErrorModel(machine_from_text(MACHINE))
+    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(4).standard_normal(model.size)
+    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+
+
+def exported(**options: object) -> Export:
+    return export(known(), "sinumerik", ExportOptions(**options))  # type: ignore[arg-type]
+
+
+def variables(text: str) -> dict[str, dict[tuple[str, ...], str]]:
+    found: dict[str, dict[tuple[str, ...], str]] = defaultdict(dict)
+    for name, index, value in re.findall(r"^\$A([AN]_[A-Z_]+)\[(.*?)\]=(.*)$", text, re.MULTILINE):
+        found[name][tuple(index.split(","))] = value.strip("()")
+    return found
+
+
+def encoder_added(text: str, system: int, axis: str, at: float) -> float:
+    """Return what encoder compensation adds to a position, mm or deg: minus the value (Siemens: + moves it down)."""
+    v = variables(text)
+    key = (str(system), axis)
+    low, high, step = (float(v[f"A_ENC_COMP_{name}"][key]) for name in ("MIN", "MAX", "STEP"))
+    if v["A_ENC_COMP_IS_MODULO"][key] == "1":
+        at = low + (at - low) % (high - low)
+    values = [float(v["A_ENC_COMP"][str(system), str(i), axis]) for i in range(round((high - low) / step) + 1)]
+    return -float(np.interp(at, low + step * np.arange(len(values)), values))
+
+
+@pytest.mark.parametrize("system", [1, 2])
+def test_encoder_compensation_goes_to_the_measuring_system_that_was_chosen(system: int) -> None:
+    made = exported(encoder=system)
+    text = made.files["AX_EEC.INI"]
+    assert set(variables(text)["A_ENC_COMP_STEP"]) == {(str(system - 1), axis) for axis in ("AX1", "AX3")}
+    estimate = known()
+    own = estimate.model.names["EXX"]
+    at = np.linspace(0.0, 0.4, 41)
+    mean = -own.basis.rows(at) @ estimate.mean[own.columns]  # X' carries the workpiece
+    left = np.array([1e3 * encoder_added(text, system - 1, "AX1", 1e3 * x) for x in at]) + 1e6 * mean
+    assert np.ptp(left) < 0.5 < 5 < 1e6 * np.ptp(mean)
+    assert f"measuring system {system} of each axis (index {system - 1})" in made.readme
+
+
+def test_a_rotary_table_repeats_after_each_turn() -> None:
+    made = exported()
+    text = made.files["AX_EEC.INI"]
+    turns = [encoder_added(text, 0, "AX3", 77.0 + 360 * k) for k in (-3, 0, 2)]
+    assert turns[0] == pytest.approx(turns[1], abs=1e-9)
+    assert turns[2] == pytest.approx(turns[1], abs=1e-9)
+    assert "MD30310 ROT_IS_MODULO" in made.readme
+
+
+def test_the_note_names_the_numbers_that_the_files_need() -> None:
+    made = exported()
+    enc, cec = variables(made.files["AX_EEC.INI"]), variables(made.files["NC_CEC.INI"])
+    for axis in ("AX1", "AX3"):
+        count = sum(key[2] == axis for key in enc["A_ENC_COMP"])
+        assert f"[0,{axis}] {count}" in made.readme
+    tables = sorted({int(key[0]) for key in cec["N_CEC"]})
+    counts = [sum(key[0] == str(table) for key in cec["N_CEC"]) for table in tables]
+    points = re.search(r"MD18342 MM_CEC_MAX_POINTS must be at least (.*?);", made.readme)
+    assert points is not None
+    assert points[1] == ", ".join(f"[{table}] {count}" for table, count in zip(tables, counts, strict=True))
+    for name in ("MD32720 CEC_MAX_SUM", "MD32730 CEC_MAX_VELO", "MD32000"):
+        assert name in made.readme
+
+
+def test_the_sum_that_md32720_must_allow_is_that_of_the_tables() -> None:
+    made = exported()
+    cec = variables(made.files["NC_CEC.INI"])
+    largest: dict[str, float] = defaultdict(float)
+    for (table,), axis in cec["N_CEC_OUTPUT_AXIS"].items():
+        values = [abs(float(value)) for key, value in cec["N_CEC"].items() if key[0] == table]
+        if cec["N_CEC_DIRECTION"][table,] in ("0", "1"):
+            largest[axis] += max(values)
+    for axis, value in largest.items():
+        stated = re.search(rf"above.*?([\d.]+) mm \({axis}\)", made.readme)
+        assert stated is not None
+        assert float(stated[1]) == pytest.approx(value, abs=2e-4)
+
+
+def test_a_control_with_more_memory_gets_finer_tables_and_one_with_less_coarser_ones() -> None:
+    counts = {}
+    for points in (9, 200):
+        enc = variables(exported(points=points).files["AX_EEC.INI"])
+        counts[points] = sum(key[2] == "AX1" for key in enc["A_ENC_COMP"])
+    assert counts[9] <= 9 < counts[200]
+
+
+def test_more_points_than_md18342_can_allow_are_refused() -> None:
+    at = np.linspace(0.0, 2.0, 2001)
+    flat = np.zeros(2001)
+    table = CompensationTable("X", False, at, flat + 1e-6, flat, flat)
+    with pytest.raises(TableError, match="has 2001 points, MD18342 allows 2000"):
+        sinumerik.blocks_of([table], [])
+
+
+@pytest.mark.parametrize(("options", "message"), [({"encoder": 3}, "systems 1 and 2"), ({"points": 1}, "Take 2 to")])
+def test_a_measuring_system_or_table_that_there_is_not(options: dict[str, int], message: str) -> None:
+    with pytest.raises(TableError, match=message):
+        exported(**options)

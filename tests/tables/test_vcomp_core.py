@@ -1,0 +1,266 @@
+"""The realtime core against the product's error map, exact kinematics, and a reader with kinematics of its own."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import whole_travel
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.description import machine_from_text
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.simulation import VirtualMachine
+from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.volumetric import exporting
+from axiscal.ports.linuxcnc.volumetric.vcomp_reading import read
+from axiscal.tables.effect import left_by
+from axiscal.tables.export_options import ExportOptions
+from tests.figures import held
+from tests.generators.machines import random_machine
+from tests.generators.texts import machine_text
+from tests.tables.core_library import NEEDS_GCC, Core
+
+pytestmark = NEEDS_GCC
+CHAINS = [seed for seed in range(400) if {"X", "Y", "Z"} <= {axis.name for axis in random_machine(seed).axes}][:6]
+"""Random chains with three linear axes: rotary ones on both sides of the bed, off centre, and between linear ones."""
+UNITS = {"mm": 1e3, "in": 1e3 / 25.4}
+
+
+@pytest.fixture(scope="module")
+def core(tmp_path_factory: pytest.TempPathFactory) -> Core:
+    return Core(tmp_path_factory.mktemp("core"))
+
+
+def drawn(seed: int, size: float | None = None) -> tuple[Estimate, VirtualMachine]:
+    """A random machine and the belief of somebody who knows it; size : RMS of its deviation, m."""
+    model = ErrorModel(random_machine(seed))
+    mean = np.linalg.cholesky(model.prior_covariance()) @ np.random.default_rng(seed).standard_normal(model.size)
+    if size is not None:
+        poses, approaches = places(model, 500)
+        deviation = model.rows(poses, approaches) @ mean
+        mean *= size / np.sqrt(np.mean(np.sum(deviation**2, axis=1)))
+    curves = tuple((lambda t, f=f: f.basis.rows(t) @ mean[f.columns]) for f in model.functions)
+    estimate = Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+    return estimate, VirtualMachine(model, curves, {})
+
+
+def places(model: ErrorModel, count: int) -> tuple[Array, Array]:
+    """Poses at which the linear axes span space, and sides from which they are approached."""
+    rng = np.random.default_rng(7)
+    low, high = np.array([axis.travel for axis in model.machine.axes]).T
+    poses: Array = rng.uniform(low, high, (4 * count, len(low)))
+    linear = [k for k, axis in enumerate(model.machine.axes) if not axis.rotary]
+    rotations = frames(model.machine, poses).rotations
+    moves = np.stack([rotations[k] @ np.array(model.machine.axes[k].direction) for k in linear], axis=2)
+    poses = poses[np.abs(np.linalg.det(moves)) > 0.3][:count]
+    assert len(poses) > count / 4
+    return poses, rng.choice([-1.0, 1.0], poses.shape)
+
+
+def shown(estimate: Estimate, values: Array, unit: str = "mm") -> Array:
+    """Return coordinates in the units of a configuration, row by row."""
+    factors = [np.degrees(1.0) if axis.rotary else UNITS[unit] for axis in estimate.machine.axes]
+    return np.ascontiguousarray(values * factors)
+
+
+def text_of(estimate: Estimate, unit: str = "mm") -> str:
+    return exporting.LinuxcncVolumetric().make(estimate, ExportOptions(unit=unit)).files["axiscal.vcomp"]
+
+
+@pytest.mark.parametrize("unit", ["mm", "in"])
+@pytest.mark.parametrize("seed", CHAINS)
+def test_one_round_takes_the_map_of_the_errors_away(core: Core, seed: int, unit: str) -> None:
+    """H(t) A plus what the joints do to first order is nothing: 1e-6 um over 1,000 poses of every chain."""
+    estimate, _ = drawn(seed)
+    model, axes = estimate.model, estimate.machine.axes
+    poses, approaches = places(model, 1000)
+    assert core.load(text_of(estimate, unit).encode()) == (None, text_of(estimate, unit).count("\n"))
+    tool = np.array([0.0, 0.0, -estimate.machine.tool * UNITS[unit]])
+    added, faults, outside = core.correct(shown(estimate, poses, unit), approaches, tool, once=True)
+    assert not np.any(faults)
+    assert not np.any(outside)
+    nominal = frames(estimate.machine, poses)
+    left = model.rows(poses, approaches) @ estimate.mean
+    for k, (axis, column) in enumerate(zip(axes, added.T, strict=True)):
+        direction = nominal.rotations[k] @ np.array(axis.direction)
+        lever = np.cross(direction, nominal.tcp - nominal.origins[k]) * np.pi / 180 if axis.rotary else direction
+        left = left + column[:, None] * (lever if axis.rotary else lever / UNITS[unit])
+    if not any(axis.rotary for axis in axes):  # nothing is added at machine zero
+        left = left - left[0]
+    held("core against the levers of the error model", 1e6 * np.max(np.abs(left)), 1e-6, "um")
+
+
+@pytest.mark.parametrize("seed", CHAINS)
+def test_two_rounds_leave_a_hundredth_of_a_micrometre(core: Core, seed: int) -> None:
+    """Exact kinematics, an error of 98 um RMS."""
+    estimate, truth = drawn(seed, 98e-6)
+    poses, approaches = places(estimate.model, 400)
+    core.load(text_of(estimate).encode())
+    tool = np.array([0.0, 0.0, -estimate.machine.tool * 1e3])
+    added = core.correct(shown(estimate, poses), approaches, tool)[0] / shown(estimate, np.ones_like(poses))
+    left = left_by(estimate.machine, truth.deviation, lambda p, a: added, poses, approaches)
+    if not any(axis.rotary for axis in estimate.machine.axes):
+        left = left - left.mean(axis=0)
+    left_um = 1e6 * np.sqrt(np.mean(np.sum(left**2, axis=1)))
+    held("core against exact kinematics, 98 um RMS of error", left_um, 0.01, "um")
+
+
+@pytest.mark.parametrize("seed", CHAINS[:4])
+def test_the_reader_adds_what_the_core_adds(core: Core, seed: int) -> None:
+    """To 1e-9 mm, also beyond the travels, between two sides, and with another tool."""
+    estimate, _ = drawn(seed)
+    text = text_of(estimate)
+    core.load(text.encode())
+    poses, _ = places(estimate.model, 300)
+    joints = shown(estimate, poses)
+    joints += np.random.default_rng(3).uniform(-8, 8, joints.shape)
+    ways = np.random.default_rng(4).uniform(-1, 1, poses.shape)
+    for tool in (read(text).tool, np.array([3.0, -2.0, -190.0])):
+        added, faults, _ = core.correct(joints, ways, tool)
+        good = faults == 0
+        assert np.mean(good) > 0.8
+        expected = exporting.correction(read(text), joints[good], ways[good], tool)
+        held("reader against core", np.max(np.abs(expected - added[good])), 1e-9, "mm or deg")
+
+
+def test_linear_axes_that_do_not_span_space_are_a_fault(core: Core) -> None:
+    """A rotary axis between linear ones at 90 deg lays one of them along another."""
+    for seed in CHAINS:
+        estimate, _ = drawn(seed)
+        text = text_of(estimate)
+        low, high = np.array(estimate.box).T
+        poses = np.random.default_rng(2).uniform(low, high, (3000, len(low)))
+        core.load(text.encode())
+        joints = shown(estimate, poses)
+        _, faults, _ = core.correct(joints, np.zeros_like(joints), read(text).tool)
+        if np.any(faults):
+            assert set(faults) == {0, 4}
+            with pytest.raises(TableError, match="do not span space"):
+                exporting.correction(read(text), joints[faults > 0], np.zeros_like(joints)[faults > 0])
+            return
+    pytest.fail("no chain with a rotary axis between linear ones")
+
+
+def test_positions_that_are_not_finite_are_a_fault(core: Core) -> None:
+    estimate, _ = drawn(CHAINS[0])
+    core.load(text_of(estimate).encode())
+    joints = shown(estimate, places(estimate.model, 8)[0])
+    joints[1, 0], joints[2, 1] = np.nan, np.inf
+    _, faults, _ = core.correct(joints, np.zeros_like(joints), np.array([0.0, 0.0, -80.0]))
+    assert list(faults[:4]) == [0, 2, 2, 0]
+    _, faults, _ = core.correct(joints[:1], np.zeros_like(joints[:1]), np.array([0.0, np.nan, -80.0]))
+    assert faults[0] == 2
+
+
+def test_full_turns_and_ends(core: Core) -> None:
+    """A full-turn axis gives the same after each turn; beyond a travel the curve goes on without a step or a kink."""
+    seed = next(s for s in CHAINS if any(axis.cyclic for axis in random_machine(s).axes))
+    estimate, _ = drawn(seed)
+    text = text_of(estimate)
+    core.load(text.encode())
+    machine, tool = estimate.machine, read(text).tool
+    poses, _ = places(estimate.model, 50)
+    cyclic = next(k for k, axis in enumerate(machine.axes) if axis.cyclic)
+    joints, ways = shown(estimate, poses), np.zeros_like(poses)
+    found = []
+    for turns in (-1, 0, 2):
+        further = joints.copy()
+        further[:, cyclic] += 360 * turns
+        added, _, outside = core.correct(further, ways, tool)
+        found.append(added)
+        assert not np.any(outside & (1 << cyclic))
+    assert np.max(np.abs(np.array(found) - found[1])) < 1e-12
+    linear = next(k for k, axis in enumerate(machine.axes) if not axis.rotary)
+    line = np.tile(joints[:1], (4001, 1))
+    line[:, linear] = shown(estimate, np.array([[axis.travel[1] for axis in machine.axes]]))[0, linear]
+    line[:, linear] += np.linspace(-8, 8, 4001)
+    added, _, outside = core.correct(line, np.zeros_like(line), tool)
+    slopes = np.diff(added[:, linear]) / 0.004
+    assert list(np.flatnonzero(np.diff(outside))) == [2000]
+    assert np.max(np.abs(np.diff(slopes))) < 1e-5  # no kink: the largest slope is 1e-4 and goes within 5 mm
+    assert np.max(np.abs(slopes[-700:])) < np.max(np.abs(slopes[1800:2000])) / 4
+
+
+def test_the_side_turns_when_the_axis_has_come_back_by_the_dead_band(core: Core) -> None:
+    """Nothing before the first motion, no turn within the dead band, and the side arrives exactly, without a step."""
+    forth = np.concatenate([np.zeros(5), np.linspace(0, 0.1, 101), np.full(60, 0.1)])
+    jitter = 0.1 - 0.0004 * (np.arange(60) % 2)
+    back = np.concatenate([0.1 - np.linspace(0, 0.05, 51), np.full(60, 0.05)])
+    seconds = 0.012
+    found = core.sides(np.concatenate([forth, jitter, back]), 0.0005, seconds, 1e-3)
+    assert np.all(found[:5] == 0)
+    assert np.all(found[len(forth) - 1 : len(forth) + 60] == 1.0)
+    assert found[-1] == -1.0
+    speed, acceleration = np.diff(found), np.abs(np.diff(found, 2))
+    assert np.max(acceleration) <= 8 / seconds**2 * 1e-6 * (1 + 1e-9)
+    turned = np.flatnonzero(speed[len(forth) + 60 :] < 0)
+    assert len(turned) == pytest.approx(seconds / 1e-3, abs=1)
+
+
+def test_without_drives_no_side_turns_however_the_feedback_trembles(core: Core) -> None:
+    """The drive sags by 2 mm and trembles; switched on again the side turns with the first motion the other way."""
+    forth, back = np.linspace(0, 0.1, 101), -1.9 - np.linspace(0, 0.05, 51)
+    sagging = 0.1 - np.linspace(0, 2.0, 400) + 0.01 * (-1.0) ** np.arange(400)
+    sagging[-1] = -1.9
+    at = np.concatenate([forth, np.full(30, 0.1), sagging, np.full(30, -1.9), back, np.full(60, -1.95)])
+    powered = np.ones(len(at))
+    powered[131:531] = 0.0
+    found = core.sides(at, 0.0005, 0.012, 1e-3, powered)
+    assert np.all(found[131:561] == 1.0)
+    assert found[-1] == -1.0
+    trembling = core.sides(at, 0.0005, 0.012, 1e-3)
+    assert np.count_nonzero(np.diff(np.sign(trembling[131:531]))) > 2  # which the pin is for
+    never = core.sides(at[131:531], 0.0005, 0.012, 1e-3, np.zeros(400))
+    assert np.all(never == 0.0)
+
+
+def test_a_side_that_turns_on_its_way_never_steps(core: Core) -> None:
+    """An axis that swings faster than its side follows: the acceleration stays, and the side stays between its ends."""
+    at = 0.01 * np.sin(np.arange(4000) * 1e-3 * 2 * np.pi * 31)
+    found = core.sides(at, 0.0005, 0.02, 1e-3)
+    assert np.max(np.abs(np.diff(found, 2))) <= 8 / 0.02**2 * 1e-6 * (1 + 1e-9)
+    assert np.max(np.abs(found)) <= 1.2
+    assert np.ptp(found[2000:]) > 0.5
+
+
+def test_the_gain_is_the_quintic_and_turns_back_without_a_step(core: Core) -> None:
+    u = np.arange(1, 1001) / 1000
+    whole = core.gains(np.ones(1000), 1.0, 1e-3)
+    assert whole == pytest.approx(6 * u**5 - 15 * u**4 + 10 * u**3, abs=1e-12)
+    assert whole[-1] == 1.0
+    back = core.gains(np.r_[np.ones(500), np.zeros(1500)], 1.0, 1e-3)
+    assert back[-1] == 0.0
+    assert np.max(np.abs(np.diff(back, 2))) < 2 * np.max(np.abs(np.diff(whole, 2)))  # it has to stop first
+    assert np.min(back) > -0.05
+
+
+def test_an_axis_of_two_kinds_of_knots_keeps_its_cubics() -> None:
+    """Exact on the union of the knots, to 1e-9 of a millimetre: the estimate's own curves, sense and turn included."""
+    for seed in CHAINS[:4]:
+        estimate, _ = drawn(seed)
+        model, file = estimate.model, read(text_of(estimate))
+        for k, axis in enumerate(estimate.machine.axes if any(a.rotary for a in estimate.machine.axes) else ()):
+            scale = np.degrees(1.0) if axis.rotary else 1e3
+            at = np.random.default_rng(5).uniform(*axis.travel, 200)
+            sense = file.axes[k].sense
+            kept = exporting.joint_errors(file.axes[k], sense * at * scale, np.full(200, float(sense)), "mm")
+            expected = np.zeros((200, 6))
+            for f in (f for f in model.functions if f.axis == k and (f.kind != "location" or axis.rotary)):
+                value = f.basis.rows(at) @ estimate.mean[f.columns] * (0.5 if f.kind == "reversal" else 1)
+                expected[:, f.component] += value * (1e3 if f.component < 3 else 1)
+            held("file on the union of the knots", np.max(np.abs(kept - expected)), 1e-9, "mm or rad")
+
+
+def test_more_knots_than_fit_are_refused() -> None:
+    text = machine_text(
+        "w-X'-b-Y-Z-t",
+        {"X": (0, 500), "Y": (0, 400), "Z": (-300, 0)},
+        {"EXX": ("10 um", 60, 200), "EYX": ("10 um", 61, 200)},
+    )
+    model = ErrorModel(machine_from_text(text))
+    estimate = Estimate(model, Belief(np.linspace(0, 1e-5, model.size), np.eye(model.size)), whole_travel(model))
+    with pytest.raises(TableError, match=r"have 119 knots together, the component holds 96"):
+        exporting.LinuxcncVolumetric().make(estimate, ExportOptions())

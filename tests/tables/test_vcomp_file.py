@@ -1,0 +1,169 @@
+"""The file of the component: what is changed, cut or does not fit is refused, by the component and by our reader."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from axiscal.exceptions import TableError
+from axiscal.ports.linuxcnc.volumetric.content import fnv1a
+from axiscal.ports.linuxcnc.volumetric.vcomp_reading import read
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.registry import export
+from tests.tables.core_library import NEEDS_GCC, Core
+from tests.tables.test_controllers import known
+
+
+@pytest.fixture(scope="module")
+def core(tmp_path_factory: pytest.TempPathFactory) -> Core:
+    return Core(tmp_path_factory.mktemp("core"))
+
+
+@lru_cache
+def text(name: str = "dmu60") -> str:
+    return export(known(name)[0], "linuxcnc-volumetric", ExportOptions(origin="0123456789abcdef99")).files[
+        "axiscal.vcomp"
+    ]
+
+
+def signed(body: str) -> str:
+    """A file whose checksum is right, whatever it holds."""
+    kept = body.rpartition("end ")[0]
+    return f"{kept}end {fnv1a(kept.encode()):08x}\n"
+
+
+def changed(old: str, new: str, count: int = 1) -> str:
+    assert old in text()
+    return signed(text().replace(old, new, count))
+
+
+def test_fnv1a_is_the_published_one() -> None:
+    """Vectors of the hash's authors, 32 bits."""
+    assert [fnv1a(each) for each in (b"", b"a", b"foobar")] == [0x811C9DC5, 0xE40C292C, 0xBF9CF968]
+
+
+def test_a_file_says_what_it_is() -> None:
+    file = read(text())
+    assert file.campaign == "0123456789abcdef"
+    assert "Never run on real drives or on a realtime kernel. It is no safety function." in text().splitlines()[1]
+    assert [axis.name for axis in file.axes] == ["C", "B", "Y", "X", "Z"]
+    assert [axis.joints for axis in file.axes] == [(4,), (3,), (1,), (0,), (2,)]
+    assert file.limit > 0.02
+    assert all(axis.seconds >= 0.005 for axis in file.axes)
+
+
+@NEEDS_GCC
+def test_what_is_written_is_taken_by_the_component(core: Core) -> None:
+    for name in ("dmu60", "small"):
+        assert core.load(text(name).encode()) == (None, len(text(name).splitlines()))
+
+
+def test_machine_zero_is_kept_without_rotary_axes() -> None:
+    last = read(text("small")).axes[-1]
+    assert np.any(last.place[:3] != 0)
+    assert not np.any(last.place[3:])
+
+
+@NEEDS_GCC
+def test_no_changed_character_gets_through(core: Core) -> None:
+    """1,500 characters anywhere, each changed to another, and every cut at a line and some between."""
+    data, rng = text().encode(), np.random.default_rng(8)
+    for at in rng.integers(0, len(data), 1500):
+        other = bytes([data[at] ^ int(rng.integers(1, 128))])
+        assert core.load(data[:at] + other + data[at + 1 :])[0] is not None, (at, other)
+    for at in [*rng.integers(0, len(data), 150), 0, 1, len(data) - 1]:
+        assert core.load(data[:at])[0] is not None
+    assert core.load(data + b"\n")[0] is not None
+    assert core.load(data.replace(b"\n", b"\r\n"))[0] is not None
+
+
+def test_our_reader_refuses_the_same() -> None:
+    data, rng = text("small"), np.random.default_rng(8)
+    for at in rng.integers(0, len(data), 60):
+        other = chr(ord(data[at]) ^ int(rng.integers(1, 128)))
+        with pytest.raises(TableError):
+            read(data[:at] + other + data[at + 1 :])
+    for broken in (data[:-1], data[: len(data) // 2], data + "\n", data.replace("\n", "\r\n"), ""):
+        with pytest.raises(TableError):
+            read(broken)
+
+
+BROKEN = {
+    "this is another form": ("axiscal-vcomp 1", "axiscal-vcomp 2"),
+    "units": ("units mm", "units cm"),
+    "two words": ("campaign 0123456789abcdef", "campaign 01 23"),
+    "two axes": ("axes 5", "axes 2"),
+    "ten axes": ("axes 5", "axes 10"),
+    "two linear axes": ("axis X x rotary 0", "axis X x rotary 1"),
+    "a limit of nothing": ("limits 0.", "limits -0."),
+    "not finite": ("tool 0 0 -", "tool 0 nan -"),
+    "infinite": ("tool 0 0 -", "tool 0 1e999 -"),
+    "hexadecimal": ("tool 0 0 -", "tool 0 0x1p3 -"),
+    "too few numbers": ("tool 0 0 -", "tool 0 -"),
+    "too many numbers": ("tool 0 0 -", "tool 0 0 0 -"),
+    "two blanks": ("tool 0 0 -", "tool 0  0 -"),
+    "no such axis": ("axis C z", "axis CC z"),
+    "a small letter": ("axis C z", "axis c z"),
+    "no such direction": ("axis C z", "axis C w"),
+    "no side": ("side -1", "side 0"),
+    "half a sense": ("sense 1", "sense 0.5"),
+    "a joint twice": ("joints 4 -1", "joints 3 -1"),
+    "a gap": ("joints 4 -1", "joints 5 -1"),
+    "joint 9": ("joints 4 -1", "joints 9 -1"),
+    "four linear axes": ("axis C z rotary 1", "axis C z rotary 0"),
+    "a tilted rotary axis": ("travel-tilt 0 0 0", "travel-tilt 0 1 0"),
+    "knots": ("knot 30\n", "knot 60\n"),
+    "one knot more": ("knots 13", "knots 14"),
+    "too many knots": ("knots 13", "knots 97"),
+    "one knot": ("knots 13", "knots 1"),
+    "an endless reversal": ("reversal 1 0.", "reversal 1 90."),
+    "no turn": ("knot 360\n", "knot 300.5\n" + 6 * "0 0 0 0\n" + "knot 350\n"),
+}
+
+
+@pytest.mark.parametrize("what", BROKEN)
+def test_our_reader_refuses_nonsense_with_a_good_checksum(what: str) -> None:
+    with pytest.raises(TableError, match="line"):
+        read(changed(*BROKEN[what]))
+
+
+@NEEDS_GCC
+@pytest.mark.parametrize("what", BROKEN)
+def test_the_component_refuses_nonsense_with_a_good_checksum(core: Core, what: str) -> None:
+    why, line = core.load(changed(*BROKEN[what]).encode())
+    assert why is not None
+    assert line > 0
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (ExportOptions(pivots=True), "this file holds them already"),
+        (ExportOptions(spacing=0.01), "Leave --spacing out"),
+        (ExportOptions(numbers={"X": (5,)}), "have a gap"),
+        (ExportOptions(numbers={"X": (0, 6, 5), "Y": (1,), "Z": (2,), "B": (3,), "C": (4,)}), "X has 3 joints"),
+    ],
+)
+def test_options_that_cannot_be_are_refused(options: ExportOptions, message: str) -> None:
+    with pytest.raises(TableError, match=message):
+        export(known("dmu60")[0], "linuxcnc-volumetric", options)
+
+
+def test_hashes_that_could_do_harm_are_refused() -> None:
+    with pytest.raises(TableError, match="is not the hash of a record"):
+        ExportOptions(origin="abc\nenable 1")
+
+
+def test_a_gantry_has_two_joints() -> None:
+    made = export(known("small")[0], "linuxcnc-volumetric", ExportOptions(numbers={"Y": (1, 2)}))
+    assert [axis.joints for axis in read(made.files["axiscal.vcomp"]).axes] == [(0,), (1, 2), (3,)]
+    assert all(f"axiscal-vcomp.drive-{n}\n" in made.files["axiscal-volumetric.hal"] for n in range(4))
+
+
+def test_the_readme_says_first_what_it_is() -> None:
+    readme = export(known("dmu60")[0], "linuxcnc-volumetric", ExportOptions()).readme.splitlines()
+    assert readme[1].startswith("THIS MOVES YOUR DRIVES BEHIND LINUXCNC'S BACK by up to ")
+    assert "Never run on real drives or on a realtime kernel. It is no safety function." in readme[1]
+    assert any("C at x 0, y 0, z -200 mm; B at x 0, y 0, z -200 mm" in line for line in readme)

@@ -1,0 +1,274 @@
+"""What tables leave and are added to: planes, old points, means over a whole turn, and how long a reversal takes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pytest
+
+from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import whole_travel
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.machine import machine_from_text
+from axiscal.machine.kinematics import frames
+from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.volumetric.exporting import reversal_times, whole_control
+from axiscal.tables.conditional import mean_along
+from axiscal.tables.controllers.fanuc.exporting import _both_notes, _turn_notes
+from axiscal.tables.controllers.fanuc.pitch import PitchParameters
+from axiscal.tables.effect import planes_left
+from axiscal.tables.loaded import Loaded, Lookup
+from axiscal.tables.offer import foreword, shifts
+from axiscal.tables.surface import Mesh
+from axiscal.tables.table import CompensationTable
+from tests.generators.planes import BED, TABLE
+from tests.tables.test_controllers import known
+from tests.tables.test_sampling import CHAINS, machine
+
+
+def estimate_of(text: str, seed: int = 1) -> Estimate:
+    """Return the belief of somebody who knows a machine that was drawn."""
+    model = ErrorModel(machine_from_text(text))
+    mean = model.prior_root() @ np.random.default_rng(seed).standard_normal(model.prior_root().shape[1])
+    return Estimate(model, Belief(mean, 1e-20 * np.eye(model.size)), whole_travel(model))
+
+
+ONE_PLANE = BED.replace("EAYZ", "#").replace('EAX = { std = "100 urad", knots = 4, length = "100 mm" }', "")
+
+
+def plane_of(estimate: Estimate, poses: Array) -> Array:
+    """Return what its error of two axes does along z, (m,) m: the whole deviation less that of all the others."""
+    without = estimate.mean.copy()
+    for plane in estimate.model.planes:
+        without[plane.columns] = 0.0
+    others = replace(estimate, belief=Belief(without, 1e-20 * np.eye(len(without))))
+    sides = np.zeros_like(poses)
+    along: Array = (estimate.deviation(poses, sides) - others.deviation(poses, sides))[:, 2]
+    return along
+
+
+@pytest.mark.parametrize(
+    ("share", "says", "part"),
+    [(1.0, False, False), (0.92, False, False), (0.88, True, True), (0.12, True, True), (0.08, True, False)],
+)
+def test_what_files_leave_of_two_axes_is_said_below_nine_tenths_and_part_of_it_above_a_tenth(
+    share: float, says: bool, part: bool
+) -> None:
+    estimate = estimate_of(ONE_PLANE)
+    axes = estimate.machine.axes
+    index = estimate.machine.index("Z")
+    low, high = np.array(estimate.box).T
+    poses = np.random.default_rng(2).uniform(low, high, (800, len(axes)))
+
+    def control(at: Array, sides: Array) -> Array:
+        """Take the whole deviation along z away, but of what two axes do a share only."""
+        added = np.zeros_like(at)
+        whole = estimate.deviation(at, np.zeros_like(at))[:, 2]
+        added[:, index] = -whole + (1 - share) * plane_of(estimate, at)
+        return added
+
+    words = planes_left(estimate, control, poses, np.zeros_like(poses))
+    assert bool(words) == says
+    assert ("Part of it is held" in words) == part
+    if says:
+        size = np.std(plane_of(estimate, poses)) * 1e6
+        assert f"(EZXY: {size:.3g} um RMS over the volume)" in words
+
+
+def test_a_machine_without_such_an_error_has_nothing_of_it_left() -> None:
+    estimate = estimate_of(ONE_PLANE.replace("EZXY", "#"))
+    poses = np.zeros((3, len(estimate.machine.axes)))
+    assert planes_left(estimate, lambda at, sides: np.zeros_like(at), poses, poses) == ""
+
+
+HEAD = """
+chain = "w-b-X-Z-B-t"
+[tool]
+length = "80 mm"
+[axes.X]
+travel = ["0 mm", "300 mm"]
+[axes.Z]
+travel = ["0 mm", "200 mm"]
+[axes.B]
+travel = ["-90 deg", "270 deg"]
+[errors]
+EBX = { std = "60 urad", knots = 7, length = "100 mm" }
+EZX = { std = "60 um", knots = 5, length = "100 mm" }
+EBZ = { std = "60 urad", knots = 4, length = "100 mm" }
+EXB = { std = "20 um", knots = 9, length = "60 deg" }
+"""
+
+
+@pytest.mark.parametrize("over", ["X", "Z"])
+@pytest.mark.parametrize("turns", ["B", "C"])
+def test_rows_are_the_mean_over_a_whole_turn_that_does_not_begin_at_nought(over: str, turns: str) -> None:
+    """By even places around the turn and along the other linear axis, 36,000 of them."""
+    table = TABLE.replace('["0 deg", "360 deg"]', '["-90 deg", "270 deg"]').replace("EXZC", "#").replace("EBXC", "##")
+    model = ErrorModel(machine_from_text({"B": HEAD, "C": table}[turns]))
+    box, names = whole_travel(model), [axis.name for axis in model.machine.axes]
+    mine, other = names.index(over), names.index("Z" if over == "X" else "X")
+    at = np.array([box[mine][0], 0.11, box[mine][1]])
+    rows = mean_along(model, box, [names.index("X"), names.index("Z")], mine, at, 1)
+    turn = -np.pi / 2 + 2 * np.pi * np.arange(360) / 360
+    along = box[other][0] + (box[other][1] - box[other][0]) * (np.arange(100) + 0.5) / 100
+    taken = [f.columns for f in model.functions if f.name in ("EBB", "ECC")]
+    for number, place in enumerate(at):
+        poses = np.zeros((len(along) * len(turn), len(names)))
+        poses[:, mine], poses[:, names.index(turns)] = place, np.tile(turn, len(along))
+        poses[:, other] = np.repeat(along, len(turn))
+        sides = np.zeros_like(poses)
+        sides[:, mine] = 1
+        seen = model.rows(poses, sides)
+        for moved, name in enumerate(("X", "Z")):
+            axis = names.index(name)
+            ways = frames(model.machine, poses).rotations[axis] @ np.array(model.machine.axes[axis].direction)
+            expected = np.einsum("mcn,mc->mn", seen, ways).mean(axis=0)
+            for columns in taken:
+                expected[columns] = 0.0
+            assert rows[moved, number] == pytest.approx(expected, abs=1e-3 * np.abs(expected).max())
+
+
+def old_table(count: int, low: float = 0.0, high: float = 0.4, size: float = 3e-6) -> Lookup:
+    """Return an old table of Y over itself: what it adds is a parabola."""
+    at = np.linspace(low, high, count)
+    return Lookup("Y", "Y", at, size * at**2)
+
+
+def new_table(count: int) -> CompensationTable:
+    """Return a new one that takes a line away."""
+    at = np.linspace(0.0, 0.4, count)
+    return CompensationTable("Y", False, at, 5e-6 * at, 5e-6 * at, np.full(count, 1e-6), "Y")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "most", "even", "points"),
+    [
+        (9, 5, 9, True, 9),
+        (9, 5, 8, True, 5),
+        (9, 5, 100, True, 9),
+        (5, 9, 100, True, 9),
+        (4, 5, 7, False, 7),
+        (4, 5, 6, False, 5),
+        (9, 5, 100, False, 9),
+    ],
+    ids=["just fits", "does not", "finer", "coarser", "all of both just fit", "all do not", "one holds the other"],
+)
+def test_points_of_a_sum_are_those_of_both_as_far_as_they_fit(
+    old: int, new: int, most: int, even: bool, points: int
+) -> None:
+    before, table = old_table(old), new_table(new)
+    (found,) = Loaded((before,)).under_tables([table], machine(CHAINS[0]), most, even=even)
+    assert len(found.positions) == points
+    assert np.all(np.diff(found.positions) > 1e-9)
+    own = np.interp(found.positions, table.positions, table.forward)
+    added = np.interp(found.positions, before.positions, 3e-6 * before.positions**2)
+    assert found.forward == pytest.approx(own - added, abs=1e-15)
+    assert found.reverse == pytest.approx(own - added, abs=1e-15)
+
+
+def test_a_finer_old_table_that_does_not_reach_as_far_leaves_the_points_of_the_new_one() -> None:
+    (found,) = Loaded((old_table(9, 0.1),)).under_tables([new_table(5)], machine(CHAINS[0]), 100, even=True)
+    assert found.positions == pytest.approx(new_table(5).positions)
+    wider = old_table(9, -0.1, 0.5)
+    (found,) = Loaded((wider,)).under_tables([new_table(5)], machine(CHAINS[0]), 100, even=True)
+    assert found.positions == pytest.approx(wider.positions)
+
+
+def test_a_table_of_before_alone_is_on_its_own_points_and_one_point_is_the_whole_travel() -> None:
+    (found,) = Loaded((old_table(5), old_table(7))).under_tables([], machine(CHAINS[0]), 100)
+    assert (found.axis, found.over, found.rotary) == ("Y", "Y", False)
+    assert set(old_table(7).positions) <= set(found.positions)
+    assert not found.std.any()
+    sides = [Lookup("Y", "X", np.array([0.1]), np.array([added]), way) for added, way in ((2e-6, 1), (4e-6, -1))]
+    (found,) = Loaded(tuple(sides)).under_tables([], machine(CHAINS[0]), 100)
+    assert found.positions == pytest.approx([-0.1, 0.5])
+    assert found.forward == pytest.approx([-2e-6, -2e-6])
+    assert found.reverse == pytest.approx([-4e-6, -4e-6])
+
+
+def test_old_tables_are_told_apart_by_whether_they_are_over_another_axis() -> None:
+    own, cross = old_table(3), Lookup("Y", "X", np.array([0.0, 0.4]), np.zeros(2))
+    both = Loaded((own, cross))
+    assert both.within().lookups == (own,)
+    assert both.across().lookups == (cross,)
+
+
+def test_old_heights_are_added_at_the_points_of_the_new_mesh() -> None:
+    x, y = np.linspace(0, 0.3, 4), np.linspace(0, 0.2, 3)
+    new = Mesh(x, y, 1e-6 * np.arange(12.0).reshape(3, 4))
+    first = Mesh(np.array([0.0, 0.3]), np.array([0.0, 0.2]), 1e-6 * np.array([[0.0, 3.0], [2.0, 5.0]]))
+    found = Loaded(meshes=(first, first)).under_mesh(new)
+    plane = 10.0 * x[None, :] + 10.0 * y[:, None]
+    assert found.added == pytest.approx(new.added + 2e-6 * plane)
+    assert Loaded().under_mesh(new).added == pytest.approx(new.added)
+
+
+def test_a_reversal_takes_a_fifth_of_the_acceleration_of_each_joint_within_5_ms_and_5_s() -> None:
+    """T = √(4 J/(0.2 a)): J the largest step of a joint between both sides of an axis, all over the volume."""
+    estimate = known("dmu60")[0]
+    rng, axes = np.random.default_rng(1), estimate.machine.axes
+    low, high = np.array(estimate.box).T
+    poses = rng.uniform(low, high, (500, len(axes)))
+    control, steps = whole_control(estimate.model, estimate.mean), []
+    for k in range(len(axes)):
+        way = np.zeros_like(poses)
+        way[:, k] = 1.0
+        steps.append(np.max(np.abs(control(poses, way) - control(poses, -way)), axis=0))
+    for factor in (1.0, 1e6, 1e-8):
+        accelerations = [factor * axis.acceleration for axis in axes]
+        scaled = tuple(replace(axis, acceleration=each) for axis, each in zip(axes, accelerations, strict=True))
+        model = ErrorModel(replace(estimate.machine, axes=scaled))
+        found = reversal_times(model, estimate.mean, replace(estimate, model=model))
+        worst = [max(np.sqrt(4 * j / (0.2 * a)) for j, a in zip(step, accelerations, strict=True)) for step in steps]
+        assert found == pytest.approx(np.clip(worst, 0.005, 5.0).tolist(), rel=0.1)
+        assert max(found) <= 5.0
+        assert min(found) >= 0.005
+        assert factor < 1e6 or found == [0.005] * len(axes)
+    assert 5.0 in found
+
+
+def test_what_files_move_is_the_mean_of_both_directions() -> None:
+    """Axes count as the tool moves relative to the workpiece, whichever of the two they carry."""
+    carrying = machine("w-X'-b-Y-Z-t")
+    x, y = carrying.index("X"), carrying.index("Y")
+
+    def control(at: Array, sides: Array) -> Array:
+        added = np.zeros_like(at)
+        added[:, x], added[:, y] = 10e-6 + 4e-6 * sides[:, x], 3e-6 * at[:, y]
+        return added
+
+    poses = np.array([[0.0, 0.0, 0.0], [0.3, 0.3, 0.3]])
+    moved = shifts(carrying, control, poses)
+    assert moved == pytest.approx(np.array([[10e-6, 0.0, 0.0], [10e-6, 0.9e-6, 0.0]]), abs=1e-15)
+    model = ErrorModel(carrying)
+    estimate = Estimate(model, Belief(np.zeros(model.size), np.eye(model.size)), whole_travel(model))
+    (sentence,) = foreword(estimate, control)
+    assert "at machine zero, X 0 mm Y 0 mm Z 0 mm by x +10.0, y +0.0, z +0.0 um;" in sentence
+    assert "X 200 mm Y 200 mm Z -150 mm by x +10.0, y +0.6, z +0.0 um (both" in sentence
+
+
+@pytest.mark.parametrize(
+    ("rotary", "turn", "says"),
+    [(True, True, "C: a rotary axis of type A"), (True, False, "C: supposed of type B"), (False, False, "")],
+)
+def test_fanucs_note_names_the_type_of_each_rotary_axis(rotary: bool, turn: bool, says: str) -> None:
+    plan = SimpleNamespace(rotary=rotary, turn=turn)
+    notes = _turn_notes({"C": cast("PitchParameters", plan)})
+    assert len(notes) == bool(says)
+    assert all(note.startswith(says) for note in notes)
+
+
+@pytest.mark.parametrize(("downwards", "word"), [(True, "downwards"), (False, "upwards")])
+def test_fanucs_note_names_the_axes_with_two_sets_and_which_way_they_come_to_their_reference(
+    downwards: bool, word: str
+) -> None:
+    two, one = (SimpleNamespace(negative=negative, downwards=downwards) for negative in (300, None))
+    plans = {"X": cast("PitchParameters", two), "Y": cast("PitchParameters", one), "Z": cast("PitchParameters", two)}
+    first, second = _both_notes(plans)
+    assert first.startswith("Two sets for X, Z: 3605#0 must be 1")
+    assert f"is come to X {word}, Z {word} (1006#5)" in second
+    assert _both_notes({"Y": cast("PitchParameters", one)}) == ()
