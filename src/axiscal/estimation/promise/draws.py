@@ -109,12 +109,6 @@ class Weighed:
     stated: Stated
 
     @property
-    def log_stated(self) -> float:
-        """The log weight that the sizes as stated have as one draw more, over that of all draws."""
-        log_weight = self.stated.given.value - self.stated.log_proposal
-        return float(log_weight - self.log_evidence - np.log(len(self.every)))
-
-    @property
     def effective(self) -> float:
         """Effective number of draws."""
         return float(1 / np.sum(self.weights**2))

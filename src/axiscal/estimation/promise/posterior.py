@@ -223,11 +223,13 @@ def _as_stated(problem: Problem, found: Weighed, left: Mapping[int, LeftOut]) ->
     A bad reading makes noise seem large: without it the sizes may be those stated, of which no draw is left.
     """
     given, result = found.stated.given, dict(left)
-    log_total = np.logaddexp(0.0, found.log_stated)
+    # The log weight of that draw, over that of all others
+    log_stated = given.value - found.stated.log_proposal - found.log_evidence - np.log(len(found.every))
+    log_total = np.logaddexp(0.0, log_stated)
     for part in parts_of(problem.reading):
         _, _, ratios = _of_draw(problem, given, given.theta, part)
         for reading, ratio in zip(problem.reading[part[:, 0]].tolist(), ratios, strict=True):
-            odds = np.logaddexp(left[reading].log_odds, np.log(_ODDS) + found.log_stated + ratio)
+            odds = np.logaddexp(left[reading].log_odds, np.log(_ODDS) + log_stated + ratio)
             result[reading] = replace(left[reading], log_odds=float(odds - log_total))
     return result
 
