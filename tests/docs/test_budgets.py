@@ -7,7 +7,7 @@ import json
 import shutil
 import subprocess
 import sys
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -54,8 +54,18 @@ def _trees() -> dict[str, ast.Module]:
     return {path.relative_to(PACKAGE).as_posix(): ast.parse(path.read_text(encoding="utf-8")) for path in paths}
 
 
+@cache
+def _by_kind() -> dict[type[ast.AST], list[tuple[str, ast.AST]]]:
+    """Return all nodes of the trees with their files, by their class."""
+    found = defaultdict[type[ast.AST], list[tuple[str, ast.AST]]](list)
+    for file, tree in _trees().items():
+        for node in ast.walk(tree):
+            found[type(node)].append((file, node))
+    return found
+
+
 def _nodes(kind: type[ast.AST]) -> Iterator[tuple[str, ast.AST]]:
-    return ((file, node) for file, tree in _trees().items() for node in ast.walk(tree) if isinstance(node, kind))
+    return iter(_by_kind()[kind])
 
 
 def _lines() -> int:

@@ -40,7 +40,9 @@ def _stds(found: Posterior) -> Array:
     return np.sqrt(np.diagonal(found.covariance))
 
 
-@pytest.mark.parametrize(("kind", "count"), [("axis", 12), ("plate", 9), ("two set-ups", 6)])
+@pytest.mark.parametrize(
+    ("kind", "count"), [("axis", 12), ("plate", 9), pytest.param("two set-ups", 6, marks=pytest.mark.long)]
+)
 def test_moments_and_odds_are_those_of_the_equations(kind: str, count: int) -> None:
     """Mean, covariance, residuals and odds over the same draws and weights."""
     problem = asked(kind, count, 3)

@@ -52,13 +52,15 @@ def _after_one(before: Absorbed, reading: Reading, weight: float) -> Absorbed:
     return Absorbed(case, before.verdict, known, innovations, (*before.weights, weight))
 
 
-@pytest.mark.parametrize("together", [7, pytest.param(400, marks=pytest.mark.long)])
-def test_many_readings_at_once_are_one_after_the_other(together: int, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("together", "count"), [(7, 30), pytest.param(400, 60, marks=pytest.mark.long)])
+def test_many_readings_at_once_are_one_after_the_other(
+    together: int, count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("axiscal.estimation.absorbed.AT_ONCE", together)
     problem = mixed()
-    readings = _turning(problem, 60)
+    readings = _turning(problem, count)
     readings[21] = replace(readings[21], value=3.0, others=(-2.0, 1.0))
-    weights = [1e-9 if i == 11 else 0.0 if i in (0, 21) else 0.4 if i % 7 == 0 else 1.0 for i in range(60)]
+    weights = [1e-9 if i == 11 else 0.0 if i in (0, 21) else 0.4 if i % 7 == 0 else 1.0 for i in range(count)]
     twin, seen_by_twin = _one_by_one(problem, readings, weights)
     known, surprises = list[Accuracy](), list[Innovations]()
     for case, part in blocks(problem, problem.knowledge, readings, weights):

@@ -103,6 +103,7 @@ SPOILT = {
 }
 
 
+@pytest.mark.long
 def test_spoilt_files_are_read_as_our_model_reads_them() -> None:
     joints = [Joint(axis, acceleration=2000.0, table=text) for axis, text in SPOILT.items()]
     moves = [" ".join(["G0", *(f"{axis}{at}" for axis in SPOILT)]) for at in (-20, 10, 70, 130)]
@@ -117,7 +118,14 @@ def test_spoilt_files_are_read_as_our_model_reads_them() -> None:
             assert step.motor[joint] == pytest.approx(predicted, abs=CLOSE), (joint, command)
 
 
-@pytest.mark.parametrize(("step", "stuck"), [(0.010, False), (0.020, True), (0.040, False)])
+@pytest.mark.parametrize(
+    ("step", "stuck"),
+    [
+        pytest.param(0.010, False, marks=pytest.mark.long),
+        (0.020, True),
+        pytest.param(0.040, False, marks=pytest.mark.long),
+    ],
+)
 def test_the_dead_band_is_where_the_warning_says(step: float, stuck: bool) -> None:
     """With 50 m/s² and 1 ms a reversal step above 12.5 um and up to 25 um is never carried out."""
     positions, level = np.array([-0.1, 0.1]), np.zeros(2)

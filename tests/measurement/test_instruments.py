@@ -45,7 +45,9 @@ def _fed(description: CampaignDescription, seed: int, count: int) -> tuple[Estim
     return concluded(Case(description), readings), machine
 
 
-@pytest.mark.parametrize("instrument", ["tracer", "ballbar", "tracker"])
+@pytest.mark.parametrize(
+    "instrument", ["tracer", *(pytest.param(kind, marks=pytest.mark.long) for kind in ("ballbar", "tracker"))]
+)
 def test_the_place_of_a_station_is_found_within_its_sigma(instrument: str) -> None:
     estimation, machine = _fed(_description(f'instrument = "{instrument}"\n{STATION}'), 5, 40)
     columns = estimation.case.observation.unknowns_of(0)
@@ -67,6 +69,7 @@ def test_a_tracer_that_stands_millimetres_off_is_no_less_consistent() -> None:
     assert np.sqrt(np.mean(np.square(left))) < 2 * 0.3e-6
 
 
+@pytest.mark.long
 def test_several_instruments_see_one_machine() -> None:
     kinds = ('instrument = "rtest"', f'instrument = "tracker"\n{STATION}', 'instrument = "level"\ndirection = "y"')
     estimation, machine = _fed(_description(*kinds), 3, 60)

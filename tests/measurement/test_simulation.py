@@ -87,10 +87,10 @@ def test_a_reading_is_the_deviation_along_the_direction_with_the_set_ups_own_and
     setup = _setup(machine, noise=2e-6, unknowns=(Unknown("zero", 1e-4), Unknown("slope", 1e-4)))
     virtual, rng = Simulator(machine, (setup,)).drawn(5), np.random.default_rng(6)
     pose, approach = (0.1, 0.2, 0.3), (1, -1, 1)
-    drawn = np.array([virtual.read(setup, pose, approach, rng) for _ in range(1000)])
+    drawn = np.array([virtual.read(setup, pose, approach, rng) for _ in range(400)])
     own = virtual.offsets["s"]["zero"] + virtual.offsets["s"]["slope"] * (0.1 - 0.3)
     expected = virtual.deviation(np.array([pose]), np.array([approach], dtype=float))[0, 0] + own
-    assert abs(drawn.mean() - expected) < 5 * 2e-6 / np.sqrt(1000)
+    assert abs(drawn.mean() - expected) < 5 * 2e-6 / np.sqrt(400)
     assert drawn.std() == pytest.approx(2e-6, rel=0.1)
 
 

@@ -76,6 +76,7 @@ def test_leaving_early_ends_the_processes() -> None:
     assert not is_running(first.result["process"])
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="needs SIGKILL")
 def test_a_head_that_is_killed_loses_nothing_and_leaves_no_process(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "tests.ports.head", str(tmp_path)]

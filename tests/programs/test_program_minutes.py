@@ -118,6 +118,7 @@ def test_a_program_takes_the_minutes_of_its_plan(machine: str, approach: str, co
     assert len(made) == len(mounted)
 
 
+@pytest.mark.long
 def test_the_list_of_a_program_has_the_same_seconds(tmp_path: Path) -> None:
     case, plan = planned("dmu60", "both", DRIVEN["as usual"])
     description = case.description

@@ -33,7 +33,7 @@ def test_the_keys_are_those_of_a_file(tmp_path: Path) -> None:
 
 
 def test_a_plan_says_its_figures_and_shows_itself() -> None:
-    plan = case().plan(readings=4, candidates=60)
+    plan = case().plan(readings=4, candidates=30)
     document = plan.document
     assert (len(plan), len(plan.places)) == (4, 4)
     assert document["rms_um"] == pytest.approx(1e6 * plan.rms)
