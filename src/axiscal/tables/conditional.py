@@ -41,7 +41,7 @@ def mean_along(model: ErrorModel, box: Box, moved: Sequence[int], over: int, pos
         _add_between(rows, model, axis, over, *_levers_of_other(model, box, moved, over, axis, ends), share)
     for index, plane in enumerate(model.planes, len(model.functions)):
         if over in plane.axes:
-            rows += _together(model, box, moved, over, index, positions)
+            _add_together(rows, model, box, moved, over, index, positions)
     return rows
 
 
@@ -122,29 +122,16 @@ def _add_between(rows: Array, model: ErrorModel, owner: int, over: int, at: Arra
         rows[:, :, function.columns] += first + share * (last - first)
 
 
-def _together(model: ErrorModel, box: Box, moved: Sequence[int], over: int, index: int, at: Array) -> Array:
-    """Return the rows (moved, at, size) of what an error of two axes does on average over the other one of them."""
-    (other,) = set(model.terms[index].axes) - {over}
+def _add_together(
+    rows: Array, model: ErrorModel, box: Box, moved: Sequence[int], over: int, index: int, at: Array
+) -> None:
+    """Add what an error of two axes does on average over the other one of them.  at : (positions,)"""
+    plane = model.planes[index - len(model.functions)]
+    (other,) = set(plane.axes) - {over}
     poses, weights = _grid(model, box, over, at, other)
-    levers = model.levers(poses)
-    levers[np.arange(len(levers)) != index] = 0.0
-    return _along_moves(model, moved, levers, (poses, weights), len(at))
-
-
-def _along_moves(
-    model: ErrorModel, moved: Sequence[int], levers: Array, grid: tuple[Array, Array], count: int
-) -> Array:
-    """Return the mean rows (moved, count, size) along each moved axis.
-
-    levers : (terms, m, 3); grid : poses (m, q) and weights of the nodes beside each position
-    """
-    poses, weights = grid
-    result = np.empty((len(moved), count, model.size))
-    for n, o in enumerate(moved):
-        along = np.einsum("fmc,mc->fm", levers, _motion(model, o, poses))
-        rows = model.along(along, poses, np.zeros_like(poses))
-        result[n] = np.einsum("pwn,w->pn", rows.reshape(count, len(weights), model.size), weights)
-    return result
+    levers = _levers_along(model, moved, [index], poses, len(at))[:, 0]
+    values = plane.rows(plane.coordinates(poses)).reshape(len(at), len(weights), -1)
+    rows[:, :, plane.columns] += np.einsum("opw,pwn->opn", levers * weights, values)
 
 
 def _taken_by_rotor(model: ErrorModel, index: int) -> bool:
