@@ -50,10 +50,10 @@ test check: .venv/dev.stamp
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy --num-workers 2
 	$(BIN)/lint-imports
-	$(BIN)/pytest -n 2 --dist loadfile -m "not long"
+	$(BIN)/pytest -n 3 --dist loadfile -m "not long"
 
 test-long: .venv/dev.stamp
-	AXISCAL_HYPOTHESIS=long $(BIN)/pytest -n 2 --dist loadfile -m "long or hypothesis"
+	AXISCAL_HYPOTHESIS=long $(BIN)/pytest -n 4 --dist loadfile -m "long or hypothesis"
 
 # Whole rooms where their tests take seconds, else the files that do.
 QUICK := description docs/test_constants.py docs/test_house.py docs/test_shapes.py document errors/test_gauge.py \
