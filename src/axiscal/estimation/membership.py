@@ -58,7 +58,7 @@ def membership(
     cases = [replace(known.case, inherited=rival.belief) for rival in stated.rivals]
     shares = shares_of_rivals(stated.rivals, stated.sides[-1].linear_as(known.case), readings, implausible)
     counts = [index for index, share in enumerate(shares) if share > _GONE]
-    beliefs = [_belief(cases[index], known, readings, implausible) for index in counts]
+    beliefs = [_belief(cases[index], known, readings) for index in counts]
     parts = [Inherited(belief.mean, belief.covariance) for belief in beliefs]
     mixed = moments_of(parts, shares[counts] / shares[counts].sum())
     return Membership(stated.rivals, shares, len(readings), Belief(mixed.mean, mixed.covariance))
@@ -83,7 +83,6 @@ def shares_of_rivals(
     return shares_of(data, [rival.belief for rival in rivals], before)
 
 
-def _belief(case: Case, known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Belief:
+def _belief(case: Case, known: Absorbed, readings: Sequence[Reading]) -> Belief:
     """Return what readings make of one of the beliefs, each counting as in what is known."""
-    fresh = absorbed(case, readings, implausible, known.verdict)
-    return displayed(fresh, readings, implausible).knowledge.belief
+    return displayed(absorbed(case, readings, known.left_out), readings).knowledge.belief

@@ -19,7 +19,6 @@ from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inference.data_equation import DataEquation, data_equation
-from axiscal.estimation.inference.outliers import NOTHING
 from axiscal.estimation.type_prior import SisterRecord
 from axiscal.exceptions import AxiscalError, InputError, RecordError, UnreachableError
 from axiscal.machine.description import Machine
@@ -228,6 +227,6 @@ def equation_of(record: MachineRecord, errors: ErrorModel) -> DataEquation:
     across, root = carried_over(errors, own), own.prior_root()
     new = [term.columns for term in own.terms if term.name not in across.known]
     others = np.hstack([across.beyond(), *(root[:, columns] for columns in new)])
-    weighed = zip(known.readings, known.stages.absorbed.weights, strict=True)
-    counts = [reading for reading, weight in weighed if weight > NOTHING]
+    left_out = known.stages.absorbed.left_out
+    counts = [reading for index, reading in enumerate(known.readings) if index not in left_out]
     return data_equation(known.case.observation, counts, others).of(across.matrix)
