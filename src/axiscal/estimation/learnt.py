@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 
 import numpy as np
@@ -25,13 +25,13 @@ _LINEAR = 0.3
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Learnt:
-    """case : with the sizes as learnt; doubts : the readings that others contradict
+    """case : with the sizes as learnt; doubts : the readings that others contradict, by index
 
     found : the posterior; None before the first reading
     """
 
     case: Case
-    doubts: tuple[Doubt, ...] = ()
+    doubts: Mapping[int, Doubt] = field(default_factory=dict)
     found: Posterior | None = None
 
 
@@ -41,7 +41,7 @@ def learnt(case: Case, readings: Sequence[Reading], implausible: Mapping[int, Do
         return Learnt(case)
     case = progressed(case, readings, implausible)
     found = posterior_of(case, readings, implausible)
-    doubts = tuple(Doubt(index, each.z) for index, each in found.bad.items())
+    doubts = {index: Doubt(index, each.z) for index, each in found.bad.items()}
     return Learnt(case.rescaled(found.sizes), doubts, found)
 
 

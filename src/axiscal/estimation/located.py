@@ -34,7 +34,7 @@ def located(learnt: Learnt, readings: Sequence[Reading], implausible: Iterable[i
     of the machine also separate the exact chain from its rows. A round that asks for more than the one before goes half
     as far, and so do those after it: else the rounds would swing.
     """
-    left_out = {*implausible, *(doubt.reading for doubt in learnt.doubts)}
+    left_out = {*implausible, *learnt.doubts}
     known = absorbed(learnt.case, readings, left_out)
     share, last = 1.0, np.inf
     for _ in range(_ROUNDS):
@@ -78,6 +78,8 @@ def moved_by(known: Absorbed, readings: Sequence[Reading], better: Case) -> floa
     known : after readings as they are linearised now
     With S Sᵀ the covariance it is ‖Sᵀ Hᵀ R⁻¹ Δe‖/√N, and never more than ‖Δe/σ‖/√N.
     """
+    if not readings:
+        return 0.0
     observation, belief = known.knowledge.observation, known.knowledge.belief
     places = places_of(observation.setups, readings)
     change = _values(observation, places, readings, known.case.about) - _values(

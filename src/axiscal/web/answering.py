@@ -24,10 +24,12 @@ _KINDS = {"css": "text/css", "js": "text/javascript", "svg": "image/svg+xml", "h
 _REFUSALS: dict[int | str, dict[str, Any]] = {
     status: {"model": ProblemShape, "description": "Not done, and why"} for status in (400, 403, 409, 413, 422)
 }
+"""What each refusal may answer, for the description."""
 _NOTHING_HERE = {
     400: (422, "malformed", "The body is no JSON"),
     405: (405, "method", "This cannot be done here"),
 }
+"""Status, code and sentence of what is refused before a function is called, by the status that it has."""
 
 
 def page_application(page: str, files: tuple[str, ...], language: str, **settings: Any) -> FastAPI:
