@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.estimation.case import Rival
-from axiscal.estimation.inference.data_equation import Moments, moments_of
+from axiscal.estimation.inference.data_equation import moments_of
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.numerics import Array
 from benchmarks.fleet.virtual_types import Bench
@@ -67,14 +67,14 @@ def reached(bench: Bench, rivals: Sequence[Rival], errors: Array, seed: Sequence
     """Return what became of a machine.  errors : (size,) its truth; the same seed for the same set-ups and noise"""
     rng = np.random.default_rng(list(seed))
     places, found, sides, shares = _campaign(bench, rivals, bench.unknowns(errors, rng), rng)
-    first = Moments(sides[0].mean, sides[0].covariance)
+    first = Inherited(sides[0].mean, sides[0].covariance)
     held = _held(bench, found, errors), _held(bench, first, errors)
     return Reached(len(places), *held, tuple(shares.tolist()), tuple(places))
 
 
 def _campaign(
     bench: Bench, rivals: Sequence[Rival], unknowns: Array, rng: np.random.Generator
-) -> tuple[list[int], Moments, list[_Side], Array]:
+) -> tuple[list[int], Inherited, list[_Side], Array]:
     """Read until the mixture has reached the target; return the places, the mixture, its parts and their shares.
 
     The planner works for the likeliest belief, and for the mixture once that one has reached the target. First comes a
@@ -100,12 +100,12 @@ def _campaign(
         places.append(place)
 
 
-def _mixture(sides: Sequence[_Side]) -> tuple[Moments, Array]:
+def _mixture(sides: Sequence[_Side]) -> tuple[Inherited, Array]:
     logs = np.array([side.log for side in sides])
     odds = np.exp(logs - logs.max())
     shares = odds / odds.sum()
     kept = np.flatnonzero(shares > _GONE)
-    parts = [Moments(sides[index].mean, sides[index].covariance) for index in kept.tolist()]
+    parts = [Inherited(sides[index].mean, sides[index].covariance) for index in kept.tolist()]
     return (parts[0] if len(parts) == 1 else moments_of(parts, shares[kept] / shares[kept].sum())), shares
 
 
@@ -119,7 +119,7 @@ def _rms(bench: Bench, covariance: Array) -> float:
     return bench.yardstick.rms_of(float(np.sum((bench.root @ covariance) * bench.root)))
 
 
-def _held(bench: Bench, found: Moments, errors: Array) -> float:
+def _held(bench: Bench, found: Inherited, errors: Array) -> float:
     size = bench.size
     rows = bench.yardstick.rows.reshape(-1, size)
     off = rows @ (found.mean[:size] - errors)

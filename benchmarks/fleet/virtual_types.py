@@ -15,7 +15,6 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import Term
 from axiscal.estimation.case import Case
 from axiscal.estimation.inference.data_equation import DataEquation, data_equation
-from axiscal.estimation.inference.reading_set import ReadingSet
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -105,8 +104,7 @@ class Bench:
             )
             for place in places
         ]
-        numbers = ReadingSet(self.case.observation, readings)
-        return data_equation(numbers, np.ones(len(places)), np.zeros((self.size, 0))).of(self.units.root)
+        return data_equation(self.case.observation, readings).of(self.units.root)
 
 
 class VirtualType:

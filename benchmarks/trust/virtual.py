@@ -168,7 +168,7 @@ def moved(trial: Trial) -> dict[str, float]:
         "shift": _shift(concluded(problem, taken), judged),
         "bent": _shift(without, judged),
         "naive": _shift(*(concluded(problem, _vouched_for(each)) for each in (taken, wrong))),
-        "found": float(any(d.reading == bad and d.rejected for d in judged.outliers)),
+        "found": float(any(d.reading == bad for d in judged.outliers)),
     }
 
 

@@ -223,7 +223,7 @@ def test_a_set_up_mounted_anew_has_unknowns_of_its_own_beside_what_is_inherited(
         assert [setup.name for setup in setups] == ["laser", "dial", anew]
         assert anew.startswith("laser, mounted for ")
         mean, covariance = dense(campaign, setups)
-        assert not [doubt for doubt in known.outliers if doubt.rejected]
+        assert not known.outliers
         belief, own = known.knowledge.belief, known.knowledge.observation
         kept = [*range(own.errors.size), *(int(own.unknowns_of(index)[0]) for index in range(3))]
         np.testing.assert_allclose(belief.mean[kept], mean, rtol=0, atol=1e-10)

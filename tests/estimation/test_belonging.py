@@ -7,20 +7,19 @@ from scipy.stats import multivariate_normal
 
 from axiscal.estimation.inference.data_equation import (
     DataEquation,
-    Moments,
     data_equation,
     log_evidence,
     moments_of,
     shares_of,
 )
-from axiscal.estimation.inference.reading_set import ReadingSet
+from axiscal.estimation.promise.problem import Inherited
 from axiscal.numerics import Array
 from tests.generators.campaigns import drawn, mixed
 
 
-def _prior(rng: np.random.Generator, size: int) -> Moments:
+def _prior(rng: np.random.Generator, size: int) -> Inherited:
     root = rng.standard_normal((size, size))
-    return Moments(rng.standard_normal(size), root @ root.T)
+    return Inherited(rng.standard_normal(size), root @ root.T)
 
 
 def test_shares_are_those_of_the_densities() -> None:
@@ -55,8 +54,7 @@ def test_a_data_equation_and_a_prior_make_the_belief_that_readings_make() -> Non
     case = mixed()
     readings = drawn(case)
     known, size = case.knowledge.read(readings).belief, case.errors.size
-    numbers = ReadingSet(case.observation, readings)
-    data = data_equation(numbers, np.ones(len(readings)), np.zeros((size, 0)))
+    data = data_equation(case.observation, readings)
     mean, covariance = _posterior(case.errors.prior_covariance(), data)
     scale = np.sqrt(np.diagonal(case.errors.prior_covariance()))
     np.testing.assert_allclose(mean / scale, known.mean[:size] / scale, atol=1e-6)

@@ -54,7 +54,7 @@ def test_noise_and_unknowns_are_those_of_josephs_form() -> None:
     known = concluded(case, read(laser_machine(3), 30))
     observation = known.knowledge.observation
     numbers = seen(observation, known.readings)
-    prior, noise = observation.prior_covariance(), np.diag(numbers.variances / np.array(known.stages.absorbed.weights))
+    prior, noise = observation.prior_covariance(), np.diag(numbers.variances)
     gain = prior @ numbers.rows.T @ np.linalg.inv(numbers.rows @ prior @ numbers.rows.T + noise)
     kept = np.eye(len(prior)) - gain @ numbers.rows
     tool = np.zeros((len(case.yardstick.root.matrix), len(prior)))

@@ -13,7 +13,6 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case, Rival
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.inference.intervals import sited
-from axiscal.estimation.inference.outliers import Doubt
 from axiscal.estimation.judged import judged
 from axiscal.estimation.machine_estimate import Estimate, rest_means
 from axiscal.estimation.membership import membership
@@ -41,7 +40,7 @@ def test_a_reading_that_cannot_be_is_told_by_the_others() -> None:
     known = judged(CASE, with_slips(20, {0: 2e-3, 7: 1e-3, 13: -2e-3}))
     assert list(known) == [0, 7, 13]
     for index, doubt in known.items():
-        assert (doubt.reading, doubt.implausible, doubt.rejected) == (index, True, True)
+        assert (doubt.reading, doubt.implausible) == (index, True)
         assert doubt.surprise > 12
 
 
@@ -61,16 +60,15 @@ def test_errors_that_are_to_be_learnt_may_be_four_times_as_large() -> None:
 def test_readings_of_a_fine_display_are_left_as_they_are() -> None:
     readings = read(machine(3), 12)
     known = absorbed(CASE, readings, {})
-    assert displayed(known, readings, {}) is known
+    assert displayed(known, readings) is known
 
 
 def test_readings_of_a_coarse_display_are_taken_for_what_they_say_with_the_surprises_of_before() -> None:
     case = case_with(COARSE)
     readings = [replace(r, value=20e-6 * round(r.value / 20e-6)) for r in read(machine(3), 12)]
     readings[5] = replace(readings[5], value=0.9)
-    doubt = {5: Doubt(5, 1e4, 0.0, True)}
-    known = absorbed(case, readings, doubt)
-    found = displayed(known, readings, doubt)
+    known = absorbed(case, readings, [5])
+    found = displayed(known, readings)
     kept = [r for i, r in enumerate(readings) if i != 5]
     expected = absorbed(case, sited(case.observation, kept), {})
     size = case.errors.size

@@ -49,18 +49,7 @@ def test_what_a_better_place_moves_is_what_an_estimate_made_there_says() -> None
     moved = moved_by(before, some, better)
     assert moved > 1.0
     assert moved == pytest.approx(float(np.sqrt(np.mean(step**2))), rel=0.05)
-    assert moved_by(replace(before, weights=(0.0,) * len(some)), some, better) == 0.0
+    assert moved_by(replace(before, left_out=frozenset(range(len(some)))), some, better) == 0.0
     settled = located(learnt(case, some, {}), some, {})
     again = settled.case.linear_about(settled.knowledge.belief.mean)
     assert moved_by(settled, some, again) < SETTLED
-
-
-@pytest.mark.long
-def test_a_reading_counts_as_often_as_its_weight_says() -> None:
-    case = tracers("3 mm", "1 mm")
-    _, readings = read(case, 4)
-    some = readings[:1]
-    before = absorbed(case, some, {})
-    far = case.linear_about(0.5 * before.knowledge.belief.mean)
-    whole, half = (moved_by(replace(before, weights=(weight,)), some, far) for weight in (1.0, 0.5))
-    assert half == pytest.approx(whole / 2)

@@ -108,7 +108,7 @@ def test_rows_at_the_machine_as_believed_bring_bands_and_parameters_to_agreement
         truth = _truth(case, machine)
         known = located(Learnt(case), readings, {})
         chord.append(_nees(known, truth))
-        there = bent(known, readings, {})
+        there = bent(known, readings)
         assert isinstance(there.case.errors, MovedErrors)
         moved.append(_nees(there, truth))
     assert np.mean(chord) > 1.5

@@ -62,7 +62,7 @@ def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma(see
     bad = int(np.random.default_rng(seed).integers(2, 28))
     wrong = [replace(r, value=r.value + 50e-6 * (i == bad)) for i, r in enumerate(clean)]
     before, after = _estimated(clean), _estimated(wrong)
-    assert [d.reading for d in after.outliers if d.rejected] == [bad]
+    assert [d.reading for d in after.outliers] == [bad]
     for function in before.case.errors.functions:
         rows = function.basis.rows(np.linspace(function.basis.knots[0], function.basis.knots[-1], 101))
         std = np.sqrt(np.sum((rows @ after.knowledge.belief.factor[function.columns]) ** 2, axis=1) + function.rest**2)
@@ -72,7 +72,7 @@ def test_one_gross_error_in_thirty_readings_moves_no_curve_by_half_its_sigma(see
 
 
 def test_readings_that_agree_are_all_believed() -> None:
-    assert all(not doubt.rejected for seed in range(5) for doubt in _estimated(_readings(seed)).outliers)
+    assert not any(_estimated(_readings(seed)).outliers for seed in range(5))
 
 
 def test_a_bad_reading_is_marked_in_the_pictures_of_the_curves() -> None:
@@ -118,11 +118,11 @@ def test_bad_readings_of_one_size_do_not_cover_each_other(seed: int) -> None:
     clean = _readings(seed)
     wrong = [replace(r, value=r.value + 30e-6 * (i in bad)) for i, r in enumerate(clean)]
     as_stated = _description('usual = "off"\nsure = "exactly"\n')
-    refused = {doubt.reading for doubt in concluded(Case(as_stated), wrong).outliers if doubt.rejected}
+    refused = {doubt.reading for doubt in concluded(Case(as_stated), wrong).outliers}
     assert alone <= refused
     assert len(refused) <= 6
     before, after = _estimated(clean), _estimated(wrong)
-    assert {doubt.reading for doubt in after.outliers if doubt.rejected} <= bad
+    assert {doubt.reading for doubt in after.outliers} <= bad
     at = np.linspace(0, 1, 101)
     right, found = (each.estimate().curve("EXX", at) for each in (before, after))
     assert np.all(np.abs(found.mean - right.mean) <= 1.96 * found.std)
@@ -131,9 +131,9 @@ def test_bad_readings_of_one_size_do_not_cover_each_other(seed: int) -> None:
 def test_readings_that_agree_with_their_neighbour_are_a_fact_and_not_bad() -> None:
     """A bump of the curve that two of thirty readings see: no reading is wrong, so none is set aside."""
     bumped = [replace(r, value=r.value + 30e-6 * (i in (14, 15))) for i, r in enumerate(_readings(2))]
-    assert not any(doubt.rejected for doubt in _estimated(bumped).outliers)
+    assert not _estimated(bumped).outliers
     lonely = [replace(r, value=r.value + 30e-6 * (i == 14)) for i, r in enumerate(_readings(2))]
-    assert [doubt.reading for doubt in _estimated(lonely).outliers if doubt.rejected] == [14]
+    assert [doubt.reading for doubt in _estimated(lonely).outliers] == [14]
 
 
 def test_the_record_keeps_a_surprising_reading_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -162,7 +162,7 @@ def test_a_reading_in_mm_is_not_believed_and_others_do_not_make_it_so() -> None:
         for estimate in (_calibrated, _estimated):
             found, other = estimate(readings[:count]), estimate(others)
             for each in (found, other):
-                assert [(d.reading, d.weight < 1e-6, d.implausible) for d in each.outliers] == [(2, True, True)]
+                assert [(d.reading, d.implausible) for d in each.outliers] == [(2, True)]
             np.testing.assert_array_equal(found.banded.knowledge.belief.mean, other.banded.knowledge.belief.mean)
             curve = found.estimate().curve("EXX", at)
             assert np.all(np.abs(curve.mean - clean.mean) < 0.5 * clean.std)

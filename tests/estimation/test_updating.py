@@ -30,26 +30,26 @@ def _turning(problem: Case, count: int) -> list[Reading]:
     return [replace(r, approach=(1, 1, -1)) if i < count // 3 else r for i, r in enumerate(readings)]
 
 
-def _one_by_one(case: Case, readings: Sequence[Reading], weights: Sequence[float]) -> tuple[Absorbed, list[Accuracy]]:
-    known, accuracies = absorbed(case, [], {}), []
-    for reading, weight in zip(readings, weights, strict=True):
-        known = _after_one(known, reading, weight)
+def _one_by_one(case: Case, readings: Sequence[Reading], left_out: Sequence[int]) -> tuple[Absorbed, list[Accuracy]]:
+    known, accuracies = absorbed(case, []), []
+    for index, reading in enumerate(readings):
+        known = _after_one(known, reading, index not in left_out)
         accuracies.append(known.case.yardstick.measure(known.knowledge.belief))
     return known, accuracies
 
 
-def _after_one(before: Absorbed, reading: Reading, weight: float) -> Absorbed:
+def _after_one(before: Absorbed, reading: Reading, counts: bool) -> Absorbed:
     """What is known after one reading more, by one plain update."""
     opened = before.knowledge.opened([reading])
     numbers = seen(opened.observation, [reading])
     expected = opened.belief.predict(numbers.rows)
     surprise = Innovations(numbers.values - expected.mean, np.hypot(expected.std, np.sqrt(numbers.variances)))
-    belief = opened.belief.update(numbers.rows, numbers.values, numbers.variances / weight) if weight else opened.belief
+    belief = opened.belief.update(numbers.rows, numbers.values, numbers.variances) if counts else opened.belief
     case = before.case
     if reading.setup not in case.both and not case.came_as_allowed(reading):
         case = replace(case, both=case.both | {reading.setup})
     known, innovations = Knowledge(opened.observation, belief), (*before.innovations, surprise)
-    return Absorbed(case, before.verdict, known, innovations, (*before.weights, weight))
+    return Absorbed(case, before.left_out, known, innovations)
 
 
 @pytest.mark.parametrize(("together", "count"), [(7, 30), pytest.param(400, 60, marks=pytest.mark.long)])
@@ -60,10 +60,10 @@ def test_many_readings_at_once_are_one_after_the_other(
     problem = mixed()
     readings = _turning(problem, count)
     readings[21] = replace(readings[21], value=3.0, others=(-2.0, 1.0))
-    weights = [1e-9 if i == 11 else 0.0 if i in (0, 21) else 0.4 if i % 7 == 0 else 1.0 for i in range(count)]
-    twin, seen_by_twin = _one_by_one(problem, readings, weights)
+    left_out = (0, 11, 21)
+    twin, seen_by_twin = _one_by_one(problem, readings, left_out)
     known, surprises = list[Accuracy](), list[Innovations]()
-    for case, part in blocks(problem, problem.knowledge, readings, weights):
+    for case, part in blocks(problem, problem.knowledge, readings, left_out):
         known += part.accuracies(case.yardstick)
         surprises += part.innovations
     after = part.after
@@ -86,12 +86,12 @@ def test_the_history_is_what_was_known_after_each_reading() -> None:
     readings[15] = replace(readings[15], value=2.0)
     known = concluded(case, readings)
     moments, final, implausible = path(known), known.stages.absorbed, known.stages.implausible
-    twin = absorbed(known.stages.learnt.case, [], {}, final.verdict)
+    twin = absorbed(known.stages.learnt.case, [])
     assert 15 in implausible
     assert len(moments) == 25
     assert moments[0] == (twin.case.yardstick.measure(twin.knowledge.belief), None, 0.0)
     for count, moment in enumerate(moments[1:], start=1):
-        twin = _after_one(twin, readings[count - 1], final.weights[count - 1])
+        twin = _after_one(twin, readings[count - 1], count - 1 not in final.left_out)
         assert moment.seconds == known.stages.timed.ends[count - 1]
         if count < 24:
             expected = twin.case.yardstick.measure(twin.knowledge.belief)
@@ -119,9 +119,9 @@ def test_where_stations_stand_and_what_cannot_be_is_known_from_the_first_reading
     assert [each.found for each in shown.case.description.setups] != [each.found for each in case.description.setups]
     assert 7 in known.stages.implausible
     moments = path(known)
-    twin = absorbed(known.stages.learnt.case.linear_as(shown.case), [], {}, shown.verdict)
+    twin = absorbed(known.stages.learnt.case.linear_as(shown.case), [])
     for count, moment in enumerate(moments[1:-1], start=1):
-        twin = _after_one(twin, readings[count - 1], shown.weights[count - 1])
+        twin = _after_one(twin, readings[count - 1], count - 1 not in shown.left_out)
         np.testing.assert_allclose(moment.accuracy, twin.case.yardstick.measure(twin.knowledge.belief), rtol=1e-7)
         assert moment.innovations is not None
         np.testing.assert_allclose(moment.innovations.std, twin.innovations[-1].std, rtol=1e-7)

@@ -76,7 +76,7 @@ def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     observation, size = known.knowledge.observation, case.errors.size
     numbers = seen(observation, known.readings)
     prior = observation.prior_covariance()
-    noise = numbers.variances / np.array(known.stages.absorbed.weights)[numbers.reading]
+    noise = numbers.variances
     gain = prior @ numbers.rows.T @ np.linalg.inv(numbers.rows @ prior @ numbers.rows.T + np.diag(noise))
     tool = np.zeros((len(case.yardstick.root.matrix), len(prior)))
     tool[:, :size] = case.yardstick.root.matrix

@@ -17,7 +17,6 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inference.data_equation import DataEquation, data_equation
-from axiscal.estimation.inference.reading_set import ReadingSet
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import TypePrior, individual, over
@@ -117,7 +116,7 @@ def test_what_all_sisters_have_does_not_wear_off(taught: TypePrior, renewed: tup
     errors, kept = known.case.errors, 0.905 * 0.995
     mean, prior, size = known.banded.knowledge.belief.mean[: errors.size], over(taught, errors), errors.size
     own = individual(taught, errors)
-    equation = data_equation(ReadingSet(known.case.observation, readings), np.ones(len(readings)), np.zeros((size, 0)))
+    equation = data_equation(known.case.observation, readings)
     rng, count = np.random.default_rng(9), 4000
     normal = rng.standard_normal
 

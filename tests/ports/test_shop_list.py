@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -13,8 +15,8 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import RecordError
+from axiscal.ports.fleet import shop_list as listing
 from axiscal.ports.fleet.shop_list import brought, shop_list, target_words
-from axiscal.record.folder_index import FolderIndex
 from tests.generators.sisters import read_on, shop, slide, write_record
 
 
@@ -22,6 +24,13 @@ def note(path: Path, text: str) -> None:
     """Add an event to a record."""
     with Campaign.open(path) as campaign:
         campaign.note(text)
+
+
+@pytest.fixture(autouse=True)
+def caches(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Name an empty folder for caches, and return the file that answers are kept in."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "caches"))
+    return tmp_path / "caches" / "axiscal" / "fleet.json"
 
 
 @pytest.fixture
@@ -47,6 +56,26 @@ def test_each_record_is_listed_with_what_it_comes_to(folder: Path) -> None:
     told.clear()
     assert shop_list(folder, told.append) == found
     assert told == []
+
+
+@pytest.mark.parametrize("change", [lambda text: text.replace('"readings": 16', '"readings": 17'), lambda _: "{}"])
+def test_what_nobody_kept_is_not_believed(folder: Path, caches: Path, change: Callable[[str], str]) -> None:
+    found = shop_list(folder)
+    caches.write_text(change(caches.read_text()))
+    assert shop_list(folder) == found
+
+
+def test_where_nothing_can_be_kept_it_is_said(folder: Path, caches: Path) -> None:
+    caches.parent.parent.write_text("no folder")
+    found = shop_list(folder)
+    assert len(found.listed) == 2
+    assert "caches" in found.why_apart
+
+
+def test_a_name_need_not_be_text(folder: Path) -> None:
+    name = os.fsdecode(b"M\xfcller.axiscal")
+    (folder / "A.axiscal").rename(folder / name)
+    assert name in {each.file.name for each in shop_list(folder).listed}
 
 
 def test_what_is_wrong_with_a_record_is_a_sentence(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -122,13 +151,14 @@ def test_what_is_measured_in_the_folder_meanwhile_is_not_lost(
     mine = write_record(tmp_path / "mine.axiscal", slide(serial="C"), read_on(3))
     there = brought(folder, mine).file
     note(mine, "on the laptop")
-    refreshed = FolderIndex.refresh
+    looked = listing._looked_at
 
-    def then_noted(index: FolderIndex) -> None:
-        refreshed(index)
+    def then_noted(shop: Path) -> object:
+        found = looked(shop)
         note(there, "in the folder")
+        return found
 
-    monkeypatch.setattr(FolderIndex, "refresh", then_noted)
+    monkeypatch.setattr(listing, "_looked_at", then_noted)
     with pytest.raises(RecordError, match="Another process has written"):
         brought(folder, mine)
     with Campaign.open(there, write=False) as campaign:

@@ -8,7 +8,6 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inference.data_equation import data_equation
-from axiscal.estimation.inference.reading_set import ReadingSet
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.type_prior import SisterRecord, TypePrior
 from axiscal.machine import machine_from_text
@@ -84,8 +83,7 @@ class Twin:
         virtual = Simulator(described.machine, described.setups).with_coefficients(truth, 5)
         readings = measured(virtual, described, places, 5)
         self.known, self.rng = concluded(case_of(described), readings), rng
-        numbers = ReadingSet(self.known.case.observation, readings)
-        self._read = data_equation(numbers, np.ones(len(readings)), np.zeros((len(std), 0)))
+        self._read = data_equation(self.known.case.observation, readings)
 
     def left(self, kept: Array, renewed: str) -> Array:
         """Return how far off the tool point is at the yardstick's poses, less the shift that is not counted, (m, k) m.

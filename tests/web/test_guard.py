@@ -154,3 +154,10 @@ def test_no_request_is_a_fault_of_the_server(page: Served, path: str, method: st
 def test_a_query_without_sense_is_refused_in_words(page: Served, query: str) -> None:
     answer = page.ask("GET", f"/api/1/state?{query}", Authorization=f"Bearer {page.token}")
     assert (answer.status, answer.document["problem"]) == (422, "malformed")
+
+
+def test_a_body_that_says_it_is_no_json_is_refused(page: Served) -> None:
+    body, bearer = b'{"text": "a note"}', f"Bearer {page.token}"
+    answer = page.ask("POST", "/api/1/notes", body, Authorization=bearer, Content_Type="text/plain")
+    assert (answer.status, answer.document["problem"]) == (422, "malformed")
+    assert page.state()["notes"] == []

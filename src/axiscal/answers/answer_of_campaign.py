@@ -80,7 +80,7 @@ def answer_of(
         more=more,
         more_minutes=_digits(minutes),
         readings=len(known.readings),
-        left_out=sum(doubt.rejected for doubt in known.outliers),
+        left_out=len(known.outliers),
         compared=known.agreement.count,
         agreeing=known.agreement.agreeing,
         minutes=_digits(to_unit(seconds, "min")),

@@ -36,9 +36,9 @@ def fleet(
 ) -> None:
     """List the records of a shop.
 
-    Each line has machine, day, accuracy, target, and the digest of the record. An index is kept beside the records,
-    `.fleet.sqlite`, so that each is read and estimated only once; it can be thrown away. That of a store is in the
-    user's folder for caches. Records that are damaged, no records, or the same as another are named with the reason.
+    Each line has machine, day, accuracy, target, and the digest of the record. What a record comes to is kept in your
+    folder for caches, in `axiscal/fleet.json`, so that it is estimated only once; it can be thrown away. Records that
+    are damaged, no records, or the same as another are named with the reason.
 
     The page shows what is left with each machine's tables from campaign to campaign, and when it is due. Below stand
     what the campaigns found with 95 % bands, figures of ISO 230-2 where readings are such a test, and the notes.
@@ -78,9 +78,8 @@ def _lines(found: ShopList) -> list[str]:
         minded = [each.known.trouble, each.remark]
         lines += [f"To be minded: {each.file.name}: {said}." for said in minded if said]
     lines += [f"Left out: {file.name}: {why}." for file, why in found.left_out]
-    counts = {kind.kind: kind.events for kind in found.kinds}
     totals = count_text(len(found.listed), "record"), count_text(found.machines, "machine")
-    return [*lines, f"{totals[0]} of {totals[1]}; {count_text(sum(counts.values()), 'event')} in the folder."]
+    return [*lines, f"{totals[0]} of {totals[1]}; {count_text(sum(found.kinds.values()), 'event')} in the folder."]
 
 
 def _row(each: ShopRecord) -> tuple[str, ...]:
@@ -115,5 +114,5 @@ def _document(found: ShopList) -> dict[str, object]:
             for each in found.listed
         ],
         "left_out": [{"file": file.name, "why": why} for file, why in found.left_out],
-        "events": {kind.kind: kind.events for kind in found.kinds},
+        "events": dict(found.kinds),
     }

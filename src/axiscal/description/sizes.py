@@ -83,3 +83,7 @@ class Sizes:
         slope = self.spreads * np.exp(-0.5 * near**2) / np.sqrt(2 * np.pi) / density
         within = (theta > -_FARTHEST) & (theta < self._largest)
         return np.clip(theta, -_FARTHEST, self._largest), np.where(within, slope, 0.0)
+
+
+NONE_VARY = Sizes(())
+"""All sizes are as stated."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,49 +10,49 @@ import numpy as np
 from axiscal.estimation.belief import Innovations
 from axiscal.estimation.case import Case
 from axiscal.estimation.inference.intervals import is_odd, sited
-from axiscal.estimation.inference.outliers import NOTHING, Doubt, Verdict
 from axiscal.estimation.knowledge import AT_ONCE, Block, Knowledge, block
-from axiscal.estimation.learnt import UNDISPUTED
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import Seen
+from axiscal.numerics import Array
 
 
 @dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Absorbed:
-    """case : with the set-ups that were read from other sides than they say; verdict : how much the readings count
+    """case : with the set-ups that were read from other sides than they say; left_out : readings that do not count
 
-    innovations : of each reading in the knowledge
-    weights : how much each counts; an implausible one, whose value may be of any size, not at all
+    innovations : of each reading, those left out as well
     """
 
     case: Case
-    verdict: Verdict
+    left_out: frozenset[int]
     knowledge: Knowledge
     innovations: tuple[Innovations, ...]
-    weights: tuple[float, ...]
+
+    def precisions(self, numbers: Seen) -> Array:
+        """Return one over the variance of each number of the readings, 0 of those that are left out, (m,)."""
+        precisions: Array = ~np.isin(numbers.reading, [*self.left_out]) / numbers.variances
+        return precisions
 
 
-def absorbed(
-    case: Case, readings: Sequence[Reading], implausible: Mapping[int, Doubt], verdict: Verdict = UNDISPUTED
-) -> Absorbed:
-    """Return what is known after readings."""
-    said = verdict.weights or (1.0,) * len(readings)
-    weights = tuple(0.0 if index in implausible else weight for index, weight in enumerate(said))
-    knowledge, innovations = case.knowledge, list[Innovations]()
-    for after, part in blocks(case, knowledge, readings, weights):
+def absorbed(case: Case, readings: Sequence[Reading], left_out: Iterable[int] = ()) -> Absorbed:
+    """Return what is known after readings.  left_out : indices of those that do not count"""
+    apart, knowledge, innovations = frozenset(left_out), case.knowledge, list[Innovations]()
+    for after, part in blocks(case, knowledge, readings, apart):
         case, knowledge = after, part.after
         innovations += part.innovations
-    return Absorbed(case, verdict, knowledge, tuple(innovations), weights)
+    return Absorbed(case, apart, knowledge, tuple(innovations))
 
 
 def blocks(
-    case: Case, knowledge: Knowledge, readings: Sequence[Reading], weights: Sequence[float]
+    case: Case, knowledge: Knowledge, readings: Sequence[Reading], left_out: Collection[int] = ()
 ) -> Iterator[tuple[Case, Block]]:
     """Yield what readings make of case and knowledge, some hundreds at a time.
 
-    weights : how much each counts; 0 is predicted and not used
+    left_out : indices of those that are predicted and not used
     """
     for after, start, stop in _parts(case, readings):
-        part = block(knowledge, readings[start:stop], np.array(weights[start:stop]))
+        counts = np.array([index not in left_out for index in range(start, stop)])
+        part = block(knowledge, readings[start:stop], counts)
         knowledge = part.after
         yield after, part
 
@@ -80,7 +80,7 @@ def _widened(case: Case, reading: Reading) -> Case:
     return replace(case, both=case.both | {reading.setup})
 
 
-def displayed(known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Absorbed:
+def displayed(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:
     """Return what is known with such readings instead of normal ones, and the surprises as they were.
 
     known : after all readings, each as the value that was shown
@@ -88,7 +88,7 @@ def displayed(known: Absorbed, readings: Sequence[Reading], implausible: Mapping
     taken = taken_as_normal(known, readings)
     if taken is readings:
         return known
-    fresh = absorbed(known.case, taken, implausible, known.verdict)
+    fresh = absorbed(known.case, taken, known.left_out)
     return replace(fresh, innovations=known.innovations)
 
 
@@ -97,6 +97,6 @@ def taken_as_normal(known: Absorbed, readings: Sequence[Reading]) -> Sequence[Re
     observation = known.case.observation
     if not any(is_odd(setup) for setup in observation.setups):
         return readings
-    kept = [index for index, weight in enumerate(known.weights) if weight > NOTHING]
+    kept = [index for index in range(len(readings)) if index not in known.left_out]
     instead = dict(zip(kept, sited(observation, [readings[i] for i in kept], known.case.inherited), strict=True))
     return [instead.get(index, reading) for index, reading in enumerate(readings)]

@@ -17,8 +17,7 @@ _OF_NOTE = 0.1
 
 def trusted(estimation: Estimation) -> list[Reading]:
     """Return the readings that are believed."""
-    doubted = {doubt.reading for doubt in estimation.outliers}
-    return [reading for index, reading in enumerate(estimation.readings) if index not in doubted]
+    return [reading for index, reading in enumerate(estimation.readings) if index not in estimation.left_out]
 
 
 def with_sides(estimation: Estimation) -> list[Reading]:

@@ -60,10 +60,9 @@ def _weighted(known: Estimation) -> tuple[Array, Array, Array]:
     """Return the rows of all believed numbers, one over their variances, and the set-up of each."""
     observation = known.knowledge.observation
     numbers = seen(observation, known.readings)
-    weights = np.array(known.stages.absorbed.weights)
     index = {setup.name: k for k, setup in enumerate(observation.setups)}
     owner = np.array([index[reading.setup] for reading in known.readings])
-    return numbers.rows, weights[numbers.reading] / numbers.variances, owner[numbers.reading]
+    return numbers.rows, known.stages.absorbed.precisions(numbers), owner[numbers.reading]
 
 
 def _of_readings(known: Estimation) -> Iterator[BudgetShare]:

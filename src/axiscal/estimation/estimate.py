@@ -64,7 +64,7 @@ def concluded(stated: Case, readings: Sequence[Reading], so_far: Estimation | No
 def _finished(case: Case, stages: Stages) -> Stages:
     """Return the stages of readings if none is to follow; themselves where that changes nothing."""
     readings, implausible = stages.timed.readings, stages.implausible
-    known = bent(stages.absorbed, readings, implausible)
+    known = bent(stages.absorbed, readings)
     refuse_mirrors(known, readings, [*implausible])
     return stages if known is stages.absorbed else _posed_again(case, stages._replace(absorbed=known))
 
@@ -98,7 +98,7 @@ def _of_likeliest(stated: Case, stages: Callable[[int], Stages], first: int) -> 
 
 def _estimation(stated: Case, stages: Stages, member: Membership | None = None, side: int = 0) -> Estimation:
     times, implausible, scales, as_shown = stages
-    known = displayed(as_shown, times.readings, implausible)
+    known = displayed(as_shown, times.readings)
     if member is None:
         wide = banded(known.case, known.knowledge, scales.found)
     else:
@@ -110,7 +110,7 @@ def _estimation(stated: Case, stages: Stages, member: Membership | None = None, 
         times.readings,
         times.seconds,
         known.innovations,
-        (*implausible.values(), *known.verdict.doubts),
+        (*implausible.values(), *scales.doubts.values()),
         wide,
         wide.case.yardstick.measure(wide.knowledge.belief),
         stages,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 from axiscal.estimation.absorbed import Absorbed
@@ -58,6 +59,11 @@ class Estimation:
     stages: Stages
     membership: Membership | None = None
     side: int = 0
+
+    @cached_property
+    def left_out(self) -> frozenset[int]:
+        """The indices of the readings that are not used."""
+        return frozenset(doubt.reading for doubt in self.outliers)
 
     @property
     def whole(self) -> Belief:

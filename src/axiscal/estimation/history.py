@@ -28,7 +28,7 @@ def path(final: Estimation) -> list[Moment]:
     as_shown, readings = final.stages.absorbed, final.readings
     start = as_shown.case
     found: list[tuple[Accuracy, Innovations | None]] = [(start.yardstick.measure(start.prior), None)]
-    for case, part in blocks(start, start.knowledge, readings, as_shown.weights):
+    for case, part in blocks(start, start.knowledge, readings, as_shown.left_out):
         found += zip(part.accuracies(case.yardstick), part.innovations, strict=True)
     if readings:
         found[-1] = final.accuracy, found[-1][1]

@@ -8,7 +8,7 @@ import numpy as np
 
 from axiscal.estimation.case import Case
 from axiscal.estimation.inference.implausible import limit, nearest_first, surprises
-from axiscal.estimation.inference.outliers import NOTHING, Doubt
+from axiscal.estimation.inference.outliers import Doubt
 from axiscal.measurement.reading import Reading
 
 _LEARNABLE = 4.0
@@ -26,4 +26,4 @@ def judged(case: Case, readings: Sequence[Reading]) -> Mapping[int, Doubt]:
     if slack > 1 and np.any(far):  # what is printed, and which unit it tells, is by what is stated
         sizes = surprises(case.observation, mean, covariance, taken)
     found = {index: sizes[at] for at, index in enumerate(order) if far[at]}
-    return {i: Doubt(i, size, NOTHING, True) for i, size in sorted(found.items()) if not readings[i].accepted}
+    return {i: Doubt(i, size, True) for i, size in sorted(found.items()) if not readings[i].accepted}

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief, Innovations
@@ -50,7 +51,7 @@ class Knowledge:
         known = self
         for start in range(0, len(readings), AT_ONCE):
             part = readings[start : start + AT_ONCE]
-            known = block(known, part, np.ones(len(part))).after
+            known = block(known, part, np.ones(len(part), dtype=bool)).after
         return known
 
 
@@ -73,12 +74,11 @@ class Block:
         return yardstick.along(self.before.belief.factor, self.losses, ends)
 
 
-def block(knowledge: Knowledge, readings: Sequence[Reading], weights: Array) -> Block:
-    """Return what readings make of knowledge, all at once.  weights : (m,) how much each counts; 0 is not used"""
+def block(knowledge: Knowledge, readings: Sequence[Reading], counts: NDArray[np.bool_]) -> Block:
+    """Return what readings make of knowledge, all at once.  counts : (m,) which are used; the others are predicted"""
     before = knowledge.opened(readings)
     numbers = seen(before.observation, readings)
-    with np.errstate(divide="ignore"):
-        used = numbers.variances / weights[numbers.reading]
+    used = np.where(counts[numbers.reading], numbers.variances, np.inf)
     done = before.belief.update_many(numbers.rows, numbers.values, numbers.variances, used, numbers.reading)
     cuts = np.searchsorted(numbers.reading, np.arange(1, len(readings)))
     surprises = (np.split(part, cuts) for part in (done.belief.innovations.value, done.belief.innovations.std))

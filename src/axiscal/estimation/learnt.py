@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 
 import numpy as np
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.inference.outliers import NOTHING, Doubt, Verdict
+from axiscal.estimation.inference.outliers import Doubt
 from axiscal.estimation.progressive.bent_readings import BentReadings, Optimum, polished, shares
 from axiscal.estimation.progressive.starts import closed_form
 from axiscal.estimation.promise.agreement import Turned
@@ -17,8 +17,6 @@ from axiscal.estimation.promise.posterior import Posterior, posterior
 from axiscal.estimation.promise.problem import problem
 from axiscal.measurement.reading import Reading, drawn
 
-UNDISPUTED = Verdict((), ())
-"""Every reading counts."""
 _MOST = 200
 """Readings by which stations are found: of time; all of them count once these are found."""
 _LINEAR = 0.3
@@ -27,13 +25,13 @@ _LINEAR = 0.3
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Learnt:
-    """case : with the sizes as learnt; verdict : how much each of the readings counts
+    """case : with the sizes as learnt; doubts : the readings that others contradict, by index
 
     found : the posterior; None before the first reading
     """
 
     case: Case
-    verdict: Verdict = UNDISPUTED
+    doubts: Mapping[int, Doubt] = field(default_factory=dict)
     found: Posterior | None = None
 
 
@@ -43,7 +41,8 @@ def learnt(case: Case, readings: Sequence[Reading], implausible: Mapping[int, Do
         return Learnt(case)
     case = progressed(case, readings, implausible)
     found = posterior_of(case, readings, implausible)
-    return Learnt(case.rescaled(found.sizes), verdict_of(found, len(readings)), found)
+    doubts = {index: Doubt(index, each.z) for index, each in found.bad.items()}
+    return Learnt(case.rescaled(found.sizes), doubts, found)
 
 
 def posterior_of(case: Case, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Posterior:
@@ -60,14 +59,6 @@ def _turned(case: Case, readings: Sequence[Reading]) -> Iterator[Turned]:
         for chosen in combinations(axes, count):
             there = case.turned(chosen)
             yield chosen, problem(there.observation, readings, case.sizes, case.inherited, case.description.usual)
-
-
-def verdict_of(found: Posterior, count: int) -> Verdict:
-    """Return the bad readings as doubts, and which of so many readings count."""
-    weights = np.ones(count)
-    weights[list(found.bad)] = NOTHING
-    doubts = tuple(Doubt(index, each.z, NOTHING) for index, each in found.bad.items())
-    return Verdict(doubts, tuple(weights.tolist()))
 
 
 def progressed(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Case:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
-from axiscal.estimation.inference.outliers import Doubt
 from axiscal.estimation.learnt import Learnt
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
@@ -28,14 +27,15 @@ _DRAWS, _SEED = 64, 20260101
 """Draws tell a root mean square within a tenth; the seed is any."""
 
 
-def located(learnt: Learnt, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Absorbed:
+def located(learnt: Learnt, readings: Sequence[Reading], implausible: Iterable[int]) -> Absorbed:
     """Return what readings make known, linearised about the machine and the stations that they show until these stay.
 
     A distance is linear about the assumed place of its station, so a better place makes a better estimate. Large errors
     of the machine also separate the exact chain from its rows. A round that asks for more than the one before goes half
     as far, and so do those after it: else the rounds would swing.
     """
-    known = absorbed(learnt.case, readings, implausible, learnt.verdict)
+    left_out = {*implausible, *learnt.doubts}
+    known = absorbed(learnt.case, readings, left_out)
     share, last = 1.0, np.inf
     for _ in range(_ROUNDS):
         mean = known.knowledge.belief.mean
@@ -45,7 +45,7 @@ def located(learnt: Learnt, readings: Sequence[Reading], implausible: Mapping[in
         better = known.case.located(mean) if settled else known.case.linear_about(_towards(known.case, mean, share))
         if better is None:
             break
-        known = absorbed(better, readings, implausible, learnt.verdict)
+        known = absorbed(better, readings, left_out)
     return known
 
 
@@ -58,7 +58,7 @@ def _towards(case: Case, mean: Array, share: float) -> Array:
     return result
 
 
-def bent(known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Absorbed:
+def bent(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:
     """Return what is known with rows taken at the machine as it is believed, where those of the nominal one mislead."""
     about = known.case.about
     if about is None or float(np.max(indices(known, readings), initial=0.0)) <= GAUSSIAN:
@@ -68,7 +68,7 @@ def bent(known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int,
         done = known.case.about is not None and known.case.about.bent and moved_by(known, readings, case) < SETTLED
         if done:
             break
-        known = absorbed(case, readings, implausible, known.verdict)
+        known = absorbed(case, readings, known.left_out)
     return known
 
 
@@ -78,13 +78,15 @@ def moved_by(known: Absorbed, readings: Sequence[Reading], better: Case) -> floa
     known : after readings as they are linearised now
     With S Sᵀ the covariance it is ‖Sᵀ Hᵀ R⁻¹ Δe‖/√N, and never more than ‖Δe/σ‖/√N.
     """
+    if not readings:
+        return 0.0
     observation, belief = known.knowledge.observation, known.knowledge.belief
     places = places_of(observation.setups, readings)
     change = _values(observation, places, readings, known.case.about) - _values(
         observation, places, readings, better.about
     )
     numbers = seen(observation, readings)
-    trust = np.array(known.weights)[numbers.reading] / numbers.variances
+    trust = known.precisions(numbers)
     if float(np.sqrt(np.sum(trust * change**2) / belief.size)) < SETTLED:
         return 0.0
     pulled = belief.factor.T @ (numbers.rows.T @ (trust * change))

@@ -14,10 +14,10 @@ import numpy as np
 from axiscal.estimation.absorbed import Absorbed, absorbed, displayed
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case, Rival
-from axiscal.estimation.inference.data_equation import Moments, data_equation, moments_of, shares_of
+from axiscal.estimation.inference.data_equation import data_equation, moments_of, shares_of
 from axiscal.estimation.inference.outliers import Doubt
-from axiscal.estimation.inference.reading_set import ReadingSet
 from axiscal.estimation.learnt import posterior_of
+from axiscal.estimation.promise.problem import Inherited
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 
@@ -58,8 +58,8 @@ def membership(
     cases = [replace(known.case, inherited=rival.belief) for rival in stated.rivals]
     shares = shares_of_rivals(stated.rivals, stated.sides[-1].linear_as(known.case), readings, implausible)
     counts = [index for index, share in enumerate(shares) if share > _GONE]
-    beliefs = [_belief(cases[index], known, readings, implausible) for index in counts]
-    parts = [Moments(belief.mean, belief.covariance) for belief in beliefs]
+    beliefs = [_belief(cases[index], known, readings) for index in counts]
+    parts = [Inherited(belief.mean, belief.covariance) for belief in beliefs]
     mixed = moments_of(parts, shares[counts] / shares[counts].sum())
     return Membership(stated.rivals, shares, len(readings), Belief(mixed.mean, mixed.covariance))
 
@@ -79,12 +79,10 @@ def shares_of_rivals(
     counts = [index for index in range(len(readings)) if index not in found.bad and index not in implausible]
     if not counts:
         return before
-    numbers = ReadingSet(widest.rescaled(found.sizes).observation, [readings[index] for index in counts])
-    data = data_equation(numbers, np.ones(len(counts)), np.zeros((widest.errors.size, 0)))
-    return shares_of(data, [Moments(*rival.belief) for rival in rivals], before)
+    data = data_equation(widest.rescaled(found.sizes).observation, [readings[index] for index in counts])
+    return shares_of(data, [rival.belief for rival in rivals], before)
 
 
-def _belief(case: Case, known: Absorbed, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Belief:
+def _belief(case: Case, known: Absorbed, readings: Sequence[Reading]) -> Belief:
     """Return what readings make of one of the beliefs, each counting as in what is known."""
-    fresh = absorbed(case, readings, implausible, known.verdict)
-    return displayed(fresh, readings, implausible).knowledge.belief
+    return displayed(absorbed(case, readings, known.left_out), readings).knowledge.belief

@@ -272,19 +272,16 @@ class Observation:
             numbers.append(number)
         return np.stack(numbers, axis=1)
 
-    def rest_effects(self, setup: int, poses: Array, approaches: Array, everyone: bool = False) -> list[RestEffects]:
+    def rest_effects(self, setup: int, poses: Array, approaches: Array) -> list[RestEffects]:
         """Return what the rests do to each number of readings, of cells that were visited or not.
 
-        poses, approaches : (m, q); everyone : as if every error had a rest
+        poses, approaches : (m, q)
         """
         levers, mounted = self.levers(setup, poses), self.setups[setup]
-        return [self._rest_effects(mounted, along, poses, approaches, everyone) for along in levers]
+        return [self._rest_effects(mounted, along, poses, approaches) for along in levers]
 
-    def _rest_effects(
-        self, mounted: Setup, levers: Array, poses: Array, approaches: Array, everyone: bool = False
-    ) -> RestEffects:
-        among = tuple(range(len(self.errors.terms))) if everyone else self.with_rest
-        return rest_effects(self.errors, mounted, levers, poses, approaches, among)
+    def _rest_effects(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> RestEffects:
+        return rest_effects(self.errors, mounted, levers, poses, approaches, self.with_rest)
 
     def drifts_shown(self, setup: int, direction: Array) -> Iterator[tuple[Course, float]]:
         """Yield the drifts that a reading along a direction shows, each with its share."""

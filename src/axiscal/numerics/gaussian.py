@@ -6,7 +6,6 @@ semidefinite whatever the order and number of readings, and unobserved direction
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -194,57 +193,6 @@ def condition_at_once(
 
     rows : (m, n); values : (m,); noise : (m,) variances, infinite where a reading does not count
     before : (m,) how many of the readings that count come before each
-    Readings and variables that have nothing in common with the others are taken in by themselves.
-    """
-    parts = list(_apart(factors.upper, rows))
-    if len(parts) == 1 and len(parts[0].variables) == len(mean) and len(parts[0].rows) == len(rows):
-        return _together(factors, mean, rows, values, noise, before)
-    upper, diagonal, mean = factors.upper.copy(), factors.diagonal.copy(), mean.copy()
-    expected, variance, losses = np.zeros(len(rows)), np.zeros(len(rows)), np.zeros_like(rows)
-    counts = np.isfinite(noise)
-    place = np.cumsum(counts) - 1
-    for mine, own in parts:
-        both, square = np.ix_(mine, own), np.ix_(own, own)
-        earlier = np.searchsorted(place[mine[counts[mine]]], before[mine])
-        part = Factors(factors.upper[square], factors.diagonal[own])
-        done = _together(part, mean[own], rows[both], values[mine], noise[mine], earlier)
-        upper[square], diagonal[own], mean[own] = *done.factors, done.mean
-        expected[mine], variance[mine], losses[both] = done.expected, done.variance, done.losses
-    return AtOnce(Factors(upper, diagonal), mean, expected, variance, losses)
-
-
-class _Apart(NamedTuple):
-    """Rows, and the variables that they see or that depend on these: indices, ascending."""
-
-    rows: NDArray[np.intp]
-    variables: NDArray[np.intp]
-
-
-def _apart(upper: Array, rows: Array) -> Iterator[_Apart]:
-    """Yield what is seen with what, in parts that have nothing in common.  upper : (n, n) of the factors; rows : (m, n)
-
-    An unknown is in no part if the rows do not see it and no seen unknown depends on it.
-    """
-    linked, seen = upper != 0, rows != 0
-    left = seen.any(axis=0)
-    while left.any():
-        mine, own = np.zeros(len(rows), dtype=bool), np.zeros(len(left), dtype=bool)
-        new = np.array([np.argmax(left)])
-        while len(new):
-            own[new] = True
-            reached = seen[:, new].any(axis=1) & ~mine
-            mine |= reached
-            further = seen[reached].any(axis=0) | linked[new].any(axis=0) | linked[:, new].any(axis=1)
-            new = np.flatnonzero(further & ~own)
-        yield _Apart(np.flatnonzero(mine), np.flatnonzero(own))
-        left &= ~own
-
-
-def _together(
-    factors: Factors, mean: Array, rows: Array, values: Array, noise: Array, before: NDArray[np.intp]
-) -> AtOnce:
-    """Return the same of readings that have something in common; arguments as there.
-
     Let C = S Sᵀ, W = rows S and K = W Wᵀ + N = L Lᵀ over those that count. Row i of X = L⁻¹ W is what reading i takes
     away: C_k = S (1 − Σ_{i≤k} x_i x_iᵀ) Sᵀ, and X Wᵀ is Lᵀ above its diagonal. In the end S R⁻¹ replaces S, with RᵀR =
     1 + Wᵀ N⁻¹ W. Both triangles come from QR of roots, so wide priors keep their digits (Bierman 1977, ch. IV).

@@ -31,7 +31,7 @@ def plan_basis(case: Case, readings: Sequence[Reading], doubts: Sequence[Doubt])
     """
     noise = {setup.name: setup.noise for setup in case.description.setups}
     said = [f"sizes of {count} readings"] if len(case.sizes) and (count := _learnt_from(len(readings))) else []
-    said += [f"{doubt.reading + 1} {'rejected' if doubt.rejected else 'doubted'}" for doubt in doubts]
+    said += [f"{doubt.reading + 1} rejected" for doubt in doubts]
     passed = int((readings[-1].time or 0.0) // EVERY) if readings else 0
     if passed and any(setup.drift > 0 for setup in case.description.setups):
         said.append(f"{passed} times {EVERY / 60:.0f} min")
@@ -49,7 +49,7 @@ def _learnt_from(count: int) -> int:
 
 def twice_rejected(case: Case, readings: Sequence[Reading], doubts: Sequence[Doubt]) -> tuple[Gap, ...]:
     """Return the places at which a second reading was rejected as well: asking for a third would be no use."""
-    rejected = [readings[index] for index in sorted(doubt.reading for doubt in doubts if doubt.rejected)]
+    rejected = [readings[index] for index in sorted(doubt.reading for doubt in doubts)]
     places = [reading.place for reading in rejected]
     found = []
     for number, place in enumerate(places):

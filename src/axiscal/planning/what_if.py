@@ -93,7 +93,7 @@ def traditional(case: Case, count: int) -> Alternative:
     """Return what the same number of readings brings, shared evenly between the axes of the set-ups."""
     readings = traditional_readings(case, count)
     known, seconds = [case.yardstick.measure(case.prior)], [0.0]
-    for seen_by, part in blocks(case, case.knowledge, readings, [1.0] * len(readings)):
+    for seen_by, part in blocks(case, case.knowledge, readings):
         known += part.accuracies(seen_by.yardstick)
     for before, reading in zip([None, *readings], readings, strict=False):
         seconds.append(seconds[-1] + case.seconds_of(before, reading))

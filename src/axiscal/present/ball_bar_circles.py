@@ -61,8 +61,7 @@ def ball_bar_circles(
 
     control : what the tables of `controller` do, None where there are none
     """
-    refused = {doubt.reading for doubt in estimation.outliers if doubt.rejected}
-    kept = [reading for n, reading in enumerate(readings) if n not in refused]
+    kept = [reading for n, reading in enumerate(readings) if n not in estimation.left_out]
     found = []
     for setup in description.setups:
         mine = [reading for reading in kept if reading.setup == setup.name]

@@ -211,7 +211,6 @@ class _Part:
 def _partial_residuals(estimation: Estimation, readings: Sequence[Reading]) -> list[_Part]:
     wide = estimation.banded
     functions, mean = wide.case.errors.functions, wide.knowledge.belief.mean
-    refused = {doubt.reading for doubt in estimation.outliers if doubt.rejected}
     moves = {setup.name: setup.moves for setup in wide.case.description.setups}
     parts = []
     numbers = seen(wide.knowledge.observation, readings)
@@ -220,7 +219,9 @@ def _partial_residuals(estimation: Estimation, readings: Sequence[Reading]) -> l
         row, std = numbers.rows[first], float(np.sqrt(numbers.variances[first]))
         left, whole = float(numbers.values[first] - row @ mean), sum(_share(row, function) for function in functions)
         moved = moves[reading.setup]
-        parts.append(_Part(reading.numbered(index), reading, moved, row, left, std, whole, index in refused))
+        parts.append(
+            _Part(reading.numbered(index), reading, moved, row, left, std, whole, index in estimation.left_out)
+        )
     return parts
 
 

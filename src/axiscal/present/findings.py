@@ -102,8 +102,7 @@ def _outliers(estimation: Estimation) -> Iterator[Finding]:
 def _disagreeing(estimation: Estimation) -> Iterator[Finding]:
     """Say which used readings do not agree with the others; of very many it is not the readings."""
     left = {} if estimation.posterior is None else estimation.posterior.left_out
-    doubted = {doubt.reading for doubt in estimation.outliers}
-    far = [index for index, each in left.items() if each.z > AGREES and index not in doubted]
+    far = [index for index, each in left.items() if each.z > AGREES and index not in estimation.left_out]
     if len(far) > max(2.0, _MANY * len(left)):
         return
     for index in far:

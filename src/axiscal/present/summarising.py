@@ -160,7 +160,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         target_u_um=None if target.expanded is None else to_unit(target.expanded, "um"),
         target_reached=reaches(target, estimation),
         truth=extras.truth_check,
-        iso230=extras.iso230 or iso230_blocks(description, campaign.state.readings, _refused(estimation)),
+        iso230=extras.iso230 or iso230_blocks(description, campaign.state.readings, estimation.left_out),
         versions=versions(),
         files=extras.files,
         record=record_state(campaign),
@@ -235,18 +235,12 @@ def _reversal(curve: CurveSummary) -> bool:
 
 def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:
     """Return how well the machine was known after each reading, and how much each surprised."""
-    refused = _refused(estimation)
     first, *moments = path(estimation)
     rows = [_row(estimation.case, None, 0, first)]
     for index, (reading, moment) in enumerate(zip(campaign.state.readings, moments, strict=True)):
         row = _row(estimation.case, reading, reading.numbered(index), moment)
-        rows.append(replace(row, rejected=index in refused))
+        rows.append(replace(row, rejected=index in estimation.left_out))
     return rows
-
-
-def _refused(estimation: Estimation) -> set[int]:
-    """Return the readings, counted from 0, that were not believed."""
-    return {doubt.reading for doubt in estimation.outliers if doubt.rejected}
 
 
 def _rejections(estimation: Estimation, rows: Sequence[HistoryRow]) -> list[Rejection]:
@@ -261,7 +255,7 @@ def _rejections(estimation: Estimation, rows: Sequence[HistoryRow]) -> list[Reje
             row.unit,
         )
         for doubt in estimation.outliers
-        if doubt.rejected and (row := rows[doubt.reading + 1])
+        if (row := rows[doubt.reading + 1])
     ]
 
 

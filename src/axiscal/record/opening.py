@@ -59,7 +59,7 @@ def gathered(named: Iterable[Path]) -> list[Path]:
     found = list[Path]()
     for each in named:
         if is_store(each):
-            found += (one.path for one in ours("ports.postgres.server_log:all_there")())
+            found += ours("ports.postgres.server_log:all_there")()
         elif not is_stored(each) and each.is_dir():
             found += sorted(each.glob("*.axiscal"))
         else:

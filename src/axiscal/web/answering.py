@@ -1,62 +1,86 @@
-"""How both pages answer: a request of the right form, files, refusals as documents, defects that hide nothing."""
+"""How both pages answer: files, documents that FastAPI describes, refusals as documents, defects that hide nothing."""
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from functools import partial
 from importlib import resources
-from typing import TypeVar
+from typing import Annotated, Any
 
-from pydantic import ValidationError
+from fastapi import Depends, FastAPI, Request, Response, Security
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from fastapi.security import APIKeyCookie, HTTPBearer
 from starlette.exceptions import HTTPException
-from starlette.requests import Request
-from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import LANGUAGES, messages
 from axiscal.web.desk import SurprisingError
-from axiscal.web.problems import problem
-from axiscal.web.shapes import Shape
+from axiscal.web.shapes import ProblemShape, Shape
 
-_Body = TypeVar("_Body", bound=Shape)
+ROOT = "/api/1"
 _KINDS = {"css": "text/css", "js": "text/javascript", "svg": "image/svg+xml", "html": "text/html"}
+_REFUSALS: dict[int | str, dict[str, Any]] = {
+    status: {"model": ProblemShape, "description": "Not done, and why"} for status in (400, 403, 409, 413, 422)
+}
+"""What each refusal may answer, for the description."""
+_NOTHING_HERE = {
+    400: (422, "malformed", "The body is no JSON"),
+    405: (405, "method", "This cannot be done here"),
+}
+"""Status, code and sentence of what is refused before a function is called, by the status that it has."""
 
 
-def static_routes(page: str, files: tuple[str, ...]) -> list[Route]:
-    """Return the routes of a page, which begins with the head of all, and of the files that it loads."""
+def page_application(page: str, files: tuple[str, ...], language: str, **settings: Any) -> FastAPI:
+    """Return the application of a page, which begins with the head of all, with the files that it loads.
+
+    language : of the page, whose messages it is given; settings : as of FastAPI
+    Its guard asks for token or cookie; here they are only described.
+    """
+    token = HTTPBearer(scheme_name="token", description="The token that axiscal serve prints", auto_error=False)
+    cookie = APIKeyCookie(name="axiscal-PORT", scheme_name="page", description="The page's own", auto_error=False)
     named = {"/": page, **{f"/{name}": name for name in files}}
-    return [Route(path, partial(_file, name), methods=["GET"]) for path, name in named.items()]
+    return FastAPI(
+        routes=[
+            *(Route(path, partial(_file, name), methods=["GET"]) for path, name in named.items()),
+            Route("/words.json", _words(language), methods=["GET"]),
+        ],
+        exception_handlers={
+            RequestValidationError: _malformed, AxiscalError: _refused, HTTPException: _not_here, Exception: _defect
+        },
+        responses=_REFUSALS,
+        dependencies=[Security(token), Security(cookie)],
+        docs_url=None,
+        redoc_url=None,
+        redirect_slashes=False,
+        strict_content_type=False,
+        **settings,
+    )  # fmt: skip
 
 
-def words(language: str) -> Response:
-    """Return the language of a page, and its messages by the English ones."""
-    return JSONResponse({"language": language, "messages": messages(language)})
+def document(shape: Shape, status: int = 200) -> Response:
+    """Return an answer that is a document."""
+    return Response(shape.model_dump_json().encode("utf-8", "replace"), status, media_type="application/json")
 
 
-def language_of(request: Request) -> str:
-    """Return the language of the answer: the one that a page names, English for every program that names none."""
+def problem(status: int, code: str, sentence: str, surprise: float | None = None) -> Response:
+    """Return an answer that says what is wrong: by a code for programs and a sentence for people."""
+    return document(ProblemShape(problem=code, sentence=sentence, surprise=surprise), status)
+
+
+def _language_of(request: Request) -> str:
     named = request.headers.get("accept-language", "")
     return named if named in LANGUAGES else "en"
 
 
-async def answered(
-    kind: type[_Body], given: bytes | dict[str, str], answer: Callable[[_Body], Awaitable[Response]]
-) -> Response:
-    """Answer what was asked if it has the right form; turn every refusal into a document."""
-    try:
-        body = kind.model_validate_json(given) if isinstance(given, bytes) else kind.model_validate(given)
-        return await answer(body)
-    except ValidationError as failure:
-        first = failure.errors(include_url=False, include_input=False, include_context=False)[0]
-        where = ".".join(str(part) for part in first["loc"])
-        return problem(422, "malformed", f"{where}: {first['msg']}" if where else first["msg"])
-    except SurprisingError as failure:
-        return problem(409, "surprising", str(failure), failure.surprise)
-    except OvertakenError as failure:
-        return problem(409, "overtaken", str(failure))
-    except AxiscalError as failure:
-        return problem(422, "refused", str(failure))
+Language = Annotated[str, Depends(_language_of)]
+"""The language of the answer: the one that a page names, English for every program that names none."""
+
+
+def _words(language: str) -> Callable[[Request], Response]:
+    """Return what answers with the language of a page, and its messages by the English ones."""
+    return lambda _: JSONResponse({"language": language, "messages": messages(language)})
 
 
 async def _file(name: str, request: Request) -> Response:
@@ -65,13 +89,27 @@ async def _file(name: str, request: Request) -> Response:
     return Response(begins + folder.joinpath(name).read_bytes(), media_type=_KINDS[kind])
 
 
-async def not_here(request: Request, failure: Exception) -> Response:
+async def _malformed(request: Request, failure: Exception) -> Response:
+    assert isinstance(failure, RequestValidationError)
+    first = failure.errors()[0]
+    where = ".".join(str(part) for part in first["loc"][1:])
+    return problem(422, "malformed", f"{where}: {first['msg']}" if where else first["msg"])
+
+
+async def _refused(request: Request, failure: Exception) -> Response:
+    if isinstance(failure, SurprisingError):
+        return problem(409, "surprising", str(failure), failure.surprise)
+    if isinstance(failure, OvertakenError):
+        return problem(409, "overtaken", str(failure))
+    return problem(422, "refused", str(failure))
+
+
+async def _not_here(request: Request, failure: Exception) -> Response:
     status = failure.status_code if isinstance(failure, HTTPException) else 500
-    code, said = ("method", "This cannot be done here") if status == 405 else ("missing", "There is nothing here")
-    return problem(status, code, said)
+    return problem(*_NOTHING_HERE.get(status, (status, "missing", "There is nothing here")))
 
 
-async def defect(request: Request, failure: Exception) -> Response:
+async def _defect(request: Request, failure: Exception) -> Response:
     kind = type(failure).__name__
     said = f"A defect in axiscal: {kind}: {failure}. What is on the disk is kept; look at the last readings"
     return problem(500, "defect", said)

@@ -3,162 +3,136 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
-from functools import partial
-from typing import TypeVar
+from typing import Annotated
 
-from starlette.applications import Starlette
-from starlette.exceptions import HTTPException
-from starlette.requests import Request
-from starlette.responses import FileResponse, JSONResponse, Response
-from starlette.routing import Route
+from fastapi import FastAPI, Query, Response
+from fastapi.responses import FileResponse
 
 from axiscal.language.spoken import LANGUAGES
-from axiscal.web.answering import answered, defect, language_of, not_here, static_routes, words
+from axiscal.web.answering import ROOT, Language, document, page_application, problem
 from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
 from axiscal.web.guard import Admission, Guard
-from axiscal.web.openapi import ROOT, description
-from axiscal.web.problems import document, problem
 from axiscal.web.shapes import (
     CostQuery,
+    CostShape,
     DoneShape,
     KeepRequest,
     NoteRequest,
     PictureQuery,
-    Shape,
     SkipRequest,
+    StateShape,
     StepRequest,
     TableQuery,
+    TableShape,
     TypedQuery,
+    TypedShape,
     WaitQuery,
 )
 
 _FILES = ("page.css", "elements.js", "page.js", "pictures.js", "words.js", "icon.svg")
-_Answer = Callable[[Request], Awaitable[Response]]
-_Body = TypeVar("_Body", bound=Shape)
 
 
 def application(counter: Counter, admitted: Admission) -> Guard:
     """Return the whole page behind its guard."""
     api = _Api(counter)
-    steps = {"readings": api.keep, "skips": api.skip, "notes": api.note, "undo": api.undo, "next": api.go_on}
-    steps["finish"] = api.finish
-    routes = [
-        *static_routes("page.html", _FILES),
-        Route("/words.json", api.words, methods=["GET"]),
-        Route("/report.html", api.report, methods=["GET"]),
-        Route("/setup.svg", api.setup_picture, methods=["GET"]),
-        Route(f"{ROOT}/openapi.json", _described, methods=["GET"]),
-        Route(f"{ROOT}/state", api.state, methods=["GET"]),
-        Route(f"{ROOT}/typed", api.typed, methods=["GET"]),
-        Route(f"{ROOT}/table", api.table, methods=["GET"]),
-        Route(f"{ROOT}/cost", api.cost, methods=["GET"]),
-        *(Route(f"{ROOT}/{name}", answer, methods=["POST"]) for name, answer in steps.items()),
-    ]
-    app = Starlette(
-        routes=routes, exception_handlers={HTTPException: not_here, Exception: defect}, lifespan=_watching(counter)
+    app = page_application(
+        "page.html",
+        _FILES,
+        counter.language,
+        title="axiscal, the readings of one campaign",
+        version="1",
+        openapi_url=f"{ROOT}/openapi.json",
+        lifespan=_watching(counter),
     )
-    app.router.redirect_slashes = False
+    app.get("/report.html", include_in_schema=False)(api.report)
+    app.get("/setup.svg", include_in_schema=False)(api.setup_picture)
+    app.get(f"{ROOT}/state", response_model=StateShape)(api.state)
+    app.get(f"{ROOT}/typed", response_model=TypedShape)(api.typed)
+    app.get(f"{ROOT}/table", response_model=TableShape)(api.table)
+    app.get(f"{ROOT}/cost", response_model=CostShape)(api.cost)
+    app.post(f"{ROOT}/readings", response_model=DoneShape)(api.keep)
+    app.post(f"{ROOT}/skips", response_model=DoneShape)(api.skip)
+    app.post(f"{ROOT}/notes", response_model=DoneShape)(api.note)
+    app.post(f"{ROOT}/undo", response_model=DoneShape)(api.undo)
+    app.post(f"{ROOT}/next", response_model=DoneShape)(api.go_on)
+    app.post(f"{ROOT}/finish", response_model=DoneShape)(api.finish)
     return Guard(app, admitted)
 
 
 class _Api:
-    """What the routes answer."""
+    """What the routes answer; the description of the API says of each what stands here."""
 
     def __init__(self, counter: Counter) -> None:
         self._counter = counter
 
-    async def state(self, request: Request) -> Response:
-        async def found(query: WaitQuery) -> Response:
-            return document(await self._counter.newer(query.seen, query.wait, language_of(request)))
+    async def state(self, query: Annotated[WaitQuery, Query()], language: Language) -> Response:
+        """All that the page shows, at once or when it is newer than what was seen."""
+        return document(await self._counter.newer(query.seen, query.wait, language))
 
-        return await answered(WaitQuery, dict(request.query_params), found)
+    async def typed(self, query: Annotated[TypedQuery, Query()], language: Language) -> Response:
+        """What a typed text would mean for the question that is open."""
+        return document(self._counter.read(query.text, language))
 
-    async def typed(self, request: Request) -> Response:
-        async def found(query: TypedQuery) -> Response:
-            return document(self._counter.read(query.text, language_of(request)))
+    async def table(self, query: Annotated[TableQuery, Query()]) -> Response:
+        """What the table of a control would reach if the campaign ended now."""
+        return document(await self._counter.ask(lambda desk: desk.table(query.control)))
 
-        return await answered(TypedQuery, dict(request.query_params), found)
+    async def cost(self, query: Annotated[CostQuery, Query()], language: Language) -> Response:
+        """What skipping the reading costs, or leaving its set-up."""
+        return document(await self._counter.ask(lambda desk: desk.cost(rest=query.rest, language=language)))
 
-    async def words(self, request: Request) -> Response:
-        return words(self._counter.language)
-
-    async def table(self, request: Request) -> Response:
-        return await answered(TableQuery, dict(request.query_params), self._table)
-
-    async def _table(self, query: TableQuery) -> Response:
-        return await self._looked(lambda desk: desk.table(query.control))
-
-    async def cost(self, request: Request) -> Response:
-        async def found(query: CostQuery) -> Response:
-            language = language_of(request)
-            return await self._looked(lambda desk: desk.cost(rest=query.rest, language=language))
-
-        return await answered(CostQuery, dict(request.query_params), found)
-
-    async def setup_picture(self, request: Request) -> Response:
+    async def setup_picture(self, query: Annotated[PictureQuery, Query()]) -> Response:
         """The machine with the instrument on it and the places that are read, as wide as the page has room."""
-        return await answered(PictureQuery, dict(request.query_params), self._pictured)
-
-    async def _pictured(self, query: PictureQuery) -> Response:
         language = query.language if query.language in LANGUAGES else "en"
         drawn = await self._counter.ask(lambda desk: desk.setup_picture(query.width), language)
         if not drawn:
             return Response(status_code=204)  # what was asked has been answered in the meantime
         return Response(drawn, media_type="image/svg+xml")
 
-    async def _looked(self, look: Callable[[Desk], Shape]) -> Response:
-        return document(await self._counter.ask(look))
+    async def keep(self, asked: KeepRequest, language: Language) -> Response:
+        """Keep a reading of what is asked."""
+        return await self._done(
+            lambda desk: desk.keep(asked.after, asked.text, keep=asked.keep, vouch=asked.vouch), language
+        )
 
-    async def keep(self, request: Request) -> Response:
-        return await self._step(KeepRequest, request, lambda r: partial(_keep, r))
+    async def skip(self, asked: SkipRequest, language: Language) -> Response:
+        """Note that the reading asked for cannot be taken."""
+        return await self._done(lambda desk: desk.skip(asked.after, asked.reason, rest=asked.rest), language)
 
-    async def skip(self, request: Request) -> Response:
-        return await self._step(SkipRequest, request, lambda r: lambda desk: desk.skip(r.after, r.reason, rest=r.rest))
+    async def note(self, asked: NoteRequest, language: Language) -> Response:
+        """Keep a sentence in the record."""
+        return await self._done(lambda desk: desk.note(asked.text), language)
 
-    async def note(self, request: Request) -> Response:
-        return await self._step(NoteRequest, request, lambda r: lambda desk: desk.note(r.text))
+    async def undo(self, asked: StepRequest, language: Language) -> Response:
+        """Take back the last reading, skip or end."""
+        return await self._done(lambda desk: desk.undo(asked.after), language)
 
-    async def undo(self, request: Request) -> Response:
-        return await self._step(StepRequest, request, lambda r: lambda desk: desk.undo(r.after))
+    async def go_on(self, asked: StepRequest, language: Language) -> Response:
+        """Ask for one more reading although a target is reached."""
+        return await self._done(lambda desk: desk.go_on(asked.after), language)
 
-    async def go_on(self, request: Request) -> Response:
-        return await self._step(StepRequest, request, lambda r: lambda desk: desk.go_on(r.after))
+    async def finish(self, asked: StepRequest, language: Language) -> Response:
+        """End the campaign and write its results beside the record."""
+        return await self._done(lambda desk: desk.finish(asked.after), language)
 
-    async def finish(self, request: Request) -> Response:
-        return await self._step(StepRequest, request, lambda r: lambda desk: desk.finish(r.after))
-
-    async def report(self, request: Request) -> Response:
+    async def report(self) -> Response:
         """The report, which allows its own scripts by their hashes and asks for nothing."""
         file = self._counter.report
         if not file.is_file() or file.resolve().parent.parent != self._counter.folder.resolve():
             return problem(404, "missing", "There is no report yet")
         return FileResponse(file, media_type="text/html", headers={"Content-Security-Policy": "frame-ancestors 'none'"})
 
-    async def _step(
-        self, kind: type[_Body], request: Request, step: Callable[[_Body], Callable[[Desk], str]]
-    ) -> Response:
-        async def done(body: _Body) -> Response:
-            language = language_of(request)
-            said = await self._counter.do(step(body), language)
-            return document(DoneShape(sentence=said, state=await self._counter.newer(0, 0.0, language)))
-
-        return await answered(kind, await request.body(), done)
+    async def _done(self, step: Callable[[Desk], str], language: str) -> Response:
+        said = await self._counter.do(step, language)
+        return document(DoneShape(sentence=said, state=await self._counter.newer(0, 0.0, language)))
 
 
-def _keep(request: KeepRequest, desk: Desk) -> str:
-    return desk.keep(request.after, request.text, keep=request.keep, vouch=request.vouch)
-
-
-async def _described(request: Request) -> Response:
-    return JSONResponse(description())
-
-
-def _watching(counter: Counter) -> Callable[[Starlette], AbstractAsyncContextManager[None]]:
+def _watching(counter: Counter) -> Callable[[FastAPI], AbstractAsyncContextManager[None]]:
     @asynccontextmanager
-    async def lifespan(app: Starlette) -> AsyncIterator[None]:
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         watch = asyncio.create_task(counter.watch())
         yield
         watch.cancel()

@@ -15,7 +15,7 @@ from urllib.parse import parse_qs
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from axiscal.web.problems import problem
+from axiscal.web.answering import problem
 
 LARGEST = 64 * 1024
 """Bytes of a request's body; what a person types is far smaller."""

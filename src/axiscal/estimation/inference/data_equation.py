@@ -9,11 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimation.inference.reading_set import ReadingSet
+from axiscal.description.sizes import NONE_VARY
+from axiscal.estimation.promise.problem import Inherited, problem
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import places_of, rows_at
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution
 from axiscal.numerics.gaussian import lower_root
@@ -40,26 +43,22 @@ class DataEquation:
         return DataEquation(upper, turned.T @ self.values)
 
 
-def data_equation(numbers: ReadingSet, weights: Array, others: Array) -> DataEquation:
+def data_equation(observation: Observation, readings: Sequence[Reading], others: Array | None = None) -> DataEquation:
     """Return what readings say of the errors.
 
-    weights : (r,) how much each reading counts, above zero
     others : (n, k) F of errors that are no part of the question: their covariance F Fᵀ is integrated out as well
     """
-    beside, errors = numbers.features(others), len(others)
-    noise = numbers.noise / weights[numbers.reading] + numbers.extra_variance
-    lower = lower_root(np.diag(noise) + beside @ beside.T)
-    return DataEquation(solution(lower, numbers.rows[:, :errors]), solution(lower, numbers.values))
+    posed = problem(observation, readings, NONE_VARY, usual=False)
+    count = observation.errors.size
+    rows = rows_at(observation, places_of(observation.setups, readings)).rows[:, :count] / posed.noise[:, None]
+    beside = np.delete(posed.rows, slice(posed.first, posed.first + count), axis=1)
+    if others is not None:
+        beside = np.hstack([rows @ others, beside])
+    lower = lower_root(np.eye(len(rows)) + beside @ beside.T)
+    return DataEquation(solution(lower, rows), solution(lower, posed.values))
 
 
-class Moments(NamedTuple):
-    """Mean (n,) and covariance (n, n)."""
-
-    mean: Array
-    covariance: Array
-
-
-def shares_of(data: DataEquation, priors: Sequence[Moments], weights: Array) -> Array:
+def shares_of(data: DataEquation, priors: Sequence[Inherited], weights: Array) -> Array:
     """Return how probable each prior is after the readings, P_i ∝ w_i N(z; R m_i, R C_i Rᵀ + I), (k,), sum 1.
 
     weights : (k,) before them
@@ -70,7 +69,7 @@ def shares_of(data: DataEquation, priors: Sequence[Moments], weights: Array) -> 
     return shares
 
 
-def log_evidence(data: DataEquation, prior: Moments) -> float:
+def log_evidence(data: DataEquation, prior: Inherited) -> float:
     """Return log N(z; R m, R C Rᵀ + I), up to the constant of so many numbers."""
     if not len(data.values):
         return 0.0
@@ -79,11 +78,11 @@ def log_evidence(data: DataEquation, prior: Moments) -> float:
     return float(-0.5 * left @ left - np.log(np.diagonal(lower)).sum())
 
 
-def moments_of(parts: Sequence[Moments], shares: Array) -> Moments:
+def moments_of(parts: Sequence[Inherited], shares: Array) -> Inherited:
     """Return mean and covariance of a mixture (law of total variance).  shares : (k,), sum 1"""
     mean = np.sum([share * part.mean for share, part in zip(shares, parts, strict=True)], axis=0)
     covariance = np.zeros((len(mean), len(mean)))
     for share, part in zip(shares, parts, strict=True):
         away = part.mean - mean
         covariance += share * (part.covariance + np.outer(away, away))
-    return Moments(mean, covariance)
+    return Inherited(mean, covariance)

@@ -12,11 +12,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.inference.reading_set import ReadingSet
+from axiscal.description.sizes import NONE_VARY
+from axiscal.estimation.promise.problem import Inherited, problem
+from axiscal.estimation.promise.spaces import turned
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import unique_root
 
 WIDEST = 1e8
 """Times the noise: so wide a site says nothing."""
@@ -38,11 +39,10 @@ class Fitted:
         cls, observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None
     ) -> Fitted:
         """Return the numbers of readings, by the stated model or another prior of the errors (mean, covariance)."""
-        numbers, size = ReadingSet(observation, readings), observation.errors.size
-        values, root = numbers.values, observation.errors.prior_root() if prior is None else unique_root(prior[1])
-        if prior is not None:
-            values = values - numbers.rows[:, :size] @ prior[0]
-        return cls(numbers.features(root), numbers.noise + numbers.extra_variance, values, numbers.reading)
+        posed = problem(observation, readings, NONE_VARY, None if prior is None else Inherited(*prior), usual=False)
+        stated = np.zeros(0)
+        features = turned(posed, posed.rows, stated, [curves.roots(stated) for curves in posed.curves])
+        return cls(features * posed.noise[:, None], posed.noise**2, posed.values * posed.noise, posed.reading)
 
     def covariance(self) -> Array:
         """Return the covariance of the numbers before any was read, noise included, (m, m)."""

@@ -27,7 +27,6 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.errors.model import ErrorModel, Term
 from axiscal.estimation.case import Case
 from axiscal.estimation.inference.data_equation import data_equation
-from axiscal.estimation.inference.reading_set import ReadingSet
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import RecordError
@@ -135,8 +134,7 @@ class QuickCheck:
         if tables and self._control is not None:
             readings, tables = without_tables(readings, described.machine, described.setups, self._control), False
         read = timed(self.case, readings).readings
-        numbers, size = ReadingSet(self.case.observation, read), self.case.errors.size
-        data = data_equation(numbers, np.ones(len(readings)), np.zeros((size, 0)))
+        data = data_equation(self.case.observation, read)
         now = self.case.inherited or self.last
         expected = now.mean - self.last.mean if tables else now.mean
         lower = lower_root(data.rows @ now.covariance @ data.rows.T + np.eye(len(data.values)))

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from axiscal.campaign.possible import described
-from axiscal.campaign.versions import versions
 from axiscal.description.target import Target
 from axiscal.document.durable import clear_drafts
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
-from axiscal.exceptions import AxiscalError, RecordError
+from axiscal.exceptions import AxiscalError, RecordError, UnreachableError
+from axiscal.ports.fleet.kept_answers import keep_answers, kept_answers
 from axiscal.ports.fleet.sister_records import why_not
 from axiscal.record.events import Recorded
-from axiscal.record.folder_index import FolderIndex, IndexedRecord, Kinds
-from axiscal.record.log import ChainedText, EventLog, campaign_of
-from axiscal.record.opening import is_store, opened_log
+from axiscal.record.log import campaign_of, shared_events
+from axiscal.record.opening import opened_log, records_of
 from axiscal.record.store import Record
 from axiscal.units import format_quantity
 
@@ -65,11 +64,14 @@ class ShopRecord:
 
 @dataclass(frozen=True, slots=True)
 class ShopList:
-    """left_out : records that do not count, and why; kinds : of all events; why_apart : why no index is kept"""
+    """left_out : records that do not count, and why; kinds : how many events of each kind all records have
+
+    why_apart : why what they come to is not kept for the next time
+    """
 
     listed: tuple[ShopRecord, ...]
     left_out: tuple[tuple[Path, str], ...]
-    kinds: tuple[Kinds, ...]
+    kinds: Mapping[str, int]
     why_apart: str
 
     @property
@@ -87,59 +89,86 @@ def shop_list(shop: Path, told: Callable[[str], None] = lambda said: None) -> Sh
     told : called with what is being done
     Raises RecordError for what is neither, and where the store does not answer.
     """
-    with _index(shop) as index:
-        index.refresh(lambda name: told(f"reading {name}"))
-        records = index.records()
-        left = [(each.file, each.fault) for each in records if each.fault]
-        listed = list[ShopRecord]()
-        for record in (each for each in records if not each.fault):
-            why, remark = _beside_others(record, records, index)
-            if why:
-                left.append((record.file, why))
-                continue
-            try:
-                known = _known(record, index, told)
-            except AxiscalError as fault:
-                left.append((record.file, why_not(fault)))
-                continue
-            listed.append(ShopRecord(record.file, record.campaign, record.chain, record.last, known, remark))
-        listed.sort(key=lambda each: (each.known.last or each.known.begun, each.file.name), reverse=True)
-        return ShopList(tuple(listed), tuple(left), tuple(index.kinds()), index.why_apart)
+    records, left = _looked_at(shop)
+    before, why_apart, listed = kept_answers(), "", list[ShopRecord]()
+    answers = {**before}
+    for record in records:
+        why, remark = _beside_others(record, records)
+        if why:
+            left.append((record.file, why))
+            continue
+        try:
+            if record.chain not in answers:
+                told(f"estimating {record.file.name}")
+                answers[record.chain] = asdict(_found(record.file))
+        except AxiscalError as fault:
+            left.append((record.file, why_not(fault)))
+            continue
+        known = Known(**answers[record.chain])
+        listed.append(ShopRecord(record.file, record.campaign, record.chain, len(record.chains), known, remark))
+    if answers != before:
+        try:
+            keep_answers(answers)
+        except OSError as fault:
+            why_apart = str(fault)
+    listed.sort(key=lambda each: (each.known.last or each.known.begun, each.file.name), reverse=True)
+    kinds = Counter(kind for record in records for kind in record.kinds)
+    return ShopList(tuple(listed), tuple(left), dict(sorted(kinds.items())), why_apart)
 
 
-def _index(shop: Path) -> FolderIndex:
-    if not is_store(shop):
-        return FolderIndex.open(shop)
-    from axiscal.ports.postgres.store_index import StoreIndex
+class _Looked(NamedTuple):
+    """A record of the shop as it stands.
 
-    return StoreIndex.of_store()
+    campaign : which one it is of; chains, kinds : the hash behind each of its events, and of what kind each is
+    """
+
+    file: Path
+    campaign: str
+    chains: tuple[str, ...]
+    kinds: tuple[str, ...]
+
+    @property
+    def chain(self) -> str:
+        """The name of all that it holds."""
+        return self.chains[-1]
+
+    def holds(self, other: Sequence[str]) -> bool:
+        """Return whether it has all events of a log.  other : the hash behind each of these"""
+        return shared_events(self.chains, other) == len(other)
 
 
-def _beside_others(record: IndexedRecord, records: Sequence[IndexedRecord], index: FolderIndex) -> tuple[str, str]:
+def _looked_at(shop: Path) -> tuple[list[_Looked], list[tuple[Path, str]]]:
+    """Return the records of a folder or store, and of those that cannot be read why."""
+    found, left = list[_Looked](), list[tuple[Path, str]]()
+    for file in records_of(shop):
+        try:
+            with opened_log(file, write=False) as record:
+                texts = record.texts()
+        except UnreachableError:
+            raise
+        except (RecordError, OSError) as fault:
+            left.append((file, fault.what if isinstance(fault, RecordError) else fault.strerror or str(fault)))
+            continue
+        chains, kinds = (tuple(each) for each in zip(*((text.chain, text.row.kind) for text in texts), strict=True))
+        found.append(_Looked(file, campaign_of(texts[0]), chains, kinds))
+    return found, left
+
+
+def _beside_others(record: _Looked, records: Sequence[_Looked]) -> tuple[str, str]:
     """Return why a record does not count beside the others of its campaign, and what is to be minded where it does."""
     remark = ""
     for other in records:
-        if other.file == record.file or other.fault or other.campaign != record.campaign:
+        if other.file == record.file or other.campaign != record.campaign:
             continue
         if other.chain == record.chain:
             if other.file.name < record.file.name:
                 return f"it is the same as {other.file.name}", ""
-        elif index.chain_at(other, record.last) == record.chain:
+        elif other.holds(record.chains):
             return f"it is an earlier copy of {other.file.name}", ""
-        elif index.chain_at(record, other.last) != other.chain:
-            remark = f"it and {other.file.name} went on differently from event {index.parting(record, other)}"
+        elif not record.holds(other.chains):
+            parted = shared_events(record.chains, other.chains) + 1
+            remark = f"it and {other.file.name} went on differently from event {parted}"
     return "", remark
-
-
-def _known(record: IndexedRecord, index: FolderIndex, told: Callable[[str], None]) -> Known:
-    """Return what a record comes to, from the index where it was found before; raises AxiscalError."""
-    question = f"what it comes to and whether readings agree, by {json.dumps(versions(), sort_keys=True)}"
-    answer = index.found(record.chain, question)
-    if answer is None:
-        told(f"estimating {record.file.name}")
-        answer = json.dumps(asdict(_found(record.file)))
-        index.keep(record.chain, question, answer)
-    return Known(**json.loads(answer))
 
 
 def _found(file: Path) -> Known:
@@ -183,32 +212,30 @@ class Brought:
 
 def brought(folder: Path, source: Path) -> Brought:
     """Bring a record into a folder; raises RecordError where the copy there has gone on by itself."""
-    with Record.open(source, write=False) as record, FolderIndex.open(folder) as index:
-        index.refresh()
+    if not folder.is_dir():
+        raise RecordError("This is no folder", "Name the folder that holds the records", folder)
+    with Record.open(source, write=False) as record:
         texts = record.texts()
-        campaign = campaign_of(texts[0])
-        there = [each for each in index.records() if each.campaign == campaign]
+        campaign, chains = campaign_of(texts[0]), [text.chain for text in texts]
+        there = [each for each in _looked_at(folder)[0] if each.campaign == campaign]
         for each in there:
-            if index.chain_at(each, len(texts)) == texts[-1].chain:
+            if each.holds(chains):
                 clear_drafts(folder, each.file.name)  # of one who was killed when it had just been published
                 return Brought(each.file, "there already", 0)
         for each in there:
-            if each.last <= len(texts) and texts[each.last - 1].chain == each.chain:
+            shared = shared_events(chains, each.chains)
+            if shared == len(each.chains):
                 with Record.open(each.file) as there_already:  # behind its end: a copy in its place could hold less
-                    there_already.extend([text.row for text in texts[each.last :]], after=each.last)
-                return Brought(each.file, "went on", len(texts) - each.last)
+                    there_already.extend([text.row for text in texts[shared:]], after=shared)
+                return Brought(each.file, "went on", len(texts) - shared)
         if there:
-            raise _parted(record, texts, there[0], index)
+            first = shared_events(chains, there[0].chains) + 1
+            what = f"It and its copy {there[0].file} have each gone on by themselves from event {first}"
+            remedy = "Nothing was changed; go on with one of them, and keep the other under its name beside it"
+            raise RecordError(what, remedy, record.path)
         file = _free(folder / source.name, campaign)
         Record.made(file, [text.row for text in texts]).close()
         return Brought(file, "new", len(texts))
-
-
-def _parted(record: EventLog, texts: tuple[ChainedText, ...], there: IndexedRecord, index: FolderIndex) -> RecordError:
-    first = next(n for n, text in enumerate(texts, 1) if index.chain_at(there, n) != text.chain)
-    what = f"It and its copy {there.file} have each gone on by themselves from event {first}"
-    remedy = "Nothing was changed; go on with one of them, and keep the other under its name beside it"
-    return RecordError(what, remedy, record.path)
 
 
 def _free(file: Path, campaign: str) -> Path:

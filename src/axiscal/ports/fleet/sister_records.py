@@ -19,8 +19,6 @@ from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inference.data_equation import DataEquation, data_equation
-from axiscal.estimation.inference.outliers import NOTHING
-from axiscal.estimation.inference.reading_set import ReadingSet
 from axiscal.estimation.type_prior import SisterRecord
 from axiscal.exceptions import AxiscalError, InputError, RecordError, UnreachableError
 from axiscal.machine.description import Machine
@@ -225,11 +223,10 @@ def equation_of(record: MachineRecord, errors: ErrorModel) -> DataEquation:
     if known.agreement.withheld:
         what = f"its readings contradict each other (p = {known.agreement.p:.1g})"
         raise RecordError(what, "Look at its report", record.file)
-    weights = np.array(known.stages.absorbed.weights)
-    counts = [index for index, weight in enumerate(weights) if weight > NOTHING]
     own = known.case.errors
     across, root = carried_over(errors, own), own.prior_root()
     new = [term.columns for term in own.terms if term.name not in across.known]
     others = np.hstack([across.beyond(), *(root[:, columns] for columns in new)])
-    numbers = ReadingSet(known.case.observation, [known.readings[index] for index in counts])
-    return data_equation(numbers, weights[counts], others).of(across.matrix)
+    left_out = known.stages.absorbed.left_out
+    counts = [reading for index, reading in enumerate(known.readings) if index not in left_out]
+    return data_equation(known.case.observation, counts, others).of(across.matrix)

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.inference.data_equation import DataEquation, Moments, log_evidence
+from axiscal.estimation.inference.data_equation import DataEquation, log_evidence
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import TypePrior, individual, is_type_text, over, type_prior
 from axiscal.numerics import Array
@@ -193,7 +193,7 @@ def aging(pairs: Sequence[Pair]) -> Aging:
         # one evidence for each distinct share, to a thousandth: the grid's products lie denser than that
         shares = np.round(rho, 3)
         worn = pair.wears.worn(pair.first)
-        found = {share: log_evidence(pair.second, Moments(*worn.left(share))) for share in np.unique(shares).tolist()}
+        found = {share: log_evidence(pair.second, worn.left(share)) for share in np.unique(shares).tolist()}
         logs = logs + np.vectorize(found.__getitem__)(shares)
     weights = np.exp(logs - logs.max())
     return Aging(weights / weights.sum(), len(pairs))

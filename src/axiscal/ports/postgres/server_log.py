@@ -27,13 +27,6 @@ from axiscal.record.log import (
     rows_of,
 )
 
-_THERE = """
-SELECT CAST(c.id AS text), c.name, CAST(c.branch_of AS text), c.branch_at, e.number, e.digest
-FROM axiscal.campaigns AS c LEFT JOIN LATERAL (
-    SELECT number, digest FROM axiscal.events WHERE campaign = c.id ORDER BY number DESC LIMIT 1) AS e ON true
-ORDER BY c.name, c.id
-"""
-
 _FEWEST = 8
 """Digits of an id by which a campaign may be named, too."""
 _SHOWN = 13
@@ -293,36 +286,20 @@ def _only(name: str, found: Sequence[Entry]) -> Entry:
     return found[0]
 
 
-class CampaignThere(NamedTuple):
-    """A campaign of a store.
-
-    path : by which it is asked for, "store:NAME", or "store:ID" of a branch, or where the name is no single one
-    last, digest : of its last event; 0 and "" where it has none
-    """
-
-    path: Path
-    last: int
-    digest: str
-
-
-def campaigns_there(database: Database) -> list[CampaignThere]:
-    """Return the campaigns of a store by their names; raises RecordError."""
-    refuse_newer(database)
-    rows = [(Entry(*row[:4]), row[4], row[5]) for row in database.rows(_THERE)]
-    called = Counter(entry.called for entry, _, _ in rows)
-    return [CampaignThere(_path(entry, called[entry.called] == 1), last or 0, end or "") for entry, last, end in rows]
-
-
-def all_there() -> list[CampaignThere]:
-    """Return the campaigns of the store that AXISCAL_STORE names; raises RecordError."""
+def all_there() -> list[Path]:
+    """Return the campaigns of the store that AXISCAL_STORE names, by which each is opened; raises RecordError."""
     database = opened_database()
     try:
-        return campaigns_there(database)
+        refuse_newer(database)
+        there = entries(database)
     finally:
         database.close()
+    called = Counter(entry.called for entry in there)
+    return [_path(entry, called[entry.called] == 1) for entry in there]
 
 
 def _path(entry: Entry, alone: bool) -> Path:
+    """Return "store:NAME", or "store:ID" of a branch, or where the name is no single one."""
     by_name = Path(f"{STORED}{entry.called}")
     if alone and by_name.name == f"{STORED}{entry.called}":  # a name such as a/b is one of a folder and a file
         return by_name
