@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from axiscal.estimation.accuracy.criterion import Gram, Root
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
-from axiscal.estimation.functionals.known import known_row, known_rows
-from axiscal.estimation.knowledge import Knowledge
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import blank_readings
+from axiscal.estimation.functionals.known import known_row
 from axiscal.numerics import Array
 
 _VOLUME = 0.5
@@ -39,13 +33,3 @@ def _own(asked: AskedRow, case: Case) -> Array:
         return case.yardstick.root.matrix
     scaled: Array = asked.map.rows(case.errors) / np.sqrt(len(asked.map.weights) / asked.map.dimensions)
     return scaled
-
-
-def settled(case: Case, knowledge: Knowledge, readings: Sequence[Reading], places: Sequence[Place]) -> bool:
-    """Return whether readings at these places, whatever they show, reach all limits or take away what they can.
-
-    readings : so far, which are known
-    """
-    blank = blank_readings(case.description.setups, places)
-    rows = known_rows(case, knowledge.read(blank), [*readings, *blank])
-    return all(row.settled for row in rows if row.limit is not None)

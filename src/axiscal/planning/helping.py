@@ -9,13 +9,14 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.target import Target
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import as_standard
 from axiscal.estimation.functionals.known import known_rows
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import InputError, PlanError
 from axiscal.language.spoken import joined, put, said
 from axiscal.measurement.setup import Setup
-from axiscal.planning.next_readings import enough_for_rows, posed
+from axiscal.planning.enough import enough, reached_by
+from axiscal.planning.next_readings import posed
+from axiscal.planning.overrun import with_rooms
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked
@@ -92,14 +93,11 @@ def _with_one_more(described: CampaignDescription) -> Iterator[tuple[CampaignDes
 def _planned(described: CampaignDescription, target: Target, added: tuple[str, ...]) -> Helping:
     """Return set-ups that help with the readings and seconds of a plan."""
     case = case_of(described)
-    wanted = None if target.expanded is None else as_standard(case, case.knowledge, target.expanded)
-    rms = max([each for each in (target.rms, wanted) if each is not None], default=None)
-    limits = Limits(target.readings, rms, target.worst, target.budget)
+    limits = Limits.of(target)
     try:
         task = posed(case, case.knowledge, candidates=_CANDIDATES)
-        if target.lines:
-            limits = enough_for_rows(case, case.knowledge, task, limits)
-        made = make_plan(task, limits, patience=0.0, bounded=False)
+        made = make_plan(task, enough(case, task, limits), patience=0.0, bounded=False)
     except PlanError:
         return Helping(added, 0, 0.0, reached=True)
-    return Helping(added, len(made.readings), to_unit(made.seconds, "min"), made.met or bool(target.lines))
+    met = reached_by(case, limits, with_rooms(case, made.places))
+    return Helping(added, len(made.readings), to_unit(made.seconds, "min"), met)

@@ -15,13 +15,11 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.problem import problem
 from axiscal.estimation.promise.unknowns import space_of
+from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import blank_readings
-
-FEW = 6
-"""Readings planned at once for what likely sizes reach and all sizes together do not: then it is looked at again."""
 
 
 class WantedAccuracy(NamedTuple):
@@ -46,12 +44,16 @@ def promised(case: Case, knowledge: Knowledge, places: Sequence[Place]) -> Accur
     return case.yardstick.measure(knowledge.read(blank_readings(case.description.setups, places)).belief)
 
 
-def expected(case: Case, readings: Sequence[Reading]) -> Knowledge:
-    """Return what readings would make known whatever they showed, with all that a result counts, at sizes as stated.
+def foreseen(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> Knowledge:
+    """Return what readings and those to come would make known, with all that a result counts, at the case's sizes.
 
-    It includes type B errors, such as that of a laser's wavelength; a plan's own figures leave them out.
+    places : of the readings to come, whatever they will show
+    It includes type B errors, such as that of a laser's wavelength, and what wanders with time; J leaves them out.
     """
-    posed = problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
+    together = timed(case, [*readings, *blank_readings(case.description.setups, places)]).readings
+    if not together:
+        return case.knowledge
+    posed = problem(case.observation, together, case.sizes, case.inherited, case.description.usual)
     found = space_of(posed).given(np.zeros(len(posed.sizes)))
     if found is None:
         raise PlanError("the stated sizes differ by more than 15 digits", "Look at the std of errors and unknowns")

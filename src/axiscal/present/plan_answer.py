@@ -24,7 +24,7 @@ from axiscal.planning.helping import Helping, helping_setups
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import asked, expected, reachable_rms
+from axiscal.planning.promise import asked, foreseen, reachable_rms
 from axiscal.planning.proposal import Proposal
 from axiscal.units import to_unit
 
@@ -111,7 +111,7 @@ def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = 
     plan, axes = proposal.plan, case.description.machine.axes
     places = placed(case, plan)
     readings = blank_readings(case.description.setups, places)
-    known = expected(case, readings)
+    known = foreseen(case, (), places)
     rows = known_rows(case, known, readings)
     volume, lines = _aims(case, known, rows)
     bound = bound_rms_um(case, plan)
