@@ -13,13 +13,17 @@ from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.promise.problem import problem
+from axiscal.estimation.promise.posterior import gain
+from axiscal.estimation.promise.problem import Problem, problem
+from axiscal.estimation.promise.spaces import Given
+from axiscal.estimation.promise.type_b_columns import Contribution, contributions
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import blank_readings
+from axiscal.measurement.reading_rows import blank_readings, places_of
+from axiscal.numerics import Array
 
 
 class WantedAccuracy(NamedTuple):
@@ -53,12 +57,34 @@ def foreseen(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -
     together = timed(case, [*readings, *blank_readings(case.description.setups, places)]).readings
     if not together:
         return case.knowledge
-    posed = problem(case.observation, together, case.sizes, case.inherited, case.description.usual)
+    answer = _given(case, together)[1].answer()
+    return Knowledge(case.observation, Belief(answer.mean, (answer.covariance + answer.covariance.T) / 2))
+
+
+def unseen_parts(case: Case, places: Sequence[Place]) -> list[tuple[Contribution, Array]]:
+    """Return type B causes, and by what one standard deviation moves what readings would say, (answered,) m and rad.
+
+    places : of the readings; those causes are left out whose effect follows from the values that are read
+    """
+    together = timed(case, blank_readings(case.description.setups, places)).readings
+    if not together:
+        return []
+    at = places_of(case.observation.setups, together)
+    causes = [
+        each for each in contributions(case.observation, at, usual=case.description.usual) if not each.row.of_values
+    ]
+    posed, found = _given(case, together)
+    moved = gain(posed, found, posed.rows[:, : len(causes)])  # their columns come first
+    return list(zip(causes, moved.T, strict=True))
+
+
+def _given(case: Case, readings: Sequence[Reading]) -> tuple[Problem, Given]:
+    """Return readings as a problem, and everything at the case's sizes."""
+    posed = problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
     found = space_of(posed).given(np.zeros(len(posed.sizes)))
     if found is None:
         raise PlanError("the stated sizes differ by more than 15 digits", "Look at the std of errors and unknowns")
-    answer = found.answer()
-    return Knowledge(case.observation, Belief(answer.mean, (answer.covariance + answer.covariance.T) / 2))
+    return posed, found
 
 
 def reachable_rms(case: Case) -> float:

@@ -11,8 +11,10 @@ from pydantic import Field
 
 from axiscal.answers.answer import Aim, AnswerDocument, NextStep, PlannedRow
 from axiscal.answers.answer_of_campaign import aim_of, aim_of_volume, all_reached, known_figures, unreachable
+from axiscal.description.type_b import TEMPERATURE
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case
+from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.functionals.known import KnownRow, known_rows
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.machine.kinematics import frames
@@ -24,10 +26,12 @@ from axiscal.planning.helping import Helping, helping_setups
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import asked, foreseen, reachable_rms
+from axiscal.planning.promise import asked, foreseen, reachable_rms, unseen_parts
 from axiscal.planning.proposal import Proposal
 from axiscal.units import to_unit
 
+_MOSTLY, _NOUGHT = 0.5, 1e-30
+"""Of the variance; no division by nought."""
 PlanVerdict = Literal["planned", "reached", "short", "unreachable"]
 """Nothing is asked for; it is reached; more readings would; none of these set-ups would."""
 
@@ -67,6 +71,18 @@ class ReachAnswer(AnswerDocument):
     helps: Helping | None
 
 
+class LargestCause(AnswerDocument):
+    """What no reading shows and is most of an uncertainty: its name, whose it is, and its share of the variance.
+
+    measurable : it is the temperature, and nobody has measured that
+    """
+
+    cause: str
+    owner: str
+    share: float
+    measurable: bool
+
+
 class PlanAnswer(AnswerDocument):
     """A plan, and what is known after it.
 
@@ -81,6 +97,7 @@ class PlanAnswer(AnswerDocument):
     rows: Sequence[PlannedRow]
     aims: Sequence[Aim]
     reach: ReachAnswer | None
+    mostly: LargestCause | None = None
     setups: Sequence[PlannedSetup]
     steps: Sequence[NextStep]
     criterion: str
@@ -124,6 +141,7 @@ def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = 
         rows=[PlannedRow(**known_figures(row)) for row in rows],
         aims=[*volume, *lines],
         reach=reach,
+        mostly=_mostly(case, places, known),
         setups=list(_setups(case, places, plan)),
         steps=[*([] if ends else [NextStep(code="target")]), NextStep(code="start")],
         criterion=case.description.target.criterion,
@@ -158,6 +176,23 @@ def reach_answer(case: Case) -> ReachAnswer | None:
 
 def _reach(case: Case, missed: Sequence[Aim]) -> ReachAnswer | None:
     return ReachAnswer(missed=missed, helps=helping_setups(case, case.description.target)) if missed else None
+
+
+def _mostly(case: Case, places: Sequence[Place], known: Knowledge) -> LargestCause | None:
+    """Return what is most of U in a row with a limit (of all where none has one); None where nothing is."""
+    rows, found = asked_rows(case.description, (), whole=True), list[LargestCause]()
+    limits = case.description.target.expanded is not None or case.description.target.rms is not None
+    wanted = [row for row in rows if row.want.limit is not None or (limits and row.map is None)] or rows
+    causes = unseen_parts(case, places)
+    for row in wanted if causes else ():
+        at = case.yardstick.root.matrix if row.map is None else row.map.rows(case.errors)
+        whole = float(np.sum((at @ known.belief.factor[: at.shape[1]]) ** 2))
+        for cause, moved in causes:
+            share = float(np.sum((at @ moved[: at.shape[1]]) ** 2)) / max(whole, _NOUGHT)
+            unknown = cause.row is TEMPERATURE and not cause.stated
+            found.append(LargestCause(cause=cause.row.name, owner=cause.owner, share=share, measurable=unknown))
+    largest = max(found, key=lambda each: each.share, default=None)
+    return largest if largest is not None and largest.share > _MOSTLY else None
 
 
 def _aims(case: Case, known: Knowledge, rows: Sequence[KnownRow]) -> tuple[list[Aim], list[Aim]]:

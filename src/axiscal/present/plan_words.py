@@ -19,9 +19,12 @@ from axiscal.answers.answer_words import (
     row_names,
     wrapped,
 )
+from axiscal.description.type_b import MEASURED_TEMPERATURE
 from axiscal.language.spoken import counted, listed, put, said
 from axiscal.planning.helping import helping_words
+from axiscal.present.cause_words import cause_words
 from axiscal.present.plan_answer import PlanAnswer, ReachAnswer
+from axiscal.units import said_quantity
 
 LINES = 16
 """Of a terminal that nobody scrolls."""
@@ -32,7 +35,8 @@ _MUCH = 0.5
 def plan_screen(answer: PlanAnswer, campaign: str, files: Sequence[str] = ()) -> str:
     """Return the screen of a plan.  campaign : its file; files : that were written"""
     above = first_lines(_first(answer))
-    sentences = [_mounted(answer), _fewer(answer), "" if answer.reach is None else reach_text(answer.reach)]
+    reach = "" if answer.reach is None else reach_text(answer.reach)
+    sentences = [_mounted(answer), _fewer(answer), reach, _mostly(answer)]
     below = [line for sentence in sentences for line in wrapped(sentence, 3)]
     below += ending({said("Written"): files, said("Next"): list(_commands(answer, campaign))})
     room = LINES - len(above) - len(below) - 1
@@ -100,6 +104,17 @@ def _fewer(answer: PlanAnswer) -> str:
     else:
         why = said("no other reading is worth its time")
     return said("{planned} of {allowed} readings: {why}.", planned=answer.readings, allowed=answer.allowed, why=why)
+
+
+def _mostly(answer: PlanAnswer) -> str:
+    """Return what no reading shows and is most of U; "" where nothing is, or what would help says it."""
+    helps = None if answer.reach is None else answer.reach.helps
+    if answer.mostly is None or (helps is not None and helps.measured):
+        return ""
+    if answer.mostly.measurable:
+        size = said_quantity(MEASURED_TEMPERATURE.size, MEASURED_TEMPERATURE.unit)
+        return said("U is mostly the unknown temperature: measure it to {size}.", size=size)
+    return said("U is mostly this: {cause}.", cause=cause_words(answer.mostly.cause, answer.mostly.owner))
 
 
 def _commands(answer: PlanAnswer, campaign: str) -> Iterator[str]:
