@@ -11,7 +11,7 @@ import typer
 
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say, say_document, tell, tell_progress
-from axiscal.description.campaign import CampaignDescription
+from axiscal.description.campaign import CampaignDescription, as_exact
 from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
 from axiscal.description.programs import stated
 from axiscal.document.durable import write_whole
@@ -164,7 +164,8 @@ def plan(
     if gcode is not None:
         count = len(_programs(case, proposal.plan, gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
-    answer = plan_answer(case, proposal, limits, ends=ends)
+    certain = _certain(case, limits, how) if details else None
+    answer = plan_answer(case, proposal, limits, ends=ends, certain=certain)
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
         return
@@ -172,6 +173,16 @@ def plan(
         if details:
             say("\n".join([*plan_list(answer), *_minds(case, proposal)]))
         say(plan_screen(answer, str(campaign), written))
+
+
+def _certain(case: Case, limits: Limits, how: Thoroughness) -> Plan | None:
+    """Return the plan for the same accuracy if all that is stated were exact; None where there is none."""
+    if not limits.accurate:
+        return None
+    try:
+        return proposed(case_of(as_exact(case.description)), limits, how, bounded=False).plan
+    except PlanError:
+        return None
 
 
 def _share(case: Case, gap: float | None) -> float:

@@ -61,19 +61,29 @@ def foreseen(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -
     return Knowledge(case.observation, Belief(answer.mean, (answer.covariance + answer.covariance.T) / 2))
 
 
+class Blank(NamedTuple):
+    """Readings to come with their times, as a problem, and everything at the case's sizes."""
+
+    readings: tuple[Reading, ...]
+    posed: Problem
+    found: Given
+
+
+def blank_problem(case: Case, places: Sequence[Place]) -> Blank:
+    """Return the readings of a plan, at least one, whatever they will show."""
+    readings = timed(case, blank_readings(case.description.setups, places)).readings
+    return Blank(readings, *_given(case, readings))
+
+
 def unseen_parts(case: Case, places: Sequence[Place]) -> list[tuple[Contribution, Array]]:
     """Return type B causes, and by what one standard deviation moves what readings would say, (answered,) m and rad.
 
     places : of the readings; those causes are left out whose effect follows from the values that are read
     """
-    together = timed(case, blank_readings(case.description.setups, places)).readings
-    if not together:
-        return []
-    at = places_of(case.observation.setups, together)
-    causes = [
-        each for each in contributions(case.observation, at, usual=case.description.usual) if not each.row.of_values
-    ]
-    posed, found = _given(case, together)
+    readings, posed, found = blank_problem(case, places)
+    at = places_of(case.observation.setups, readings)
+    every = contributions(case.observation, at, usual=case.description.usual)
+    causes = [each for each in every if not each.row.of_values]
     moved = gain(posed, found, posed.rows[:, : len(causes)])  # their columns come first
     return list(zip(causes, moved.T, strict=True))
 

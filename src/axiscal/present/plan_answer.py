@@ -22,6 +22,7 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import shown_approach, shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics.threads import one_thread
+from axiscal.planning.alike import Alike, alike
 from axiscal.planning.helping import Helping, helping_setups
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
@@ -88,6 +89,7 @@ class PlanAnswer(AnswerDocument):
 
     rows, aims : after its readings, with all that a result counts; `points`, `J`, `rms_um`, `worst_um` and `ratio`
     leave out what no reading shows, such as the error of a wavelength
+    certain_minutes : of a plan for the same target if all that is stated were exact, and nothing else went wrong
     setups : in the order in which they are mounted; units : of the axes; allowed : readings, None for any number
     ratio : of the mean variances that the two RMS figures are the roots of; of J where the criterion is another one
     """
@@ -98,6 +100,8 @@ class PlanAnswer(AnswerDocument):
     aims: Sequence[Aim]
     reach: ReachAnswer | None
     mostly: LargestCause | None = None
+    alike: Alike | None = None
+    certain_minutes: float | None = None
     setups: Sequence[PlannedSetup]
     steps: Sequence[NextStep]
     criterion: str
@@ -123,8 +127,13 @@ class PlanAnswer(AnswerDocument):
 
 
 @one_thread()
-def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = True) -> PlanAnswer:
-    """Return the document of a plan that was made within limits.  ends : whether the campaign says when it ends"""
+def plan_answer(
+    case: Case, proposal: Proposal, limits: Limits, *, ends: bool = True, certain: Plan | None = None
+) -> PlanAnswer:
+    """Return the document of a plan that was made within limits.
+
+    ends : whether the campaign says when it ends; certain : the plan if all that is stated were exact, if it was made
+    """
     plan, axes = proposal.plan, case.description.machine.axes
     places = placed(case, plan)
     readings = blank_readings(case.description.setups, places)
@@ -141,7 +150,9 @@ def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = 
         rows=[PlannedRow(**known_figures(row)) for row in rows],
         aims=[*volume, *lines],
         reach=reach,
-        mostly=_mostly(case, places, known),
+        mostly=_mostly(case, places, known) if places else None,
+        alike=alike(case, places) if places and case.description.usual else None,
+        certain_minutes=None if certain is None else to_unit(certain.seconds, "min"),
         setups=list(_setups(case, places, plan)),
         steps=[*([] if ends else [NextStep(code="target")]), NextStep(code="start")],
         criterion=case.description.target.criterion,

@@ -36,7 +36,7 @@ def plan_screen(answer: PlanAnswer, campaign: str, files: Sequence[str] = ()) ->
     """Return the screen of a plan.  campaign : its file; files : that were written"""
     above = first_lines(_first(answer))
     reach = "" if answer.reach is None else reach_text(answer.reach)
-    sentences = [_mounted(answer), _fewer(answer), reach, _mostly(answer)]
+    sentences = [_mounted(answer), _fewer(answer), reach or _mostly(answer) or _alike(answer)]
     below = [line for sentence in sentences for line in wrapped(sentence, 3)]
     below += ending({said("Written"): files, said("Next"): list(_commands(answer, campaign))})
     room = LINES - len(above) - len(below) - 1
@@ -107,14 +107,25 @@ def _fewer(answer: PlanAnswer) -> str:
 
 
 def _mostly(answer: PlanAnswer) -> str:
-    """Return what no reading shows and is most of U; "" where nothing is, or what would help says it."""
-    helps = None if answer.reach is None else answer.reach.helps
-    if answer.mostly is None or (helps is not None and helps.measured):
+    """Return what no reading shows and is most of U; "" where nothing is."""
+    if answer.mostly is None:
         return ""
     if answer.mostly.measurable:
         size = said_quantity(MEASURED_TEMPERATURE.size, MEASURED_TEMPERATURE.unit)
         return said("U is mostly the unknown temperature: measure it to {size}.", size=size)
     return said("U is mostly this: {cause}.", cause=cause_words(answer.mostly.cause, answer.mostly.owner))
+
+
+def _alike(answer: PlanAnswer) -> str:
+    """Return what the places cannot tell apart; "" where nothing is."""
+    if answer.alike is None:
+        return ""
+    return said(
+        'Here a zero that comes and goes looks like a curve: read {count} of "{setup}" once more, {minutes} min.',
+        setup=answer.alike.setup,
+        count=answer.alike.readings,
+        minutes=put("{minutes:.1g}", minutes=answer.alike.minutes),
+    )
 
 
 def _commands(answer: PlanAnswer, campaign: str) -> Iterator[str]:
@@ -142,6 +153,9 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
         after = f"RMS {_micrometres(point.rms_um):>8}, {point.minutes:6.1f} min"
         yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}"
     yield bound_sentence(answer)
+    if answer.certain_minutes is not None:
+        minutes = put("{minutes:.0f}", minutes=answer.certain_minutes)
+        yield said("If all that is stated were exact, and nothing else went wrong: {minutes} min.", minutes=minutes)
 
 
 def bound_sentence(answer: PlanAnswer) -> str:
