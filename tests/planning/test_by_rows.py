@@ -98,7 +98,7 @@ def test_j_is_the_variance_over_the_squared_limit() -> None:
 @pytest.mark.long
 def test_a_plan_for_limits_has_as_many_readings_as_reach_them() -> None:
     noisy = DIAL.replace('"1 um"', '"6 um"')
-    wide, tight = (case(noisy.replace("readings = 12", f'wants = ["squareness XY {u} urad"]')) for u in (45, 30))
+    wide, tight = (case(noisy.replace("readings = 12", f'wants = ["squareness XY {u} urad"]')) for u in (60, 45))
     few, many = planned(wide), planned(tight)
     assert len(few) < len(many) < 60
     for of, places in ((wide, few), (tight, many)):

@@ -29,8 +29,8 @@ AT_ONCE = 150
 """Readings of a plan at most: what is known by then plans the others."""
 FEW = 6
 """Readings planned at once for what likely sizes reach and all sizes together do not: then it is looked at again."""
-_GROWTH = 1.3
-"""From one number of readings that is tried to the next: at most a quarter of them is too many."""
+_GROWTH = 1.5
+"""From one number of readings that is tried to the next; then the middle: at most a fifth of them is too many."""
 _ROUNDS, _CANDIDATES = 4, 500
 """Plans that are made to find what a result counts beside J, and places that they choose from: it changes little."""
 _NEAR, _AIM = 0.96, 0.99
@@ -93,34 +93,38 @@ def _for_rows(case: Case, task: Task, limits: Limits, readings: Sequence[Reading
     most = AT_ONCE if limits.readings is None else limits.readings
     if left and reached_by(case, limits, left, readings):
         return Limits(min(len(left), most), budget=limits.budget)
-    count = min(FEW, most)
-    while count < most:
-        made = make_plan(task, Limits(count, budget=limits.budget), patience=0.0, bounded=False)
-        if reached_by(case, limits, with_rooms(case, made.places), readings):
-            break
-        count = min(math.ceil(_GROWTH * count), most)
-    return Limits(count, budget=limits.budget)
+
+    def enough_are(count: int) -> bool:
+        made = make_plan(few, Limits(count, budget=limits.budget), patience=0.0, bounded=False)
+        return reached_by(case, limits, with_rooms(case, made.places), readings)
+
+    few, short, count = _few_candidates(task), 0, min(FEW, most)
+    while count < most and not enough_are(count):
+        short, count = count, min(math.ceil(_GROWTH * count), most)
+    middle = (short + count) // 2
+    return Limits(middle if short and enough_are(middle) else count, budget=limits.budget)
 
 
 def _for_volume(case: Case, task: Task, limits: Limits, readings: Sequence[Reading], left: Sequence[Place]) -> Limits:
     """Return limits of an accuracy with what a result counts beside."""
     now, known, places = Knowledge(task.observation, task.belief), foreseen(case, readings, left), left
-    found = searched = _searched(case, known, promised(case, now, places), limits)
+    found, searched = None, _searched(case, known, promised(case, now, places), limits)
     for _ in range(0 if left else _ROUNDS):
         made = make_plan(_few_candidates(task), searched, patience=0.0, bounded=False)
         places = with_rooms(case, made.places)
         known = foreseen(case, readings, places)
-        enough, found = reached(case, limits, known), searched
-        if (enough and not reached(case, limits.times(_NEAR), known)) or len(places) == limits.readings:
+        met = reached(case, limits, known)
+        found = searched if met else found
+        if (met and not reached(case, limits.times(_NEAR), known)) or len(places) == limits.readings:
             break
         searched = _searched(case, known, promised(case, now, places), limits)
-    return found
+    return found or searched
 
 
 def _few_candidates(task: Task) -> Task:
-    return replace(
-        task, lattice=task.lattice.within(np.arange(0, len(task.lattice), 1 + len(task.lattice) // _CANDIDATES))
-    )
+    """Return the task with some hundred candidates."""
+    kept = np.arange(0, len(task.lattice), 1 + len(task.lattice) // _CANDIDATES)
+    return replace(task, lattice=task.lattice.within(kept))
 
 
 def _searched(case: Case, known: Knowledge, own: Accuracy, limits: Limits) -> Limits:
