@@ -17,6 +17,7 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.simulation import Simulator
+from axiscal.planning.alike import alike
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import foreseen
 from axiscal.planning.proposal import Thoroughness, proposed
@@ -94,3 +95,15 @@ def test_a_campaign_takes_the_readings_and_minutes_that_its_plan_says(axes: str,
         campaign.run(SimulatedSource(machine, 1), lambda milestone: None)
         assert campaign.seconds() / 60 == pytest.approx(plan.minutes, rel=0.25)
         assert len(campaign.state.readings) == pytest.approx(plan.readings, rel=0.25)
+
+
+@pytest.mark.parametrize(("again", "said"), [(0, True), (9, False)])
+def test_places_out_and_back_take_a_zero_that_comes_and_goes_for_a_curve(again: int, said: bool) -> None:
+    """Once out and back it looks like one; a second time out tells them apart."""
+    of = described('wants = ["positioning X"]')
+    case, at = case_of(of), range(20, 700, 80)
+    out = [Place("along X", (x / 1000, *case.description.setups[0].park[1:]), (1, 0, 0)) for x in at]
+    back = [Place("along X", place.pose, (-1, 0, 0)) for place in reversed(out)]
+    found = alike(case, [*out, *back, *out[:again]])
+    assert (found is not None) is said
+    assert found is None or (found.setup, found.readings) == ("along X", 4)

@@ -21,8 +21,8 @@ from axiscal.units import to_unit
 
 _TAKEN = 0.5
 """Share of what comes and goes that is taken for the curve, from which on it is said."""
-_AGAIN = 4
-"""Places that are read once more; with all of them a twentieth stays."""
+_AGAIN, _FEWEST = 4, 6
+"""Places that are read once more (with all of them a twentieth stays), of a set-up with so many readings."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +46,8 @@ def alike(case: Case, places: Sequence[Place]) -> Alike | None:
     if shares.get(name, 0.0) <= _TAKEN:
         return None
     own = [place for place in places if place.setup == name]
-    count = min(_AGAIN, len(own))
-    out = [own[index] for index in np.linspace(0, len(own) // 2, count).astype(int).tolist()]
-    return Alike(name, count, to_unit(float(case.seconds_along(own[-1], out).sum()), "min"))
+    out = [own[index] for index in np.linspace(0, len(own) // 2, _AGAIN).astype(int).tolist()]
+    return Alike(name, _AGAIN, to_unit(float(case.seconds_along(own[-1], out).sum()), "min"))
 
 
 def _shares(case: Case, places: Sequence[Place]) -> Iterator[tuple[str, float]]:
@@ -58,7 +57,9 @@ def _shares(case: Case, places: Sequence[Place]) -> Iterator[tuple[str, float]]:
     times = times_of(readings)[posed.reading]
     for index in np.unique(posed.setup).tolist():
         setup, mine = case.description.setups[index], posed.setup == index
-        if np.ptp(times[mine]) == 0.0 or not any(unknown.name.startswith("zero") for unknown in setup.unknowns):
+        if len(np.unique(posed.reading[mine])) < _FEWEST or not any(
+            unknown.name.startswith("zero") for unknown in setup.unknowns
+        ):
             continue
         comes = np.where(mine, np.sin(np.pi * (times - times[mine].min()) / np.ptp(times[mine])), 0.0)
         moved = gain(posed, found, (comes / posed.noise)[:, None])[: case.errors.size, 0]
