@@ -17,9 +17,8 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.simulation import Simulator
-from axiscal.planning.alike import alike
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import foreseen
+from axiscal.planning.promise import alike, foreseen
 from axiscal.planning.proposal import Thoroughness, proposed
 from axiscal.ports.fleet.rehearsal import measured
 from axiscal.present.plan_answer import PlanAnswer, plan_answer

@@ -16,8 +16,8 @@ from axiscal.cli.app import run
 from axiscal.description.wants import RowName, dimension, rows_of
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import Machine, load_machine
-from axiscal.planning.alike import Alike
 from axiscal.planning.helping import Helping
+from axiscal.planning.promise import Alike
 from axiscal.present.plan_answer import LargestCause, PlanAnswer, PlannedSetup, PlanVerdict, ReachAnswer
 from axiscal.present.plan_words import LINES, plan_screen
 from tests.generators.answers import aim

@@ -8,9 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.estimation.accuracy.criterion import Root, joint_root
+from axiscal.estimation.accuracy.criterion import Gram, Root, joint_root
+from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
+from axiscal.estimation.functionals.asked import AskedRow, asked_rows
+from axiscal.estimation.functionals.known import known_row
 from axiscal.estimation.inference.outliers import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import timed
@@ -18,8 +21,8 @@ from axiscal.exceptions import PlanError
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
 from axiscal.planning.both_sides import with_both_sides
-from axiscal.planning.by_rows import rows_root
 from axiscal.planning.drift_markers import planned_with_markers
 from axiscal.planning.enough import AT_ONCE, enough
 from axiscal.planning.overrun import with_rooms
@@ -37,6 +40,8 @@ CANDIDATES = 2000
 _SMALL = 120
 """Unknowns up to which what is left of a plan is climbed off the lattice: beyond, a person at the machine would wait
 too long."""
+_VOLUME = 0.5
+"""Of U before the first reading: a volume without a limit weighs as a row without one."""
 
 
 def planned_places(
@@ -162,3 +167,23 @@ def root_of(case: Case, belief: Belief) -> Root:
     if name == "rows":
         return rows_root(case)
     return case.yardstick.root if name == "volume" else case.yardstick.worst_root(belief)
+
+
+def rows_root(case: Case) -> Root:
+    """Return V of J = Σ v / g², v the mean variance of a row and g its standard deviation where it is as wanted."""
+    parts = [np.zeros((0, case.errors.size))]
+    for asked in asked_rows(case.description, (), whole=True):
+        row = known_row(asked, case, case.prior, read=False)
+        goal = row.goal if asked.map is not None else min(row.goal, _VOLUME * row.before)
+        if goal > 0:
+            parts.append(_own(asked, case) * BAND / goal)
+    stacked = np.concatenate(parts)
+    return Gram(stacked.T @ stacked).root
+
+
+def _own(asked: AskedRow, case: Case) -> Array:
+    """Return V of the mean variance of a row, (k, size)."""
+    if asked.map is None:
+        return case.yardstick.root.matrix
+    scaled: Array = asked.map.rows(case.errors) / np.sqrt(len(asked.map.weights) / asked.map.dimensions)
+    return scaled

@@ -22,12 +22,11 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import shown_approach, shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.alike import Alike, alike
 from axiscal.planning.helping import Helping, helping_setups
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import asked, foreseen, reachable_rms, unseen_parts
+from axiscal.planning.promise import Alike, alike, asked, foreseen, reachable_rms, unseen_parts
 from axiscal.planning.proposal import Proposal
 from axiscal.units import to_unit
 

@@ -22,8 +22,8 @@ from axiscal.answers.answer_words import (
 from axiscal.description.type_b import MEASURED_TEMPERATURE
 from axiscal.language.spoken import counted, listed, put, said
 from axiscal.planning.helping import helping_words
-from axiscal.present.cause_words import cause_words
 from axiscal.present.plan_answer import PlanAnswer, ReachAnswer
+from axiscal.present.sentences import cause_words
 from axiscal.units import said_quantity
 
 LINES = 16
