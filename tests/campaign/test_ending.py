@@ -182,7 +182,8 @@ def test_a_volume_that_stands_still_ends_no_job_while_rows_come_nearer() -> None
 
 def stated(rms: float) -> Case:
     """Return a laser along X and an error across it, which that does not see.  rms : target, um"""
-    return Case(campaign_from_texts(TEXT.replace("RMS", f"{rms:.6f} um"), "c.toml", HIDDEN, "m.toml"))
+    text = TEXT.replace('"RMS"', f'"{rms:.6f} um"\nrefers_to = "as read"')
+    return Case(campaign_from_texts(text, "c.toml", HIDDEN, "m.toml"))
 
 
 def test_before_the_first_reading_it_is_said_whether_any_can_and_which_set_up_would_help() -> None:
@@ -192,7 +193,7 @@ def test_before_the_first_reading_it_is_said_whether_any_can_and_which_set_up_wo
     assert found is not None
     said = reach_text(found)
     assert said.startswith("Out of reach: endless readings leave volume ")
-    assert 'With "ball bar in xy" as well it is reached: ' in said
+    assert 'With "ball bar in xy" as well it comes nearer: ' in said
     assert re.search(r"\d+ readings in [0-9.]+ min", said)
 
 

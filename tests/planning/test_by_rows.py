@@ -16,7 +16,7 @@ from axiscal.estimation.functionals.known import KnownRow, known_rows
 from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.by_rows import rows_root
+from axiscal.planning.next_readings import rows_root
 from axiscal.planning.planner import next_places
 from axiscal.present.plan_answer import reach_answer
 
@@ -98,7 +98,7 @@ def test_j_is_the_variance_over_the_squared_limit() -> None:
 @pytest.mark.long
 def test_a_plan_for_limits_has_as_many_readings_as_reach_them() -> None:
     noisy = DIAL.replace('"1 um"', '"6 um"')
-    wide, tight = (case(noisy.replace("readings = 12", f'wants = ["squareness XY {u} urad"]')) for u in (45, 30))
+    wide, tight = (case(noisy.replace("readings = 12", f'wants = ["squareness XY {u} urad"]')) for u in (60, 45))
     few, many = planned(wide), planned(tight)
     assert len(few) < len(many) < 60
     for of, places in ((wide, few), (tight, many)):

@@ -17,7 +17,8 @@ from axiscal.description.wants import RowName, dimension, rows_of
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import Machine, load_machine
 from axiscal.planning.helping import Helping
-from axiscal.present.plan_answer import PlanAnswer, PlannedSetup, PlanVerdict, ReachAnswer
+from axiscal.planning.promise import Alike
+from axiscal.present.plan_answer import LargestCause, PlanAnswer, PlannedSetup, PlanVerdict, ReachAnswer
 from axiscal.present.plan_words import LINES, plan_screen
 from tests.generators.answers import aim
 from tests.golden.given import CAMPAIGNS
@@ -55,6 +56,8 @@ def plan(verdict: PlanVerdict, rows: list[PlannedRow], setups: int) -> PlanAnswe
         rows=rows,
         aims=[] if verdict == "planned" else missed,
         reach=ReachAnswer(missed=missed, helps=HELP) if verdict == "unreachable" else None,
+        mostly=LargestCause(cause="square", owner="straightedge", share=0.6, measurable=False),
+        alike=Alike("straightedge along axis 11", 4, 1.25),
         setups=[
             PlannedSetup(setup=each, instrument="straightedge", moves=["X"], readings=12, minutes=1.0) for each in names
         ],

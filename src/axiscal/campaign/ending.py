@@ -13,7 +13,8 @@ from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.functionals.known import known_rows
 from axiscal.exceptions import SourceError
-from axiscal.planning.promise import FEW, WantedAccuracy, asked
+from axiscal.planning.enough import FEW
+from axiscal.planning.promise import WantedAccuracy, asked
 from axiscal.units import to_unit
 
 FUTILE = 50

@@ -11,21 +11,21 @@ import typer
 
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say, say_document, tell, tell_progress
-from axiscal.description.campaign import CampaignDescription
+from axiscal.description.campaign import CampaignDescription, as_exact
 from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
 from axiscal.description.programs import stated
 from axiscal.document.durable import write_whole
 from axiscal.estimation.accuracy.as_one import seen_as_one
 from axiscal.estimation.accuracy.other_tool import other_tool
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import as_standard
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import speaking
 from axiscal.machine.questions import which_way
 from axiscal.measurement.reading_rows import blank_readings
+from axiscal.planning.enough import few_more
 from axiscal.planning.feasibility import reached_unread, refuse_endless, refuse_out_of_reach
-from axiscal.planning.next_readings import CANDIDATES, enough_for_rows, few_more, placed, posed
+from axiscal.planning.next_readings import CANDIDATES, placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable
@@ -164,7 +164,8 @@ def plan(
     if gcode is not None:
         count = len(_programs(case, proposal.plan, gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
-    answer = plan_answer(case, proposal, limits, ends=ends)
+    certain = _certain(case, limits, how) if details else None
+    answer = plan_answer(case, proposal, limits, ends=ends, certain=certain)
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
         return
@@ -172,6 +173,16 @@ def plan(
         if details:
             say("\n".join([*plan_list(answer), *_minds(case, proposal)]))
         say(plan_screen(answer, str(campaign), written))
+
+
+def _certain(case: Case, limits: Limits, how: Thoroughness) -> Plan | None:
+    """Return the plan for the same accuracy if all that is stated were exact; None where there is none."""
+    if not limits.accurate:
+        return None
+    try:
+        return proposed(case_of(as_exact(case.description)), limits, how, bounded=False).plan
+    except PlanError:
+        return None
 
 
 def _share(case: Case, gap: float | None) -> float:
@@ -206,9 +217,7 @@ def _limits(case: Case, readings: int | None, target: str | None, budget: str | 
         return Limits(readings, None if target is None else own.rms, None, seconds)
     if target is not None:  # an accuracy, within what the campaign allows
         return Limits(own.readings, own.rms, None, own.budget)
-    own_rms = own.rms if own.expanded is None else max(own.rms or 0.0, as_standard(case, case.knowledge, own.expanded))
-    limits = Limits(own.readings, own_rms, own.worst, own.budget)
-    return enough_for_rows(case, case.knowledge, posed(case, case.knowledge), limits) if own.lines else limits
+    return Limits.of(own)
 
 
 def _compared(case: Case, limits: Limits, how: Thoroughness, page: Path, as_json: bool) -> None:

@@ -202,7 +202,7 @@ TEMPERATURE = TypeB(
     "temperature", _ALL_LENGTHS, "normal", 1.0, "K", f"assumption; {_EXPANDS}", "machine", _grown,
     partial(_warm, cause="temperature", measured=False),
 )  # fmt: skip
-_MEASURED = replace(
+MEASURED_TEMPERATURE = replace(
     TEMPERATURE, size=0.3, source=f"assumption, if it was measured; {_EXPANDS}",
     applies=partial(_warm, cause="temperature", measured=True),
 )  # fmt: skip
@@ -222,7 +222,7 @@ TYPE_B = (
         covered=("zero",),
     ),
     TEMPERATURE,
-    _MEASURED,
+    MEASURED_TEMPERATURE,
     TypeB(
         "expansion", _ALL_LENGTHS, "normal", 1e-6, "um/m/K", "steels differ by as much (GUM H.1)", "machine", _unlike,
         partial(_warm, cause="expansion"),

@@ -15,10 +15,11 @@ from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.relaxation import Relaxation
+from axiscal.planning.enough import reached
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
 from axiscal.planning.helping import helping_setups, helping_words
-from axiscal.planning.next_readings import posed, promised_already
+from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked, reachable_rms
 from axiscal.units import format_quantity, to_unit
@@ -77,7 +78,7 @@ def refuse_endless(case: Case, limits: Limits, candidates: int) -> None:
 
 def reached_unread(case: Case, limits: Limits) -> str | None:
     """Say that errors of the usual sizes are within the target before any reading; None where they are not."""
-    if not (len(case.sizes) and promised_already(limits, case, case.knowledge)):
+    if limits.rows or not (limits.accurate and len(case.sizes) and reached(case, limits, case.knowledge)):
         return None
     return "errors of the sizes that are stated or usual meet the target unread: a few readings check their sizes"
 

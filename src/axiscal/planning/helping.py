@@ -8,18 +8,20 @@ from dataclasses import dataclass, replace
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.target import Target
+from axiscal.description.type_b import MEASURED_TEMPERATURE, TEMPERATURE
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import as_standard
 from axiscal.estimation.functionals.known import known_rows
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import InputError, PlanError
 from axiscal.language.spoken import joined, put, said
 from axiscal.measurement.setup import Setup
-from axiscal.planning.next_readings import enough_for_rows, posed
+from axiscal.planning.enough import enough, reached_by
+from axiscal.planning.next_readings import posed
+from axiscal.planning.overrun import with_rooms
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked
-from axiscal.units import to_unit
+from axiscal.units import said_quantity, to_unit
 
 _KINDS = ("interferometer", "ballbar", "straightedge", "sphere")
 """Those whose set-ups follow from the machine alone, and of which nothing has to be looked up first."""
@@ -34,17 +36,22 @@ class Helping:
     """Set-ups that bring a target, by name, with the readings and minutes of a plan for all; 0 where none was made.
 
     reached : whether that plan reaches it; else it comes nearer within the readings and the time that are allowed
+    measured : the temperature is measured, and no set-up more is needed
     """
 
     setups: tuple[str, ...]
     readings: int
     minutes: float
     reached: bool
+    measured: bool = False
 
 
 def helping_setups(case: Case, target: Target) -> Helping | None:
-    """Return further set-ups that would let a target be reached; None where none would."""
+    """Return what would let a target be reached: a temperature that is measured, or set-ups; None where none would."""
     described, added = replace(case.description, target=target), list[Setup]()
+    warm = replace(described, setups=tuple(_measured(setup) for setup in described.setups))
+    if warm.setups != described.setups and _missed(warm) < 1.0:
+        return replace(_planned(warm, target, ()), measured=True)
     for _ in range(_TOGETHER):
         tried = [(_missed(each), each, setup) for each, setup in _with_one_more(described)]
         if not tried:
@@ -56,9 +63,16 @@ def helping_setups(case: Case, target: Target) -> Helping | None:
     return None
 
 
+def _measured(setup: Setup) -> Setup:
+    """Return a set-up whose temperature is measured, as far from 20 °C as one that is not may be."""
+    return replace(setup, warmer=TEMPERATURE.size) if setup.at_20 and setup.warmer is None else setup
+
+
 def helping_words(found: Helping) -> str:
     """Return in words what would help."""
     names = joined([f'"{name}"' for name in found.setups])
+    if found.measured:
+        names = said("the temperature (to {size})", size=said_quantity(MEASURED_TEMPERATURE.size, "K"))
     text = "With {names} as well it is reached: {readings} readings in {minutes} min."
     if not found.readings:
         text = "With {names} as well it can be reached."
@@ -92,14 +106,11 @@ def _with_one_more(described: CampaignDescription) -> Iterator[tuple[CampaignDes
 def _planned(described: CampaignDescription, target: Target, added: tuple[str, ...]) -> Helping:
     """Return set-ups that help with the readings and seconds of a plan."""
     case = case_of(described)
-    wanted = None if target.expanded is None else as_standard(case, case.knowledge, target.expanded)
-    rms = max([each for each in (target.rms, wanted) if each is not None], default=None)
-    limits = Limits(target.readings, rms, target.worst, target.budget)
+    limits = Limits.of(target)
     try:
         task = posed(case, case.knowledge, candidates=_CANDIDATES)
-        if target.lines:
-            limits = enough_for_rows(case, case.knowledge, task, limits)
-        made = make_plan(task, limits, patience=0.0, bounded=False)
+        made = make_plan(task, enough(case, task, limits), patience=0.0, bounded=False)
     except PlanError:
         return Helping(added, 0, 0.0, reached=True)
-    return Helping(added, len(made.readings), to_unit(made.seconds, "min"), made.met or bool(target.lines))
+    met = reached_by(case, limits, with_rooms(case, made.places))
+    return Helping(added, len(made.readings), to_unit(made.seconds, "min"), met)

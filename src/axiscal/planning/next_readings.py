@@ -8,21 +8,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.description.target import Target
-from axiscal.estimation.accuracy.criterion import Root, joint_root
+from axiscal.estimation.accuracy.criterion import Gram, Root, joint_root
+from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import as_standard
+from axiscal.estimation.functionals.asked import AskedRow, asked_rows
+from axiscal.estimation.functionals.known import known_row
+from axiscal.estimation.inference.outliers import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
 from axiscal.planning.both_sides import with_both_sides
-from axiscal.planning.by_rows import rows_root, settled
 from axiscal.planning.drift_markers import planned_with_markers
-from axiscal.planning.overrun import with_room
+from axiscal.planning.enough import AT_ONCE, enough
+from axiscal.planning.overrun import with_rooms
 from axiscal.planning.plan.order import in_order, seconds_along
 from axiscal.planning.plan.patience import PATIENCE
 from axiscal.planning.plan.plan import Plan, Progress, make_plan
@@ -30,17 +33,15 @@ from axiscal.planning.plan.renewal import renewed
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.plan_basis import at_gap, in_gap
 from axiscal.planning.plane_start import plane_start
-from axiscal.planning.promise import FEW
 from axiscal.record.events import Gap
 
 CANDIDATES = 2000
 """Places that a plan chooses from; beyond, readings are brought to the best places between them anyway."""
-_AT_ONCE = 150
-_GROWTH = 1.5
-"""From one number of readings that is tried to the next: at most a third of them is too many."""
 _SMALL = 120
 """Unknowns up to which what is left of a plan is climbed off the lattice: beyond, a person at the machine would wait
 too long."""
+_VOLUME = 0.5
+"""Of U before the first reading: a volume without a limit weighs as a row without one."""
 
 
 def planned_places(
@@ -97,15 +98,6 @@ def placed(case: Case, plan: Plan) -> tuple[Place, ...]:
     return with_rooms(case, plan.places)
 
 
-def with_rooms(case: Case, places: Places) -> tuple[Place, ...]:
-    """Return places, each with room to come to it from its side."""
-    rows = zip(places.setups.tolist(), places.poses.tolist(), places.approaches.astype(int).tolist(), strict=True)
-    setups, found = case.description.setups, list[Place]()
-    for setup, pose, approach in rows:
-        found.append(Place(setups[setup].name, *with_room(case.errors, setups[setup], tuple(pose), tuple(approach))))
-    return tuple(found)
-
-
 def columns_of(case: Case, places: Sequence[Place]) -> Places:
     """Return places as the search holds them."""
     none = Places.none(len(case.description.machine.axes))
@@ -153,63 +145,18 @@ def refuse_lacking(case: Case) -> None:
     raise PlanError(what, ". ".join(each[0].upper() + each[1:] for each in remedies))
 
 
-def _standard(case: Case, knowledge: Knowledge) -> Target:
-    """Return the target with the RMS that an expanded uncertainty asks for, by what is known now."""
-    target = case.description.target
-    if target.expanded is None:
-        return target
-    return replace(target, rms=max(target.rms or 0.0, as_standard(case, knowledge, target.expanded)))
-
-
-def enough_for_rows(
-    case: Case,
-    knowledge: Knowledge,
-    task: Task,
-    limits: Limits,
-    readings: Sequence[Reading] = (),
-    left: Sequence[Place] = (),
-) -> Limits:
-    """Return limits of as many readings as reach all rows with a limit, or take away what they can; of no accuracy.
-
-    readings : so far; left : of an earlier plan
-    """
-    most = _AT_ONCE if limits.readings is None else limits.readings
-    if left and settled(case, knowledge, readings, left):
-        return Limits(min(len(left), most), budget=limits.budget)
-    count = min(FEW, most)
-    while count < most:
-        made = make_plan(task, Limits(count, budget=limits.budget), patience=0.0, bounded=False)
-        if settled(case, knowledge, readings, placed(case, made)):
-            break
-        count = min(math.ceil(_GROWTH * count), most)
-    return Limits(count, budget=limits.budget)
-
-
-def promised_already(limits: Limits, case: Case, knowledge: Knowledge) -> bool:
-    """Return whether the likely sizes reach the target accuracy: if the plan goes on, not all sizes do."""
-    return limits.accurate and limits.met(case.yardstick.measure(knowledge.belief))
-
-
-def few_more(limits: Limits, least: int = 0) -> Limits:
-    """Return limits of a few readings for what the likely sizes reach.  least : at least so many"""
-    few = FEW if limits.readings is None else min(FEW, limits.readings)
-    return replace(limits, readings=max(few, least), rms=None, worst=None)
-
-
 def limits_left(
-    case: Case, knowledge: Knowledge, task: Task, readings: Sequence[Reading], left: Sequence[Place]
+    case: Case, task: Task, readings: Sequence[Reading], left: Sequence[Place], outliers: Sequence[Doubt]
 ) -> Limits:
-    """Return the rest of a campaign's limits, for a plan of at most `_AT_ONCE` readings.
+    """Return the rest of a campaign's limits, for a plan of at most `AT_ONCE` readings.
 
-    readings : so far, which are known; left : of an earlier plan
+    readings : so far, which are known; left : of an earlier plan; outliers : those of the readings not believed
     """
-    target, taken = _standard(case, knowledge), len(readings)
-    most = _AT_ONCE if target.readings is None else min(_AT_ONCE, max(target.readings - taken, 1))
-    budget = None if target.budget is None else max(target.budget - timed(case, readings).seconds, 0.0)
-    limits = Limits(most, target.rms, target.worst, budget)
-    if target.lines:
-        return enough_for_rows(case, knowledge, task, limits, readings, left)
-    return few_more(limits, len(left)) if promised_already(limits, case, knowledge) else limits
+    limits, bad = Limits.of(case.description.target), {doubt.reading for doubt in outliers if doubt.rejected}
+    most = AT_ONCE if limits.readings is None else min(AT_ONCE, max(limits.readings - len(readings), 1))
+    budget = None if limits.budget is None else max(limits.budget - timed(case, readings).seconds, 0.0)
+    believed = [reading for index, reading in enumerate(readings) if index not in bad]
+    return enough(case, task, replace(limits, readings=most, budget=budget), believed, left)
 
 
 def root_of(case: Case, belief: Belief) -> Root:
@@ -220,3 +167,23 @@ def root_of(case: Case, belief: Belief) -> Root:
     if name == "rows":
         return rows_root(case)
     return case.yardstick.root if name == "volume" else case.yardstick.worst_root(belief)
+
+
+def rows_root(case: Case) -> Root:
+    """Return V of J = Σ v / g², v the mean variance of a row and g its standard deviation where it is as wanted."""
+    parts = [np.zeros((0, case.errors.size))]
+    for asked in asked_rows(case.description, (), whole=True):
+        row = known_row(asked, case, case.prior, read=False)
+        goal = row.goal if asked.map is not None else min(row.goal, _VOLUME * row.before)
+        if goal > 0:
+            parts.append(_own(asked, case) * BAND / goal)
+    stacked = np.concatenate(parts)
+    return Gram(stacked.T @ stacked).root
+
+
+def _own(asked: AskedRow, case: Case) -> Array:
+    """Return V of the mean variance of a row, (k, size)."""
+    if asked.map is None:
+        return case.yardstick.root.matrix
+    scaled: Array = asked.map.rows(case.errors) / np.sqrt(len(asked.map.weights) / asked.map.dimensions)
+    return scaled

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 
 from axiscal.errors.model import ErrorModel
+from axiscal.estimation.case import Case
 from axiscal.machine.axis import Axis
 from axiscal.machine.motion import inward
+from axiscal.measurement.place import Place, Places
 from axiscal.measurement.setup import Setup
 from axiscal.units import from_unit, to_unit
 
@@ -17,6 +19,15 @@ _SLACK = 1e-6
 """Share of a step: rounding of a position that stands on the step already."""
 _DIGITS = {False: ("mm", 3), True: ("deg", 4)}
 """Unit and decimals of what a person can dial in: the micrometre, a ten-thousandth of a degree."""
+
+
+def with_rooms(case: Case, places: Places) -> tuple[Place, ...]:
+    """Return places, each with room to come to it from its side."""
+    rows = zip(places.setups.tolist(), places.poses.tolist(), places.approaches.astype(int).tolist(), strict=True)
+    setups, found = case.description.setups, list[Place]()
+    for setup, pose, approach in rows:
+        found.append(Place(setups[setup].name, *with_room(case.errors, setups[setup], tuple(pose), tuple(approach))))
+    return tuple(found)
 
 
 def with_room(errors: ErrorModel, setup: Setup, pose: Pose, approach: Approach) -> tuple[Pose, Approach]:

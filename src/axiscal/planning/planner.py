@@ -36,7 +36,7 @@ def next_places(
     begin, task = without_markers(case, readings, left), posed(case, knowledge, closed, readings)
     if not len(task.lattice):
         return ()
-    limits = limits_left(case, knowledge, task, readings, begin)
+    limits = limits_left(case, task, readings, begin, outliers)
     try:
         return planned_places(case, task, limits, readings, closed, begin)
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one

@@ -1,8 +1,9 @@
-"""How well a machine will be known after a plan, and at best."""
+"""How well a machine will be known after a plan and at best, and what the plan cannot tell apart."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -13,15 +14,23 @@ from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.promise.problem import problem
+from axiscal.estimation.promise.posterior import gain
+from axiscal.estimation.promise.problem import Problem, problem
+from axiscal.estimation.promise.spaces import Given
+from axiscal.estimation.promise.type_b_columns import Contribution, contributions
 from axiscal.estimation.promise.unknowns import space_of
+from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import blank_readings
+from axiscal.measurement.reading_rows import blank_readings, places_of, rows_at, times_of
+from axiscal.numerics import Array
+from axiscal.units import to_unit
 
-FEW = 6
-"""Readings planned at once for what likely sizes reach and all sizes together do not: then it is looked at again."""
+_TAKEN = 0.5
+"""Share of what comes and goes that is taken for the curve, from which on it is said."""
+_AGAIN, _FEWEST = 4, 6
+"""Places that are read once more (with all of them a twentieth stays), of a set-up with so many readings."""
 
 
 class WantedAccuracy(NamedTuple):
@@ -46,19 +55,103 @@ def promised(case: Case, knowledge: Knowledge, places: Sequence[Place]) -> Accur
     return case.yardstick.measure(knowledge.read(blank_readings(case.description.setups, places)).belief)
 
 
-def expected(case: Case, readings: Sequence[Reading]) -> Knowledge:
-    """Return what readings would make known whatever they showed, with all that a result counts, at sizes as stated.
+def foreseen(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> Knowledge:
+    """Return what readings and those to come would make known, with all that a result counts, at the case's sizes.
 
-    It includes type B errors, such as that of a laser's wavelength; a plan's own figures leave them out.
+    places : of the readings to come, whatever they will show
+    It includes type B errors, such as that of a laser's wavelength, and what wanders with time; J leaves them out.
     """
+    together = timed(case, [*readings, *blank_readings(case.description.setups, places)]).readings
+    if not together:
+        return case.knowledge
+    answer = _given(case, together)[1].answer()
+    return Knowledge(case.observation, Belief(answer.mean, (answer.covariance + answer.covariance.T) / 2))
+
+
+class Blank(NamedTuple):
+    """Readings to come with their times, as a problem, and everything at the case's sizes."""
+
+    readings: tuple[Reading, ...]
+    posed: Problem
+    found: Given
+
+
+def blank_problem(case: Case, places: Sequence[Place]) -> Blank:
+    """Return the readings of a plan, at least one, whatever they will show."""
+    readings = timed(case, blank_readings(case.description.setups, places)).readings
+    return Blank(readings, *_given(case, readings))
+
+
+def unseen_parts(case: Case, places: Sequence[Place]) -> list[tuple[Contribution, Array]]:
+    """Return type B causes, and by what one standard deviation moves what readings would say, (answered,) m and rad.
+
+    places : of the readings; those causes are left out whose effect follows from the values that are read
+    """
+    readings, posed, found = blank_problem(case, places)
+    at = places_of(case.observation.setups, readings)
+    every = contributions(case.observation, at, usual=case.description.usual)
+    causes = [each for each in every if not each.row.of_values]
+    moved = gain(posed, found, posed.rows[:, : len(causes)])  # their columns come first
+    return list(zip(causes, moved.T, strict=True))
+
+
+def _given(case: Case, readings: Sequence[Reading]) -> tuple[Problem, Given]:
+    """Return readings as a problem, and everything at the case's sizes."""
     posed = problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
     found = space_of(posed).given(np.zeros(len(posed.sizes)))
     if found is None:
         raise PlanError("the stated sizes differ by more than 15 digits", "Look at the std of errors and unknowns")
-    answer = found.answer()
-    return Knowledge(case.observation, Belief(answer.mean, (answer.covariance + answer.covariance.T) / 2))
+    return posed, found
 
 
 def reachable_rms(case: Case) -> float:
     """Return the RMS over the volume that endless readings would leave, m."""
     return case.yardstick.floors[0]
+
+
+@dataclass(frozen=True, slots=True)
+class Alike:
+    """A set-up whose zero may come and go unseen, places to read once more at its end, and their minutes."""
+
+    setup: str
+    readings: int
+    minutes: float
+
+
+def alike(case: Case, places: Sequence[Place]) -> Alike | None:
+    """Return the set-up in which a zero that comes and goes looks most like the curve; None where none does.
+
+    Half a sine b over the time of a set-up moves the estimate by G b. Where the readings then fit b, it was taken for
+    the curve. Where backlashes alone are wanted, no curve is.
+    """
+    if {want.row.kind for want in case.description.target.wants} == {"backlash"}:
+        return None
+    shares = dict(_shares(case, places))
+    name = max(shares, key=lambda each: shares[each], default="")
+    if shares.get(name, 0.0) <= _TAKEN:
+        return None
+    own = [place for place in places if place.setup == name]
+    out = [own[index] for index in np.linspace(0, len(own) // 2, _AGAIN).astype(int).tolist()]
+    return Alike(name, _AGAIN, to_unit(float(case.seconds_along(own[-1], out).sum()), "min"))
+
+
+def _shares(case: Case, places: Sequence[Place]) -> Iterator[tuple[str, float]]:
+    """Yield how much of what comes and goes is taken for the curve, by the name of each set-up with a zero."""
+    readings, posed, found = blank_problem(case, places)
+    rows = rows_at(case.observation, places_of(case.observation.setups, readings)).rows[:, : case.errors.size]
+    times = times_of(readings)[posed.reading]
+    for index in np.unique(posed.setup).tolist():
+        setup, mine = case.description.setups[index], posed.setup == index
+        if len(np.unique(posed.reading[mine])) < _FEWEST or not any(
+            unknown.name.startswith("zero") for unknown in setup.unknowns
+        ):
+            continue
+        comes = np.where(mine, np.sin(np.pi * (times - times[mine].min()) / np.ptp(times[mine])), 0.0)
+        moved = gain(posed, found, (comes / posed.noise)[:, None])[: case.errors.size, 0]
+        yield setup.name, _fit(rows[mine] @ moved, comes[mine])
+
+
+def _fit(shown: Array, wanted: Array) -> float:
+    """Return the share of wanted that is shown, (m,) each, means taken off."""
+    apart = wanted - wanted.mean()
+    return float(shown @ apart / (apart @ apart))

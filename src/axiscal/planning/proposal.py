@@ -14,6 +14,7 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.prove import prove, refuse_setup
+from axiscal.planning.enough import enough
 from axiscal.planning.gains.candidate_rows import MEMORY
 from axiscal.planning.next_readings import CANDIDATES, columns_of, first_places, planned_places, posed
 from axiscal.planning.plan.plan import Plan, Progress, judged
@@ -53,6 +54,7 @@ def proposed(
     task = replace(posed(case, case.knowledge, candidates=how.candidates), memory=how.memory)
     if only is not None:
         task = replace(task, lattice=task.lattice.within(np.isin(task.lattice.setups, only)))
+    limits = enough(case, task, limits)
     places = planned_places(case, task, limits, progress=progress)
     if first_places(case, task, limits):
         places += _after(case, task, limits, places, progress)

@@ -11,8 +11,10 @@ from pydantic import Field
 
 from axiscal.answers.answer import Aim, AnswerDocument, NextStep, PlannedRow
 from axiscal.answers.answer_of_campaign import aim_of, aim_of_volume, all_reached, known_figures, unreachable
+from axiscal.description.type_b import TEMPERATURE
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case
+from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.functionals.known import KnownRow, known_rows
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.machine.kinematics import frames
@@ -24,10 +26,12 @@ from axiscal.planning.helping import Helping, helping_setups
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import asked, expected, reachable_rms
+from axiscal.planning.promise import Alike, alike, asked, foreseen, reachable_rms, unseen_parts
 from axiscal.planning.proposal import Proposal
 from axiscal.units import to_unit
 
+_MOSTLY, _NOUGHT = 0.5, 1e-30
+"""Of the variance; no division by nought."""
 PlanVerdict = Literal["planned", "reached", "short", "unreachable"]
 """Nothing is asked for; it is reached; more readings would; none of these set-ups would."""
 
@@ -67,11 +71,24 @@ class ReachAnswer(AnswerDocument):
     helps: Helping | None
 
 
+class LargestCause(AnswerDocument):
+    """What no reading shows and is most of an uncertainty: its name, whose it is, and its share of the variance.
+
+    measurable : it is the temperature, and nobody has measured that
+    """
+
+    cause: str
+    owner: str
+    share: float
+    measurable: bool
+
+
 class PlanAnswer(AnswerDocument):
     """A plan, and what is known after it.
 
     rows, aims : after its readings, with all that a result counts; `points`, `J`, `rms_um`, `worst_um` and `ratio`
     leave out what no reading shows, such as the error of a wavelength
+    certain_minutes : of a plan for the same target if all that is stated were exact, and nothing else went wrong
     setups : in the order in which they are mounted; units : of the axes; allowed : readings, None for any number
     ratio : of the mean variances that the two RMS figures are the roots of; of J where the criterion is another one
     """
@@ -81,6 +98,9 @@ class PlanAnswer(AnswerDocument):
     rows: Sequence[PlannedRow]
     aims: Sequence[Aim]
     reach: ReachAnswer | None
+    mostly: LargestCause | None = None
+    alike: Alike | None = None
+    certain_minutes: float | None = None
     setups: Sequence[PlannedSetup]
     steps: Sequence[NextStep]
     criterion: str
@@ -106,12 +126,17 @@ class PlanAnswer(AnswerDocument):
 
 
 @one_thread()
-def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = True) -> PlanAnswer:
-    """Return the document of a plan that was made within limits.  ends : whether the campaign says when it ends"""
+def plan_answer(
+    case: Case, proposal: Proposal, limits: Limits, *, ends: bool = True, certain: Plan | None = None
+) -> PlanAnswer:
+    """Return the document of a plan that was made within limits.
+
+    ends : whether the campaign says when it ends; certain : the plan if all that is stated were exact, if it was made
+    """
     plan, axes = proposal.plan, case.description.machine.axes
     places = placed(case, plan)
     readings = blank_readings(case.description.setups, places)
-    known = expected(case, readings)
+    known = foreseen(case, (), places)
     rows = known_rows(case, known, readings)
     volume, lines = _aims(case, known, rows)
     bound = bound_rms_um(case, plan)
@@ -124,6 +149,9 @@ def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = 
         rows=[PlannedRow(**known_figures(row)) for row in rows],
         aims=[*volume, *lines],
         reach=reach,
+        mostly=_mostly(case, places, known) if places else None,
+        alike=alike(case, places) if places and case.description.usual else None,
+        certain_minutes=None if certain is None else to_unit(certain.seconds, "min"),
         setups=list(_setups(case, places, plan)),
         steps=[*([] if ends else [NextStep(code="target")]), NextStep(code="start")],
         criterion=case.description.target.criterion,
@@ -158,6 +186,23 @@ def reach_answer(case: Case) -> ReachAnswer | None:
 
 def _reach(case: Case, missed: Sequence[Aim]) -> ReachAnswer | None:
     return ReachAnswer(missed=missed, helps=helping_setups(case, case.description.target)) if missed else None
+
+
+def _mostly(case: Case, places: Sequence[Place], known: Knowledge) -> LargestCause | None:
+    """Return what is most of U in a row with a limit (of all where none has one); None where nothing is."""
+    rows, found = asked_rows(case.description, (), whole=True), list[LargestCause]()
+    limits = case.description.target.expanded is not None or case.description.target.rms is not None
+    wanted = [row for row in rows if row.want.limit is not None or (limits and row.map is None)] or rows
+    causes = unseen_parts(case, places)
+    for row in wanted if causes else ():
+        at = case.yardstick.root.matrix if row.map is None else row.map.rows(case.errors)
+        whole = float(np.sum((at @ known.belief.factor[: at.shape[1]]) ** 2))
+        for cause, moved in causes:
+            share = float(np.sum((at @ moved[: at.shape[1]]) ** 2)) / max(whole, _NOUGHT)
+            unknown = cause.row is TEMPERATURE and not cause.stated
+            found.append(LargestCause(cause=cause.row.name, owner=cause.owner, share=share, measurable=unknown))
+    largest = max(found, key=lambda each: each.share, default=None)
+    return largest if largest is not None and largest.share > _MOSTLY else None
 
 
 def _aims(case: Case, known: Knowledge, rows: Sequence[KnownRow]) -> tuple[list[Aim], list[Aim]]:

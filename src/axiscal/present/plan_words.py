@@ -19,9 +19,12 @@ from axiscal.answers.answer_words import (
     row_names,
     wrapped,
 )
+from axiscal.description.type_b import MEASURED_TEMPERATURE
 from axiscal.language.spoken import counted, listed, put, said
 from axiscal.planning.helping import helping_words
 from axiscal.present.plan_answer import PlanAnswer, ReachAnswer
+from axiscal.present.sentences import cause_words
+from axiscal.units import said_quantity
 
 LINES = 16
 """Of a terminal that nobody scrolls."""
@@ -32,7 +35,8 @@ _MUCH = 0.5
 def plan_screen(answer: PlanAnswer, campaign: str, files: Sequence[str] = ()) -> str:
     """Return the screen of a plan.  campaign : its file; files : that were written"""
     above = first_lines(_first(answer))
-    sentences = [_mounted(answer), _fewer(answer), "" if answer.reach is None else reach_text(answer.reach)]
+    reach = "" if answer.reach is None else reach_text(answer.reach)
+    sentences = [_mounted(answer), _fewer(answer), reach or _mostly(answer) or _alike(answer)]
     below = [line for sentence in sentences for line in wrapped(sentence, 3)]
     below += ending({said("Written"): files, said("Next"): list(_commands(answer, campaign))})
     room = LINES - len(above) - len(below) - 1
@@ -102,6 +106,28 @@ def _fewer(answer: PlanAnswer) -> str:
     return said("{planned} of {allowed} readings: {why}.", planned=answer.readings, allowed=answer.allowed, why=why)
 
 
+def _mostly(answer: PlanAnswer) -> str:
+    """Return what no reading shows and is most of U; "" where nothing is."""
+    if answer.mostly is None:
+        return ""
+    if answer.mostly.measurable:
+        size = said_quantity(MEASURED_TEMPERATURE.size, MEASURED_TEMPERATURE.unit)
+        return said("U is mostly the unknown temperature: measure it to {size}.", size=size)
+    return said("U is mostly this: {cause}.", cause=cause_words(answer.mostly.cause, answer.mostly.owner))
+
+
+def _alike(answer: PlanAnswer) -> str:
+    """Return what the places cannot tell apart; "" where nothing is."""
+    if answer.alike is None:
+        return ""
+    return said(
+        'Here a zero that comes and goes looks like a curve: read {count} of "{setup}" once more, {minutes} min.',
+        setup=answer.alike.setup,
+        count=answer.alike.readings,
+        minutes=put("{minutes:.1g}", minutes=answer.alike.minutes),
+    )
+
+
 def _commands(answer: PlanAnswer, campaign: str) -> Iterator[str]:
     for step in answer.steps:
         if step.code == "target":
@@ -127,6 +153,9 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
         after = f"RMS {_micrometres(point.rms_um):>8}, {point.minutes:6.1f} min"
         yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}"
     yield bound_sentence(answer)
+    if answer.certain_minutes is not None:
+        minutes = put("{minutes:.0f}", minutes=answer.certain_minutes)
+        yield said("If all that is stated were exact, and nothing else went wrong: {minutes} min.", minutes=minutes)
 
 
 def bound_sentence(answer: PlanAnswer) -> str:

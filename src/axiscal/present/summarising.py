@@ -38,6 +38,7 @@ from axiscal.present.curves import constants, curves
 from axiscal.present.findings import findings, observability
 from axiscal.present.plane_summary import planes
 from axiscal.present.positioning_curves import positioning_curves
+from axiscal.present.sentences import cause_words
 from axiscal.present.standard import iso230_blocks
 from axiscal.present.statement import conditions, counted_along
 from axiscal.present.summary import (
@@ -68,21 +69,6 @@ _WORDS = {
     "unseen": later("What no reading with the allowed set-ups can see"),
     "sizes": later("Sizes learnt from the readings, and a model that may be wrong"),
 }
-_TYPE_B = {
-    "scale": later("Scale of the {owner}"),
-    "air": later("Refraction of air"),
-    "cosine": later("Beam aslant"),
-    "dead_path": later("Dead path in air"),
-    "temperature": later("Temperature of the measured material"),
-    "expansion": later("Expansion of the measured material"),
-    "length": later("Length of the ball bar"),
-    "square": later("Angle of the straightedge as a square"),
-    "bow": later("Bow of the straightedge"),
-    "gain": later("Gain of the {owner}"),
-    "radius": later("Radius of ball and stylus"),
-    "pre_travel": later("Pre-travel of the probe"),
-}
-"""What no reading shows, by name; see `description.type_b`."""
 _DISTRIBUTIONS: dict[Distribution, str] = {"normal": later("normal"), "rectangular": later("rectangular")}
 _WORTH = 5e-4
 """Shares below are left out: they show as nought."""
@@ -336,7 +322,7 @@ def _words(share: BudgetShare) -> str:
         return said('Instrument: noise of the readings of "{setup}"', setup=share.setup)
     if share.cause is not None:
         row, owner = share.cause.row, share.cause.owner
-        what = said(_TYPE_B[row.name], owner=said(owner) if owner else "")
+        what = cause_words(row.name, owner)
         if share.cause.stated:
             return said("{what}, as stated", what=what)
         return said("{what}, {size} as is usual", what=what, size=said_quantity(row.size, row.unit))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.description.target import Target
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief
@@ -53,21 +55,44 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """A plan ends at the first that is reached.  rms, worst : m; budget : s."""
+    """A plan ends at the first that is reached.
+
+    rms, worst : m; budget : s; expanded : U of the volume, m; rows : whether wanted rows with a limit are to be reached
+    beside : m², what a result counts beside J in the squares of rms and worst; the search adds it to its own
+    A search heeds rms and worst only: `enough` finds these for the others.
+    """
 
     readings: int | None = None
     rms: float | None = None
     worst: float | None = None
     budget: float | None = None
+    expanded: float | None = None
+    rows: bool = False
+    beside: tuple[float, float] = (0.0, 0.0)
+
+    @classmethod
+    def of(cls, target: Target) -> Limits:
+        """Return all limits of a target."""
+        return cls(target.readings, target.rms, target.worst, target.budget, target.expanded, rows=bool(target.lines))
+
+    def times(self, factor: float) -> Limits:
+        """Return the same with accuracies of the volume that are so many times as large."""
+        rms, worst, whole = (None if x is None else factor * x for x in (self.rms, self.worst, self.expanded))
+        return replace(self, rms=rms, worst=worst, expanded=whole)
 
     def met(self, accuracy: Accuracy) -> bool:
-        """Return whether the accuracy asked for is reached; where no reading can, whether what they take away is."""
-        return accuracy.meets(self.rms, self.worst)
+        """Return whether the accuracy asked for is reached; where no reading can, whether what they take away is.
+
+        accuracy : by J
+        """
+        pairs = zip((accuracy.rms, accuracy.worst), self.beside, strict=True)
+        rms, worst = (math.sqrt(max(own**2 + beside, 0.0)) for own, beside in pairs)
+        return accuracy._replace(rms=rms, worst=worst).meets(self.rms, self.worst)
 
     @property
     def accurate(self) -> bool:
         """Whether the limits have a target accuracy."""
-        return self.rms is not None or self.worst is not None
+        return self.rows or not self.rms is self.worst is self.expanded is None
 
     @property
     def timed(self) -> bool:

@@ -67,8 +67,7 @@ def planned_places(
     case, target = Case(replace(described, prior_text="", sisters=None)), described.target
     if target.empty:
         raise TargetError("nothing would ever end this plan", 'Give the campaign a target, such as rms = "4 um"')
-    limits = Limits(target.readings, target.rms, target.worst, target.budget)
-    return placed(case, proposed(case, limits, progress=told).plan)
+    return placed(case, proposed(case, Limits.of(target), progress=told).plan)
 
 
 def measured(

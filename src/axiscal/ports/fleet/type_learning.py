@@ -11,7 +11,6 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.document import shown
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.estimation import as_standard
 from axiscal.estimation.inference.data_equation import DataEquation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior
@@ -211,8 +210,4 @@ def saving(described: CampaignDescription, text: str, told: Callable[[str], None
 
 
 def _planned(described: CampaignDescription, told: Callable[[str], None]) -> Plan:
-    case, target = case_of(described), described.target
-    rms = target.rms
-    if target.expanded is not None:
-        rms = max(rms or 0.0, as_standard(case, case.knowledge, target.expanded))
-    return proposed(case, Limits(target.readings, rms, target.worst, target.budget), progress=told).plan
+    return proposed(case_of(described), Limits.of(described.target), progress=told).plan

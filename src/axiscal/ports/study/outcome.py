@@ -23,7 +23,7 @@ from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
-from axiscal.estimation.estimation import Estimation, as_standard, expanded_uncertainty
+from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.prediction import tcp_prediction
 from axiscal.estimation.timed import Timed, elapsed, timed
@@ -36,12 +36,13 @@ from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import Memo
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.next_readings import posed, with_rooms
+from axiscal.planning.enough import reached_by
+from axiscal.planning.next_readings import posed
+from axiscal.planning.overrun import with_rooms
 from axiscal.planning.plan.order import arriving, in_order
 from axiscal.planning.plan.plain_designs import evenly_spaced
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.plan_basis import plan_basis
-from axiscal.planning.promise import promised
 from axiscal.planning.proposal import proposed
 from axiscal.ports.study.study_case import FIGURES, Method, Stop, StudyCase, Variant
 from axiscal.present.findings import findings
@@ -293,11 +294,7 @@ def limits_of(case: Case, stop: Stop) -> Limits:
     """Return when a case ends: what the study says, else the target of the campaign."""
     if stop.readings is not None or stop.budget is not None:
         return Limits(stop.readings, budget=stop.budget)
-    target = case.description.target
-    rms = target.rms
-    if target.expanded is not None:
-        rms = max(rms or 0.0, as_standard(case, case.knowledge, target.expanded))
-    return Limits(target.readings, rms, target.worst, target.budget)
+    return Limits.of(case.description.target)
 
 
 def places_read(case: Case, method: Method, limits: Limits, rng: np.random.Generator) -> tuple[Place, ...]:
@@ -349,7 +346,7 @@ def _enough(case: Case, drawing: Callable[[int], Places], limits: Limits) -> tup
         places = ordered(count)
         if limits.budget is not None and elapsed(case, Timed(), places) > limits.budget:
             return True
-        return limits.accurate and limits.met(promised(case, case.knowledge, places))
+        return limits.accurate and reached_by(case, limits, places)
 
     most = _MOST if limits.readings is None else limits.readings
     if limits.budget is None and not limits.accurate:

@@ -1,0 +1,137 @@
+"""How many readings are enough: a plan ends where all that a result counts reaches what is asked for.
+
+J leaves out what no choice of places changes much: type B errors, and zeros that wander meanwhile. So a search is told
+how much a result counts beside its own figures, from a plan that was found before.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from axiscal.estimation.accuracy.expanded import expanded, expanded_floor
+from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
+from axiscal.estimation.case import Case
+from axiscal.estimation.functionals.known import known_rows
+from axiscal.estimation.knowledge import Knowledge
+from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import blank_readings
+from axiscal.planning.overrun import with_rooms
+from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.promise import foreseen, promised
+
+AT_ONCE = 150
+"""Readings of a plan at most: what is known by then plans the others."""
+FEW = 6
+"""Readings planned at once for what likely sizes reach and all sizes together do not: then it is looked at again."""
+_GROWTH = 1.5
+"""From one number of readings that is tried to the next; then the middle: at most a fifth of them is too many."""
+_ROUNDS, _CANDIDATES = 4, 500
+"""Plans that are made to find what a result counts beside J, and places that they choose from: it changes little."""
+_NEAR, _AIM = 0.96, 0.99
+"""Of a limit: a plan that comes nearer has too many readings; what is aimed at, as the plan then has other places."""
+
+
+def reached_by(case: Case, limits: Limits, places: Sequence[Place], readings: Sequence[Reading] = ()) -> bool:
+    """Return whether readings at these places reach limits, whatever they show, with all that a result counts.
+
+    readings : so far
+    """
+    taken = [*readings, *blank_readings(case.description.setups, places)]
+    return reached(case, limits, foreseen(case, readings, places), taken)
+
+
+def reached(case: Case, limits: Limits, known: Knowledge, readings: Sequence[Reading] = ()) -> bool:
+    """Return whether limits are reached by what is known; where no reading can, whether what they take away is.
+
+    readings : so far: they say where rows are read
+    """
+    now = case.yardstick.measure(known.belief)
+    volume = now.meets(limits.rms, limits.worst) or _within(case, known, limits)
+    if not volume and not limits.rms is limits.worst is limits.expanded is None:
+        return False
+    rows = known_rows(case, known, readings) if limits.rows else ()
+    return all(row.settled for row in rows if row.limit is not None and row.row.kind != "volume")
+
+
+def _within(case: Case, known: Knowledge, limits: Limits) -> bool:
+    """Return whether U of the volume is reached."""
+    if limits.expanded is None:
+        return False
+    floor = expanded_floor(case.yardstick).space
+    return expanded(case.yardstick, known.belief).space <= attainable(limits.expanded, floor)
+
+
+def few_more(limits: Limits, least: int = 0) -> Limits:
+    """Return limits of a few readings for what the likely sizes reach.  least : at least so many"""
+    few = FEW if limits.readings is None else min(FEW, limits.readings)
+    return Limits(max(few, least), budget=limits.budget)
+
+
+def enough(
+    case: Case, task: Task, limits: Limits, readings: Sequence[Reading] = (), left: Sequence[Place] = ()
+) -> Limits:
+    """Return limits that a search heeds, such that its plan reaches what these limits ask for.
+
+    readings : so far, as the task has them; left : of an earlier plan, with which the search begins
+    """
+    if not limits.accurate:
+        return limits
+    if readings and reached_by(case, limits, (), readings):
+        return few_more(limits, len(left))
+    found = _for_rows if limits.rows else _for_volume
+    return found(case, task, limits, readings, left)
+
+
+def _for_rows(case: Case, task: Task, limits: Limits, readings: Sequence[Reading], left: Sequence[Place]) -> Limits:
+    """Return limits of as many readings as reach everything; of no accuracy."""
+    most = AT_ONCE if limits.readings is None else limits.readings
+    if left and reached_by(case, limits, left, readings):
+        return Limits(min(len(left), most), budget=limits.budget)
+
+    def enough_are(count: int) -> bool:
+        made = make_plan(few, Limits(count, budget=limits.budget), patience=0.0, bounded=False)
+        return reached_by(case, limits, with_rooms(case, made.places), readings)
+
+    few, short, count = _few_candidates(task), 0, min(FEW, most)
+    while count < most and not enough_are(count):
+        short, count = count, min(math.ceil(_GROWTH * count), most)
+    middle = (short + count) // 2
+    return Limits(middle if short and enough_are(middle) else count, budget=limits.budget)
+
+
+def _for_volume(case: Case, task: Task, limits: Limits, readings: Sequence[Reading], left: Sequence[Place]) -> Limits:
+    """Return limits of an accuracy with what a result counts beside."""
+    now, known, places = Knowledge(task.observation, task.belief), foreseen(case, readings, left), left
+    found, searched = None, _searched(case, known, promised(case, now, places), limits)
+    for _ in range(0 if left else _ROUNDS):
+        made = make_plan(_few_candidates(task), searched, patience=0.0, bounded=False)
+        places = with_rooms(case, made.places)
+        known = foreseen(case, readings, places)
+        met = reached(case, limits, known)
+        found = searched if met else found
+        if (met and not reached(case, limits.times(_NEAR), known)) or len(places) == limits.readings:
+            break
+        searched = _searched(case, known, promised(case, now, places), limits)
+    return found or searched
+
+
+def _few_candidates(task: Task) -> Task:
+    """Return the task with some hundred candidates."""
+    kept = np.arange(0, len(task.lattice), 1 + len(task.lattice) // _CANDIDATES)
+    return replace(task, lattice=task.lattice.within(kept))
+
+
+def _searched(case: Case, known: Knowledge, own: Accuracy, limits: Limits) -> Limits:
+    """Return what a search heeds.  known : with all that a result counts; own : by J, of the same places"""
+    counted, rms = case.yardstick.measure(known.belief), limits.rms
+    if limits.expanded is not None:
+        factor = expanded(case.yardstick, known.belief).factor(counted.rms)
+        rms = max(rms or 0.0, limits.expanded / factor)
+    beside = counted.rms**2 - own.rms**2, counted.worst**2 - own.worst**2
+    return replace(limits.times(_AIM), rms=None if rms is None else _AIM * rms, expanded=None, beside=beside)

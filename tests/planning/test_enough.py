@@ -1,0 +1,108 @@
+"""What a plan foresees is what the result then says: U with all that a result counts, readings and minutes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from statistics import median
+
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.functionals.known import known_rows
+from axiscal.estimation.inheritance import case_of
+from axiscal.machine import load_machine
+from axiscal.measurement.place import Place
+from axiscal.measurement.simulation import Simulator
+from axiscal.planning.plan.task import Limits
+from axiscal.planning.promise import alike, foreseen
+from axiscal.planning.proposal import Thoroughness, proposed
+from axiscal.ports.fleet.rehearsal import measured
+from axiscal.present.plan_answer import PlanAnswer, plan_answer
+from axiscal.present.plan_words import plan_screen
+
+WARM = 'temperature = "21 degC"\n'
+FEW = Thoroughness(200)
+
+
+def described(target: str, axes: str = "X", more: str = "") -> CampaignDescription:
+    """Return lasers along axes of a mill."""
+    laser = 'instrument = "interferometer"\napproach = "both"\n'
+    setups = (
+        f'[[setups]]\nname = "along {axis}"\n{laser}direction = "{axis.lower()}"\nmoves = ["{axis}"]\n'
+        f'raster = {{ {axis} = "10 mm" }}\n{more}'
+        for axis in axes
+    )
+    name = "three-axis-mill"
+    text = f'machine = "{name}"\n[target]\n{target}\n{"".join(setups)}'
+    return campaign_from_texts(text, "campaign.toml", load_machine(name).text, name)
+
+
+def planned(of: CampaignDescription) -> PlanAnswer:
+    limits = Limits.of(of.target)
+    return plan_answer(case_of(of), proposed(case_of(of), limits, FEW, bounded=False), limits)
+
+
+@pytest.mark.parametrize("more", ["", WARM])
+def test_the_u_that_is_foreseen_is_that_of_the_result(more: str) -> None:
+    """A laser out and back: most of U is what no reading shows, and less of it where somebody has measured."""
+    of = described('wants = ["positioning X"]', more=more)
+    case, ways = case_of(of), ((1, range(20, 700, 80)), (-1, range(660, 0, -80)))
+    park = case.description.setups[0].park
+    places = [Place("along X", (x / 1000, *park[1:]), (side, 0, 0)) for side, at in ways for x in at]
+    there, found = known_rows(case, foreseen(case, (), places), ())[0], list[float]()
+    for seed in (1, 2, 3):
+        readings = measured(Simulator(of.machine, of.setups).drawn(seed), of, places, seed)
+        known = concluded(case, readings)
+        found.append(known_rows(*known.banded, known.readings)[0].known)
+    assert there.known == pytest.approx(median(found), rel=0.2)
+
+
+@pytest.mark.long
+def test_a_plan_has_as_many_readings_as_a_result_needs() -> None:
+    """By J alone six readings would do, of which the result says 5.8 um."""
+    found = planned(described('wants = ["positioning X 5 um"]'))
+    assert found.verdict == "reached"
+    assert found.readings > 6
+    assert 4.3 < found.rows[0].known_to <= 5.0
+
+
+@pytest.mark.long
+def test_a_plan_names_the_temperature_where_it_is_most_of_u() -> None:
+    cold, warm = (planned(described('wants = ["positioning X 4 um"]', more=more)) for more in ("", WARM))
+    assert cold.mostly is not None
+    assert (cold.mostly.cause, cold.mostly.measurable) == ("temperature", True)
+    assert (cold.verdict, warm.verdict) == ("unreachable", "reached")
+    assert cold.reach is not None
+    assert cold.reach.helps is not None
+    assert cold.reach.helps.measured
+    assert "temperature (to 0.3 K)" in plan_screen(cold, "campaign.toml")
+    assert warm.mostly is None or not warm.mostly.measurable
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("axes", ["X", "XYZ"])
+def test_a_campaign_takes_the_readings_and_minutes_that_its_plan_says(axes: str, tmp_path: Path) -> None:
+    """No set-up is mounted again."""
+    wants = [f"backlash {axis} 1 um" for axis in axes]
+    of = described(f"wants = {json.dumps(wants)}", axes)
+    plan, machine = planned(of), Simulator(of.machine, of.setups).drawn(1)
+    with Campaign.create(tmp_path / "campaign.axiscal", of) as campaign:
+        campaign.run(SimulatedSource(machine, 1), lambda milestone: None)
+        assert campaign.seconds() / 60 == pytest.approx(plan.minutes, rel=0.25)
+        assert len(campaign.state.readings) == pytest.approx(plan.readings, rel=0.25)
+
+
+@pytest.mark.parametrize(("again", "said"), [(0, True), (9, False)])
+def test_places_out_and_back_take_a_zero_that_comes_and_goes_for_a_curve(again: int, said: bool) -> None:
+    """Once out and back it looks like one; a second time out tells them apart."""
+    of = described('wants = ["positioning X"]')
+    case, at = case_of(of), range(20, 700, 80)
+    out = [Place("along X", (x / 1000, *case.description.setups[0].park[1:]), (1, 0, 0)) for x in at]
+    back = [Place("along X", place.pose, (-1, 0, 0)) for place in reversed(out)]
+    found = alike(case, [*out, *back, *out[:again]])
+    assert (found is not None) is said
+    assert found is None or (found.setup, found.readings) == ("along X", 4)
