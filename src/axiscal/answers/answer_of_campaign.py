@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ from axiscal.estimation.agreement_words import agreement_words, mistake_words
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.axis_line import AxisLine
 from axiscal.estimation.functionals.known import KnownRow, known_rows
+from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.place import Place
@@ -39,6 +41,7 @@ from axiscal.measurement.place_texts import shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.promise import WantedAccuracy, asked
 from axiscal.tables.effect import Control
+from axiscal.tables.registry import offered
 from axiscal.units import to_unit
 
 _COSTS = 1.01
@@ -88,6 +91,19 @@ def answer_of(
         withheld=withheld,
         steps=list(_steps(campaign, known, verdict, list(controls), written)),
     )
+
+
+def standing_answer(campaign: Campaign) -> ResultAnswer:
+    """Return the answer of a campaign as it stands, with what tables would leave that are made of it."""
+    known = campaign.so_far()
+    return answer_of(campaign, known, {} if known.agreement.withheld else dict(_controls(known)))
+
+
+def _controls(known: Estimation) -> Iterator[tuple[str, Control]]:
+    """Yield each control of the campaign with what its tables do, those left out that cannot be made."""
+    for name in known.case.description.controls if known.readings else ():
+        with suppress(TableError, ReadingError):
+            yield name, offered(known, name).control
 
 
 def agreement_of(estimation: Estimation) -> ReadingAgreement:

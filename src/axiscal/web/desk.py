@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from axiscal.answers.answer import ResultAnswer
-from axiscal.answers.answer_of_campaign import answer_of, cost_sentence, cost_words
+from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ended_words import because_text
 from axiscal.campaign.ending import Ended
@@ -107,7 +107,7 @@ class Desk:
         """Take in what is known now, and return whether that is anything new; what a report says stands."""
         if self._answers == self._stands:
             return False
-        self._answer, self._answers = answer_of(self.campaign, self.campaign.so_far(), {}), self._stands
+        self._answer, self._answers = standing_answer(self.campaign), self._stands
         return True
 
     @property
