@@ -12,9 +12,12 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from axiscal.description.wants import Kind
+from axiscal.planning.helping import Helping
 
 Verdict = Literal["measured", "reached", "more", "unreachable", "contradict", "nothing"]
 """Nothing was asked for; it is reached; more readings would; none would; readings contradict; none was taken."""
+PlanVerdict = Literal["planned", "reached", "short", "unreachable"]
+"""Nothing is asked for; it is reached; more readings would; none of these set-ups would."""
 StepCode = Literal["load", "verify", "undo", "accept", "measure", "next", "finish", "start", "target"]
 """Load the tables of a control; check them; take the end back; accept a mistake; go on; end it; begin; give an end."""
 
@@ -101,6 +104,42 @@ class NextStep(AnswerDocument):
     mistake: str = ""
 
 
+class PlannedSetup(AnswerDocument):
+    """A set-up as it is mounted: the axes that move, its readings, and the minutes that passed after the last."""
+
+    setup: str
+    instrument: str
+    moves: Sequence[str]
+    readings: int
+    minutes: float
+
+
+class ReachAnswer(AnswerDocument):
+    """Accuracies that endless readings would miss, and the change that would help; None if nothing usual would."""
+
+    missed: Sequence[Aim]
+    helps: Helping | None
+
+
+class PlannedAnswer(AnswerDocument):
+    """What is known after readings to come.
+
+    rows, aims : after them, with all that a result counts; setups : in the order in which they are mounted
+    allowed : readings, None for any number
+    """
+
+    verdict: PlanVerdict
+    rows: Sequence[PlannedRow]
+    aims: Sequence[Aim]
+    reach: ReachAnswer | None
+    setups: Sequence[PlannedSetup]
+    steps: Sequence[NextStep]
+    readings: int
+    allowed: int | None
+    minutes: float
+    budget_minutes: float | None
+
+
 class TablesChecked(AnswerDocument):
     """A check of the tables on the machine: so many places, RMS as found and as left there, and what they decide."""
 
@@ -159,6 +198,7 @@ class StatusAnswer(AnswerDocument):
 
     answer : the same as of the last screen; question : the open one, as a source is asked
     reached, finished : why it may end, and has, as the record keeps it; mind : what readings contradict
+    planned : what is known after the plan, before the first reading
     newer : kinds of entries that a newer version has written; skipped : readings that could not be taken
     """
 
@@ -169,6 +209,7 @@ class StatusAnswer(AnswerDocument):
     rms_um: float
     worst_um: float
     answer: ResultAnswer
+    planned: PlannedAnswer | None
     target: StatusTarget
     reached: str | None
     finished: str | None

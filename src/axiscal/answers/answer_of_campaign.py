@@ -68,13 +68,12 @@ def answer_of(
     wanted = asked(known.stated.description.target, known.case.yardstick)
     volume = [aim_of_volume(each, known_to(each.name, known)) for each in wanted]
     lines = [aim_of(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
-    coming = campaign.state.plan if campaign.state.finished is None else ()
+    coming = campaign.state.coming if campaign.state.finished is None else ()
     verdict = _verdict(known, volume, lines)
     if verdict == "measured" and coming:
         verdict = "more"
     more, minutes = (0, 0.0) if verdict != "more" else _planned(campaign) if coming else _more(known, volume, lines)
-    times = [reading.time for reading in campaign.state.readings if reading.time is not None]
-    seconds = max(times) if times else known.seconds
+    seconds = known.seconds if campaign.state.clocked is None else campaign.state.clocked
     axes, withheld = known.stated.description.machine.axes, known.agreement.withheld and not anyway
     return ResultAnswer(
         verdict=verdict,
@@ -87,7 +86,7 @@ def answer_of(
         compared=known.agreement.count,
         agreeing=known.agreement.agreeing,
         minutes=_digits(to_unit(seconds, "min")),
-        clocked=bool(times),
+        clocked=campaign.state.clocked is not None,
         withheld=withheld,
         steps=list(_steps(campaign, known, verdict, list(controls), written)),
     )
@@ -166,8 +165,7 @@ def unreachable(volume: Sequence[Aim], lines: Sequence[Aim]) -> list[Aim]:
 
 def _planned(campaign: Campaign) -> tuple[int, float]:
     """Return how many readings are planned yet, and their minutes."""
-    coming = campaign.state.plan
-    return len(coming), to_unit(campaign.seconds(coming) - campaign.seconds(), "min")
+    return len(campaign.state.coming), to_unit(campaign.seconds(campaign.state.coming) - campaign.seconds(), "min")
 
 
 def _more(known: Estimation, volume: Sequence[Aim], lines: Sequence[Aim]) -> tuple[int, float]:
@@ -269,10 +267,9 @@ def cost_words(campaign: Campaign, *, rest: bool) -> str:
 
     rest : nothing more is read in the set-up that is asked for; else the one reading is left out
     """
-    pending = campaign.state.pending
+    pending, planned = campaign.state.pending, campaign.state.coming
     if pending is None:
         return ""
-    planned = (pending.place, *campaign.state.plan)
     kept = tuple(place for place in planned[1:] if not (rest and place.setup == pending.place.setup))
     with_it, without = (_rows(campaign, places) for places in (planned, kept))
     lost = [row for row, after in zip(with_it, without, strict=True) if row.measured and not after.measured]

@@ -10,6 +10,8 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.language.spoken import speaking
 from axiscal.present.guide.stopping import results_beside
+from axiscal.present.plan_answer import coming_answer
+from axiscal.present.plan_words import plan_screen
 from axiscal.present.summary import Summary
 from axiscal.present.whose_language import chosen
 
@@ -21,8 +23,11 @@ def written_screen(summary: Summary, record: Path, out: Path) -> str:
 
 
 def standing_screen(campaign: Campaign) -> str:
-    """Return the screen of a campaign as it stands."""
+    """Return the screen of a campaign as it stands: before the first reading, of its plan."""
     path, known = campaign.path, campaign.so_far()
     words = agreement_words(known) if known.readings else ""
+    planned = coming_answer(campaign)
     with speaking(chosen(None)):
+        if planned is not None:
+            return plan_screen(planned, str(path))
         return screen(standing_answer(campaign), words, str(path), str(results_beside(path)))

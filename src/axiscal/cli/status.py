@@ -17,6 +17,7 @@ from axiscal.estimation.type_prior import is_type_text
 from axiscal.language.spoken import said
 from axiscal.present.guide.question import asked_text
 from axiscal.present.guide.second_thoughts import contradictions
+from axiscal.present.plan_answer import coming_answer
 from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit
 
@@ -83,6 +84,7 @@ def _document(campaign: Campaign) -> StatusAnswer:
         rms_um=to_unit(status.accuracy.rms, "um"),
         worst_um=to_unit(status.accuracy.worst, "um"),
         answer=standing_answer(campaign),
+        planned=coming_answer(campaign),
         target=_target(campaign.description.target),
         reached=status.reached,
         finished=state.finished,

@@ -76,10 +76,13 @@ def refuse_endless(case: Case, limits: Limits, candidates: int) -> None:
 
 
 def reached_unread(case: Case, limits: Limits) -> str | None:
-    """Say that errors of the usual sizes are within the target before any reading; None where they are not."""
+    """Say that errors of the usual sizes are within what a few readings can be held to; None where they are not."""
     if not (len(case.sizes) and promised_already(limits, case, case.knowledge)):
         return None
-    return "errors of the sizes that are stated or usual meet the target unread: a few readings check their sizes"
+    known = case.yardstick.measure(case.knowledge.belief)
+    met = known.rms <= (limits.rms or known.rms) and known.worst <= (limits.worst or known.worst)
+    unread = "meet the target unread" if met else "leave hardly anything that readings could take away"
+    return f"errors of the sizes that are stated or usual {unread}: a few readings check their sizes"
 
 
 def _what_helps(case: Case, target: Target) -> str:
