@@ -15,6 +15,7 @@ from tests.certify import (
     belief,
     coverage,
     endings,
+    first_lines,
     gcode,
     least_squares,
     machines,
@@ -132,6 +133,17 @@ def endings_of_campaigns(cases: int, first: int) -> Iterator[Finding]:
     yield Finding(f"{text}{f': seeds {refuted}' if refuted else ''}", not refuted)
 
 
+def first_lines_of_screens(cases: int, first: int) -> Iterator[Finding]:
+    """Yield how often the first line of a last screen is borne out by the simulated truth, by what it says."""
+    told = {seed: first_lines.told(seed) for seed in range(first, first + cases)}
+    for verdict in first_lines.KINDS:
+        mine = {seed: each.right for seed, each in told.items() if each.verdict == verdict}
+        wrong = [seed for seed, right in mine.items() if not right]
+        yield Finding(f"{verdict}: {len(mine)}, wrong {len(wrong)}{f': seeds {wrong}' if wrong else ''}", True)
+    share = sum(each.right for each in told.values()) / cases
+    yield Finding(f"borne out by the truth: {share:.1%}, at least {first_lines.SHARE:.0%}", share >= first_lines.SHARE)
+
+
 PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "one-joint": (one_joint, 10_000, "random joints"),
     "machines": (several_joints, 500, "random machines of two and three joints"),
@@ -143,6 +155,7 @@ PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "simulator": (programs_on_the_simulator, 200, "programs of random machines on a running LinuxCNC"),
     "dialects": (other_dialects, 2_000, "random plans in every dialect, through the tests' own readers"),
     "endings": (endings_of_campaigns, 20, "random campaigns whose target can be reached, and as many whose cannot"),
+    "first-lines": (first_lines_of_screens, 100, "campaigns: the first line of the last screen beside the truth"),
     "plans": (plans_as_printed, 100, "examples at the most: plans, readings asked for, and programs as printed"),
 }
 

@@ -11,6 +11,7 @@ from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError, TargetError
+from axiscal.language.spoken import said
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics.threads import one_thread
@@ -81,8 +82,9 @@ def reached_unread(case: Case, limits: Limits) -> str | None:
         return None
     known = case.yardstick.measure(case.knowledge.belief)
     met = known.rms <= (limits.rms or known.rms) and known.worst <= (limits.worst or known.worst)
-    unread = "meet the target unread" if met else "leave hardly anything that readings could take away"
-    return f"errors of the sizes that are stated or usual {unread}: a few readings check their sizes"
+    unread = "errors of the sizes that are stated or usual meet the target unread: a few readings check their sizes"
+    hardly = "readings can take hardly anything away from errors of the stated or usual sizes: a few check these sizes"
+    return said(unread) if met else said(hardly)
 
 
 def _what_helps(case: Case, target: Target) -> str:
