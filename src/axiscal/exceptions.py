@@ -5,9 +5,11 @@ The command line turns any `AxiscalError` into one paragraph on stderr and exit 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+
+from axiscal.language.spoken import Said, again, said
 
 _MOST = 20
 """So many faults of a file are said beside the first."""
@@ -20,22 +22,50 @@ class AxiscalError(Exception):
 class InputError(AxiscalError):
     """Something a person wrote cannot be used: where it stands, what is wrong, what would be right.
 
-    what : the fault, with the offending value quoted
-    remedy : what would be right
+    Its text is in the language that is spoken when it is printed.
+
+    what : the fault, with the offending value quoted; remedy : what would be right: messages with {names} of values, or
+    texts that were said
     file, line : where it stands, as far as known
+    beside : further faults of the same file, those that are alike together, the first of them like this one
     """
 
-    def __init__(self, what: str, remedy: str, file: str | Path | None = None, line: int | None = None) -> None:
-        remedy = _sentence(remedy)
-        self.what, self.remedy, self.file, self.line = what, remedy, file, line
-        place = "" if file is None else f"{file}: " if line is None else f"{file}, line {line}: "
-        super().__init__(f"{place}{what.rstrip('.')}. {remedy.rstrip('.')}.")
+    beside: Sequence[Sequence[InputError]] = ()
+
+    def __init__(
+        self, what: str, remedy: str, file: str | Path | None = None, line: int | None = None, **values: object
+    ) -> None:
+        self.what, self.remedy = (text if isinstance(text, Said) else said(text, **values) for text in (what, remedy))
+        self.file, self.line = file, line
+        super().__init__(what, remedy)
 
     def at(self, file: str | Path | None, line: int | None = None) -> InputError:
         """Return the same failure of the same class, placed in a file and line."""
         placed = type(self).__new__(type(self))
         InputError.__init__(placed, self.what, self.remedy, file, line)
         return placed
+
+    def __str__(self) -> str:
+        if not self.beside:
+            return self._told(self.file)
+        alike, *others = self.beside
+        shown = " ".join(f"{one._told(self.file, short=True)}{_how_often(more)}" for one, *more in others[:_MOST])
+        left = sum(map(len, others[_MOST:]))
+        also = said("Also: {faults}", faults=shown) if others else ""
+        parts = [
+            f"{self._told(self.file)}{_how_often(alike[1:])}",
+            also,
+            said("And {left} more.", left=left) * bool(left),
+        ]
+        return " ".join(part for part in parts if part)
+
+    def _told(self, first: str | Path | None, *, short: bool = False) -> str:
+        """Return place, fault and remedy.  short : behind a fault of the first file, which is not named again"""
+        line = "" if self.line is None else said("line {line}", line=self.line)
+        file = "" if self.file is None or (short and line and str(self.file) == str(first)) else str(self.file)
+        place = ", ".join(part for part in (file, line) if part)
+        told = f"{again(self.what).rstrip('.')}. {_sentence(again(self.remedy)).rstrip('.')}."
+        return f"{place}: {told}" if file or (short and place) else told
 
 
 class Faults:
@@ -64,28 +94,17 @@ class Faults:
         alike: dict[tuple[str, str, str], list[InputError]] = {}
         for fault in self.found:
             alike.setdefault((fault.what, fault.remedy, str(fault.file)), []).append(fault)
-        (first, *again), *others = alike.values()
-        told = f"{first}{_how_often(again)}"
-        if others:
-            shown = " ".join(f"{_beside(first, one)}{_how_often(more)}" for one, *more in others[:_MOST])
-            left = sum(map(len, others[_MOST:]))
-            told += f" Also: {shown}{f' And {left} more.' if left else ''}"
-        first.args = (told,)
-        raise first
+        self.found[0].beside = list(alike.values())
+        raise self.found[0]
 
 
-def _how_often(again: list[InputError]) -> str:
+def _how_often(more: Sequence[InputError]) -> str:
     """Return that a fault comes again, in how many lines and up to which one, where it does."""
-    if not again:
+    if not more:
         return ""
-    last = "" if again[-1].line is None else f", up to line {again[-1].line}"
-    return f" ({len(again) + 1} times{last}.)"
-
-
-def _beside(first: InputError, other: InputError) -> str:
-    """Return a fault as it is said behind another one: with its line alone where the file is the same."""
-    place = f"{first.file}, line "
-    return str(other).removeprefix(place) if other.file != first.file else str(other).replace(place, "line ", 1)
+    if more[-1].line is None:
+        return " " + said("({count} times.)", count=len(more) + 1)
+    return " " + said("({count} times, up to line {line}.)", count=len(more) + 1, line=more[-1].line)
 
 
 def _sentence(text: str) -> str:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from axiscal.exceptions import UnitError
-from axiscal.language.spoken import put
+from axiscal.language.spoken import later, put, said
 
 if TYPE_CHECKING:
     import numpy as np
@@ -47,16 +47,16 @@ EXAMPLES: dict[Dimension, str] = {
     "expansion": "11.7 um/m/K",
 }
 _NOUNS: dict[Dimension, str] = {
-    "length": "a length",
-    "angle": "an angle",
-    "time": "a time",
-    "speed": "a speed",
-    "rotation_speed": "a rotational speed",
-    "acceleration": "an acceleration",
-    "rotation_acceleration": "a rotational acceleration",
-    "temperature": "a temperature",
-    "temperature_difference": "a temperature difference",
-    "expansion": "a coefficient of expansion",
+    "length": later("a length"),
+    "angle": later("an angle"),
+    "time": later("a time"),
+    "speed": later("a speed"),
+    "rotation_speed": later("a rotational speed"),
+    "acceleration": later("an acceleration"),
+    "rotation_acceleration": later("a rotational acceleration"),
+    "temperature": later("a temperature"),
+    "temperature_difference": later("a temperature difference"),
+    "expansion": later("a coefficient of expansion"),
 }
 
 # The factor to SI is kept as a ratio (times, by) of exact numbers, so that "120 mm" is exactly 0.12.
@@ -152,7 +152,7 @@ def parse_quantity(text: str, dimension: Dimension) -> float:
         raise _misfit(text, unit_name, dimension)
     value = float(number) * unit.times / unit.by + unit.plus
     if not math.isfinite(value):
-        raise UnitError(f"{_quoted(text)} is too large to be a number", _expected(dimension))
+        raise UnitError("{text} is too large to be a number", _expected(dimension), text=_quoted(text))
     return value
 
 
@@ -189,9 +189,8 @@ def find_unit(name: str) -> Unit:
     for (known, _), unit in _UNITS.items():
         if known == canonical:
             return unit
-    raise UnitError(
-        f"{_quoted(name)} is not a unit", _suggestion(canonical) or "Units are written like um, mm, arcsec, urad, s"
-    )
+    remedy = _suggestion(canonical) or said("Units are written like um, mm, arcsec, urad, s")
+    raise UnitError("{text} is not a unit", remedy, text=_quoted(name))
 
 
 def _split(text: str, dimension: Dimension) -> tuple[str, str]:
@@ -200,16 +199,15 @@ def _split(text: str, dimension: Dimension) -> tuple[str, str]:
     if not plain:
         raise UnitError("an empty text is not a quantity", _expected(dimension))
     if _NOT_FINITE.match(plain):
-        raise UnitError(f"{_quoted(text)} is not a finite number", _expected(dimension))
+        raise UnitError("{text} is not a finite number", _expected(dimension), text=_quoted(text))
     if _DECIMAL_COMMA.match(plain):
-        raise UnitError(
-            f"{_quoted(text)} has a comma in its number", f"{_expected(dimension)}, and its decimals after a point"
-        )
+        remedy = said("{write}, and its decimals after a point", write=_expected(dimension))
+        raise UnitError("{text} has a comma in its number", remedy, text=_quoted(text))
     found = _QUANTITY.fullmatch(plain)
     if found is None:
-        raise UnitError(f"{_quoted(text)} is not a number with a unit", _expected(dimension))
+        raise UnitError("{text} is not a number with a unit", _expected(dimension), text=_quoted(text))
     if found[2] is None:
-        raise UnitError(f"{_quoted(text)} has no unit (missing unit)", _expected(dimension))
+        raise UnitError("{text} has no unit (missing unit)", _expected(dimension), text=_quoted(text))
     return found[1], _canonical(found[2])
 
 
@@ -224,11 +222,11 @@ def _misfit(text: str, unit_name: str, dimension: Dimension) -> UnitError:
     """Return the failure for a unit that is unknown, or of another dimension."""
     others = [unit for (name, _), unit in _UNITS.items() if name == unit_name]
     if others:
-        return UnitError(
-            f"{_quoted(text)} is {_NOUNS[others[0].dimension]}, not {_NOUNS[dimension]}", _expected(dimension)
-        )
-    hint = _suggestion(unit_name, dimension)
-    return UnitError(f"{_quoted(text)} has an unknown unit {_quoted(unit_name)}", hint or _expected(dimension))
+        found, wanted = (said(_NOUNS[each]) for each in (others[0].dimension, dimension))
+        what = said("{text} is {found}, not {wanted}", text=_quoted(text), found=found, wanted=wanted)
+        return UnitError(what, _expected(dimension))
+    hint, unit = _suggestion(unit_name, dimension), _quoted(unit_name)
+    return UnitError("{text} has an unknown unit {unit}", hint or _expected(dimension), text=_quoted(text), unit=unit)
 
 
 def _suggestion(name: str, dimension: Dimension | None = None) -> str | None:
@@ -238,7 +236,7 @@ def _suggestion(name: str, dimension: Dimension | None = None) -> str | None:
     names = [known for known, of in _UNITS if dimension in (None, of)]
     same = [known for known in names if known.casefold() == name.casefold()]
     near = same or _SYNONYMS.get(name.casefold(), []) or get_close_matches(name[:40], names, 1, 0.6)
-    return f'Perhaps "{near[0]}" is meant' if near and near[0] in names else None
+    return said("Perhaps {word} is meant", word=f'"{near[0]}"') if near and near[0] in names else None
 
 
 _SYNONYMS = {
@@ -262,7 +260,8 @@ _SYNONYMS = {
 
 
 def _expected(dimension: Dimension) -> str:
-    return f'Write {_NOUNS[dimension]} with its unit, such as "{EXAMPLES[dimension]}"'
+    example = EXAMPLES[dimension]
+    return said('Write {what} with its unit, such as "{example}"', what=said(_NOUNS[dimension]), example=example)
 
 
 def _quoted(text: str) -> str:

@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -15,12 +16,14 @@ from tests.certify import (
     belief,
     coverage,
     endings,
+    first_lines,
     gcode,
     least_squares,
     machines,
     models,
     one_joint_cases,
     printed_plans,
+    rows,
     simulator,
 )
 from tests.certify.kept import Kept
@@ -132,6 +135,29 @@ def endings_of_campaigns(cases: int, first: int) -> Iterator[Finding]:
     yield Finding(f"{text}{f': seeds {refuted}' if refuted else ''}", not refuted)
 
 
+def first_lines_of_screens(cases: int, first: int) -> Iterator[Finding]:
+    """Yield how often the first line of a last screen is borne out by the simulated truth, by what it says."""
+    told = {seed: first_lines.told(seed) for seed in range(first, first + cases)}
+    for verdict in first_lines.KINDS:
+        mine = {seed: each.right for seed, each in told.items() if each.verdict == verdict}
+        wrong = [seed for seed, right in mine.items() if not right]
+        yield Finding(f"{verdict}: {len(mine)}, wrong {len(wrong)}{f': seeds {wrong}' if wrong else ''}", True)
+    share = sum(each.right for each in told.values()) / cases
+    yield Finding(f"borne out by the truth: {share:.1%}, at least {first_lines.SHARE:.0%}", share >= first_lines.SHARE)
+
+
+def rows_of_machines(machines: int, first: int) -> Iterator[Finding]:
+    """Yield how often U of each kind of row holds the truth, on machines of the stated sizes and of others."""
+    low, high = rows.CLAIMED - rows.SLACK, rows.CLAIMED + rows.SLACK
+    for name, times in product(rows.CAMPAIGNS, rows.TIMES):
+        found = [each for seed in range(first, first + machines) for each in rows.held(name, seed, times)]
+        for kind in dict.fromkeys(each.kind for each in found):
+            shares = [each.share for each in found if each.kind == kind]
+            share, error = float(np.mean(shares)), float(np.std(shares)) / len(shares) ** 0.5
+            text = f"{name}, {times:g} times the stated sizes, {kind}: {share:.1%} ± {error:.1%} of {len(shares)} rows"
+            yield Finding(f"{text}; limits {low:.0%}, {high:.0%}", low <= share <= high)
+
+
 PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "one-joint": (one_joint, 10_000, "random joints"),
     "machines": (several_joints, 500, "random machines of two and three joints"),
@@ -143,6 +169,8 @@ PARTS: dict[str, tuple[Callable[[int, int], Iterator[Finding]], int, str]] = {
     "simulator": (programs_on_the_simulator, 200, "programs of random machines on a running LinuxCNC"),
     "dialects": (other_dialects, 2_000, "random plans in every dialect, through the tests' own readers"),
     "endings": (endings_of_campaigns, 20, "random campaigns whose target can be reached, and as many whose cannot"),
+    "rows": (rows_of_machines, 200, "virtual machines of two how-tos: whether U of each row holds the truth"),
+    "first-lines": (first_lines_of_screens, 100, "campaigns: the first line of the last screen beside the truth"),
     "plans": (plans_as_printed, 100, "examples at the most: plans, readings asked for, and programs as printed"),
 }
 

@@ -18,7 +18,9 @@ from babel.messages.catalog import Catalog
 from babel.messages.mofile import write_mo
 from babel.messages.pofile import read_po, write_po
 
+from axiscal import exceptions
 from axiscal.campaign.ended_words import ENDINGS
+from axiscal.exceptions import InputError
 from axiscal.language.spoken import LANGUAGES
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.present.guide.answers import ACTIONS
@@ -26,7 +28,15 @@ from axiscal.present.guide.answers import ACTIONS
 SOURCES = Path(__file__).resolve().parents[2] / "src" / "axiscal"
 FOLDER = SOURCES / "language" / "translations"
 Message = str | tuple[str, str]
-_SAYING = ("said", "counted", "later")
+REFUSALS = {name for name, each in vars(exceptions).items() if isinstance(each, type) and issubclass(each, InputError)}
+MET = (
+    *("campaign/", "record/", "document/", "units.py", "present/", "web/"),
+    *("cli/arguments.py", "cli/compensation_active.py", "cli/opened.py", "cli/outputs.py", "cli/places.py"),
+    *("cli/placed_log.py", "cli/plan.py", "cli/record.py", "cli/run_loop.py"),
+    *("measurement/readers/csv_", "measurement/readers/text.py"),
+)
+"""Where refusals are raised that a person meets at the machine: these are translated, all others are in English."""
+_SAYING = ("said", "counted", "later", "stage")
 _NEVER = datetime(2026, 1, 1, tzinfo=UTC)
 """Files that are made anew from the same messages are the same."""
 _IN_SCRIPT = re.compile(r'\b(?:said|rich)\("((?:[^"\\]|\\.)*)"')
@@ -57,8 +67,35 @@ def _said(file: Path) -> Iterator[Message]:
                 texts = [list(_texts(each, everywhere | own)) for each in node.args]
                 if node.func.id == "counted":
                     yield from ((one, many) for one in texts[0] for many in texts[1] if scope is not tree)
-                elif texts and (scope is not tree or node.func.id == "later"):
+                elif texts and (scope is not tree or node.func.id in ("later", "stage")):
                     yield from texts[0]
+            elif scope is not tree and isinstance(node, ast.Call) and _name(node.func) in REFUSALS and _met(file):
+                yield from (text for each in node.args[:2] for text in _texts(each, everywhere | own))
+
+
+def refusals() -> Iterator[tuple[str, bool]]:
+    """Yield each refusal by its file and line, and whether it is said in other languages."""
+    for file in sorted(SOURCES.rglob("*.py")):
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        for scope in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
+            held = _held(node for node in ast.walk(scope) if isinstance(node, ast.Assign))
+            for node in ast.walk(scope):
+                if isinstance(node, ast.Call) and _name(node.func) in REFUSALS:
+                    whole = all(list(_texts(each, held)) or _is_said(each) for each in node.args[:2])
+                    yield f"{file.relative_to(SOURCES)}:{node.lineno}", whole and _met(file)
+
+
+def _is_said(node: ast.expr) -> bool:
+    return isinstance(node, ast.Call) and _name(node.func) in _SAYING
+
+
+def _name(called: ast.expr) -> str:
+    return called.id if isinstance(called, ast.Name) else ""
+
+
+def _met(file: Path) -> bool:
+    """Return whether refusals of a file are met at the machine, and so are translated."""
+    return file.relative_to(SOURCES).as_posix().startswith(MET)
 
 
 def _held(nodes: Iterable[ast.Assign]) -> dict[str, list[str]]:

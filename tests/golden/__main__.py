@@ -30,7 +30,7 @@ def main() -> int:
     begun = time.monotonic()
     with TemporaryDirectory() as folder:
         found, broken = all_played(chosen.only or names(), chosen.out or Path(folder))
-    differing = _compared(found, EXPECTED)
+    differing = compared(found, EXPECTED)
     _print("".join(f"{line}\n" for line in (*_listed(differing), *broken)), end="")
     if chosen.renew:
         for name, texts in found.items():
@@ -39,7 +39,8 @@ def main() -> int:
     return 1 if broken or (differing and not chosen.renew) else 0
 
 
-def _compared(found: Mapping[str, Texts], expected: Path) -> list[tuple[str, Difference]]:
+def compared(found: Mapping[str, Texts], expected: Path) -> list[tuple[str, Difference]]:
+    """Return where texts differ from those that are kept, with the campaign of each."""
     differing = []
     with TemporaryDirectory() as folder:
         for name, texts in found.items():

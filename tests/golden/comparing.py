@@ -60,7 +60,7 @@ def _of_file(name: str, first: Path, second: Path) -> Iterator[Difference]:
 
 def _of_texts(one: str, other: str, *, document: bool) -> _Found:
     if document:
-        yield from _of_values(json.loads(one), json.loads(other), "$", 0.0)
+        yield from of_values(json.loads(one), json.loads(other), "$", 0.0)
         return
     lines = zip_longest(one.splitlines(), other.splitlines(), fillvalue=_ABSENT)
     for number, (left, right) in enumerate(lines, start=1):
@@ -68,15 +68,15 @@ def _of_texts(one: str, other: str, *, document: bool) -> _Found:
             yield f"line {number}", left, right
 
 
-def _of_values(one: Any, other: Any, place: str, scale: float) -> _Found:
+def of_values(one: Any, other: Any, place: str, scale: float) -> _Found:
     """Yield where two JSON values differ.  scale : the largest number of the list they stand in"""
     if isinstance(one, dict) and isinstance(other, dict):
         for key in [*one, *(key for key in other if key not in one)]:
-            yield from _of_values(one.get(key, _ABSENT), other.get(key, _ABSENT), f"{place}.{key}", 0.0)
+            yield from of_values(one.get(key, _ABSENT), other.get(key, _ABSENT), f"{place}.{key}", 0.0)
     elif isinstance(one, list) and isinstance(other, list):
         largest = max((abs(value) for value in (*one, *other) if _is_number(value)), default=0.0)
         for index, (left, right) in enumerate(zip_longest(one, other, fillvalue=_ABSENT)):
-            yield from _of_values(left, right, f"{place}[{index}]", largest)
+            yield from of_values(left, right, f"{place}[{index}]", largest)
     elif not _same(one, other, scale):
         yield place, json.dumps(one, ensure_ascii=False), json.dumps(other, ensure_ascii=False)
 

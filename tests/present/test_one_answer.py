@@ -13,8 +13,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from axiscal.answers.answer import ResultAnswer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
+from axiscal.cli.last_screen import standing_screen
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
 from axiscal.web.desk import Desk
@@ -79,6 +81,35 @@ def of_lines(lines: list[str]) -> dict[str, list[float]]:
     columns = [re.split(r" {2,}", line.strip(), maxsplit=1) for line in lines if "±" in line]
     rows = [cells for cells in columns if len(cells) == 2]
     return {name: figures(rest) for name, rest in rows}
+
+
+def test_before_the_first_reading_all_show_the_plan_and_whether_it_reaches(tmp_path: Path) -> None:
+    text = CAMPAIGN.replace('rms = "3 um"', 'U = "0.2 um"\nreadings = 12')
+    with Campaign.create(tmp_path / "c.axiscal", campaign_from_texts(text, "c.toml", MACHINE, "m")) as campaign:
+        campaign.next()
+        desk = Desk(campaign, lambda states: None)
+        desk.think()
+        page, progress, screen = desk.state.answer, desk.state.progress, plain(standing_screen(campaign))
+        assert page is not None
+        assert page.first[0] == "CANNOT BE REACHED WITH THESE SET-UPS"
+        assert any("Out of reach" in each for each in page.sentences)
+        assert page.document.minutes == pytest.approx(progress.left_minutes)
+        assert all(plain(each) in screen for each in page.first)
+        assert of_lines(screen.splitlines()) == {row[0]: figures(" ".join(row[1:])) for row in page.rows[1:]}
+
+
+def test_the_page_counts_the_open_question_and_the_clock_as_every_screen_does(tmp_path: Path) -> None:
+    text = CAMPAIGN.replace('rms = "3 um"', "readings = 9")
+    with Campaign.create(tmp_path / "c.axiscal", campaign_from_texts(text, "c.toml", MACHINE, "m")) as campaign:
+        campaign.next()
+        campaign.record(1e-6)
+        desk = Desk(campaign, lambda states: None)
+        desk.think()
+        assert desk.state.answer is not None
+        found, progress = desk.state.answer.document, desk.state.progress
+        assert isinstance(found, ResultAnswer)
+        assert (found.more, found.clocked) == (progress.coming, True) == (8, True)
+        assert [found.minutes, found.more_minutes] == pytest.approx([progress.minutes, progress.left_minutes], rel=1e-5)
 
 
 @pytest.mark.parametrize(

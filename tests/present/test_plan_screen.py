@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.answers.answer import NextStep, PlannedRow
+from axiscal.answers.answer import LargestCause, NextStep, PlannedRow, PlannedSetup, PlanVerdict, ReachAnswer
 from axiscal.answers.answer_words import WIDTH
 from axiscal.cli.app import run
 from axiscal.description.wants import RowName, dimension, rows_of
@@ -18,7 +18,7 @@ from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import Machine, load_machine
 from axiscal.planning.helping import Helping
 from axiscal.planning.promise import Alike
-from axiscal.present.plan_answer import LargestCause, PlanAnswer, PlannedSetup, PlanVerdict, ReachAnswer
+from axiscal.present.plan_answer import PlanAnswer
 from axiscal.present.plan_words import LINES, plan_screen
 from tests.generators.answers import aim
 from tests.golden.given import CAMPAIGNS

@@ -12,9 +12,13 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from axiscal.description.wants import Kind
+from axiscal.planning.helping import Helping
+from axiscal.planning.promise import Alike
 
 Verdict = Literal["measured", "reached", "more", "unreachable", "contradict", "nothing"]
 """Nothing was asked for; it is reached; more readings would; none would; readings contradict; none was taken."""
+PlanVerdict = Literal["planned", "reached", "short", "unreachable"]
+"""Nothing is asked for; it is reached; more readings would; none of these set-ups would."""
 StepCode = Literal["load", "verify", "undo", "accept", "measure", "next", "finish", "start", "target"]
 """Load the tables of a control; check them; take the end back; accept a mistake; go on; end it; begin; give an end."""
 
@@ -101,6 +105,56 @@ class NextStep(AnswerDocument):
     mistake: str = ""
 
 
+class PlannedSetup(AnswerDocument):
+    """A set-up as it is mounted: the axes that move, its readings, and the minutes that passed after the last."""
+
+    setup: str
+    instrument: str
+    moves: Sequence[str]
+    readings: int
+    minutes: float
+
+
+class ReachAnswer(AnswerDocument):
+    """Accuracies that endless readings would miss, and the change that would help; None if nothing usual would."""
+
+    missed: Sequence[Aim]
+    helps: Helping | None
+
+
+class LargestCause(AnswerDocument):
+    """What no reading shows and is most of an uncertainty: its name, whose it is, and its share of the variance.
+
+    measurable : it is the temperature, and nobody has measured that
+    """
+
+    cause: str
+    owner: str
+    share: float
+    measurable: bool
+
+
+class PlannedAnswer(AnswerDocument):
+    """What is known after readings to come.
+
+    rows, aims : after them, with all that a result counts; setups : in the order in which they are mounted
+    alike : a set-up whose zero these places cannot tell from a curve; allowed : readings, None for any number
+    """
+
+    verdict: PlanVerdict
+    rows: Sequence[PlannedRow]
+    aims: Sequence[Aim]
+    reach: ReachAnswer | None
+    mostly: LargestCause | None = None
+    alike: Alike | None = None
+    setups: Sequence[PlannedSetup]
+    steps: Sequence[NextStep]
+    readings: int
+    allowed: int | None
+    minutes: float
+    budget_minutes: float | None
+
+
 class TablesChecked(AnswerDocument):
     """A check of the tables on the machine: so many places, RMS as found and as left there, and what they decide."""
 
@@ -159,6 +213,7 @@ class StatusAnswer(AnswerDocument):
 
     answer : the same as of the last screen; question : the open one, as a source is asked
     reached, finished : why it may end, and has, as the record keeps it; mind : what readings contradict
+    planned : what is known after the plan, before the first reading
     newer : kinds of entries that a newer version has written; skipped : readings that could not be taken
     """
 
@@ -169,6 +224,7 @@ class StatusAnswer(AnswerDocument):
     rms_um: float
     worst_um: float
     answer: ResultAnswer
+    planned: PlannedAnswer | None
     target: StatusTarget
     reached: str | None
     finished: str | None

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ from axiscal.estimation.agreement_words import agreement_words, mistake_words
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.axis_line import AxisLine
 from axiscal.estimation.functionals.known import KnownRow, known_rows
+from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.place import Place
@@ -39,6 +41,7 @@ from axiscal.measurement.place_texts import shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.promise import WantedAccuracy, asked
 from axiscal.tables.effect import Control
+from axiscal.tables.registry import offered
 from axiscal.units import to_unit
 
 _COSTS = 1.01
@@ -65,13 +68,12 @@ def answer_of(
     wanted = asked(known.stated.description.target, known.case.yardstick)
     volume = [aim_of_volume(each, known_to(each.name, known)) for each in wanted]
     lines = [aim_of(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
-    coming = campaign.state.plan if campaign.state.finished is None else ()
+    coming = campaign.state.coming if campaign.state.finished is None else ()
     verdict = _verdict(known, volume, lines)
     if verdict == "measured" and coming:
         verdict = "more"
     more, minutes = (0, 0.0) if verdict != "more" else _planned(campaign) if coming else _more(known, volume, lines)
-    times = [reading.time for reading in campaign.state.readings if reading.time is not None]
-    seconds = max(times) if times else known.seconds
+    seconds = known.seconds if campaign.state.clocked is None else campaign.state.clocked
     axes, withheld = known.stated.description.machine.axes, known.agreement.withheld and not anyway
     return ResultAnswer(
         verdict=verdict,
@@ -84,10 +86,23 @@ def answer_of(
         compared=known.agreement.count,
         agreeing=known.agreement.agreeing,
         minutes=_digits(to_unit(seconds, "min")),
-        clocked=bool(times),
+        clocked=campaign.state.clocked is not None,
         withheld=withheld,
         steps=list(_steps(campaign, known, verdict, list(controls), written)),
     )
+
+
+def standing_answer(campaign: Campaign) -> ResultAnswer:
+    """Return the answer of a campaign as it stands, with what tables would leave that are made of it."""
+    known = campaign.so_far()
+    return answer_of(campaign, known, {} if known.agreement.withheld else dict(_controls(known)))
+
+
+def _controls(known: Estimation) -> Iterator[tuple[str, Control]]:
+    """Yield each control of the campaign with what its tables do, those left out that cannot be made."""
+    for name in known.case.description.controls if known.readings else ():
+        with suppress(TableError, ReadingError):
+            yield name, offered(known, name).control
 
 
 def agreement_of(estimation: Estimation) -> ReadingAgreement:
@@ -150,8 +165,7 @@ def unreachable(volume: Sequence[Aim], lines: Sequence[Aim]) -> list[Aim]:
 
 def _planned(campaign: Campaign) -> tuple[int, float]:
     """Return how many readings are planned yet, and their minutes."""
-    coming = campaign.state.plan
-    return len(coming), to_unit(campaign.seconds(coming) - campaign.seconds(), "min")
+    return len(campaign.state.coming), to_unit(campaign.seconds(campaign.state.coming) - campaign.seconds(), "min")
 
 
 def _more(known: Estimation, volume: Sequence[Aim], lines: Sequence[Aim]) -> tuple[int, float]:
@@ -253,10 +267,9 @@ def cost_words(campaign: Campaign, *, rest: bool) -> str:
 
     rest : nothing more is read in the set-up that is asked for; else the one reading is left out
     """
-    pending = campaign.state.pending
+    pending, planned = campaign.state.pending, campaign.state.coming
     if pending is None:
         return ""
-    planned = (pending.place, *campaign.state.plan)
     kept = tuple(place for place in planned[1:] if not (rest and place.setup == pending.place.setup))
     with_it, without = (_rows(campaign, places) for places in (planned, kept))
     lost = [row for row, after in zip(with_it, without, strict=True) if row.measured and not after.measured]

@@ -22,7 +22,7 @@ _LEFT = 2
 """Controls whose tables are shown beside each other."""
 _NEAR = 0.1
 """Share of a limit within which a number has three digits."""
-_ROOM = 12
+ROOM = 12
 """Rows beside each other; where there are more, those of one kind stand together."""
 _KINDS: dict[Kind, str] = {
     "positioning": later("positioning {axes}"),
@@ -81,7 +81,7 @@ def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str 
 
     agreement : what is said of readings that contradict; record, results : their paths, "" where results stand
     """
-    groups = measured_rows(answer, _ROOM)
+    groups = measured_rows(answer, ROOM)
     found = [_agreement(answer, agreement), _unmeasured(answer), _checked(answer.checked)]
     return AnswerText(
         _first_line(answer),
@@ -94,17 +94,22 @@ def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str 
 def _first_line(answer: ResultAnswer) -> FirstLine:
     """Return what became of what was asked for, with the readings and minutes it took."""
     if answer.verdict == "more":
-        coming = math.ceil(answer.more_minutes)
+        coming = minutes_text(answer.more_minutes, coming=True)
         verdict = counted(
             "{count} MORE READING, {coming} MIN", "{count} MORE READINGS, {coming} MIN", answer.more, coming=coming
         )
     else:
         verdict = said(_VERDICTS[answer.verdict])
     taken = counted("{count} reading", "{count} readings", answer.readings)
-    minutes = put("{minutes:.0f}", minutes=max(answer.minutes, 1.0) if answer.minutes else 0.0)
+    minutes = minutes_text(answer.minutes)
     time = said("{minutes} min", minutes=minutes) if answer.clocked else said("{minutes} min planned", minutes=minutes)
     aims = "" if answer.verdict == "contradict" else aims_text(answer.aims)
     return FirstLine(verdict, aims, put("{taken}, {time}", taken=taken, time=time))
+
+
+def minutes_text(minutes: float, *, coming: bool = False) -> str:
+    """Return minutes as each screen shows them, whole and not less than one.  coming : those begun are not over"""
+    return put("{minutes:.0f}", minutes=math.ceil(minutes) if coming else max(minutes, 1.0) if minutes else 0.0)
 
 
 def aims_text(aims: Sequence[Aim]) -> str:

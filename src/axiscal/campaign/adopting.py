@@ -119,12 +119,12 @@ def _mounted_anew(campaign: Campaign, setups: Sequence[str], chain: str, path: P
     """Return set-ups as they were mounted anew for a branch.  chain : behind its first event"""
     for name in setups:
         if other := stands_with_others(campaign.description.setup(name)):
-            what = f'"{name}" shares the place of {shown(other)} with other set-ups, which nobody says was put up anew'
-            raise RecordError(what, "Keep the branch as a campaign of its own", path)
+            what = '"{name}" shares the place of {other} with other set-ups, which nobody says was put up anew'
+            raise RecordError(what, "Keep the branch as a campaign of its own", path, name=name, other=shown(other))
         if any(each.name == name for each in campaign.state.mounted):
-            what = f'"{name}" was mounted anew for a branch already'
+            what = '"{name}" was mounted anew for a branch already'
             raise RecordError(
-                what, "Say --same-mounting if it stayed; else keep this one as a campaign of its own", path
+                what, "Say --same-mounting if it stayed; else keep this one as a campaign of its own", path, name=name
             )
     return tuple(Mounted(name, f"{name}, mounted for {chain[:8]}", chain[:_SHOWN]) for name in setups)
 
@@ -157,7 +157,8 @@ def _taken_until(state: State, theirs: Sequence[ChainedText]) -> int | None:
 def _refuse_shared(both: Iterable[str], path: Path) -> None:
     names = ", ".join(sorted(both))
     raise RecordError(
-        f"Both have read the same set-up, {names}, and mounted anew it has other unknowns",
+        "Both have read the same set-up, {names}, and mounted anew it has other unknowns",
         "Say whether it stayed mounted for both, --same-mounting, or not, --mounted-anew",
         path,
+        names=names,
     )

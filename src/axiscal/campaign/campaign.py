@@ -388,5 +388,10 @@ class Campaign(Closing):
 
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:
-            what = f"The campaign is finished: {self.state.finished}"
-            raise RecordError(what, "Take the end back with `axiscal undo`, or start a new campaign", self.path)
+            what = "The campaign is finished: {finished}"
+            raise RecordError(
+                what,
+                "Take the end back with `axiscal undo`, or start a new campaign",
+                self.path,
+                finished=self.state.finished,
+            )

@@ -141,8 +141,8 @@ PATIENCE = 25
 def refuse_endless(in_a_row: int, answer: Skip) -> None:
     """Raise SourceError where a source has skipped too many readings in a row, `answer` the last one."""
     if in_a_row >= PATIENCE:
-        what = f"the source has skipped {in_a_row} readings in a row; the last one because: {answer.reason}"
-        raise SourceError(what, "Mend it, then go on with --resume")
+        what = "the source has skipped {in_a_row} readings in a row; the last one because: {reason}"
+        raise SourceError(what, "Mend it, then go on with --resume", in_a_row=in_a_row, reason=answer.reason)
 
 
 def refuse_implausible(known: Estimation) -> None:

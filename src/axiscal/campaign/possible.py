@@ -65,8 +65,10 @@ def kept_text(text: str, what: str, remedy: str) -> str:
     if not text:
         raise ReadingError(f"the {what} is empty", remedy)
     if len(text) > LONGEST_TEXT:
-        shorter = f"Write up to {LONGEST_TEXT}, and say there in which file the rest is"
-        raise ReadingError(f"the {what} has {len(text)} characters", shorter)
+        shorter = "Write up to {LONGEST_TEXT}, and say there in which file the rest is"
+        raise ReadingError(
+            "the {the_what} has {text} characters", shorter, the_what=what, text=len(text), LONGEST_TEXT=LONGEST_TEXT
+        )
     return text
 
 
@@ -75,7 +77,9 @@ def refuse_absurd(*values: float) -> None:
     for value in values:
         if not abs(value) < LARGEST:
             raise ReadingError(
-                f"{value:g} m or rad is no deviation of a machine", "Give the reading with its unit, such as 1.7 um"
+                "{value:g} m or rad is no deviation of a machine",
+                "Give the reading with its unit, such as 1.7 um",
+                value=value,
             )
 
 
@@ -83,22 +87,26 @@ def refuse_of_branch(setup: str, mounted: Sequence[Mounted]) -> None:
     """Raise ReadingError for a set-up as it stood for a branch, or before its zero jumped: it has gone."""
     for each in mounted:
         if each.name == setup and not each.branch:
-            raise ReadingError(f'"{setup}" has gone: its zero jumped', f'Read "{each.setup}"')
+            raise ReadingError('"{setup}" has gone: its zero jumped', 'Read "{setup2}"', setup=setup, setup2=each.setup)
         if each.name == setup:
-            what = f'"{setup}" stood for a branch, which has taken its readings'
-            raise ReadingError(what, f'Read "{each.setup}", or record it in the branch and adopt it')
+            what = '"{setup}" stood for a branch, which has taken its readings'
+            raise ReadingError(
+                what, 'Read "{setup2}", or record it in the branch and adopt it', setup=setup, setup2=each.setup
+            )
 
 
 def refuse_unreadable(setup: Setup, values: Sequence[float], std: float | None) -> None:
     """Raise ReadingError for what a set-up's instrument does not read.  values, std : m or rad"""
     for value in values:
         if not math.isfinite(value):
-            raise ReadingError(f"{value} is not a finite number", "Give the reading, or skip it with its reason")
+            raise ReadingError(
+                "{value} is not a finite number", "Give the reading, or skip it with its reason", value=value
+            )
     refuse_absurd(*values, std or 0.0)
     _refuse_other_count(setup, len(values))
     if std is not None and not std >= FINEST:
         raise ReadingError(
-            f"{std:g} m or rad is no standard deviation", "Give one of at least 0.1 nm or 0.1 nrad, or none"
+            "{std:g} m or rad is no standard deviation", "Give one of at least 0.1 nm or 0.1 nrad, or none", std=std
         )
 
 

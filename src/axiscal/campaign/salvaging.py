@@ -69,8 +69,10 @@ def _created(entries: Mapping[int, EventText], path: Path) -> Created:
     if isinstance(created, Created):
         return created
     kept = sum(row.kind == "recorded" for row in entries.values())
-    what = f"Event 1, which holds the descriptions, does not stand whole; {kept} readings do"
-    raise RecordError(what, "Name a copy of the record, however old, or its campaign.toml: --beginning FILE", path)
+    what = "Event 1, which holds the descriptions, does not stand whole; {kept} readings do"
+    raise RecordError(
+        what, "Name a copy of the record, however old, or its campaign.toml: --beginning FILE", path, kept=kept
+    )
 
 
 def _fitting(
@@ -95,7 +97,11 @@ def _following(entries: Mapping[int, EventText], description: CampaignDescriptio
         event = _event(number, row)
         if isinstance(event, Newer) and event.of_readings:
             raise NewerError(
-                f"Event {number} is an entry of a newer version: {event.kind}", "Salvage it with that one", path
+                "Event {number} is an entry of a newer version: {kind}",
+                "Salvage it with that one",
+                path,
+                number=number,
+                kind=event.kind,
             )
         if isinstance(event, Undone):
             if event.event not in numbers:

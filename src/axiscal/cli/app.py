@@ -5,13 +5,16 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Annotated
 
 import typer
 
 from axiscal.cli.commands import AllCommands
 from axiscal.cli.printing import complain, say
-from axiscal.exceptions import AxiscalError
+from axiscal.exceptions import AxiscalError, InputError
+from axiscal.language.spoken import speaking
+from axiscal.present.whose_language import chosen
 
 INTERRUPTED = 130
 """What typer exits with after Ctrl-C; ours is 1, with a reason."""
@@ -51,7 +54,10 @@ def run(arguments: Sequence[str]) -> int:
     try:
         return _status_of(arguments)
     except AxiscalError as failure:
-        complain(str(failure))
+        with suppress(InputError), speaking(chosen(None)):
+            complain(str(failure))
+            return 1
+        complain(str(failure))  # the language that is asked for is none
     except KeyboardInterrupt:
         complain("Stopped by Ctrl-C. Nothing that was recorded is lost; give the command again.")
     except OSError as failure:

@@ -25,8 +25,10 @@ def own_record() -> Path:
     if len(here) == 1:
         return here[0].relative_to(Path.cwd())
     names = ", ".join(path.name for path in here)
-    what = f"There are {len(here)} records here: {names}" if here else "There is no campaign record here"
-    raise RecordError(what, "Name the one that is meant, or put its path into AXISCAL_RECORD", Path.cwd())
+    what = "There are {here} records here: {names}" if here else "There is no campaign record here"
+    raise RecordError(
+        what, "Name the one that is meant, or put its path into AXISCAL_RECORD", Path.cwd(), here=len(here), names=names
+    )
 
 
 def records_here(incomplete: str) -> list[str]:
@@ -38,7 +40,7 @@ def positive_length(text: str) -> float:
     """Return an RMS that is to be kept, m; raises UnitError, TargetError."""
     wanted = parse_quantity(text, "length")
     if wanted <= 0:
-        raise TargetError(f'"{text}" is not above zero', "Give an RMS above zero")
+        raise TargetError('"{text}" is not above zero', "Give an RMS above zero", text=text)
     return wanted
 
 

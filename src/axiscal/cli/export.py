@@ -165,7 +165,9 @@ def _offered(estimate: Estimate, to: str, options: ExportOptions, ini: Path | No
     if ini is None:
         return registry.export(estimate, to, options)
     if to.casefold() != "linuxcnc-volumetric":
-        raise TableError(f"{shown(to)} puts nothing into an INI file", "Leave --ini out, or take linuxcnc-volumetric")
+        raise TableError(
+            "{to} puts nothing into an INI file", "Leave --ini out, or take linuxcnc-volumetric", to=shown(to)
+        )
     from axiscal.ports.linuxcnc.configuring import export_into
 
     return export_into(ini, estimate, options)
@@ -198,9 +200,9 @@ def _spacing(texts: list[str]) -> float | dict[str, float] | None:
         axis = axis.strip()
         distance = parse_quantity(length.strip(), "angle" if axis[:1] in tuple(ROTARY_LETTERS) else "length")
         if not 0 < distance < 1e3:
-            raise TableError(f'a spacing of "{text[:40]}"', "Give a length above zero")
+            raise TableError('a spacing of "{text}"', "Give a length above zero", text=text[:40])
         if axis in found:
-            raise TableError(f"the spacing of {axis or 'the linear axes'} is given twice", "Give it once")
+            raise TableError("the spacing of {value} is given twice", "Give it once", value=axis or "the linear axes")
         found[axis] = distance
     if "" in found and len(found) > 1:
         raise TableError("a spacing is given for all linear axes and for some", 'Give it for each: --spacing "X=25 mm"')
@@ -212,7 +214,12 @@ def _numbers(texts: list[str], coordinates: str | None, controller: str) -> dict
     numbered = [_numbered(text) for text in texts]
     if coordinates is not None:
         if not controller.startswith("linuxcnc"):
-            raise TableError(f"{controller} has no coordinates such as {shown(coordinates)}", "Write --number X=1")
+            raise TableError(
+                "{controller} has no coordinates such as {coordinates}",
+                "Write --number X=1",
+                controller=controller,
+                coordinates=shown(coordinates),
+            )
         if numbered:
             raise TableError("both --number and --coordinates say which joints are whose", "Give one of them")
         numbered = [(letter, joint) for joint, letter in enumerate(coordinates.upper().replace(" ", ""))]
@@ -225,7 +232,7 @@ def _numbers(texts: list[str], coordinates: str | None, controller: str) -> dict
 def _numbered(text: str) -> tuple[str, int]:
     axis, equals, number = text.partition("=")
     if not (equals and axis.isalnum() and number.isascii() and number.isdigit() and len(number) < 4):
-        raise TableError(f'"{text[:40]}" is not AXIS=N', "Write --number X=1")
+        raise TableError('"{text}" is not AXIS=N', "Write --number X=1", text=text[:40])
     return axis, int(number)
 
 
@@ -234,7 +241,10 @@ def _text(path: Path) -> str:
         data = bounded_content(path, MOST_BYTES)
     except OSError as fault:
         raise TableError(
-            f"the template cannot be read: {fault.strerror}", "give the file of the compensation alone", path
+            "the template cannot be read: {strerror}",
+            "give the file of the compensation alone",
+            path,
+            strerror=fault.strerror,
         ) from None
     try:
         return data.decode("ascii")

@@ -30,7 +30,7 @@ def _setup(campaign: Campaign, name: str | None) -> Setup:
     description, pending = campaign.description, campaign.state.pending
     if name is None and pending is None and len(description.setups) > 1:
         names = ", ".join(f'"{setup.name}"' for setup in description.setups)
-        raise ReadingError("the campaign has several set-ups", f"Name one with --setup: {names}")
+        raise ReadingError("the campaign has several set-ups", "Name one with --setup: {names}", names=names)
     return description.setup(name or (pending.place.setup if pending else description.setups[0].name))
 
 
@@ -40,7 +40,9 @@ def _position(text: str, machine: Machine) -> dict[str, float]:
     while text[at:].strip():
         found = _ENTRY.match(text, at)
         if found is None or found[1] in position:
-            raise ReadingError(f'"{text}" is not a place', 'Write each axis once, as in --at "X=120 mm Y=250 mm"')
+            raise ReadingError(
+                '"{text}" is not a place', 'Write each axis once, as in --at "X=120 mm Y=250 mm"', text=text
+            )
         axis = machine.axis(found[1])
         position[found[1]] = parse_quantity(found[2], axis.dimension)
         at = found.end()
@@ -52,7 +54,9 @@ def _directions(text: str) -> dict[str, int]:
     for word in re.split(r"[\s,;]+", text.strip()):
         found = _DIRECTION.fullmatch(word)
         if word and (found is None or found[1] in directions):
-            raise ReadingError(f'"{text}" is not an approach', 'Write each axis once, as in --approach "X+ Y-"')
+            raise ReadingError(
+                '"{text}" is not an approach', 'Write each axis once, as in --approach "X+ Y-"', text=text
+            )
         if found:
             directions[found[1]] = 1 if found[2] == "+" else -1
     return directions

@@ -11,6 +11,7 @@ import typer
 
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say, say_document, tell, tell_progress
+from axiscal.cli.progress import tell_mind
 from axiscal.description.campaign import CampaignDescription, as_exact
 from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
 from axiscal.description.programs import stated
@@ -133,13 +134,15 @@ def plan(
     if gap is not None and not prove:
         raise PlanError("--gap says when a proof ends, and none was asked for", "Add --prove, or leave --gap out")
     if picture is not None and picture.suffix.lower() != ".svg":
-        raise PlanError(f"--picture draws an SVG file, and {picture.name} is none", "Give it a name that ends in .svg")
+        raise PlanError(
+            "--picture draws an SVG file, and {name} is none", "Give it a name that ends in .svg", name=picture.name
+        )
     if gcode is not None:
         dialect(gcode)
     driven = _driven(campaign_with_sisters(campaign, target_needed=False, told=tell), clearance, order, feed, dwell)
-    for said in (unused_artefacts(driven), hardly_reached(driven)):
-        if said is not None:
-            tell(f"Mind: {said}")
+    for sentence in (unused_artefacts(driven), hardly_reached(driven)):
+        if sentence is not None:
+            tell_mind(sentence)
     ends, driven = not driven.target.empty, _aimed(driven, readings, target, budget)
     case = case_of(_without_tcp(driven) if no_tcp else driven)
     limits, how = _limits(case, readings, target, budget), Thoroughness(candidates, memory * 1e6)
@@ -149,7 +152,7 @@ def plan(
     if target is not None:
         refuse_out_of_reach(case, limits)
     if (unread := reached_unread(case, limits)) is not None:
-        tell(f"Mind: {unread}")
+        tell_mind(unread)
         limits = few_more(limits)
     if compare is not None:
         _compared(case, limits, how, compare, json)
@@ -206,7 +209,7 @@ def _aimed(
 def _above_zero(text: str, dimension: Dimension) -> float:
     value = parse_quantity(text, dimension)
     if value <= 0:
-        raise TargetError(f'"{text}" is not above zero', "Give an accuracy or a time above zero")
+        raise TargetError('"{text}" is not above zero', "Give an accuracy or a time above zero", text=text)
     return value
 
 

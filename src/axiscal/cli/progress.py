@@ -13,10 +13,12 @@ from axiscal.cli.texts import accuracy_text
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
 from axiscal.description.target import Target
+from axiscal.language.spoken import again, said, speaking
 from axiscal.machine.questions import questions
 from axiscal.numerics.stages import listening
 from axiscal.present.plan_answer import reach_answer
 from axiscal.present.plan_words import reach_text
+from axiscal.present.whose_language import chosen
 from axiscal.tables.on_top import unasked
 from axiscal.units import to_unit
 
@@ -49,11 +51,16 @@ def progress_line(milestone: Milestone, target: Target) -> str:
 
 def tell_unasked(description: CampaignDescription) -> None:
     """Ask what the descriptions leave open: sizes that can hardly be meant, a compensation that may be active."""
-    for question in questions(description.machine):
-        tell(f"Mind: {question}")
-    for said in (unasked(description), unused_artefacts(description), hardly_reached(description)):
-        if said:
-            tell(f"Mind: {said}")
+    open_yet = unasked(description), unused_artefacts(description), hardly_reached(description)
+    for question in (*questions(description.machine), *open_yet):
+        if question:
+            tell_mind(question)
+
+
+def tell_mind(sentence: str) -> None:
+    """Write what is to be minded to stderr, in the language of the person."""
+    with speaking(chosen(None)):
+        tell(said("Mind: {sentence}", sentence=again(sentence)))
 
 
 def tell_out_of_reach(campaign: Campaign) -> None:
@@ -62,4 +69,5 @@ def tell_out_of_reach(campaign: Campaign) -> None:
         return
     reach = reach_answer(campaign.estimate(ended=True).case)
     if reach is not None:
-        tell(reach_text(reach))
+        with speaking(chosen(None)):
+            tell(reach_text(reach))

@@ -6,6 +6,7 @@ from enum import Enum, auto
 from pathlib import Path
 
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
+from axiscal.answers.answer_words import minutes_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ended_words import because_text
 from axiscal.campaign.ending import Ended
@@ -161,7 +162,7 @@ class Prompt:
         now = Progress.of(self.campaign)
         stands = "Now {now} RMS; with the {coming} to come, in about {minutes} min, {promised}."
         coming = counted("{count} reading", "{count} readings", now.coming)
-        minutes, promised = f"{to_unit(now.left, 'min'):.0f}", micrometres(now.promised.rms)
+        minutes, promised = minutes_text(to_unit(now.left, "min"), coming=True), micrometres(now.promised.rms)
         say("  " + said(stands, now=micrometres(now.now.rms), coming=coming, minutes=minutes, promised=promised))
         for line in tables_lines(self.campaign):
             say(f"  {line}")
@@ -175,7 +176,7 @@ class Prompt:
         known = Progress.of(self.campaign)
         taken = counted("{count} reading", "{count} readings", known.taken)
         done = "Done: {because}. RMS {rms}, worst {worst}, {taken} in {minutes} min."
-        minutes, rms, worst = f"{to_unit(known.seconds, 'min'):.0f}", known.now.rms, known.now.worst
+        minutes, rms, worst = minutes_text(to_unit(known.seconds, "min")), known.now.rms, known.now.worst
         figures = {"rms": micrometres(rms), "worst": micrometres(worst), "minutes": minutes}
         say("\n" + said(done, because=because_text(ended.because), taken=taken, **figures))
         prompt = said("Enter writes the results into {folder}; undo, more, note or pause > ", folder=self.out)

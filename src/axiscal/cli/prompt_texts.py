@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from axiscal.answers.answer_words import minutes_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.texts import micrometres
 from axiscal.language.spoken import decimals, said
@@ -46,8 +47,8 @@ def headline(campaign: Campaign, question: Question) -> str:
         said("reading {number} of {last}", number=question.number, last=question.number + now.coming - 1),
         said(
             "{done} min done, about {left} left",
-            done=f"{to_unit(now.seconds, 'min'):.0f}",
-            left=f"{to_unit(now.left, 'min'):.0f}",
+            done=minutes_text(to_unit(now.seconds, "min")),
+            left=minutes_text(to_unit(now.left, "min"), coming=True),
         ),
         f"RMS {micrometres(now.before.rms)} → {micrometres(now.now.rms)}, "
         + said("{promised} expected", promised=micrometres(now.promised.rms)),

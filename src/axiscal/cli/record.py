@@ -118,8 +118,8 @@ def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:
         kept = {(each.place, each.values) for each in campaign.state.readings}
         for each in placed:
             if (each.place, each.values) in kept:
-                what = f"the reading of line {each.line} is in the record already"
-                raise RecordError(what, "This log was recorded before", log)
+                what = "the reading of line {the_line} is in the record already"
+                raise RecordError(what, "This log was recorded before", log, the_line=each.line)
         first = campaign.state.free
         campaign.adopt(tuple(each.under(number) for number, each in enumerate(placed, start=first)))
         if as_json:

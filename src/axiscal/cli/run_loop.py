@@ -9,15 +9,16 @@ from typing import Annotated
 import typer
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ended_words import because_text
 from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH
 from axiscal.campaign.sources import Source, open_source
 from axiscal.cli.arguments import CampaignFile, Details, Json, Out
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import tell
 from axiscal.cli.progress import shown_progress, tell_out_of_reach
-from axiscal.cli.texts import count_text
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.exceptions import AxiscalError, InputError, RecordError, TargetError
+from axiscal.language.spoken import capital, counted, put, said
 from axiscal.measurement.simulation import Simulator
 from axiscal.ports.fleet.type_learning import with_sisters
 from axiscal.present.result_set import RECORD, mend
@@ -106,26 +107,27 @@ def _loop(campaign: Campaign, source: Source, again: str) -> None:
         with shown_progress(campaign.description.target) as watch:
             campaign.run(source, watch)
     except InputError as failure:
-        remedy = f"{failure.remedy.rstrip('.')}. {_kept(campaign, again)}"
+        remedy = put("{remedy}. {kept}", remedy=failure.remedy, kept=_kept(campaign, again))
         raise type(failure)(failure.what, remedy, failure.file, failure.line) from failure
     except KeyboardInterrupt:
-        raise AxiscalError(f"Stopped by Ctrl-C. {_kept(campaign, again)}") from None
+        raise AxiscalError(
+            put("{stopped} {kept}", stopped=said("Stopped by Ctrl-C."), kept=_kept(campaign, again))
+        ) from None
 
 
 def _refuse_unreached(campaign: Campaign) -> None:
-    source, written = campaign.description.source, "the results so far are written"
-    if campaign.state.finished == OUT_OF_REACH:
-        what = f"The target is out of reach: {OUT_OF_REACH.partition(': ')[2]}"
-        remedy = f"Add set-ups that see what these cannot, give less noise or a wider target; {written}"
-        raise TargetError(what, remedy, source)
-    if campaign.state.finished == CONTRADICT:
-        what = f"The target cannot be said to be reached: {CONTRADICT}"
-        remedy = "See the warnings, review instruments, set-ups and what is stated, and take readings again"
-        raise TargetError(what, f"{remedy}; {written}", source)
+    because, source = campaign.state.finished or "", campaign.description.source
+    why, written = because_text(because), said("the results so far are written")
+    if because == OUT_OF_REACH:
+        remedy = "Add set-ups that see what these cannot, give less noise or a wider target; {written}"
+        raise TargetError("{why}", remedy, source, why=capital(why), written=written)
+    if because == CONTRADICT:
+        what = "The target cannot be said to be reached: {why}"
+        remedy = "See the warnings, review instruments, set-ups and what is stated, and take readings again; {written}"
+        raise TargetError(what, remedy, source, why=why, written=written)
 
 
 def _kept(campaign: Campaign, again: str) -> str:
     count = len(campaign.state.readings)
-    return (
-        f"{count_text(count, 'reading')} {'is' if count == 1 else 'are'} kept in {campaign.path}; go on with: {again}"
-    )
+    one, many = "{count} reading is kept in {record}", "{count} readings are kept in {record}"
+    return said("{kept}; go on with: {again}", kept=counted(one, many, count, record=campaign.path), again=again)

@@ -9,7 +9,9 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from axiscal.language.spoken import put, said, speaking
 from axiscal.numerics.stages import Stage, listening
+from axiscal.present.whose_language import chosen
 
 _QUIET = 2.0
 """Seconds in which nobody needs to be told; anything that feels like waiting would do."""
@@ -26,7 +28,7 @@ class StageLine:
     def __init__(self) -> None:
         self._lock, self._stack = threading.Lock(), list[tuple[Stage, float]]()
         self._start, self._done = time.monotonic(), threading.Event()
-        self._line = ""
+        self._line, self._language = "", chosen(None)
 
     def begun(self, stage: Stage) -> None:
         """A stage begins."""
@@ -52,7 +54,10 @@ class StageLine:
             if not self._stack or now - self._start < _QUIET:
                 return
             stage, since = self._stack[-1]
-            self._rewrite(f"{stage_text(stage, now - since)}, {now - self._start:.0f} s so far")
+            with speaking(self._language):  # of the thread that began
+                passed = put("{seconds:.0f}", seconds=now - self._start)
+                line = said("{stage}, {seconds} s so far", stage=stage_text(stage, now - since), seconds=passed)
+            self._rewrite(line)
 
     def watch(self) -> None:
         """Look again and again, in a separate thread, until the end."""
@@ -79,11 +84,13 @@ class StageLine:
 
 def stage_text(stage: Stage, seconds: float) -> str:
     """Return a stage in words: which of how many, and how many seconds are left where things are counted."""
+    name = said(stage.name)
     if not stage.of:
-        return stage.name
-    text = f"{stage.name}, {stage.number} of {stage.of}"
+        return name
+    text = said("{name}, {number} of {last}", name=name, number=stage.number, last=stage.of)
     if stage.number and stage.of > _COUNTED:
-        text += f", about {seconds_left(stage, seconds):.0f} s left"
+        left = put("{seconds:.0f}", seconds=seconds_left(stage, seconds))
+        return said("{text}, about {left} s left", text=text, left=left)
     return text
 
 

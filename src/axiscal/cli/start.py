@@ -14,9 +14,10 @@ from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.compensation_active import Active, answered
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.cli.progress import tell_out_of_reach, tell_unasked
-from axiscal.cli.texts import count_text
 from axiscal.description.campaign import CampaignDescription
+from axiscal.language.spoken import counted, said, speaking
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
+from axiscal.present.whose_language import chosen
 
 
 def start(
@@ -55,12 +56,12 @@ def start(
     if json:
         say_document({"schema": "axiscal-start/1", "record": str(path)})
     else:
-        setups = count_text(len(description.setups), "set-up")
-        readings = count_text(len(planned), "reading")
-        say(
-            f"{path} is ready: {description.machine.name}, {setups}, {readings} planned.\n"
-            f"Take the readings: axiscal measure {path}"
-        )
+        with speaking(chosen(None)):
+            setups = counted("{count} set-up", "{count} set-ups", len(description.setups))
+            readings = counted("{count} reading", "{count} readings", len(planned))
+            ready = "{record} is ready: {machine}, {setups}, {readings} planned."
+            say(said(ready, record=path, machine=description.machine.name, setups=setups, readings=readings))
+            say(said("Take the readings: axiscal measure {record}", record=path))
 
 
 @contextmanager

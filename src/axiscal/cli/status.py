@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from axiscal.answers.answer import StatusAnswer, StatusNote, StatusTarget
-from axiscal.answers.answer_of_campaign import answer_of
+from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Details, Json, OwnRecord
 from axiscal.cli.last_screen import standing_screen
@@ -17,6 +17,7 @@ from axiscal.estimation.type_prior import is_type_text
 from axiscal.language.spoken import said
 from axiscal.present.guide.question import asked_text
 from axiscal.present.guide.second_thoughts import contradictions
+from axiscal.present.plan_answer import coming_answer
 from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit
 
@@ -37,7 +38,7 @@ def status(record: OwnRecord, details: Details = False, json: Json = False) -> N
             return
         if details:
             say("\n".join(_lines(campaign)))
-        say(standing_screen(campaign, campaign.so_far()))
+        say(standing_screen(campaign))
         for each in campaign.state.newer:
             say(said("An entry of a newer version: {kind}. It says nothing of the readings.", kind=each.kind))
 
@@ -82,7 +83,8 @@ def _document(campaign: Campaign) -> StatusAnswer:
         minutes=to_unit(status.seconds, "min"),
         rms_um=to_unit(status.accuracy.rms, "um"),
         worst_um=to_unit(status.accuracy.worst, "um"),
-        answer=answer_of(campaign, campaign.so_far(), {}),
+        answer=standing_answer(campaign),
+        planned=coming_answer(campaign),
         target=_target(campaign.description.target),
         reached=status.reached,
         finished=state.finished,

@@ -9,6 +9,7 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.document import Document, shown
+from axiscal.language.spoken import joined, listed, said
 from axiscal.machine import Machine
 from axiscal.measurement.charts.held import Balls, Held
 from axiscal.measurement.setup import Setup
@@ -25,8 +26,8 @@ _FINE, _APART = math.radians(5.0), math.radians(30.0)
 
 def hardly_reached(description: CampaignDescription) -> str | None:
     """Return a sentence about balls that are reached in less than a twentieth of the turns; None without any."""
-    said = [text for setup in description.setups for text in _of_setup(description.machine, setup)]
-    return "; ".join(said) + ": stand them elsewhere, or widen cone." if said else None
+    found = [text for setup in description.setups for text in _of_setup(description.machine, setup)]
+    return said("{balls}: stand them elsewhere, or widen cone.", balls=listed("; ", found)) if found else None
 
 
 def _of_setup(machine: Machine, setup: Setup) -> Iterator[str]:
@@ -40,8 +41,9 @@ def _of_setup(machine: Machine, setup: Setup) -> Iterator[str]:
         if 0 < share < _FEW and artefact is not None:
             axes = [machine.axes[k].name for k in part.turning]
             reached = ", ".join(f"{name} {_intervals(at)}" for name, at in zip(axes, taken.T, strict=True))
-            ball_said = f"ball {artefact.balls[ball].name} of {artefact.name}"
-            yield f'"{setup.name}" reaches {ball_said} in {100 * share:.1f}% of the turns ({reached})'
+            where = {"setup": setup.name, "ball": artefact.balls[ball].name, "artefact": artefact.name}
+            text = '"{setup}" reaches ball {ball} of {artefact} in {share:.1%} of the turns ({reached})'
+            yield said(text, share=share, reached=reached, **where)
 
 
 def _intervals(values: Array) -> str:
@@ -59,5 +61,5 @@ def unused_artefacts(description: CampaignDescription) -> str | None:
     left = [shown(table["name"]) for table in data.get("artefacts", []) if table["name"] not in read]
     if not left:
         return None
-    names = " and ".join(left)
-    return f"nothing reads {names}: write artefact = {left[0]} in a set-up, or take its table out."
+    text = "nothing reads {names}: write artefact = {first} in a set-up, or take its table out."
+    return said(text, names=joined(left), first=left[0])

@@ -15,6 +15,7 @@ from axiscal.document.bounded import bounded_content
 from axiscal.document.key_lines import line_numbers
 from axiscal.document.quoting import Key, dotted, shown
 from axiscal.exceptions import DescriptionError, InputError
+from axiscal.language.spoken import later, said
 
 LARGEST = 250_000
 """Bytes; a description has a few thousand."""
@@ -56,7 +57,7 @@ class Document:
         except RecursionError:
             raise DescriptionError("the brackets are nested too deeply", "A description is flat", path) from None
         except ValueError as fault:
-            raise DescriptionError(f"not valid TOML: {fault}", "Write a shorter number", path) from None
+            raise DescriptionError("not valid TOML: {fault}", "Write a shorter number", path, fault=fault) from None
 
     def line(self, *keys: Key) -> int | None:
         """Return the line of a key path such as ("setups", 1, "noise"), or of the nearest table around it."""
@@ -88,13 +89,21 @@ def _check_lines(text: str, path: Path) -> None:
         if line.count(".") > 100 and _LONG_KEY.search(line):
             raise DescriptionError("a key has more than 100 parts", "A description is flat", path, number)
         if len(line) > LONGEST_LINE:
-            what = f"the line {shown(line[:40])} has {len(line)} characters, more than {LONGEST_LINE}"
-            raise DescriptionError(what, "Break it into shorter lines", path, number)
+            what = "the line {shown} has {the_line} characters, more than {LONGEST_LINE}"
+            raise DescriptionError(
+                what,
+                "Break it into shorter lines",
+                path,
+                number,
+                shown=shown(line[:40]),
+                the_line=len(line),
+                LONGEST_LINE=LONGEST_LINE,
+            )
 
 
 def _too_large(path: Path) -> DescriptionError:
-    what = f"the file is larger than {LARGEST // 1000} kB"
-    return DescriptionError(what, "Give a description, which has a few thousand bytes", path)
+    what = "the file is larger than {value} kB"
+    return DescriptionError(what, "Give a description, which has a few thousand bytes", path, value=LARGEST // 1000)
 
 
 def _content(path: Path) -> bytes:
@@ -109,7 +118,9 @@ def _content(path: Path) -> bytes:
         if getattr(fault, "errno", None) == errno.EFBIG:
             raise _too_large(path) from None
         reason = getattr(fault, "strerror", None) or str(fault)
-        raise DescriptionError(f"the file cannot be read: {reason}", "Give a readable file", shown_path(path)) from None
+        raise DescriptionError(
+            "the file cannot be read: {reason}", "Give a readable file", shown_path(path), reason=reason
+        ) from None
 
 
 def _decoded(content: bytes, path: Path) -> str:
@@ -118,7 +129,12 @@ def _decoded(content: bytes, path: Path) -> str:
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise DescriptionError("the file is in UTF-16", remedy, path, 1)
     if content.startswith(b"\xef\xbb\xbf"):
-        raise DescriptionError("the file begins with a byte order mark", f"{remedy} without a byte order mark", path, 1)
+        raise DescriptionError(
+            "the file begins with a byte order mark",
+            "Save it as plain text in UTF-8 without a byte order mark",
+            path,
+            1,
+        )
     if (place := content.find(b"\0")) >= 0:
         line = content.count(b"\n", 0, place) + 1
         raise DescriptionError("the file holds a NUL byte, so it is not a text", remedy, path, line)
@@ -126,8 +142,8 @@ def _decoded(content: bytes, path: Path) -> str:
         return content.decode()
     except UnicodeDecodeError as fault:
         line = content.count(b"\n", 0, fault.start) + 1
-        what = f"byte 0x{content[fault.start]:02x} is not UTF-8"
-        raise DescriptionError(what, remedy, path, line) from None
+        what = "byte 0x{content:02x} is not UTF-8"
+        raise DescriptionError(what, remedy, path, line, content=content[fault.start]) from None
 
 
 def _syntax_failure(fault: str, text: str, path: Path) -> DescriptionError:
@@ -137,8 +153,9 @@ def _syntax_failure(fault: str, text: str, path: Path) -> DescriptionError:
     reason = fault[: place.start()] if place else fault
     number = int(place[1]) if place and place[1] else _last_open_line(reason, lines)
     content = lines[number - 1].strip() if number <= len(lines) else ""
-    what = f"not valid TOML: {reason[:1].lower()}{reason[1:]}, in the line {shown(content)}"
-    return DescriptionError(what, _syntax_remedy(reason, content), path, number)
+    what = "not valid TOML in the line {content} ({reason})"
+    remedy = said(_syntax_remedy(reason, content))
+    return DescriptionError(what, remedy, path, number, content=shown(content), reason=reason.lower())
 
 
 def _last_open_line(reason: str, lines: list[str]) -> int:
@@ -150,12 +167,12 @@ def _last_open_line(reason: str, lines: list[str]) -> int:
 
 def _syntax_remedy(reason: str, content: str) -> str:
     if _BARE_QUANTITY.search(content):
-        return 'Quantities stand in quotes, such as length = "120 mm"'
+        return later('Quantities stand in quotes, such as length = "120 mm"')
     if _BARE_PARENTHESES.match(content):
-        return 'Names with parentheses stand in quotes, such as "C(0X)Y" = { std = "30 urad" }'
+        return later('Names with parentheses stand in quotes, such as "C(0X)Y" = { std = "30 urad" }')
     if "overwrite" in reason or "twice" in reason or "mutate" in reason:
-        return "Every key and every table is given once"
-    return 'Write lines such as length = "120 mm" below headings such as [tool]'
+        return later("Every key and every table is given once")
+    return later('Write lines such as length = "120 mm" below headings such as [tool]')
 
 
 def shown_path(path: Path) -> str:

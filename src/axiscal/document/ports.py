@@ -35,5 +35,13 @@ def _loaded(point: EntryPoint) -> Any:
     try:
         return point.load()
     except Exception as fault:
-        what = f"{point.name} = {point.value} of {point.group} cannot be loaded ({type(fault).__name__}: {fault})"
-        raise PortError(what, "Repair the package that brings it, or uninstall it") from fault
+        what = "{name} = {value} of {group} cannot be loaded ({name2}: {fault})"
+        raise PortError(
+            what,
+            "Repair the package that brings it, or uninstall it",
+            name=point.name,
+            value=point.value,
+            group=point.group,
+            name2=type(fault).__name__,
+            fault=fault,
+        ) from fault

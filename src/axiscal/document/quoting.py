@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from axiscal.exceptions import UnitError
+from axiscal.language.spoken import said
 from axiscal.units import EXAMPLES, Dimension
 
 Key = str | int
@@ -14,11 +15,10 @@ def quantity_text(value: object, dimension: Dimension | None = None) -> str:
     """Return the text of a quantity; raises UnitError for anything that is not text, a bare number above all."""
     if isinstance(value, str):
         return value
-    example = EXAMPLES[dimension or "length"]
-    remedy = f'Write a number with its unit in quotes, such as "{example}"'
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        raise UnitError(f"{shown(value)} has no unit (missing unit)", remedy)
-    raise UnitError(f"{shown(value)} is not a quantity", remedy)
+    remedy = 'Write a number with its unit in quotes, such as "{example}"'
+    bare = isinstance(value, int | float) and not isinstance(value, bool)
+    what = "{text} has no unit (missing unit)" if bare else "{text} is not a quantity"
+    raise UnitError(what, remedy, text=shown(value), example=EXAMPLES[dimension or "length"])
 
 
 def nearest(word: str, known: Iterable[str]) -> str | None:
@@ -35,7 +35,9 @@ def meant(word: str, known: Iterable[str], otherwise: str = "", quoted: str = '"
     """Return the remedy for a word that is not known: the one that is near, else `otherwise`, else all of them."""
     words = list(known)
     near = nearest(word, words)
-    return f"Perhaps {quoted.format(near)} is meant" if near else otherwise or f"Known are {', '.join(words)}"
+    if near:
+        return said("Perhaps {word} is meant", word=quoted.format(near))
+    return otherwise or said("Known are {words}", words=", ".join(words))
 
 
 def shown(value: object) -> str:

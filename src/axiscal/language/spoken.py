@@ -172,7 +172,7 @@ def _made(forms: tuple[str, ...], form: str, values: Mapping[str, object]) -> Sa
     else:
         words = catalogue.gettext(forms[0]) if forms else form
     shown = {name: again(value) if isinstance(value, Said) else value for name, value in values.items()}
-    text = Said(_FILLING.vformat(words, (), shown) if "{" in words or "}" in words else words)
+    text = Said(_FILLING.vformat(words, (), shown) if shown else words)
     text.forms, text.form, text.values = forms, form, values
     return text
 

@@ -11,6 +11,7 @@ from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError, TargetError
+from axiscal.language.spoken import said
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics.threads import one_thread
@@ -77,10 +78,14 @@ def refuse_endless(case: Case, limits: Limits, candidates: int) -> None:
 
 
 def reached_unread(case: Case, limits: Limits) -> str | None:
-    """Say that errors of the usual sizes are within the target before any reading; None where they are not."""
+    """Say that errors of the usual sizes are within what a few readings can be held to; None where they are not."""
     if limits.rows or not (limits.accurate and len(case.sizes) and reached(case, limits, case.knowledge)):
         return None
-    return "errors of the sizes that are stated or usual meet the target unread: a few readings check their sizes"
+    known = case.yardstick.measure(case.knowledge.belief)
+    met = known.rms <= (limits.rms or known.rms) and known.worst <= (limits.worst or known.worst)
+    unread = "errors of the sizes that are stated or usual meet the target unread: a few readings check their sizes"
+    hardly = "readings can take hardly anything away from errors of the stated or usual sizes: a few check these sizes"
+    return said(unread) if met else said(hardly)
 
 
 def _what_helps(case: Case, target: Target) -> str:

@@ -152,7 +152,7 @@ def limits_left(
 
     readings : so far, which are known; left : of an earlier plan; outliers : those of the readings not believed
     """
-    limits, bad = Limits.of(case.description.target), {doubt.reading for doubt in outliers if doubt.rejected}
+    limits, bad = Limits.of(case.description.target), {doubt.reading for doubt in outliers}
     most = AT_ONCE if limits.readings is None else min(AT_ONCE, max(limits.readings - len(readings), 1))
     budget = None if limits.budget is None else max(limits.budget - timed(case, readings).seconds, 0.0)
     believed = [reading for index, reading in enumerate(readings) if index not in bad]

@@ -37,9 +37,7 @@ from axiscal.present.volume_error import bent_volume, volume_error
 from axiscal.present.whose_language import named_language
 from axiscal.tables import registry
 from axiscal.tables.effect import Deviation, rms, tour
-from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.offer import Export, effect_sentence
-from axiscal.tables.on_top import informed
 from axiscal.units import to_unit
 
 _ALWAYS = "csv"
@@ -141,8 +139,7 @@ def _tables(
     warnings = [warning.text for warning in summary.warnings]
     folder.mkdir(parents=True, exist_ok=True)
     try:
-        options = informed(ExportOptions(), estimation.case.description, controller)
-        offered = registry.export(estimation.estimate(), controller, options)
+        offered = registry.offered(estimation, controller)
     except (TableError, ReadingError) as refusal:
         return [TableOffer("none written", controller, "", str(refusal))], None
     whole = introduced(offered, summary.expanded.factor, warnings, summary.agreement.words, summary.record)

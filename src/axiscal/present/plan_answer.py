@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
 
-from axiscal.answers.answer import Aim, AnswerDocument, NextStep, PlannedRow
+from axiscal.answers.answer import (
+    Aim,
+    AnswerDocument,
+    LargestCause,
+    NextStep,
+    PlannedAnswer,
+    PlannedRow,
+    PlannedSetup,
+    PlanVerdict,
+    ReachAnswer,
+    StepCode,
+)
 from axiscal.answers.answer_of_campaign import aim_of, aim_of_volume, all_reached, known_figures, unreachable
+from axiscal.campaign.campaign import Campaign
 from axiscal.description.type_b import TEMPERATURE
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case
@@ -22,18 +34,16 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import shown_approach, shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.helping import Helping, helping_setups
+from axiscal.planning.helping import helping_setups
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import Alike, alike, asked, foreseen, reachable_rms, unseen_parts
+from axiscal.planning.promise import alike, asked, foreseen, reachable_rms, unseen_parts
 from axiscal.planning.proposal import Proposal
 from axiscal.units import to_unit
 
 _MOSTLY, _NOUGHT = 0.5, 1e-30
 """Of the variance; no division by nought."""
-PlanVerdict = Literal["planned", "reached", "short", "unreachable"]
-"""Nothing is asked for; it is reached; more readings would; none of these set-ups would."""
 
 
 class PlanPoint(AnswerDocument):
@@ -54,62 +64,20 @@ class PlanPoint(AnswerDocument):
     minutes: float
 
 
-class PlannedSetup(AnswerDocument):
-    """A set-up as it is mounted: the axes that move, its readings, and the minutes that passed after the last."""
+class PlanAnswer(PlannedAnswer):
+    """A plan in full.
 
-    setup: str
-    instrument: str
-    moves: Sequence[str]
-    readings: int
-    minutes: float
-
-
-class ReachAnswer(AnswerDocument):
-    """Accuracies that endless readings would miss, and the change that would help; None if nothing usual would."""
-
-    missed: Sequence[Aim]
-    helps: Helping | None
-
-
-class LargestCause(AnswerDocument):
-    """What no reading shows and is most of an uncertainty: its name, whose it is, and its share of the variance.
-
-    measurable : it is the temperature, and nobody has measured that
-    """
-
-    cause: str
-    owner: str
-    share: float
-    measurable: bool
-
-
-class PlanAnswer(AnswerDocument):
-    """A plan, and what is known after it.
-
-    rows, aims : after its readings, with all that a result counts; `points`, `J`, `rms_um`, `worst_um` and `ratio`
-    leave out what no reading shows, such as the error of a wavelength
+    `points`, `J`, `rms_um`, `worst_um` and `ratio` leave out what no reading shows, such as the error of a wavelength
+    units : of the axes
     certain_minutes : of a plan for the same target if all that is stated were exact, and nothing else went wrong
-    setups : in the order in which they are mounted; units : of the axes; allowed : readings, None for any number
     ratio : of the mean variances that the two RMS figures are the roots of; of J where the criterion is another one
     """
 
     kind: Literal["axiscal-plan/1"] = Field("axiscal-plan/1", alias="schema")
-    verdict: PlanVerdict
-    rows: Sequence[PlannedRow]
-    aims: Sequence[Aim]
-    reach: ReachAnswer | None
-    mostly: LargestCause | None = None
-    alike: Alike | None = None
     certain_minutes: float | None = None
-    setups: Sequence[PlannedSetup]
-    steps: Sequence[NextStep]
     criterion: str
     points: Sequence[PlanPoint]
     units: Mapping[str, str]
-    readings: int
-    allowed: int | None
-    minutes: float
-    budget_minutes: float | None
     rms_um: float
     worst_um: float
     before_rms_um: float
@@ -133,40 +101,23 @@ def plan_answer(
 
     ends : whether the campaign says when it ends; certain : the plan if all that is stated were exact, if it was made
     """
-    plan, axes = proposal.plan, case.description.machine.axes
-    places = placed(case, plan)
-    readings = blank_readings(case.description.setups, places)
-    known = foreseen(case, (), places)
-    rows = known_rows(case, known, readings)
-    volume, lines = _aims(case, known, rows)
+    plan, places = proposal.plan, placed(case, proposal.plan)
     bound = bound_rms_um(case, plan)
     ratio = _ratio(plan, bound)
-    reached = all_reached(volume, lines)
-    verdict: PlanVerdict = "planned" if not (volume or lines) else "reached" if reached else "short"
-    reach = None if reached else _reach(case, unreachable(volume, lines))
+    begin: list[StepCode] = ["start"] if ends else ["target", "start"]
+    answer = _planned(case, places, lambda count: plan.readings[count - 1].seconds, limits, begin)
     return PlanAnswer(
-        verdict=verdict if reach is None else "unreachable",
-        rows=[PlannedRow(**known_figures(row)) for row in rows],
-        aims=[*volume, *lines],
-        reach=reach,
-        mostly=_mostly(case, places, known) if places else None,
-        alike=alike(case, places) if places and case.description.usual else None,
+        **dict(answer),
         certain_minutes=None if certain is None else to_unit(certain.seconds, "min"),
-        setups=list(_setups(case, places, plan)),
-        steps=[*([] if ends else [NextStep(code="target")]), NextStep(code="start")],
         criterion=case.description.target.criterion,
         points=list(_points(case, places, plan)),
-        units={axis.name: axis.unit for axis in axes},
-        readings=len(places),
-        allowed=limits.readings,
-        minutes=to_unit(plan.seconds, "min"),
-        budget_minutes=None if limits.budget is None else to_unit(limits.budget, "min"),
+        units={axis.name: axis.unit for axis in case.description.machine.axes},
         rms_um=to_unit(plan.accuracy.rms, "um"),
         worst_um=to_unit(plan.accuracy.worst, "um"),
         before_rms_um=to_unit(plan.before.rms, "um"),
         unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
         reachable_rms_um=to_unit(reachable_rms(case), "um"),
-        target_met=verdict == "reached",
+        target_met=answer.verdict == "reached",
         J=plan.value,
         bound_J=None if plan.bound is None else plan.bound.value,
         bound_rms_um=bound,
@@ -174,6 +125,44 @@ def plan_answer(
         percent_from_best=_finite(100 * ((ratio if bound is None else ratio**0.5) - 1)),
         bound_holds_for=_holds_for(proposal),
         proof_gap_percent=None if proposal.gap is None else _finite(_gap_percent(case, proposal)),
+    )
+
+
+@one_thread()
+def coming_answer(campaign: Campaign) -> PlannedAnswer | None:
+    """Return what is known after the readings to come of a campaign that has none yet; None after its first."""
+    case, places = campaign.estimate().case, campaign.state.coming
+    if campaign.state.readings or not places:
+        return None
+    target = case.description.target
+    limits = Limits(readings=target.readings, budget=target.budget)
+    return _planned(case, places, lambda count: campaign.seconds(places[:count]), limits, ["measure"])
+
+
+def _planned(
+    case: Case, places: Sequence[Place], passed: Callable[[int], float], limits: Limits, steps: Sequence[StepCode]
+) -> PlannedAnswer:
+    """Return what is known after readings at places.  passed : seconds after so many of them"""
+    readings = blank_readings(case.description.setups, places)
+    known = foreseen(case, (), places)
+    rows = known_rows(case, known, readings)
+    volume, lines = _aims(case, known, rows)
+    reached = all_reached(volume, lines)
+    verdict: PlanVerdict = "planned" if not (volume or lines) else "reached" if reached else "short"
+    reach = None if reached else _reach(case, unreachable(volume, lines))
+    return PlannedAnswer(
+        verdict=verdict if reach is None else "unreachable",
+        rows=[PlannedRow(**known_figures(row)) for row in rows],
+        aims=[*volume, *lines],
+        reach=reach,
+        mostly=_mostly(case, places, known) if places else None,
+        alike=alike(case, places) if places and case.description.usual else None,
+        setups=list(_setups(case, places, passed)),
+        steps=[NextStep(code=code) for code in steps],
+        readings=len(places),
+        allowed=limits.readings,
+        minutes=to_unit(passed(len(places)), "min"),
+        budget_minutes=None if limits.budget is None else to_unit(limits.budget, "min"),
     )
 
 
@@ -213,16 +202,16 @@ def _aims(case: Case, known: Knowledge, rows: Sequence[KnownRow]) -> tuple[list[
     return volume, [aim_of(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
 
 
-def _setups(case: Case, places: Sequence[Place], plan: Plan) -> Iterator[PlannedSetup]:
+def _setups(case: Case, places: Sequence[Place], passed: Callable[[int], float]) -> Iterator[PlannedSetup]:
     axes, names = case.description.machine.axes, [place.setup for place in places]
     for name in dict.fromkeys(names):
-        setup, last = case.description.setup(name), len(names) - 1 - names[::-1].index(name)
+        setup, last = case.description.setup(name), len(names) - names[::-1].index(name)
         yield PlannedSetup(
             setup=name,
             instrument=setup.instrument,
             moves=[axes[k].name for k in setup.moves],
             readings=names.count(name),
-            minutes=to_unit(plan.readings[last].seconds, "min"),
+            minutes=to_unit(passed(last), "min"),
         )
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterator, Sequence
 
-from axiscal.answers.answer import PlannedRow
+from axiscal.answers.answer import PlannedAnswer, PlannedRow, ReachAnswer
 from axiscal.answers.answer_words import (
+    ROOM,
+    AnswerText,
     FirstLine,
     aim_text,
     aims_text,
@@ -22,7 +24,7 @@ from axiscal.answers.answer_words import (
 from axiscal.description.type_b import MEASURED_TEMPERATURE
 from axiscal.language.spoken import counted, listed, put, said
 from axiscal.planning.helping import helping_words
-from axiscal.present.plan_answer import PlanAnswer, ReachAnswer
+from axiscal.present.plan_answer import PlanAnswer
 from axiscal.present.sentences import cause_words
 from axiscal.units import said_quantity
 
@@ -32,16 +34,21 @@ _MUCH = 0.5
 """Share of the bound from which it is worth a sentence."""
 
 
-def plan_screen(answer: PlanAnswer, campaign: str, files: Sequence[str] = ()) -> str:
-    """Return the screen of a plan.  campaign : its file; files : that were written"""
-    above = first_lines(_first(answer))
+def plan_screen(answer: PlannedAnswer, campaign: str, files: Sequence[str] = ()) -> str:
+    """Return the screen of a plan.  campaign : its file, or its record; files : that were written"""
+    text = plan_text(answer, campaign)
+    above, below = first_lines(text.first), [line for sentence in text.sentences for line in wrapped(sentence, 3)]
+    below += ending({said("Written"): files, said("Next"): text.commands})
+    room = LINES - len(above) - len(below) - 1
+    return "\n".join([*above, *columns(_cells(answer.rows, room)), *below])
+
+
+def plan_text(answer: PlannedAnswer, campaign: str) -> AnswerText:
+    """Return a plan in words; arguments as of `plan_screen`."""
     reach = "" if answer.reach is None else reach_text(answer.reach)
     sentences = [_mounted(answer), _fewer(answer), reach or _mostly(answer) or _alike(answer)]
-    below = [line for sentence in sentences for line in wrapped(sentence, 3)]
-    below += ending({said("Written"): files, said("Next"): list(_commands(answer, campaign))})
-    room = LINES - len(above) - len(below) - 1
-    groups = [[row] for row in answer.rows] if len(answer.rows) <= room else by_kind(answer.rows)
-    return "\n".join([*above, *_table(groups, room), *below])
+    found = [sentence for sentence in sentences if sentence]
+    return AnswerText(_first(answer), _cells(answer.rows, ROOM), found, list(_commands(answer, campaign)))
 
 
 def reach_text(reach: ReachAnswer) -> str:
@@ -51,7 +58,7 @@ def reach_text(reach: ReachAnswer) -> str:
     return text if reach.helps is None else put("{text} {helps}", text=text, helps=helping_words(reach.helps))
 
 
-def _first(answer: PlanAnswer) -> FirstLine:
+def _first(answer: PlannedAnswer) -> FirstLine:
     minutes = put("{minutes:.0f}", minutes=answer.minutes)
     if answer.verdict == "unreachable":
         readings = counted("{count} reading", "{count} readings", answer.readings)
@@ -68,10 +75,12 @@ def _first(answer: PlanAnswer) -> FirstLine:
     return FirstLine(verdict, aims_text(answer.aims), "")
 
 
-def _table(groups: Sequence[Sequence[PlannedRow]], room: int) -> list[str]:
+def _cells(rows: Sequence[PlannedRow], room: int) -> list[list[str]]:
+    """Return a heading and the cells of so many lines at most; rows of one kind stand together where they are more."""
+    groups = [[row] for row in rows] if len(rows) <= room else by_kind(rows)
     shown = [*groups[: room - 1], groups[-1]] if len(groups) > room else groups  # the volume stays
-    lines = [[row_names(rows), _before(rows), _after(rows)] for rows in shown]
-    return columns([["", said("before"), said("then known to")], *lines])
+    lines = [[row_names(each), _before(each), _after(each)] for each in shown]
+    return [["", said("before"), said("then known to")], *lines]
 
 
 def _before(rows: Sequence[PlannedRow]) -> str:
@@ -83,7 +92,7 @@ def _after(rows: Sequence[PlannedRow]) -> str:
     return known_text(rows) if all(row.measured for row in rows) else said("not measured")
 
 
-def _mounted(answer: PlanAnswer) -> str:
+def _mounted(answer: PlannedAnswer) -> str:
     """Return the set-ups in the order in which they are mounted."""
     if not answer.setups:
         return ""
@@ -93,7 +102,7 @@ def _mounted(answer: PlanAnswer) -> str:
     return said("Mount in turn: {setups}.", setups=listed(", ", parts))
 
 
-def _fewer(answer: PlanAnswer) -> str:
+def _fewer(answer: PlannedAnswer) -> str:
     """Return why a plan has fewer readings than it may have; "" where it has not."""
     if answer.allowed is None or answer.readings >= answer.allowed or answer.verdict == "unreachable":
         return ""
@@ -106,7 +115,7 @@ def _fewer(answer: PlanAnswer) -> str:
     return said("{planned} of {allowed} readings: {why}.", planned=answer.readings, allowed=answer.allowed, why=why)
 
 
-def _mostly(answer: PlanAnswer) -> str:
+def _mostly(answer: PlannedAnswer) -> str:
     """Return what no reading shows and is most of U; "" where nothing is."""
     if answer.mostly is None:
         return ""
@@ -116,7 +125,7 @@ def _mostly(answer: PlanAnswer) -> str:
     return said("U is mostly this: {cause}.", cause=cause_words(answer.mostly.cause, answer.mostly.owner))
 
 
-def _alike(answer: PlanAnswer) -> str:
+def _alike(answer: PlannedAnswer) -> str:
     """Return what the places cannot tell apart; "" where nothing is."""
     if answer.alike is None:
         return ""
@@ -128,13 +137,14 @@ def _alike(answer: PlanAnswer) -> str:
     )
 
 
-def _commands(answer: PlanAnswer, campaign: str) -> Iterator[str]:
+def _commands(answer: PlannedAnswer, campaign: str) -> Iterator[str]:
     for step in answer.steps:
         if step.code == "target":
             line = f"readings = {max(answer.readings, 1)}"
             yield said('write "{line}" below [target] in {campaign}, then', line=line, campaign=campaign)
         else:
-            yield f"axiscal step start {shlex.quote(campaign)}"
+            word = "step start" if step.code == "start" else step.code
+            yield f"axiscal {word} {shlex.quote(campaign)}"
 
 
 def plan_list(answer: PlanAnswer) -> Iterator[str]:

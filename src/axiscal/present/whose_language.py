@@ -16,7 +16,7 @@ def named_language(name: str | None) -> str | None:
     named = name or os.environ.get("AXISCAL_LANGUAGE")
     if named and named not in LANGUAGES:
         known = ", ".join(f"{short} ({long})" for short, long in LANGUAGES.items())
-        raise InputError(f'"{named}" is no language that is spoken here', f"There are {known}")
+        raise InputError('"{named}" is no language that is spoken here', "There are {known}", named=named, known=known)
     return named or None
 
 

@@ -210,6 +210,16 @@ class State:
         return _free(self.written, self.skipped)
 
     @property
+    def coming(self) -> tuple[Place, ...]:
+        """The places of the readings to come, the one asked for first."""
+        return self.plan if self.pending is None else (self.pending.place, *self.plan)
+
+    @property
+    def clocked(self) -> float | None:
+        """The time from the beginning to the last reading by the clock, s; None where it was not kept."""
+        return max((reading.time for reading in self.readings if reading.time is not None), default=None)
+
+    @property
     def accepted(self) -> tuple[Accepted, ...]:
         """The mistakes that were accepted and not taken back."""
         return tuple(each.event for each in self.undo if isinstance(each.event, Accepted))

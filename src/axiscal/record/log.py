@@ -127,7 +127,7 @@ class Story:
                 after._fold(each)
         except EventOrderError as error:
             remedy = "Look at it with `axiscal status`; nothing was written"
-            raise RecordError(f"This cannot follow what the record holds: {error}", remedy, path) from error
+            raise RecordError("This cannot follow what the record holds: {error}", remedy, path, error=error) from error
         after.events = [*self.events, *stored]
         return after
 
@@ -145,8 +145,15 @@ class Story:
     def _of_newer(self, still: str, path: Path) -> NewerError:
         assert self._newer is not None
         kind = shown(encode(self._newer.event)[0])
-        what = f"Event {self._newer.number} is an entry of a newer version of axiscal: {kind}"
-        return NewerError(what, f"Install that version to go on with it. {still}", path)
+        what = "Event {number} is an entry of a newer version of axiscal: {kind}"
+        return NewerError(
+            what,
+            "Install that version to go on with it. {still}",
+            path,
+            number=self._newer.number,
+            kind=kind,
+            still=still,
+        )
 
 
 def _refuse_timeless(stored: Stored) -> None:

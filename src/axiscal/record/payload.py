@@ -51,7 +51,7 @@ def _refuse_halves(text: str) -> None:
     except UnicodeEncodeError as error:
         said = shown(text[: error.end].rpartition('"')[2][-40:])
         remedy = "Type the text anew, or rename the file, on a terminal that writes UTF-8; nothing was kept"
-        raise RecordError(f"{said} ends in a byte that is no UTF-8, or in half a character", remedy) from None
+        raise RecordError("{said} ends in a byte that is no UTF-8, or in half a character", remedy, said=said) from None
 
 
 def decode(kind: str, text: str) -> Event:

@@ -69,7 +69,7 @@ def standing(path: Path) -> Standing:
     if form == SQLITE:
         raise RecordError("This record is of the first form, an SQLite database", "Try sqlite3's .recover on it", path)
     if form is not None and form > FORM:
-        raise NewerError(f"A newer axiscal wrote this record (form {form})", "Install that version", path)
+        raise NewerError("A newer axiscal wrote this record (form {form})", "Install that version", path, form=form)
     marks = [mark for at in MARKS if isinstance(mark := read_mark(content[at:]), Mark)]
     runs = _runs(content)
     found = _placed(content, runs, marks)

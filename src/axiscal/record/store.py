@@ -28,6 +28,7 @@ from axiscal.document.durable import (
     written,
 )
 from axiscal.exceptions import NewerError, RecordError
+from axiscal.language.spoken import said
 from axiscal.record.events import Created
 from axiscal.record.line_form import (
     BLOCK,
@@ -246,9 +247,11 @@ def _form(path: Path) -> int:
     form = form_of(start)
     if form is not None and form > FORM:
         raise NewerError(
-            f"This record was written by a newer axiscal (form {form}; this one knows {FORM})",
+            "This record was written by a newer axiscal (form {form}; this one knows {FORM})",
             "Install the newer version to go on with it; nothing was changed",
             path,
+            form=form,
+            FORM=FORM,
         )
     if form == SQLITE or start[:BLOCK] == head():
         return form or FORM
@@ -267,9 +270,11 @@ def _start_of(path: Path) -> bytes:
         raise RecordError("There is no such record", "Start one with `axiscal start CAMPAIGN`", path) from None
     except IsADirectoryError:
         inside = next(iter(sorted(path.glob("*.axiscal"))), "a file *.axiscal")
-        raise RecordError("This is a folder", f"Name the record in it: {inside}", path) from None
+        raise RecordError("This is a folder", "Name the record in it: {inside}", path, inside=inside) from None
     except OSError as error:
-        raise RecordError(f"The record cannot be opened: {error.strerror}", "Name a file you may read", path) from error
+        raise RecordError(
+            "The record cannot be opened: {strerror}", "Name a file you may read", path, strerror=error.strerror
+        ) from error
 
 
 @contextlib.contextmanager
@@ -310,18 +315,19 @@ def record_errors(path: Path) -> Iterator[None]:
 
 def restoring(path: Path) -> str:
     """Return what to do about a damaged record."""
-    left = "the file has been left as it was"
+    left = said("the file has been left as it was")
     with contextlib.suppress(OSError), path.open("rb") as file:
         if form_of(file.read(BLOCK)) == SQLITE:
-            return f"Restore it from a copy; {left}"
+            return said("Restore it from a copy; {left}", left=left)
     new = path.with_name(f"{path.stem}-salvaged.axiscal")
-    return f"Restore it from a copy, or save what stands whole: axiscal salvage {path} {new}; {left}"
+    command = f"axiscal salvage {path} {new}"
+    return said("Restore it from a copy, or save what stands whole: {command}; {left}", command=command, left=left)
 
 
 def _not_taken(path: Path, error: OSError) -> RecordError:
     if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT):
         what, remedy = "The record cannot be written here", "Put it in a folder that exists and that you may write to"
     else:
-        what = f"The disk did not take the entry ({error.strerror or error})"
+        what = "The disk did not take the entry ({value})"
         remedy = "Make room; everything acknowledged before is kept"
-    return RecordError(what, remedy, path)
+    return RecordError(what, remedy, path, value=error.strerror or error)

@@ -8,6 +8,7 @@ from pathlib import Path
 from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import later, said
 from axiscal.tables.effect import added_by
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.loaded import Loaded
@@ -15,10 +16,11 @@ from axiscal.tables.offer import Draft
 from axiscal.tables.old_files import read_old
 
 _KINDS = "a table, backlash, pitch or sag compensation, a bed mesh or skew correction"
-_BEGINNING = (
-    f"Is a compensation active on the control while it is measured ({_KINDS})? "
-    "Switch it off, or say so: compensation_active = false, = true or its files in campaign.toml. New tables go on top "
-    "of what was active; until it is said they are written as if nothing was, and ask."
+_BEGINNING = later(
+    "Is a compensation active on the control while it is measured (a table, backlash, pitch or sag compensation, a bed "
+    "mesh or skew correction)? Switch it off, or say so: compensation_active = false, = true or its files in "
+    "campaign.toml. New tables go on top of what was active; until it is said they are written as if nothing was, and "
+    "ask."
 )
 REPORTS = ("csv",)
 """What is read by people or other programs, not loaded in place of something."""
@@ -44,7 +46,7 @@ def informed(options: ExportOptions, description: CampaignDescription, controlle
 
 def unasked(description: CampaignDescription) -> str:
     """Return the question for whoever begins, "" where campaign.toml answers it."""
-    return "" if description.compensation_active is not None else _BEGINNING
+    return "" if description.compensation_active is not None else said(_BEGINNING)
 
 
 def on_top(estimate: Estimate, draft: Draft, old: Loaded, options: ExportOptions) -> Draft:

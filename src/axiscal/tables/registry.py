@@ -9,6 +9,7 @@ import numpy as np
 
 from axiscal.document import meant, shown
 from axiscal.document.ports import names, one_of, ours
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError, TableError
 from axiscal.machine.description import Machine
@@ -18,7 +19,7 @@ from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import Exporter
 from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import Export, tried_out
-from axiscal.tables.on_top import asked_about, on_top
+from axiscal.tables.on_top import asked_about, informed, on_top
 
 _ABSURD = 1.0
 """m or rad: no compensation is as large; any value above what a machine can be off by would do."""
@@ -52,6 +53,11 @@ def export(estimate: Estimate, controller: str, options: ExportOptions) -> Expor
         return tried_out(name, estimate, asked_about(name, make(estimate, options), options))
     old = loaded(name, estimate.machine, options)
     return tried_out(name, estimate, on_top(estimate, make(estimate, replace(options, old=old)), old, options))
+
+
+def offered(known: Estimation, controller: str) -> Export:
+    """Return the files for a control as the campaign describes it; raises as `export`, and ReadingError."""
+    return export(known.estimate(), controller, informed(ExportOptions(), known.case.description, controller))
 
 
 def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from axiscal.answers.answer import ResultAnswer
-from axiscal.answers.answer_of_campaign import answer_of, cost_sentence, cost_words
+from axiscal.answers.answer import PlannedAnswer, ResultAnswer
+from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ended_words import because_text
 from axiscal.campaign.ending import Ended
@@ -22,6 +22,7 @@ from axiscal.present.guide.question import Question, asked_text
 from axiscal.present.guide.second_thoughts import contradictions, doubted, others_doubted
 from axiscal.present.guide.stopping import results_beside, table_left
 from axiscal.present.guide.taking_back import take_back
+from axiscal.present.plan_answer import coming_answer
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
@@ -58,7 +59,7 @@ class Desk:
         self._ended: str | None = None
         self._trouble = ""
         self._minds: dict[str, list[str]] = {}
-        self._answer: ResultAnswer | None = None
+        self._answer: ResultAnswer | PlannedAnswer | None = None
         self._answers: object = None  # the readings and the end that it is about
         self._before: frozenset[int] | None = None
         self._version = 0
@@ -107,7 +108,7 @@ class Desk:
         """Take in what is known now, and return whether that is anything new; what a report says stands."""
         if self._answers == self._stands:
             return False
-        self._answer, self._answers = answer_of(self.campaign, self.campaign.so_far(), {}), self._stands
+        self._answer, self._answers = coming_answer(self.campaign) or standing_answer(self.campaign), self._stands
         return True
 
     @property

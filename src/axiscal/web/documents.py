@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.answers.answer import ResultAnswer
+from axiscal.answers.answer import PlannedAnswer, ResultAnswer
 from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ended_words import because_text
@@ -23,12 +23,13 @@ from axiscal.present.guide.axis_places import axis_places
 from axiscal.present.guide.due import Due, due
 from axiscal.present.guide.expectation import BAND, Expectation
 from axiscal.present.guide.mounting import mount_sentence, mount_steps
-from axiscal.present.guide.progress import Progress, coming, goals_text
+from axiscal.present.guide.progress import Progress, goals_text
 from axiscal.present.guide.question import Question
 from axiscal.present.guide.sign import ways
 from axiscal.present.guide.stopping import TableLeft, controls_of
 from axiscal.present.guide.taking_back import last_step
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
+from axiscal.present.plan_words import plan_text
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
@@ -58,7 +59,7 @@ class Shown(NamedTuple):
     ended: str | None
     trouble: str
     minds: list[str]
-    answer: ResultAnswer | None
+    answer: ResultAnswer | PlannedAnswer | None
     version: int
 
 
@@ -87,10 +88,13 @@ def state_shape(campaign: Campaign, shown: Shown, results: Path) -> StateShape:
     )
 
 
-def _answer(campaign: Campaign, answer: ResultAnswer, results: Path) -> AnswerShape:
-    """Return what is known, in the words of every report."""
-    contradict = agreement_words(campaign.so_far()) if answer.verdict == "contradict" else ""
-    text = answer_text(answer, contradict, campaign.path.name, results.name)
+def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: Path) -> AnswerShape:
+    """Return what is known, in the words of every report; before the first reading, in those of the plan."""
+    if isinstance(answer, PlannedAnswer):
+        text = plan_text(answer, campaign.path.name)
+    else:
+        contradict = agreement_words(campaign.so_far()) if answer.verdict == "contradict" else ""
+        text = answer_text(answer, contradict, campaign.path.name, results.name)
     return AnswerShape(
         first=[spelt(part) for part in text.first.parts],
         rows=[[spelt(cell) for cell in row] for row in text.rows],
@@ -201,5 +205,5 @@ def picture_of_setup(campaign: Campaign, width: float) -> str:
         return ""
     description = campaign.description
     taken = [Place(each.setup, each.pose, each.approach) for each in campaign.state.readings]
-    scene = setup_scene(description, description.setup(asked.place.setup), taken, asked.place, coming(campaign))
+    scene = setup_scene(description, description.setup(asked.place.setup), taken, asked.place, campaign.state.coming)
     return setup_picture(scene, width)

@@ -66,8 +66,10 @@ def _listening(port: int) -> socket.socket:
         listener.listen()
     except OSError as failure:
         listener.close()
-        what = f"Port {port} cannot be used: {failure.strerror}"
-        raise InputError(what, "Name another one with --port, or leave it out") from failure
+        what = "Port {port} cannot be used: {strerror}"
+        raise InputError(
+            what, "Name another one with --port, or leave it out", port=port, strerror=failure.strerror
+        ) from failure
     return listener
 
 

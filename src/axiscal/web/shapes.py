@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from axiscal.answers.answer import ResultAnswer
+from axiscal.answers.answer import PlannedAnswer, ResultAnswer
 from axiscal.campaign.possible import LONGEST_TEXT
 
 LONGEST = 25.0
@@ -124,7 +124,7 @@ class DueShape(Shape):
 
 
 class AnswerShape(Shape):
-    """The result in words as every report has it, and as the document behind these words.
+    """The result, or before the first reading the plan, in words as every screen has it, and as their document.
 
     first : the first line in parts; rows : heading and cells; commands : what to do next
     """
@@ -133,7 +133,7 @@ class AnswerShape(Shape):
     rows: list[list[str]]
     sentences: list[str]
     commands: list[str]
-    document: ResultAnswer
+    document: ResultAnswer | PlannedAnswer
 
 
 class StateShape(Shape):

@@ -45,7 +45,7 @@ def open_source(
     if kind == "linuxcnc":
         return _linuxcnc(simulator, rest, bool(colon))
     if kind in ("truth", "csv", "exec", "moonraker", "duet") and not rest.strip():
-        raise SourceError(f"the source '{text}' names nothing after '{kind}:'", _KINDS)
+        raise SourceError("the source '{text}' names nothing after '{kind}:'", _KINDS, text=text, kind=kind)
     if kind == "truth":
         from axiscal.campaign.sources.simulated import SimulatedSource
 
@@ -66,7 +66,7 @@ def open_source(
     if (brought := one_of("axiscal.sources", kind)) is not None:
         made: Source = brought(rest)
         return made
-    raise SourceError(f"'{text}' is not a source", _KINDS)
+    raise SourceError("'{text}' is not a source", _KINDS, text=text)
 
 
 _KINDS = (
@@ -94,5 +94,5 @@ def _linuxcnc(simulator: Simulator, rest: str, named: bool) -> Source:
 
 def _seed(text: str, kind: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) <= 18):
-        raise SourceError(f"'{text}' is not a seed", f"Write a whole number from 0, as in {kind}:7")
+        raise SourceError("'{text}' is not a seed", "Write a whole number from 0, as in {kind}:7", text=text, kind=kind)
     return int(text)

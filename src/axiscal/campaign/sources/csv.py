@@ -34,8 +34,14 @@ class CsvSource:
         """Return the next row's value; raises SourceError when there is none or it is of another position."""
         row = next(self._rows, None)
         if row is None:
-            what = f"there are {len(self._table.rows)} readings in it, and reading {request.reading} was asked for"
-            raise SourceError(what, "Add readings, or ask for fewer by the target `readings`", self._table.file)
+            what = "there are {rows} readings in it, and reading {reading} was asked for"
+            raise SourceError(
+                what,
+                "Add readings, or ask for fewer by the target `readings`",
+                self._table.file,
+                rows=len(self._table.rows),
+                reading=request.reading,
+            )
         self._columns.refuse_other_place(row, request)
         return self._columns.answer(row, request)
 
@@ -46,8 +52,8 @@ class CsvSource:
         """Leave out rows that an earlier run has used; raises SourceError if there are not so many."""
         for _ in range(count):
             if next(self._rows, None) is None:
-                what = f"it has fewer readings than the {count} that the record has taken from it"
-                raise SourceError(what, "Give the file the record was begun with", self._table.file)
+                what = "it has fewer readings than the {count} that the record has taken from it"
+                raise SourceError(what, "Give the file the record was begun with", self._table.file, count=count)
 
 
 class _Columns:
@@ -115,6 +121,6 @@ def _refuse_other_approach(row: Row, text: str, request: Request) -> None:
 
 
 def _other(row: Row, found: str, asked: str, request: Request) -> SourceError:
-    what = f"this row is of {found}, but reading {request.reading} is asked for at {asked}"
+    what = "this row is of {found}, but reading {reading} is asked for at {asked}"
     remedy = "Give the readings in the order asked, or evaluate them as they are with `axiscal estimate`"
-    return SourceError(what, remedy, row.file, row.line)
+    return SourceError(what, remedy, row.file, row.line, found=found, reading=request.reading, asked=asked)

@@ -244,7 +244,9 @@ def _start(command: str) -> subprocess.Popen[str]:
     try:
         words = shlex.split(command)
     except ValueError as error:
-        raise SourceError(f"the command `{command}` cannot be split: {error}", remedy) from None
+        raise SourceError(
+            "the command `{command}` cannot be split: {error}", remedy, command=command, error=error
+        ) from None
     if not words:
         raise SourceError("exec: names no command", remedy)
     try:
@@ -260,7 +262,9 @@ def _start(command: str) -> subprocess.Popen[str]:
         )
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise SourceError(f"the command `{command}` cannot be started: {reason}", remedy) from None
+        raise SourceError(
+            "the command `{command}` cannot be started: {reason}", remedy, command=command, reason=reason
+        ) from None
 
 
 def _pipe(stream: IO[str] | None) -> IO[str]:

@@ -183,7 +183,9 @@ def _decode(data: bytes, file: str) -> str:
         return data.decode("utf-8")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise ReadingError(f"byte 0x{data[error.start]:02x} is not UTF-8", "save it as CSV UTF-8", file, line) from None
+        raise ReadingError(
+            "byte 0x{data:02x} is not UTF-8", "save it as CSV UTF-8", file, line, data=data[error.start]
+        ) from None
 
 
 def _cells(file: str, number: int, line: str) -> list[str]:
@@ -192,7 +194,9 @@ def _cells(file: str, number: int, line: str) -> list[str]:
             return [cell.strip() for cell in line.split(",")]
         return [cell.strip() for cell in next(csv.reader([line], strict=True))]
     except csv.Error as error:
-        raise ReadingError(f"the line is not CSV: {error}", "close every quote and cell", file, number) from None
+        raise ReadingError(
+            "the line is not CSV: {error}", "close every quote and cell", file, number, error=error
+        ) from None
 
 
 def _columns(file: str, number: int, line: str) -> tuple[Column, ...]:
@@ -202,8 +206,8 @@ def _columns(file: str, number: int, line: str) -> tuple[Column, ...]:
         raise ReadingError("the cells are separated by semicolons or tabs", remedy, file, number)
     for index, name in enumerate(names):
         if not name or name in names[:index]:
-            what = f"column '{name}' is named twice" if name else f"column {index + 1} has no name"
-            raise ReadingError(what, "give each column one name of its own", file, number)
+            what = "column '{name}' is named twice" if name else "column {value} has no name"
+            raise ReadingError(what, "give each column one name of its own", file, number, name=name, value=index + 1)
     return tuple(_column(name) for name in names)
 
 
@@ -217,7 +221,7 @@ def _row(file: str, number: int, line: str, columns: tuple[Column, ...]) -> Row:
     if len(cells) != len(columns):
         remedy = "write one cell for each column, and a decimal point in numbers: 1.5, not 1,5"
         what = f"the line has {_count(cells, 'cell')}, the header {_count(columns, 'column')}"
-        raise ReadingError(f"{what}: {_quote(line)}", remedy, file, number)
+        raise ReadingError("{the_what}: {the_line}", remedy, file, number, the_what=what, the_line=_quote(line))
     return Row(file, number, {column.name: cell for column, cell in zip(columns, cells, strict=True)})
 
 

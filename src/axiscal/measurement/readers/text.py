@@ -52,10 +52,12 @@ def content(path: str | Path) -> bytes:
     """Return what stands in a file of readings; raises ReadingError."""
     try:
         return bounded_content(path, MOST)
+    except FileNotFoundError:
+        raise ReadingError("there is no such file", "check the name", str(path)) from None
     except OSError as error:
         reason = (error.strerror or "cannot be read").lower()
         remedy = "check the name and the permissions"
-        raise ReadingError(f"the file cannot be read: {reason}", remedy, str(path)) from None
+        raise ReadingError("the file cannot be read: {reason}", remedy, str(path), reason=reason) from None
     except ValueError:
         raise ReadingError(f"{str(path)!r} is not a file name", "give the name of a file") from None
 
@@ -70,8 +72,8 @@ def read_text(path: str | Path) -> TextFile:
 def refuse_many(lines: int, path: str | Path) -> None:
     """Raise ReadingError for a file of so many lines that no campaign has as many readings."""
     if lines > MOST_LINES:
-        what = f"the file has {lines:,} lines, and at most {MOST_LINES:,} are read"
-        raise ReadingError(what, "give the readings of one campaign", str(path))
+        what = "the file has {lines:,} lines, and at most {MOST_LINES:,} are read"
+        raise ReadingError(what, "give the readings of one campaign", str(path), lines=lines, MOST_LINES=MOST_LINES)
 
 
 def _decoded(data: bytes) -> str:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.present.guide.progress import coming
 
 _DEGREES = re.compile(r"(-?[0-9]+(?:[.,][0-9]+)?)\s*(?:°\s*C|degC)\b")
 _EVERY = 30.0
@@ -42,6 +41,6 @@ def _temperature(campaign: Campaign) -> tuple[float | None, float]:
 
 
 def _marker(campaign: Campaign) -> float | None:
-    places, read = coming(campaign), {reading.place for reading in campaign.state.readings}
+    places, read = campaign.state.coming, {reading.place for reading in campaign.state.readings}
     first = next((n for n, place in enumerate(places) if place in read), None)
     return None if first is None else campaign.seconds(places[:first]) - campaign.seconds()

@@ -33,5 +33,5 @@ class Expectation:
 def expectation(known: Estimation, place: Place) -> Expectation:
     """Return what the readings so far say of the next one: ŷ = h·m and s² = h C hᵀ + rests + σ² (method.md 2)."""
     blanks = blank_readings(known.case.description.setups, [place])
-    (found,) = block(known.knowledge, blanks, np.zeros(len(blanks))).innovations
+    (found,) = block(known.knowledge, blanks, np.zeros(len(blanks), dtype=bool)).innovations
     return Expectation(-np.atleast_1d(found.value), np.atleast_1d(found.std))

@@ -8,7 +8,6 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.language.spoken import counted, said
-from axiscal.measurement.place import Place
 from axiscal.planning.promise import promised, reachable_rms
 from axiscal.units import said_quantity
 
@@ -18,7 +17,7 @@ class Progress:
     """Where a campaign stands.
 
     taken, coming : readings; coming holds the one that is asked for
-    seconds, left : of machine time, used and to come by the plan
+    seconds, left : used, by the clock where that was kept, and machine time to come by the plan
     before, now, promised : how well the machine was known at first, is known, and will be after the plan
     floor : RMS that endless readings would leave, m
     """
@@ -35,13 +34,13 @@ class Progress:
     @classmethod
     def of(cls, campaign: Campaign) -> Progress:
         """Return the progress of the campaign by its present plan."""
-        known, places = campaign.estimate(), coming(campaign)
-        case, seconds = campaign.case(), campaign.seconds()
+        known, places = campaign.estimate(), campaign.state.coming
+        case, machine = campaign.case(), campaign.seconds()
         return cls(
             taken=len(campaign.state.readings),
             coming=len(places),
-            seconds=seconds,
-            left=campaign.seconds(places) - seconds,
+            seconds=machine if campaign.state.clocked is None else campaign.state.clocked,
+            left=campaign.seconds(places) - machine,
             before=case.yardstick.measure(case.prior),
             now=known.accuracy,
             promised=promised(*known.banded, places) if places else known.accuracy,
@@ -57,9 +56,3 @@ def goals_text(target: Target) -> str:
     goals += [] if target.readings is None else [counted("{count} reading", "{count} readings", target.readings)]
     goals += [] if target.budget is None else [said_quantity(target.budget, "min", 3)]
     return " · ".join(goals)
-
-
-def coming(campaign: Campaign) -> tuple[Place, ...]:
-    """Return the places of the readings to come, the one asked for first."""
-    pending = campaign.state.pending
-    return (() if pending is None else (pending.place,)) + tuple(campaign.state.plan)

@@ -10,8 +10,6 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.record.opening import file_name
 from axiscal.tables import registry
-from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.on_top import informed
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +35,7 @@ def table_left(campaign: Campaign, controller: str) -> TableLeft:
     """Return what the table of a control would do if the readings so far were all; nothing is written."""
     estimation = campaign.estimate(ended=True)
     try:
-        options = informed(ExportOptions(), campaign.description, controller)
-        offered = registry.export(estimation.estimate(), controller, options)
+        offered = registry.offered(estimation, controller)
     except (TableError, ReadingError) as refusal:
         return TableLeft(controller, 0.0, 0.0, f"{refusal.what}.")
     return TableLeft(controller, math.hypot(offered.effect.before, offered.unknown), offered.expected)

@@ -59,8 +59,8 @@ function renderLine() {
   text("machine", state.machine);
   document.title = `${state.machine} · axiscal`;
   text("count", state.question ? said("{number} of {last}", { number: p.taken + 1, last: end }) : said("{count} taken", { count: p.taken }));
-  const left = p.left_minutes < 1 ? said("less than 1 left") : said("about {minutes} left", { minutes: shown(p.left_minutes, 0) });
-  text("minutes", said("{minutes} done", { minutes: shown(p.minutes, 0) }) + (going ? `, ${left}` : ""));
+  const left = p.left_minutes < 1 ? said("less than 1 left") : said("about {minutes} left", { minutes: shown(Math.ceil(p.left_minutes), 0) });
+  text("minutes", said("{minutes} done", { minutes: shown(p.minutes && Math.max(p.minutes, 1), 0) }) + (going ? `, ${left}` : ""));
 }
 
 function renderPlaces(question) {
@@ -159,6 +159,7 @@ function renderAnswer() {
   if (state.answer === null) return;
   const { first, rows: [heading = [], ...rows], sentences, commands, document: found } = state.answer;
   find("first").className = `box ${found.verdict}`;
+  find("answer").className = found.verdict === "unreachable" && state.progress.taken === 0 ? "ahead" : "";
   find("first").replaceChildren(element("strong", first[0]), ...first.slice(1).map((part) => element("span", part)));
   const line = (kind, cells) => { const row = document.createElement("tr"); row.append(...cells.map((cell) => element(kind, cell))); return row; };
   find("rows").tHead.replaceChildren(...(rows.length ? [line("th", heading)] : []));
@@ -330,7 +331,7 @@ async function askTable() {
 }
 
 function asksToStop(visible) {
-  const p = state.progress, figures = { now: shown(p.now.rms_um), count: p.coming, minutes: shown(p.left_minutes, 0), promised: shown(p.promised.rms_um) };
+  const p = state.progress, figures = { now: shown(p.now.rms_um), count: p.coming, minutes: shown(Math.ceil(p.left_minutes), 0), promised: shown(p.promised.rms_um) };
   text("stop-words", said("Now {now} µm RMS; with the readings to come ({count}), in about {minutes} minutes, {promised} µm.", figures));
   show("stopping", visible);
   if (visible) {

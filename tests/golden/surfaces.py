@@ -1,0 +1,139 @@
+"""Surfaces that show an answer, read back: the first line, the rows as cells, the sentences below them."""
+
+from __future__ import annotations
+
+import html
+import math
+import re
+import subprocess
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+Row = Mapping[str, Any]
+"""A row of a document: of `result.json`, of `status --json`, of the page's state."""
+_NEXT = ("Next", "Report", "Weiter", "Bericht")
+
+
+class Shown(NamedTuple):
+    """first : without spaces; cells : of each line of the table, its heading first; below : sentences, no spaces"""
+
+    first: str
+    cells: list[list[str]]
+    below: str
+
+
+def plain(text: str) -> str:
+    """Return a text with one spelling of units, and no space."""
+    return re.sub(r"[\s\u00a0\u202f]", "", html.unescape(text)).replace("µ", "u").replace("μ", "u")
+
+
+def of_screen(text: str) -> Shown:
+    """Return what a terminal shows."""
+    lines = text.splitlines()
+    end = next((n for n, line in enumerate(lines) if line.startswith(_NEXT)), len(lines))
+    first = 2 if len(lines) > 1 and lines[1].startswith("  ") and lines[1][2] != " " and "±" not in lines[1] else 1
+    table = first
+    while table < end and lines[table].startswith("  "):
+        table += 1
+    return Shown(plain("".join(lines[:first])), _columns(lines[first:table]), plain("".join(lines[table:end])))
+
+
+def of_paper(path: Path) -> str:
+    """Return what the first page of a PDF says, without spaces."""
+    command = ["pdftotext", "-layout", "-l", "1", str(path), "-"]
+    return plain(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+
+
+def of_page(text: str) -> Shown:
+    """Return what an HTML report shows."""
+    box = re.search(r'<p class="box [a-z]+">(.*?)</p>', text)
+    assert box is not None
+    table = re.search(r'<table class="answer">(.*?)</table>', text, re.DOTALL)
+    lines = re.findall(r"<tr>(.*?)</tr>", table[1], re.DOTALL) if table is not None else []
+    cells = [[_words(cell) for cell in re.findall(r"<t[hd].*?>(.*?)</t[hd]>", line)] for line in lines]
+    below = text[(box if table is None else table).end() :].partition("<dl")[0].partition("<figure")[0]
+    return Shown(plain(_words(box[1])), cells, plain(_words(below)))
+
+
+def of_state(answer: Row) -> Shown:
+    """Return what the operator's page shows of its state."""
+    return Shown(plain("".join(answer["first"])), answer["rows"], plain("".join(answer["sentences"])))
+
+
+def written_screens(text: str) -> Iterator[tuple[str, Shown]]:
+    """Yield the folder of each results that commands wrote, and the screen that they ended with."""
+    for block in text.split("$ axiscal "):
+        command, _, said = block.partition("\n")
+        out = re.match(r"(?:estimate|finish|run) .*--out (\S+)", command)
+        screen = said.partition("--- stdout\n")[2].partition("\n--- stderr")[0].partition("\nstatus ")[0]
+        if out and "±" in screen:
+            yield out[1], of_screen(screen)
+
+
+def differing(shown: Shown, rows: Sequence[Row], answer: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the cells and the first line of a surface where they do not show the figures of a document."""
+    wanted = _wanted(rows, shown.cells) if shown.cells else []
+    if len(wanted) != max(len(shown.cells) - 1, 0) or bool(wanted) != any(row["measured"] for row in rows):
+        yield f"{len(shown.cells) - 1} lines of {len(wanted)}"
+    for (_, *cells), figures in zip(shown.cells[1:], wanted, strict=False):
+        for cell, values in zip(cells, figures, strict=True):
+            found = _numbers(cell)
+            several = values[: max(len(found), 1)] if "-" not in cell else values  # ends of a range that look alike
+            if len(found) != len(several) or not all(map(_is_shown, several, found)):
+                yield f"{cell}: {values}"
+    sizes = [answer["readings"], answer["more"], *(aim[name] for aim in answer["aims"] for name in ("now", "limit"))]
+    whole = [max(answer["minutes"], 1.0), math.ceil(answer["more_minutes"]), *range(len(answer["aims"]) + 1)]
+    for number in _numbers(shown.first):
+        if not any(_is_shown(size, number) for size in sizes) and number not in map(round, whole):
+            yield f"{shown.first}: {number}"
+
+
+def _wanted(rows: Sequence[Row], lines: Sequence[Sequence[str]]) -> list[list[list[float]]]:
+    """Return the figures of each line of a table by the rows of a document: found, known to, and left by each control.
+
+    lines : of the table, which says how rows stand together, and which controls it has room for
+    """
+    measured = [row for row in rows if row["measured"]]
+    groups = [[row] for row in measured] if len(lines) - 1 == len(measured) else list(_by_kind(measured))
+    if 0 < len(lines) - 1 < len(groups):
+        groups = [*groups[: len(lines) - 2], groups[-1]]
+    offered = {name for row in measured for name in row["left"]}
+    controls = [name.rpartition(" ")[2] for name in lines[0][3:]]
+    assert bool(controls) == bool(offered)
+    return [_figures(group, controls) for group in groups]
+
+
+def _numbers(cell: str) -> list[float]:
+    """Return the numbers of a cell, or of a line without spaces."""
+    return [float(each.replace(",", ".")) for each in re.findall(r"\d+(?:[.,]\d+)?", cell)]
+
+
+def _is_shown(value: float, number: float) -> bool:
+    """Return whether a value is shown by a number of two or of three digits; on their edge processors differ."""
+    near = (value * turn for turn in (1 - 3e-5, 1.0, 1 + 3e-5))
+    return any(abs(float(f"{each:.{digits}e}") - number) < 1e-9 * (1 + number) for each in near for digits in (1, 2))
+
+
+def _figures(rows: Sequence[Row], controls: Sequence[str]) -> list[list[float]]:
+    """Return the figures of a line: the range found, the largest U with a limit, the largest that is left."""
+    found = [row["found"] for row in rows]
+    worst = max(rows, key=lambda row: float(row["known_to"]))
+    limit = [worst["limit"]] if len(rows) == 1 and worst["limit"] is not None else []
+    lefts = [[row["left"][name] for row in rows if name in row["left"]] for name in controls]
+    return [[min(found), max(found)], [worst["known_to"], *limit], *([max(left)] if left else [] for left in lefts)]
+
+
+def _by_kind(rows: Sequence[Row]) -> Iterator[list[Row]]:
+    for kind in dict.fromkeys((row["kind"], row["unit"]) for row in rows):
+        yield [row for row in rows if (row["kind"], row["unit"]) == kind]
+
+
+def _columns(lines: Sequence[str]) -> list[list[str]]:
+    """Return the cells of lines whose columns are set off by two spaces, an empty name before those of the heading."""
+    split = [re.split(r" {2,}", line.strip()) for line in lines if line.strip()]
+    return [["", *split[0]], *split[1:]] if split else []
+
+
+def _words(markup: str) -> str:
+    return html.unescape(re.sub(r"<[^>]*>", "", markup))
