@@ -24,7 +24,7 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.ports.linuxcnc.tables.cross import Hal
-from axiscal.ports.printers import klipper, marlin
+from axiscal.ports.printers import contents, klipper
 from axiscal.tables.controllers import fanuc, heidenhain, isg, sinumerik
 from axiscal.tables.effect import Effect, effect_of_control, rms, tour
 from axiscal.tables.export_options import ExportOptions
@@ -411,7 +411,7 @@ def test_meshes_are_read_row_by_row() -> None:
 
 
 def test_marlin_has_no_backlash_that_runs_ahead() -> None:
-    play = marlin.backlash(known("small")[0])
+    play = contents.backlash(known("small")[0])
     assert all(value > 0 for value in play.values())
 
 

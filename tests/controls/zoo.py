@@ -1,0 +1,123 @@
+"""Every control by its name: what it is given, and what it is seen to do."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.lab import available, can_load
+from axiscal.ports.linuxcnc.linuxcnc_source import LinuxcncMachine
+from axiscal.tables.surface import Mesh
+from tests.certify.gcode import interpreted, random_plan
+from tests.certify.gcode_traces import interpreter
+from tests.controls import duet, klipper_host, live_printer, marlin
+from tests.controls.fetched import MissingError, run
+from tests.controls.known import BED, OWN, SQUARE, STRAIGHT, TRAVELS, TURNS, Known, Row, known
+
+LOST = {f"E{axis}{axis}_reversal": "20 um" for axis in "XYZ"}
+
+
+def by_name(machine: Known, added: Callable[[Array, Array], Array]) -> Callable[[Array, Array], Array]:
+    """Return what adds to axes in the order of the chain, of what adds to X, Y, Z."""
+    order = ["XYZ".index(axis.name) for axis in machine.estimate.machine.axes]
+    return lambda poses, ways: added(poses[:, np.argsort(order)], ways[:, np.argsort(order)])[:, order]
+
+
+def klipper() -> Row:
+    """Its mesh and its skew, by the steps of the motors."""
+    machine = known(BED, SQUARE)
+    export = machine.exported("klipper", mesh=25)
+    config = klipper_host.config("[bed_mesh]\nmesh_min: 0, 0\nmesh_max: 300, 240\n[skew_correction]\n")
+    codes = ["BED_MESH_PROFILE LOAD=axiscal", *export.files["skew.gcode"].splitlines()]
+    files = {"printer.cfg": config + export.files["bed_mesh.cfg"]}
+    added = by_name(machine, lambda poses, _: klipper_host.motors(files, codes, poses) - poses)
+    ran = "bed_mesh and skew_correction, steps of the motors"
+    return machine.row("Klipper", klipper_host.VERSION, ran, export, added, sides=False)
+
+
+def reprapfirmware() -> Row:
+    """Its map, compiled, behind the formulas of M556 and M425."""
+    machine = known(BED, SQUARE, LOST)
+    export = machine.exported("reprapfirmware", mesh=21)
+    added = by_name(machine, lambda poses, ways: duet.added(export.files, poses, ways))
+    ran = "Grid.cpp compiled; M556, M425 by their formulas"
+    return machine.row("RepRapFirmware", duet.VERSION, ran, export, added, sides=True)
+
+
+def marlin_row() -> Row:
+    """Its mesh, skew and backlash as formulas."""
+    machine = known(BED, SQUARE, LOST)
+    export = machine.exported("marlin", mesh=25)
+    x, y = (np.linspace(*TRAVELS[axis], 25) * 1e-3 for axis in "XY")
+    built = Mesh(x, y, np.zeros((25, 25)))
+    added = by_name(machine, lambda poses, ways: marlin.added(export.files["axiscal.gcode"], built, poses, ways))
+    ran = "M421, M852, M425 by their formulas"
+    return machine.row("Marlin", marlin.VERSION, ran, export, added, sides=True)
+
+
+def moonraker() -> Row:
+    """A bed that `run --source moonraker:` probes, and a mesh that `export --load` puts into the printer."""
+    export = known(BED).exported("klipper", mesh=7)
+    with live_printer.running() as printer:
+        read, bed = live_printer.read(printer)
+        stood, mesh = live_printer.loaded(printer, export.files["bed_mesh.cfg"])
+    off = max(100 * float(np.max(np.abs(a - b)) / np.ptp(b)) for a, b in ((read, bed), (stood, mesh)))
+    return Row("Moonraker", "0.11.0", "run --source moonraker:, export --load, G1", off)
+
+
+def rs274() -> Row:
+    """Measuring programs as LinuxCNC's interpreter understands them, judged by the plan that they are of."""
+    if interpreter() is None:
+        raise MissingError("linuxcnc-uspace is not installed")
+    with TemporaryDirectory() as folder:
+        plans = (random_plan(np.random.default_rng(seed)) for seed in range(20))
+        found = [verdict for plan in plans for verdict in interpreted(plan, Path(folder))]
+    moves, faults = sum(each for each, _ in found), sum(bool(wrong) for _, wrong in found)
+    return Row("rs274", debian(), f"20 measuring programs, {moves} moves", 100 * faults / len(found))
+
+
+def linuxcnc() -> Row:
+    """Tables and HAL text in the LinuxCNC that is installed."""
+    return _on_linuxcnc("linuxcnc", "COMP_FILE and axiscal-cross.hal", known(OWN, LOST, STRAIGHT, SQUARE))
+
+
+def linuxcnc_volumetric() -> Row:
+    """The component in the LinuxCNC that is installed."""
+    if not can_load("axiscal_vcomp"):
+        raise MissingError("gcc and linuxcnc-uspace-dev are not installed")
+    machine = known(OWN, LOST, STRAIGHT, SQUARE, TURNS, BED)
+    return _on_linuxcnc("linuxcnc-volumetric", "axiscal_vcomp in the servo thread", machine)
+
+
+def _on_linuxcnc(controller: str, ran: str, machine: Known) -> Row:
+    if not available():
+        raise MissingError("linuxcnc-uspace is not installed")
+    export = machine.exported(controller)
+    with LinuxcncMachine(machine.truth, export.files) as running:
+        row = machine.row(controller, debian(), ran, export, lambda p, w: running.sent(p, w) - p, sides=True)
+        assert running.errors == ()
+    return row
+
+
+def debian() -> str:
+    """Return the version of LinuxCNC that Debian has installed."""
+    if shutil.which("dpkg-query") is None:
+        return "installed"
+    said = run(["dpkg-query", "-W", "-f", "${Version}", "linuxcnc-uspace"], Path("/"))
+    return said.partition("~")[0]
+
+
+CONTROLS: Mapping[str, Callable[[], Row]] = {
+    "linuxcnc": linuxcnc,
+    "linuxcnc-volumetric": linuxcnc_volumetric,
+    "rs274": rs274,
+    "klipper": klipper,
+    "moonraker": moonraker,
+    "reprapfirmware": reprapfirmware,
+    "marlin": marlin_row,
+}
