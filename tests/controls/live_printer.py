@@ -8,6 +8,7 @@ import signal
 import socket
 import subprocess
 import time
+import urllib.error
 import urllib.parse
 import urllib.request
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,8 +19,10 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+import pytest
 
 from axiscal.campaign.sources import Answer, Request, open_source
+from axiscal.exceptions import SourceError
 from axiscal.machine.description import load_machine
 from axiscal.measurement.readers.bed_map import mesh as saved_mesh
 from axiscal.measurement.readers.text import TextFile
@@ -37,7 +40,7 @@ _TURN, _STEPS = {"x": 128.0, "y": 128.0, "z": 8.0}, 200 * 16
 """mm of a turn of each motor, and its steps."""
 _SECONDS = 40.0
 _OLD = "axiscal_mesh.cfg"
-_PLACES = ((8.0, 8.0), (70.0, 15.0), (60.0, 70.0))
+_PLACES = np.array([[8.0, 8.0, 1.0], [70.0, 15.0, 2.0], [60.0, 70.0, 1.0]])
 """mm, near each other: a source goes slowly"""
 
 
@@ -69,8 +72,9 @@ class Printer:
         """Have G-code executed; raises AssertionError with the log where it is not."""
         try:
             self.asked("/printer/gcode/script", {"script": "\n".join(codes)}, post=True)
-        except OSError as fault:
-            raise AssertionError(f"{codes}: {fault}: {self._log()}") from fault
+        except urllib.error.HTTPError as fault:
+            said = fault.read().decode()
+            raise AssertionError(f"{codes}: {said}: {self._log()}") from fault
 
     def status(self, name: str) -> dict[str, Any]:
         """Return what an object of Klipper says."""
@@ -124,10 +128,13 @@ def config(data: Path) -> str:
 
 def read(printer: Printer) -> tuple[Array, Array]:
     """Return what a source reads of the bed, and how high it is, both (n,) mm over the first place."""
+    with pytest.raises(SourceError, match="has its whole correction in force"):
+        open_source(f"moonraker:{printer.host}", None)  # type: ignore[arg-type]
+    printer.told("AXISCAL ENABLE=0")
     source = open_source(f"moonraker:{printer.host}", None)  # type: ignore[arg-type]
-    found = [source.read(_request(x, y)) for x, y in _PLACES]
+    found = [source.read(_request(x, y)) for x, y, _ in _PLACES]
     heights = np.array([-1e3 * each.value for each in found if isinstance(each, Answer)])
-    bed = np.array([height(x, y) for x, y in _PLACES])
+    bed = np.array([height(x, y) for x, y, _ in _PLACES])
     return heights - heights[0], bed - bed[0]
 
 
@@ -136,13 +143,31 @@ def loaded(printer: Printer, mesh: str) -> tuple[Array, Array]:
     said = loader_at(f"moonraker:{printer.host}", "klipper").load(mesh, "axiscal")
     assert "the one that was there is axiscal_mesh_" in said
     printer.told("G28")
-    stood = list[float]()
-    for x, y in _PLACES:
-        printer.told("G90", f"G1 X{x} Y{y} Z1 F9000", "M400")
-        stood.append(printer.status("toolhead")["position"][2] - 1.0)
+    with pytest.raises(AssertionError, match="corrects the machine already, and a bed mesh is active too"):
+        printer.told("G1 Z2")
+    printer.told("AXISCAL ENABLE=0")
+    found = added(printer)[:, 2]
+    printer.told("BED_MESH_CLEAR")
     text = TextFile(_OLD, tuple(mesh.splitlines()))
-    at = 1e-3 * np.array(_PLACES)
-    return np.array(stood), 1e3 * mesh_of_nodes(saved_mesh(text)).at(*at.T)
+    return found, 1e3 * mesh_of_nodes(saved_mesh(text)).at(*_PLACES[:, :2].T * 1e-3)
+
+
+def added(printer: Printer) -> Array:
+    """Return what is added to X, Y, Z at places, (n, 3) mm."""
+    found = []
+    for place in _PLACES:
+        printer.told("G90", "G1 X{} Y{} Z{} F9000".format(*place), "M400")
+        found.append(printer.status("toolhead")["position"][:3])
+    return np.asarray(np.array(found) - _PLACES)
+
+
+def whole(printer: Printer) -> tuple[Array, Array]:
+    """Return what the extra adds after Klipper and its micro-controller were started again, and where, (n, 3) mm."""
+    printer.told("FIRMWARE_RESTART")
+    time.sleep(1.0)
+    printer.ready()
+    printer.told("G28")
+    return added(printer), _PLACES
 
 
 def _request(x: float, y: float) -> Request:
@@ -153,14 +178,16 @@ def _request(x: float, y: float) -> Request:
 
 
 @contextmanager
-def running(more: str = "") -> Iterator[Printer]:
-    """Yield a printer that is homed.  more : further sections of its printer.cfg"""
+def running(files: Mapping[str, str]) -> Iterator[Printer]:
+    """Yield a printer that is homed, with the extra and the file of an export.  files : of the export"""
     at = klipper()
     with TemporaryDirectory(prefix="axiscal-printer-") as folder, ExitStack() as stack:
         data = Path(folder)
         for name in ("config", "gcodes", "logs"):
             (data / name).mkdir()
-        (data / "config" / "printer.cfg").write_text(config(data) + more)
+        (at / "klippy" / "extras" / "axiscal.py").write_text(files["axiscal.py"])
+        (data / "config" / "axiscal.vcomp").write_text(files["axiscal.vcomp"])
+        (data / "config" / "printer.cfg").write_text(config(data) + "[axiscal]\n")
         (data / "config" / _OLD).write_text("# of the owner\n")
         printer = Printer(_free(), data / "config")
         server = ["[server]", "host: 127.0.0.1", f"port: {printer.port}", f"klippy_uds_address: {data}/klippy"]

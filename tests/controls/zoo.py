@@ -17,15 +17,20 @@ from tests.certify.gcode import interpreted, random_plan
 from tests.certify.gcode_traces import interpreter
 from tests.controls import duet, klipper_host, live_printer, marlin
 from tests.controls.fetched import MissingError, run
-from tests.controls.known import BED, OWN, SQUARE, STRAIGHT, TRAVELS, TURNS, Known, Row, known
+from tests.controls.known import BED, OWN, PLANE, SQUARE, STRAIGHT, TRAVELS, TURNS, Known, Row, known
 
 LOST = {f"E{axis}{axis}_reversal": "20 um" for axis in "XYZ"}
 
 
 def by_name(machine: Known, added: Callable[[Array, Array], Array]) -> Callable[[Array, Array], Array]:
     """Return what adds to axes in the order of the chain, of what adds to X, Y, Z."""
-    order = ["XYZ".index(axis.name) for axis in machine.estimate.machine.axes]
+    order = order_of(machine)
     return lambda poses, ways: added(poses[:, np.argsort(order)], ways[:, np.argsort(order)])[:, order]
+
+
+def order_of(machine: Known) -> list[int]:
+    """Return where each axis of the chain stands in X, Y, Z."""
+    return ["XYZ".index(axis.name) for axis in machine.estimate.machine.axes]
 
 
 def klipper() -> Row:
@@ -38,6 +43,17 @@ def klipper() -> Row:
     added = by_name(machine, lambda poses, _: klipper_host.motors(files, codes, poses) - poses)
     ran = "bed_mesh and skew_correction, steps of the motors"
     return machine.row("Klipper", klipper_host.VERSION, ran, export, added, sides=False)
+
+
+def klipper_volumetric() -> Row:
+    """The extra in Klipper's own host, by the steps of the motors."""
+    machine = known(OWN, STRAIGHT, SQUARE, TURNS, BED, PLANE)
+    export = machine.exported("klipper-volumetric", mesh=25)
+    files = {"printer.cfg": klipper_host.config("[axiscal]\n"), "axiscal.vcomp": export.files["axiscal.vcomp"]}
+    extras = {"axiscal.py": export.files["axiscal.py"]}
+    added = by_name(machine, lambda poses, _: klipper_host.motors(files, [], poses, extras) - poses)
+    ran = "extras/axiscal.py, steps of the motors"
+    return machine.row("klipper-volumetric", klipper_host.VERSION, ran, export, added, sides=False)
 
 
 def reprapfirmware() -> Row:
@@ -61,13 +77,18 @@ def marlin_row() -> Row:
 
 
 def moonraker() -> Row:
-    """A bed that `run --source moonraker:` probes, and a mesh that `export --load` puts into the printer."""
-    export = known(BED).exported("klipper", mesh=7)
-    with live_printer.running() as printer:
-        read, bed = live_printer.read(printer)
-        stood, mesh = live_printer.loaded(printer, export.files["bed_mesh.cfg"])
-    off = max(100 * float(np.max(np.abs(a - b)) / np.ptp(b)) for a, b in ((read, bed), (stood, mesh)))
-    return Row("Moonraker", "0.11.0", "run --source moonraker:, export --load, G1", off)
+    """A bed that `run --source moonraker:` probes, a mesh of `export --load`, and the extra after FIRMWARE_RESTART."""
+    machine = known(OWN, STRAIGHT, SQUARE, BED)
+    mesh, whole = (machine.exported(name, mesh=7) for name in ("klipper", "klipper-volumetric"))
+    with live_printer.running(whole.files) as printer:
+        seen = [live_printer.read(printer), live_printer.loaded(printer, mesh.files["bed_mesh.cfg"])]
+        added, places = live_printer.whole(printer)
+    order = order_of(machine)
+    said = np.empty_like(places)
+    said[:, order] = 1e3 * whole.control(1e-3 * places[:, order], np.zeros_like(places))
+    seen.append((added, said))
+    off = max(100 * float(np.max(np.abs(a - b)) / np.ptp(b)) for a, b in seen)
+    return Row("Moonraker", "0.11.0", "--source moonraker:, --load, FIRMWARE_RESTART", off)
 
 
 def rs274() -> Row:
@@ -117,6 +138,7 @@ CONTROLS: Mapping[str, Callable[[], Row]] = {
     "linuxcnc-volumetric": linuxcnc_volumetric,
     "rs274": rs274,
     "klipper": klipper,
+    "klipper-volumetric": klipper_volumetric,
     "moonraker": moonraker,
     "reprapfirmware": reprapfirmware,
     "marlin": marlin_row,

@@ -12,7 +12,7 @@ from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import summed
 from axiscal.tables.loaded import Loaded, Lookup, both_ways
 from axiscal.tables.sampling import axis_tables
-from axiscal.tables.surface import height_seen, held_words, mesh_of, skew_of
+from axiscal.tables.surface import height_seen, mesh_of, skew_of
 
 
 def content_of(estimate: Estimate, options: ExportOptions, points: int | None) -> Loaded:
@@ -28,9 +28,10 @@ def content_of(estimate: Estimate, options: ExportOptions, points: int | None) -
 
 def in_words(content: Loaded) -> str:
     """Return what files hold, a sentence."""
-    play = play_of(content)
-    backlashes = f"one backlash for {', '.join(play)}" if play else ""
-    return f"{'; '.join(part for part in (held_words(bool(content.meshes), content.skew.seen), backlashes) if part)}."
+    skew, play = content.skew.seen, play_of(content)
+    words = ["height over the plane as a bed mesh"] if content.meshes else []
+    words = [" and ".join([*words, f"the skew of {', '.join(skew)}"])] if skew else words
+    return "; ".join([*words, f"one backlash for {', '.join(play)}"] if play else words) + "."
 
 
 def backlash(estimate: Estimate) -> dict[str, float]:
