@@ -14,6 +14,9 @@ from axiscal.tables.loaded import Loaded, Lookup, both_ways
 from axiscal.tables.sampling import axis_tables
 from axiscal.tables.surface import height_seen, mesh_of, skew_of
 
+TRIED = "Tried with Klipper's own host by the steps of the motors, never on a printer."
+"""Of its files; `make controls` does it again."""
+
 
 def content_of(estimate: Estimate, options: ExportOptions, points: int | None) -> Loaded:
     """Return the map and the skew that were seen, and the lost motion, with what was active already.

@@ -15,7 +15,7 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import is_mesh
 from axiscal.measurement.readers.bed_map import mesh as saved_mesh
 from axiscal.measurement.readers.text import TextFile
-from axiscal.ports.printers.contents import content_of, in_words
+from axiscal.ports.printers.contents import TRIED, content_of, in_words
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import MapFormat, Written
 from axiscal.tables.loaded import Loaded
@@ -41,6 +41,7 @@ class Klipper(MapFormat):
     """A mesh profile and a skew profile."""
 
     left_out = "positioning errors, straightness in the plane, reversal, and what the height does over z."
+    tried = True
 
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
         """Return the map and the skew that were seen."""
@@ -55,7 +56,7 @@ class Klipper(MapFormat):
         if skew.seen:
             files[_SKEW], notes = write_skew(skew, name), notes + _skew_notes(skew, name)
         steps = {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}
-        return Written(files, steps, notes, in_words(content))
+        return Written(files, steps, (*notes, TRIED), in_words(content))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what a printer.cfg has saved, or G-code sets; raises ReadingError, TableError."""

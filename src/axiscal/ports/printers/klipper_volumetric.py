@@ -13,6 +13,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
+from axiscal.ports.printers.contents import TRIED
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import Exporter, Written
 from axiscal.tables.loaded import Loaded
@@ -23,7 +24,6 @@ from axiscal.tables.vcomp import vcomp_reading, vcomp_writing
 from axiscal.tables.vcomp.applying import component_control, whole_control
 
 _FILE, _EXTRA, _SOURCE = "axiscal.vcomp", "axiscal.py", "klipper_extra.py"
-STATEMENT = "Tried with Klipper's own host by the steps of the motors, never on a printer."
 _STEP = 1e-8
 """m: what two rounds and twelve digits may leave."""
 _NOTHING = 1e-12
@@ -59,7 +59,7 @@ class KlipperVolumetric(Exporter):
         given = [((k,), 1.0) for k in range(len(machine.axes))]
         file = vcomp_writing.content_of(estimate, given, "mm", largest, options.origin)
         axes = tuple(replace(axis, reversals=np.zeros((len(axis.knots) - 1, 0, 4))) for axis in file.axes)
-        text = vcomp_writing.text_of(replace(file, axes=axes, bed=bed), STATEMENT)
+        text = vcomp_writing.text_of(replace(file, axes=axes, bed=bed), TRIED)
         files = {_FILE: text, _EXTRA: resources.files(__package__).joinpath(_SOURCE).read_text(encoding="utf-8")}
         steps = {axis.name: _STEP for axis in machine.axes}
         held = self.held(Written(files, steps, ()), machine, options)
@@ -94,5 +94,5 @@ def _notes(limit: float) -> tuple[str, ...]:
         "AXISCAL ENABLE=0 switches it off, for measuring; AXISCAL ENABLE=1 on. After each start it is on. Homing and "
         "probing go without it: set z_offset anew with it on.",
         f"It moves the motors by up to {limit:.3g} mm: keep so far from position_min and position_max.",
-        STATEMENT,
+        TRIED,
     )

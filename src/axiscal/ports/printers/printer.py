@@ -1,8 +1,8 @@
 """`moonraker:HOST` and `duet:HOST`: a 3D printer that probes its own bed at the planned points.
 
 A reading is minus the height at which the probe meets the bed: over a high bed the tool is too low by as much.
-Written from the protocols that Moonraker and RepRapFirmware document. Tried against small servers that speak them,
-never on a printer.
+Written from the protocols that Moonraker and RepRapFirmware document. Tried with Klipper behind Moonraker, no printer;
+RepRapFirmware's against a small server that speaks it.
 """
 
 from __future__ import annotations

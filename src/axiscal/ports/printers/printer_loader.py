@@ -1,7 +1,7 @@
 """Height maps put into a printer over the network, in force when it is done, and read back.
 
-Written from what Moonraker and RepRapFirmware document, tried against small servers that speak that, never on a
-printer. What is there under the same name is kept beside it.
+Written from what Moonraker and RepRapFirmware document. Tried with Klipper behind Moonraker, no printer; for a Duet
+against a small server. What is there under the same name is kept beside it.
 """
 
 from __future__ import annotations
