@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+import time
 from collections import defaultdict
 from collections.abc import Mapping
 from pathlib import Path
+from subprocess import DEVNULL, PIPE, Popen
 from tempfile import TemporaryDirectory
 
 import numpy as np
@@ -22,6 +24,8 @@ _STEPS = 200 * 128
 _MARK = "gpio12"
 _NUMBER = re.compile(r"(\w+)=(-?\w+(?:/\w+)?)")
 _WRAP = 1 << 32
+_QUIET = 15
+"""Tenths of a second without a byte, after which nothing is to come."""
 
 
 def klipper() -> Path:
@@ -65,18 +69,34 @@ def motors(files: Mapping[str, str], codes: list[str], poses: Array, extras: Map
     for number, place in enumerate(np.asarray(to_unit(poses, "mm"))):
         lines += ["G1 X{:.6f} Y{:.6f} Z{:.6f} F12000".format(*place), "G4 P200"]
         lines += [f"SET_PIN PIN=mark VALUE={(number + 1) % 2}", "G4 P200"]
-    lines += ["G1 X0 Y0 Z0 F12000", "M400"]  # the last that is sent may be cut off
+    lines += ["G1 X1 Y1 Z1 F12000", "G1 X9 Y9 Z9 F600", "GET_POSITION"]
     with TemporaryDirectory() as folder:
         here = Path(folder)
-        for name, text in (files | {"moves.gcode": "\n".join(lines) + "\n"}).items():  # type: ignore[operator]
+        for name, text in files.items():
             (here / name).write_text(text)
-        words: list[str | Path] = ["-i", here / "moves.gcode", "-o", here / "sent", "-d", at / "out" / "klipper.dict"]
-        run([python(), "klippy/klippy.py", here / "printer.cfg", *words, "-l", here / "log"], at)
+        words = ["-i", "/dev/stdin", "-o", here / "sent", "-d", at / "out" / "klipper.dict", "-l", here / "log"]
+        start: list[str | Path] = [python(), "klippy/klippy.py", here / "printer.cfg", *words]
+        with Popen(start, cwd=at, stdin=PIPE, stdout=DEVNULL, stderr=DEVNULL) as host:
+            assert host.stdin is not None
+            host.stdin.write("\n".join([*lines, ""]).encode())
+            host.stdin.flush()
+            _written(host, here)
+            host.stdin.close()  # on which it ends at once, whatever is not written
         said = (here / "log").read_text()
         sent = run([python(), "klippy/parsedump.py", at / "out" / "klipper.dict", here / "sent"], at)
     stood = _stood(sent)
     assert len(stood) == len(poses), f"{len(stood)} of {len(poses)} places were reached: {said[-1500:]}"
     return np.asarray(from_unit(stood * np.array([_ROUNDS[axis] / _STEPS for axis in "xyz"]), "mm"))
+
+
+def _written(host: Popen[bytes], here: Path) -> None:
+    """Wait until it has done all that it was told, and has written nothing more for a while."""
+    end, sizes = time.monotonic() + 60.0, list[int]()
+    while host.poll() is None and time.monotonic() < end and (len(sizes) < _QUIET or len(set(sizes[-_QUIET:])) > 1):
+        time.sleep(0.1)
+        log = here / "log"
+        done = log.exists() and "gcode homing: X:" in log.read_text()
+        sizes += [(here / "sent").stat().st_size] if done else []
 
 
 def _stood(sent: str) -> Array:
@@ -106,6 +126,7 @@ def _stood(sent: str) -> Array:
     found = np.zeros((len(marks), 3))
     for own, reached in ends.items():
         clocks, stood = np.array(reached).T
+        assert clocks[-1] > marks[-1], f"cut off before the last place: {own} {clocks[-1]} {marks[-4:]} {len(marks)}"
         place = np.searchsorted(clocks, marks, side="right") - 1
         found[:, motor[own]] = np.where(place < 0, 0, stood[place])
     return found

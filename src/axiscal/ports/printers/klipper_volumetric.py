@@ -67,10 +67,7 @@ class KlipperVolumetric(Exporter):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the extra makes of its files; raises TableError."""
-        own = [file for file in files if file.name.lower().endswith(".vcomp")]
-        if not own:
-            raise TableError(f"{files[0].name} is no file of the extra", f"give {_FILE}")
-        read = (vcomp_reading.read(file.text, file.name, with_bed=True) for file in own)
+        read = vcomp_reading.read_among(files, with_bed=True)
         return Loaded(others=tuple(component_control(each, machine) for each in read))
 
 

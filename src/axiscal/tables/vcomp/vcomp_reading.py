@@ -10,6 +10,7 @@ import numpy as np
 
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
+from axiscal.tables.old_files import OldFile
 from axiscal.tables.surface import Mesh
 from axiscal.tables.vcomp.content import AXES, JOINTS, KNOTS, MOTIONS, VcompAxis, VcompFile, fnv1a
 from axiscal.units import from_unit
@@ -53,6 +54,15 @@ def read(text: str, name: str = "axiscal.vcomp", with_bed: bool = False) -> Vcom
     if next(lines.rest, None) is not None:
         raise lines.refusal("something stands behind the end")
     return VcompFile(campaign, unit, limit, limit_deg, tool, axes, bed)
+
+
+def read_among(files: Sequence[OldFile], with_bed: bool = False) -> tuple[VcompFile, ...]:
+    """Return what those of the files hold that are called .vcomp; raises TableError where none is."""
+    own = [file for file in files if file.name.lower().endswith(".vcomp")]
+    if not own:
+        names = ", ".join(dict.fromkeys(file.name for file in files))
+        raise TableError(f"{names} is no file of the whole correction", "give axiscal.vcomp")
+    return tuple(read(file.text, file.name, with_bed) for file in own)
 
 
 @dataclass(slots=True)

@@ -69,12 +69,8 @@ class LinuxcncVolumetric(Exporter):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the component makes of its files; raises TableError."""
-        own = [file for file in files if file.name.lower().endswith(".vcomp")]
-        if not own:
-            names = ", ".join(dict.fromkeys(file.name for file in files))
-            raise TableError(f"{names} is no file of the component", "give axiscal.vcomp")
-        read = (component_control(vcomp_reading.read(file.text, file.name), machine) for file in own)
-        return Loaded(others=tuple(read))
+        read = vcomp_reading.read_among(files)
+        return Loaded(others=tuple(component_control(each, machine) for each in read))
 
 
 def _refuse(options: ExportOptions) -> None:
