@@ -5,11 +5,12 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsafe \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 PEERS := trieste torch others
+CONTROLS := $(or $(AXISCAL_CONTROLS),../shared/controls)
 COVERING := tests/document tests/description tests/measurement tests/evaluation tests/record tests/tables tests/programs \
 	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py tests/cli/test_type.py tests/web/test_first.py \
 	tests/linuxcnc/test_patched_configuration.py tests/ports/test_study_file.py
 
-.PHONY: help demo demo-linuxcnc howto-linuxcnc test test-long check quick golden bench bench-peers docs docs-site languages trust certify reliability fuzz fuzz-coverage coverage mutants requests audit lock clean distclean
+.PHONY: help demo demo-linuxcnc howto-linuxcnc test test-long check quick golden bench bench-peers docs docs-site languages trust certify controls reliability fuzz fuzz-coverage coverage mutants requests audit lock clean distclean
 
 help:
 	@echo "make demo       set everything up and calibrate a built-in five-axis machine"
@@ -26,6 +27,7 @@ help:
 	@echo "make docs-site  the documentation as a site in build/site, tools in .venv-docs"
 	@echo "make trust      measure how far the printed bands can be trusted, into docs/evidence/trust.md (PART=iso: only that section; PART=attacks MACHINES=100 of each, 20 unless said, MINUTES=30 at a time; ONLY='step; bump': shown, not written)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part; CASES=20000 of it; PART=gcode, PART=dialects, PART=plans and PART=simulator go on where they were ended)"
+	@echo "make controls   the exports in real controls: LinuxCNC, Klipper, Moonraker, RepRapFirmware; a row each (ONLY=klipper)"
 	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours, MINUTES=20 at a time; ROWS='8 9': only these; PYTHONS=...: other interpreters too)"
 	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run)"
 	@echo "make fuzz-coverage  every reader on files that atheris changes so that other lines run (SECONDS=30 of each kind; KIND=name)"
@@ -52,7 +54,8 @@ test check: .venv/dev.stamp
 	$(BIN)/lint-imports
 	$(BIN)/pytest -n 3 --dist loadfile -m "not long"
 
-test-long: .venv/dev.stamp
+# The controls that lie beside the checkout are tried as well, in an environment of their own.
+test-long: .venv/dev.stamp $(if $(wildcard $(CONTROLS)),.venv-controls/stamp)
 	AXISCAL_HYPOTHESIS=long $(BIN)/pytest -n 4 --dist loadfile -m "long or hypothesis"
 
 # Whole rooms where their tests take seconds, else the files that do.
@@ -101,6 +104,9 @@ trust: .venv/dev.stamp
 certify: .venv/dev.stamp
 	$(BIN)/python -m tests.certify $(if $(PART),--part $(PART)) $(if $(CASES),--cases $(CASES))
 
+controls: .venv/dev.stamp .venv-controls/stamp
+	$(BIN)/python -m tests.controls $(ONLY:%=--only %)
+
 reliability: .venv/dev.stamp
 	$(BIN)/python -m tests.reliability $(if $(LONG),--long) $(if $(MINUTES),--minutes $(MINUTES)) $(ROWS:%=--row %) $(PYTHONS:%=--python %)
 
@@ -127,6 +133,7 @@ audit: .venv/dev.stamp
 lock: | .venv/bin/pip-compile
 	$(LOCK) $(if $(UPGRADE),--upgrade) --build-deps-for editable -o requirements/run.txt pyproject.toml
 	$(LOCK) $(if $(UPGRADE),--upgrade) --build-deps-for editable --extra dev --constraint requirements/run.txt -o requirements/dev.txt pyproject.toml
+	$(LOCK) $(if $(UPGRADE),--upgrade) -o requirements/controls.txt requirements/controls.in
 	$(LOCK) $(if $(UPGRADE),--upgrade) -o requirements/docs.txt requirements/docs.in
 	$(LOCK) $(if $(UPGRADE),--upgrade) --constraint requirements/dev.txt -o requirements/mutants.txt requirements/mutants.in
 
@@ -135,7 +142,7 @@ clean:
 	find . -path ./.venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 distclean: clean
-	rm -rf .venv .venv-docs .venv-fuzz .venv-mutants .venv-peers src/*.egg-info
+	rm -rf .venv .venv-controls .venv-docs .venv-fuzz .venv-mutants .venv-peers src/*.egg-info
 
 .venv/run.stamp: requirements/run.txt pyproject.toml | .venv/bin/pip
 	@echo "axiscal: installing the locked packages into .venv (a minute or two the first time)"
@@ -163,6 +170,12 @@ distclean: clean
 	@.venv-$*/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/dev.txt
 	@.venv-$*/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/$*.txt
 	@.venv-$*/bin/python -m pip --disable-pip-version-check --quiet install --no-deps --no-build-isolation -e .
+	@touch $@
+
+.venv-controls/stamp: requirements/controls.txt | .venv/bin/pip
+	@echo "axiscal: installing what Klipper's host and Moonraker need into .venv-controls"
+	@$(BIN)/python -m venv .venv-controls
+	@.venv-controls/bin/python -m pip --disable-pip-version-check --quiet install --require-hashes -r requirements/controls.txt
 	@touch $@
 
 .venv-docs/stamp: requirements/docs.txt | .venv/bin/pip

@@ -1,4 +1,4 @@
-"""Printers as sources, against small servers that speak what Moonraker and RepRapFirmware document."""
+"""Printers as sources: a Duet, and what goes wrong, against small servers; Klipper itself is in tests/controls."""
 
 from __future__ import annotations
 
@@ -44,6 +44,7 @@ class Server(ThreadingHTTPServer):
             "print_stats": {"state": "standby"},
             "toolhead": {"homed_axes": "xyz"},
             "bed_mesh": {"profile_name": ""},
+            "axiscal": {},
         }
         self.duet: dict[str, Any] = {
             "state": {"status": "idle"},
@@ -142,14 +143,11 @@ def request(x: float, y: float, side: tuple[int, int] = (0, 0), up: float = 1.0)
     return Request(1, setup, machine.axes, tuple(place[n] for n in names), tuple(come[n] for n in names))
 
 
-WAYS = [("moonraker", False), ("duet", False), ("duet", True)]
-
-
-@pytest.mark.parametrize(("kind", "alone"), WAYS)
-def test_the_bed_is_probed_where_it_was_planned(printer: Server, kind: str, alone: bool) -> None:
+@pytest.mark.parametrize("alone", [False, True])
+def test_the_bed_is_probed_where_it_was_planned(printer: Server, alone: bool) -> None:
     """Where the bed is high the tool is too low: a reading is minus the height."""
     printer.alone = alone
-    source = opened(kind, printer)
+    source = opened("duet", printer)
     for x, y in ((10.0, 20.0), (250.5, 130.25)):
         answer = source.read(request(x, y))
         assert isinstance(answer, Answer)
@@ -172,6 +170,7 @@ NOT_READY = [
     ("moonraker", ("print_stats", "state"), "printing", "prints"),
     ("moonraker", ("toolhead", "homed_axes"), "xy", "is not homed"),
     ("moonraker", ("bed_mesh", "profile_name"), "default", "has a bed mesh in force"),
+    ("moonraker", ("axiscal", "active"), True, "has its whole correction in force"),
     ("duet", ("state", "status"), "processing", "not idle"),
     ("duet", ("move", "axes"), [{"homed": True}, {"homed": False}, {"homed": True}], "is not homed"),
     ("duet", ("move", "compensation"), {"type": "mesh"}, "has a height map in force"),

@@ -94,6 +94,7 @@ def test_spheres_are_offered_where_an_axis_turns(tmp_path: Path) -> None:
     """Whoever turns nothing sees nothing by them; the others get balls at which every rotary axis can turn far."""
     assert written(tmp_path / "mill", "three-axis-mill", "sphere") == 1
     assert written(tmp_path, "dmu60", "sphere") == 0
+    assert '\ntool_length = "100 um" ' in (tmp_path / "campaign.toml").read_text()
     campaign = read_campaign(tmp_path / "campaign.toml")
     (setup,) = campaign.setups
     assert campaign.machine.stylus > 0

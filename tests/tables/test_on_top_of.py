@@ -388,7 +388,9 @@ def test_what_is_active_can_be_an_option(tmp_path: Path, capsys: pytest.CaptureF
     recorded_text = CAMPAIGN.format(active="compensation_active = true\n")
     (tmp_path / "campaign.toml").write_text(recorded_text)
     assert run([*command, str(tmp_path / "q"), *option]) == 1
-    assert "in campaign.toml and on the command line" in " ".join(capsys.readouterr().err.split())
+    assert "and they do not say the same" in " ".join(capsys.readouterr().err.split())
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN.format(active='compensation_active = ["X.comp"]\n'))
+    assert run([*command, str(tmp_path / "r"), *option]) == 0
 
 
 def test_none_was_active(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

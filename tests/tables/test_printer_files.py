@@ -12,7 +12,7 @@ import pytest
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.numerics import Array
-from axiscal.ports.printers import klipper, marlin, reprapfirmware
+from axiscal.ports.printers import contents, klipper, marlin, reprapfirmware
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import Exporter
 from axiscal.tables.loaded import Loaded, Lookup, both_ways
@@ -125,9 +125,9 @@ def test_commands_of_marlin_are_millimetres_with_columns_along_x() -> None:
     (mesh,) = found.meshes
     assert mesh.added == pytest.approx(MESH.added, abs=5e-8)
     assert found.skew == Skew(0.012, None, -0.03)
-    assert marlin.play_of(found) == pytest.approx({"X": 12.3e-6, "Z": 4e-6})
+    assert contents.play_of(found) == pytest.approx({"X": 12.3e-6, "Z": 4e-6})
     half = marlin.read("M425 X0.02 F0.5 S3", None, MACHINE)
-    assert marlin.play_of(half) == pytest.approx({"X": 1e-5})
+    assert contents.play_of(half) == pytest.approx({"X": 1e-5})
     assert text.endswith("M500\n")
 
 
@@ -148,7 +148,7 @@ def test_one_backlash_is_the_mean_of_what_coming_from_above_is_more_than_from_be
         apart = np.interp(np.linspace(*SMALL.box[MACHINE.index(name)], 20_001), table.positions, table.reverse)
         apart = apart - np.interp(np.linspace(*SMALL.box[MACHINE.index(name)], 20_001), table.positions, table.forward)
         expected[name] = float(np.mean(apart))
-    found = marlin.backlash(SMALL)
+    found = contents.backlash(SMALL)
     assert found == pytest.approx({name: value for name, value in expected.items() if value > 0}, rel=2e-3)
     assert found
 

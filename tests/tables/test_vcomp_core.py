@@ -15,9 +15,10 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.volumetric import exporting
-from axiscal.ports.linuxcnc.volumetric.vcomp_reading import read
 from axiscal.tables.effect import left_by
 from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.vcomp import applying
+from axiscal.tables.vcomp.vcomp_reading import read
 from tests.figures import held
 from tests.generators.machines import random_machine
 from tests.generators.texts import machine_text
@@ -122,7 +123,7 @@ def test_the_reader_adds_what_the_core_adds(core: Core, seed: int) -> None:
         added, faults, _ = core.correct(joints, ways, tool)
         good = faults == 0
         assert np.mean(good) > 0.8
-        expected = exporting.correction(read(text), joints[good], ways[good], tool)
+        expected = applying.correction(read(text), joints[good], ways[good], tool)
         held("reader against core", np.max(np.abs(expected - added[good])), 1e-9, "mm or deg")
 
 
@@ -139,7 +140,7 @@ def test_linear_axes_that_do_not_span_space_are_a_fault(core: Core) -> None:
         if np.any(faults):
             assert set(faults) == {0, 4}
             with pytest.raises(TableError, match="do not span space"):
-                exporting.correction(read(text), joints[faults > 0], np.zeros_like(joints)[faults > 0])
+                applying.correction(read(text), joints[faults > 0], np.zeros_like(joints)[faults > 0])
             return
     pytest.fail("no chain with a rotary axis between linear ones")
 
@@ -246,7 +247,7 @@ def test_an_axis_of_two_kinds_of_knots_keeps_its_cubics() -> None:
             scale = np.degrees(1.0) if axis.rotary else 1e3
             at = np.random.default_rng(5).uniform(*axis.travel, 200)
             sense = file.axes[k].sense
-            kept = exporting.joint_errors(file.axes[k], sense * at * scale, np.full(200, float(sense)), "mm")
+            kept = applying.joint_errors(file.axes[k], sense * at * scale, np.full(200, float(sense)), "mm")
             expected = np.zeros((200, 6))
             for f in (f for f in model.functions if f.axis == k and (f.kind != "location" or axis.rotary)):
                 value = f.basis.rows(at) @ estimate.mean[f.columns] * (0.5 if f.kind == "reversal" else 1)

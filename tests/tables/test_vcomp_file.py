@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from axiscal.exceptions import TableError
-from axiscal.ports.linuxcnc.volumetric.content import fnv1a
-from axiscal.ports.linuxcnc.volumetric.vcomp_reading import read
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.registry import export
+from axiscal.tables.vcomp.content import fnv1a
+from axiscal.tables.vcomp.vcomp_reading import read
 from tests.tables.core_library import NEEDS_GCC, Core
 from tests.tables.test_controllers import known
 

@@ -31,13 +31,16 @@ def answered(description: CampaignDescription, said: Sequence[str] | None, *, as
     """Return the campaign with the statement of an active compensation; the record then carries it.
 
     asking : somebody may be asked, where a terminal is there and nothing was said
-    Raises DescriptionError where it is said twice, TableError or ReadingError for files that cannot be read.
+    Raises DescriptionError where two things are said, TableError or ReadingError for files that cannot be read.
     """
     if said:
-        if description.compensation_active is not None:
-            remedy = "Leave one of them out"
-            raise DescriptionError("compensation_active is in campaign.toml and on the command line", remedy)
-        return with_compensation(description, _meant(said))
+        meant, written = _meant(said), description.compensation_active
+        if written is None:
+            return with_compensation(description, meant)
+        if meant != (written if isinstance(written, bool) else _beside(written, description)):
+            what = "compensation_active is in campaign.toml and on the command line, and they do not say the same"
+            raise DescriptionError(what, "Leave one of them out")
+        return description
     question = unasked(description)
     if question and asking and sys.stdin.isatty() and sys.stderr.isatty():
         return _asked(description, question)
@@ -66,9 +69,14 @@ def _meant(words: Sequence[str]) -> bool | tuple[str, ...]:
     return tuple(_whole(word) for word in words)
 
 
-def _whole(word: str) -> str:
-    """Return a name, or AXIS=FILE, with the file as it is found from anywhere."""
-    if Path(word).exists():
-        return str(Path(word).resolve())
+def _beside(written: Sequence[str], description: CampaignDescription) -> tuple[str, ...]:
+    """Return the files that campaign.toml names, from the root on."""
+    return tuple(_whole(word, Path(description.source).parent) for word in written)
+
+
+def _whole(word: str, folder: Path = Path()) -> str:
+    """Return a name, or AXIS=FILE, with the file as it is found from anywhere.  folder : where names begin"""
+    if (folder / word).exists():
+        return str((folder / word).resolve())
     axis, _, file = word.partition("=")
-    return f"{axis}={Path(file).resolve()}"
+    return f"{axis}={(folder / file).resolve()}"

@@ -172,6 +172,7 @@ ControlName = Literal[
     "isg",
     "isg-etalon",
     "klipper",
+    "klipper-volumetric",
     "linuxcnc",
     "linuxcnc-volumetric",
     "marlin",

@@ -20,7 +20,7 @@ _HEAD = """\
 # One calibration of: {name}. Every quantity is a text with its unit.
 # What is left out has its usual value; docs/campaign.md of axiscal says which.
 machine = "{machine}"
-{active}
+{tool}{active}
 {controls}   # whose tables are written; axiscal export R --to list names them all
 
 [target]                         # the first one that is reached ends the campaign
@@ -41,6 +41,9 @@ _BED = {
     "over": "the bed",
     "counted": 'directions = ["z"]               # only the height counts; nothing else of the printer has to be known',
 }
+_TOOL = """\
+tool_length = "100 um"           # CHECK: how well the length of the tool is known; "0 um" if the zeros were set with it
+"""
 _LASER = """
 [[setups]]
 name = "laser along {axis}"
@@ -139,7 +142,8 @@ def first_campaign(machine: Machine, source: str, instruments: Sequence[str], ta
     Raises DescriptionError where a machine has no linear axis that an instrument could be read along.
     """
     about = {**_BED, "volume": _over_bed(machine)} if list(instruments) == ["probe"] else _IN_SPACE
-    head = _HEAD.format(name=machine.name, machine=source, target=target, active=active, **about)
+    tool = _TOOL if "sphere" in instruments and any(axis.rotary for axis in machine.axes) else ""
+    head = _HEAD.format(name=machine.name, machine=source, target=target, active=active, tool=tool, **about)
     setups = [text for name in instruments for text in OFFERED[name](machine)]
     if not setups:
         remedy = "Write the set-ups by hand, as docs/campaign.md shows"

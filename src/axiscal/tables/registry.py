@@ -30,6 +30,7 @@ CONTROLLERS = {
     "isg": "tables.controllers.isg.exporting:Isg",
     "isg-etalon": "tables.controllers.isg.exporting:IsgEtalon",
     "klipper": "ports.printers.klipper:Klipper",
+    "klipper-volumetric": "ports.printers.klipper_volumetric:KlipperVolumetric",
     "linuxcnc": "ports.linuxcnc.tables.exporting:Linuxcnc",
     "linuxcnc-volumetric": "ports.linuxcnc.volumetric.exporting:LinuxcncVolumetric",
     "marlin": "ports.printers.marlin:Marlin",

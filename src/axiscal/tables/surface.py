@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -116,12 +116,6 @@ def mesh_control(machine: Machine, mesh: Mesh) -> Control:
         return added
 
     return control
-
-
-def held_words(height: bool, skew: Mapping[str, float]) -> str:
-    """Return what files for a printer hold, in words.  skew : tangents by plane."""
-    words = ["height over the plane as a bed mesh"] if height else []
-    return " and ".join([*words, *([f"the skew of {', '.join(skew)}"] if skew else [])])
 
 
 def sum_of(*controls: Control) -> Control:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,11 +15,12 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import is_mesh
 from axiscal.measurement.readers.bed_map import mesh as saved_mesh
 from axiscal.measurement.readers.text import TextFile
+from axiscal.ports.printers.contents import TRIED, content_of, in_words
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import MapFormat, Written
 from axiscal.tables.loaded import Loaded
 from axiscal.tables.old_files import OldFile
-from axiscal.tables.surface import Mesh, Skew, height_seen, held_words, mesh_of, mesh_of_nodes, skew_of
+from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
 from axiscal.units import from_unit, to_unit
 
 _SAVED = "#*# "
@@ -39,11 +41,11 @@ class Klipper(MapFormat):
     """A mesh profile and a skew profile."""
 
     left_out = "positioning errors, straightness in the plane, reversal, and what the height does over z."
+    tried = True
 
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
         """Return the map and the skew that were seen."""
-        meshes = (options.old.under_mesh(mesh_of(estimate, options.mesh)),) if height_seen(estimate) else ()
-        return Loaded(meshes=meshes, skew=options.old.under_skew(skew_of(estimate)))
+        return replace(content_of(estimate, options, options.mesh), lookups=())
 
     def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:
         """Return a file for each of them."""
@@ -54,7 +56,7 @@ class Klipper(MapFormat):
         if skew.seen:
             files[_SKEW], notes = write_skew(skew, name), notes + _skew_notes(skew, name)
         steps = {"X": 1e-8, "Y": 1e-8, "Z": float(from_unit(2e-6, "mm"))}
-        return Written(files, steps, notes, f"{held_words(_MESH in files, skew.seen)}.")
+        return Written(files, steps, (*notes, TRIED), in_words(content))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what a printer.cfg has saved, or G-code sets; raises ReadingError, TableError."""

@@ -11,13 +11,13 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
+from axiscal.ports.printers.contents import content_of, in_words, lookups, play_of
 from axiscal.tables.effect import Control
 from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.exporter import MapFormat, Written, summed
-from axiscal.tables.loaded import Loaded, Lookup, both_ways
+from axiscal.tables.exporter import MapFormat, Written
+from axiscal.tables.loaded import Loaded
 from axiscal.tables.old_files import OldFile
-from axiscal.tables.sampling import axis_tables
-from axiscal.tables.surface import Mesh, Skew, height_seen, held_words, mesh_of, plane_axes, skew_of
+from axiscal.tables.surface import Mesh, Skew, plane_axes
 from axiscal.units import from_unit, to_unit
 
 _FILE = "axiscal.gcode"
@@ -38,11 +38,8 @@ class Marlin(MapFormat):
     )
 
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
-        """Return the map and the skew that were seen, and the lost motion with what was made up for already."""
-        old = options.old
-        meshes = (old.under_mesh(mesh_of(estimate, _points(options))),) if height_seen(estimate) else ()
-        play = summed([*backlash(estimate).items(), *play_of(old).items()])
-        return Loaded(_lookups(estimate.machine, play), meshes, old.under_skew(skew_of(estimate)))
+        """Return what was seen, with what was active already."""
+        return content_of(estimate, options, _points(options))
 
     def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:
         """Return the file; the firmware has to be built with the points of its map."""
@@ -50,9 +47,7 @@ class Marlin(MapFormat):
         reach = max(abs(end) for axis in machine.axes for end in axis.travel)
         steps = {"X": _STEP + 2e-7 * reach, "Y": _STEP + 2e-7 * reach, "Z": 2 * _STEP}
         files = {_FILE: text_of(content)} if mesh or skew.seen or play else {}
-        backlashes = f"one backlash for {', '.join(play)}" if play else ""
-        holds = "; ".join(part for part in (held_words(mesh is not None, skew.seen), backlashes) if part)
-        return Written(files, steps, _notes(mesh, skew, play), f"{holds}.", built=mesh)
+        return Written(files, steps, _notes(mesh, skew, play), in_words(content), built=mesh)
 
     def held(self, written: Written, machine: Machine, options: ExportOptions) -> Control:
         """Return what the firmware does that has the points of its map where they are."""
@@ -72,18 +67,7 @@ class Marlin(MapFormat):
                 raise TableError(what, "send M503, and save what Marlin answers", file.name)
             meshes, skew = (*meshes, *found.meshes), found.skew if found.skew.seen else skew
             play |= play_of(found)
-        return Loaded(_lookups(machine, play), meshes, skew)
-
-
-def play_of(content: Loaded) -> dict[str, float]:
-    """Return the lost motion that tables make up for, half of it to each side, m."""
-    return summed((one.axis, one.direction * float(one.added[0])) for one in content.lookups)
-
-
-def _lookups(machine: Machine, play: Mapping[str, float]) -> tuple[Lookup, ...]:
-    half = {axis: np.full(2, value / 2) for axis, value in play.items()}
-    ends = {axis: np.array(machine.axis(axis).travel) for axis in play}
-    return tuple(one for axis in play for one in both_ways(axis, axis, ends[axis], half[axis], -half[axis]))
+        return Loaded(lookups(machine, play), meshes, skew)
 
 
 def _built(text: str, machine: Machine) -> Mesh | None:
@@ -128,16 +112,6 @@ def _notes(mesh: Mesh | None, skew: Skew, play: Mapping[str, float]) -> tuple[st
     )
 
 
-def backlash(estimate: Estimate) -> dict[str, float]:
-    """Return the lost motion of each axis, m: by how much it arrives short when it comes from the other side."""
-    found = {}
-    for table in axis_tables(estimate):
-        low, high = estimate.box[estimate.machine.index(table.axis)]
-        at = np.linspace(low, high, 1001)
-        found[table.axis] = max(0.0, float(np.mean(table.deviation(at, -1) - table.deviation(at, 1))))
-    return {axis: value for axis, value in found.items() if value > 0}
-
-
 def text_of(content: Loaded) -> str:
     """Return the G-code, mm."""
     tangents = " ".join(f"{_SKEW[plane]}{tangent:.7f}" for plane, tangent in content.skew.seen.items())
@@ -168,7 +142,7 @@ def read(text: str, built: Mesh | None, machine: Machine) -> Loaded:
                 raise TableError(f"{line[:40]!r} says no height of a point", "write it as in M421 I0 J0 Z0.05")
             heights[int(values["J"]), int(values["I"])] = values["Z"]
     meshes = () if built is None or heights is None else (Mesh(built.x, built.y, from_unit(heights, "mm")),)
-    return Loaded(_lookups(machine, play), meshes, skew)
+    return Loaded(lookups(machine, play), meshes, skew)
 
 
 def _mm(places: Array) -> str:

@@ -1,8 +1,8 @@
 """`moonraker:HOST` and `duet:HOST`: a 3D printer that probes its own bed at the planned points.
 
 A reading is minus the height at which the probe meets the bed: over a high bed the tool is too low by as much.
-Written from the protocols that Moonraker and RepRapFirmware document. Tried against small servers that speak them,
-never on a printer.
+Written from the protocols that Moonraker and RepRapFirmware document. Tried with Klipper behind Moonraker, no printer;
+RepRapFirmware's against a small server that speaks it.
 """
 
 from __future__ import annotations
@@ -172,13 +172,15 @@ class Moonraker(Printer):
     """Klipper behind Moonraker: `/printer/gcode/script` answers when the lines are done."""
 
     def refuse_unready(self) -> None:
-        """Ask for state, homing, mesh and skew."""
+        """Ask for state, homing, mesh and the whole correction."""
         self.refuse_busy()
-        found = self._status("toolhead", "bed_mesh")
+        found = self._status("toolhead", "bed_mesh", "axiscal")
         if not set("xyz") <= set(str(found_at(found, "toolhead", "homed_axes") or "")):
             raise self._not_ready("is not homed", "Send G28 first")
         if found_at(found, "bed_mesh", "profile_name"):
             raise self._not_ready("has a bed mesh in force", "Send BED_MESH_CLEAR first")
+        if found_at(found, "axiscal", "active"):
+            raise self._not_ready("has its whole correction in force", "Send AXISCAL ENABLE=0 first")
 
     def refuse_busy(self) -> None:
         """Raise SourceError where it is not ready, or prints."""

@@ -1,17 +1,19 @@
 """Height maps put into a printer over the network, in force when it is done, and read back.
 
-Written from what Moonraker and RepRapFirmware document, tried against small servers that speak that, never on a
-printer. What is there under the same name is kept beside it.
+Written from what Moonraker and RepRapFirmware document. Tried with Klipper behind Moonraker, no printer; for a Duet
+against a small server. What is there under the same name is kept beside it.
 """
 
 from __future__ import annotations
 
 import json
+import posixpath
 import re
 import time
 import urllib.parse
 import zlib
 from collections.abc import Mapping
+from fnmatch import fnmatchcase
 
 import numpy as np
 
@@ -21,7 +23,7 @@ from axiscal.ports.printers.klipper import plain_profile
 from axiscal.ports.printers.printer import Duet, Moonraker, found_at
 
 _CONFIG = "axiscal_mesh.cfg"
-_INCLUDE = re.compile(rf"^\[include\s+{re.escape(_CONFIG)}\s*\]", re.MULTILINE)
+_INCLUDE = re.compile(r"^\[include\s+(\S.*?)\s*\]", re.MULTILINE)
 _MAP = "0:/sys/heightmap.csv"
 _STARTING = (404, 503)
 """How Moonraker answers for Klipper while that starts: no such page yet, or nobody there."""
@@ -77,7 +79,7 @@ class MoonrakerLoader(_Loader, Moonraker):
         sent, old = plain_profile(mesh).encode(), self._kept(_CONFIG)
         kept = "" if old in (None, sent) else self._beside(old or b"")
         self._upload(_CONFIG, sent)
-        if not _INCLUDE.search(self._ask("/server/files/config/printer.cfg").decode(errors="replace")):
+        if not _reads(self._ask("/server/files/config/printer.cfg").decode(errors="replace")):
             what = f"has {_CONFIG} now, and its printer.cfg does not read it"
             raise self._not_ready(what, f"Write the line [include {_CONFIG}] at the top of printer.cfg, then again")
         self.refuse_busy()  # somebody may have started a print since, which a restart would end
@@ -179,6 +181,11 @@ class DuetLoader(_Loader, Duet):
         said = self._ask("/rr_upload", {"name": file, "crc32": _digest(text)}, body=text)
         if found_at(_document(said), "err") != 0:
             raise self._not_ready(f"did not take {file}", "Look at its card")
+
+
+def _reads(config: str) -> bool:
+    """Return whether a printer.cfg includes our file, by its name or by a pattern as Klipper takes."""
+    return any(fnmatchcase(_CONFIG, posixpath.normpath(named)) for named in _INCLUDE.findall(config))
 
 
 def _digest(data: bytes) -> str:

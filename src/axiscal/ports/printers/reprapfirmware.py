@@ -1,62 +1,122 @@
-"""RepRapFirmware (Duet): `heightmap.csv`, version 2."""
+"""RepRapFirmware (Duet): `heightmap.csv`, version 2, and G-code with `M556` (skew) and `M425` (backlash)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
-from axiscal.measurement.readers.bed_map import height_map
+from axiscal.measurement.readers.bed_map import height_map, is_height_map
 from axiscal.measurement.readers.text import TextFile
+from axiscal.ports.printers.contents import content_of, in_words, lookups, play_of
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import MapFormat, Written
 from axiscal.tables.loaded import Loaded
 from axiscal.tables.old_files import OldFile
-from axiscal.tables.surface import Mesh, height_seen, mesh_of, mesh_of_nodes
-from axiscal.units import to_unit
+from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
+from axiscal.units import from_unit, to_unit
 
-_FILE = "heightmap.csv"
+_MAP, _CODE = "heightmap.csv", "axiscal.g"
 _FIRST = "RepRapFirmware height map file v2"
 _KEYS = "xmin,xmax,ymin,ymax,radius,xspacing,yspacing,xnum,ynum"
-_NOTES = (
-    f"Put {_FILE} into 0:/sys and load it after homing with G29 S1.",
-    "Its values are added to Z: positive where the bed is high.",
-    "M376 H0 keeps the correction at all heights; G29 S2 takes it off before measuring again.",
-)
+_SIDE = 1000.0
+"""mm; M556 says how far an axis leans over so much."""
+_USUAL, _MOST, _MOST_ALONG_X = 441, 961, 33
+"""Points of a map that every Duet takes, those with most memory, and its line of 330 characters with six decimals."""
+_COMMAND = re.compile(r"^\s*(M556|M425)\b([^;\n]*)", re.MULTILINE)
+_WORD = re.compile(r"([A-Z])\s*(-?[\d.]+)")
+_STEP = float(from_unit(1e-4, "mm"))
+"""The last decimal that is written, m."""
 
 
 class RepRapFirmware(MapFormat):
-    """A height map of a Duet."""
+    """A height map of a Duet, and commands for its skew and its backlash."""
 
-    holds = "height over the plane."
     left_out = (
-        "everything in the plane: positioning, straightness, squareness, reversal; and what the height does over z."
+        "positioning errors, straightness in the plane, reversal that changes along an axis or runs ahead, and what "
+        "the height does over z."
     )
 
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
-        """Return the map."""
-        if not height_seen(estimate):
-            what = "there is no deviation that a height map could hold: no reading has seen the height over the plane"
-            raise TableError(what, "read it along z while X and Y move")
-        return Loaded(meshes=(options.old.under_mesh(mesh_of(estimate, options.mesh)),))
+        """Return what was seen, with what was active already; raises TableError for a map that no Duet takes."""
+        found = content_of(estimate, options, options.mesh or (None if estimate.grid else int(_USUAL**0.5)))
+        for mesh in found.meshes:
+            if mesh.added.size > _MOST or len(mesh.x) > _MOST_ALONG_X:
+                what = f"a Duet takes {_MOST} points, {_MOST_ALONG_X} along x, and this map has"
+                raise TableError(f"{what} {len(mesh.x)} x {len(mesh.y)}", "export with --mesh 21")
+        return found
 
     def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:
-        """Return the file."""
-        (mesh,) = content.meshes
-        size = f"The map has {len(mesh.x)} x {len(mesh.y)} points; export with --mesh for another number a side."
-        return Written({_FILE: text_of(mesh)}, {"Z": 2e-9}, (*_NOTES, size))
+        """Return a file for the map, and one for the commands."""
+        files, play = dict[str, str](), play_of(content)
+        for mesh in content.meshes:
+            files[_MAP] = text_of(mesh)
+        if content.skew.seen or play:
+            files[_CODE] = code_of(content.skew, play)
+        steps = {"X": _STEP, "Y": _STEP, "Z": _STEP if "Z" in play else 2e-9}
+        return Written(files, steps, _notes(content, play), in_words(content))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
-        """Return the height maps of files; raises ReadingError."""
-        texts = [TextFile(file.name, tuple(file.text.splitlines())) for file in files]
-        return Loaded(meshes=tuple(mesh_of_nodes(height_map(text)) for text in texts))
+        """Return what height maps hold, and what G-code sets; raises ReadingError, TableError."""
+        meshes, skew, play = list[Mesh](), Skew(), dict[str, float]()
+        for file in files:
+            text = TextFile(file.name, tuple(file.text.splitlines()))
+            commands = {code: dict(_WORD.findall(words)) for code, words in _COMMAND.findall(file.text)}
+            if is_height_map(text) or not commands:
+                meshes.append(mesh_of_nodes(height_map(text)))
+            if "M556" in commands:
+                skew = _skew({letter: float(word) for letter, word in commands["M556"].items()})
+            own = {axis: word for axis, word in commands.get("M425", {}).items() if axis in "XYZ"}
+            play |= {axis: float(from_unit(float(word), "mm")) for axis, word in own.items()}
+        return Loaded(lookups(machine, play), tuple(meshes), skew)
+
+
+def _notes(content: Loaded, play: Mapping[str, float]) -> tuple[str, ...]:
+    notes = list[str]()
+    for mesh in content.meshes:
+        notes += [
+            f"Put {_MAP} into 0:/sys and load it after homing with G29 S1.",
+            "Its values are added to Z: positive where the bed is high.",
+            "M376 H0 keeps the correction at all heights; G29 S2 takes it off before measuring again.",
+            f"The map has {len(mesh.x)} x {len(mesh.y)} points; export with --mesh for another number a side.",
+        ]
+        if mesh.added.size > _USUAL:
+            notes.append(f"Only a Duet 3 with a main board of SAME70 takes more than {_USUAL} points.")
+    back = [code for code, used in (("M425 X0 Y0 Z0", play), ("M556 S100 X0 Y0 Z0", content.skew.seen)) if used]
+    if back:
+        notes.append(
+            f'Put {_CODE} into 0:/sys and the line M98 P"{_CODE}" at the end of config.g, in place of every M556 and '
+            f"M425 there. Before measuring again take it off: {', '.join(back)}."
+        )
+    if content.skew.seen:
+        notes.append(f"M556 sets {', '.join(content.skew.seen)}: no reading has seen another plane.")
+    return (*notes, "M425 needs RepRapFirmware 3.5 or later.") if play else tuple(notes)
+
+
+def code_of(skew: Skew, play: Mapping[str, float]) -> str:
+    """Return the G-code, mm.
+
+    The firmware adds: x += X y + Z z, y += Y z, with letters over S; XZ is of the skewed y, so it has a part of XY.
+    """
+    xy, yz = skew.xy or 0.0, skew.yz or 0.0
+    leans = {"XY": ("X", -xy), "YZ": ("Y", -yz), "XZ": ("Z", xy * yz - (skew.xz or 0.0))}
+    words = [f"{letter}{_SIDE * lean + 0.0:.6f}" for plane, (letter, lean) in leans.items() if plane in skew.seen]
+    lines = [" ".join([f"M556 S{_SIDE:g}", *words])] if words else []
+    lost = [f"{axis}{to_unit(value, 'mm'):.4f}" for axis, value in play.items()]
+    return "\n".join([*lines, *([" ".join(["M425", *lost])] if lost else [])]) + "\n"
+
+
+def _skew(words: Mapping[str, float]) -> Skew:
+    xy, yz, xz = (-words[letter] / words["S"] if letter in words else None for letter in "XYZ")
+    return Skew(xy, None if xz is None else xz + (xy or 0.0) * (yz or 0.0), yz)
 
 
 def text_of(mesh: Mesh) -> str:
-    """Return the text, mm."""
+    """Return the map, mm."""
     x, y, z = (np.round(to_unit(values, "mm"), 6) + 0.0 for values in (mesh.x, mesh.y, mesh.added))
     mean, deviation = round(float(np.mean(z)), 3) + 0.0, float(np.std(z))
     head = f"{_FIRST} generated by axiscal, mean error {mean:.3f}, deviation {deviation:.3f}"

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from axiscal.exceptions import SourceError, TableError
-from axiscal.ports.linuxcnc.volumetric import vcomp_reading
+from axiscal.tables.vcomp import vcomp_reading
 
 _SWITCH_OFF = "Set axiscal-vcomp.enable to 0 and wait a second"
 _SWITCH_ON = "Set axiscal-vcomp.enable to 1 and wait a second"

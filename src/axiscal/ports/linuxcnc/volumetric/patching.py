@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 
 from axiscal.exceptions import TableError
-from axiscal.ports.linuxcnc.volumetric.vcomp_writing import STATEMENT
 
 FILE, HAL_FILE = "axiscal.vcomp", "axiscal-volumetric.hal"
+STATEMENT = "Never run on real drives or on a realtime kernel. It is no safety function."
 _HEAD = f"""\
 # Made by axiscal: every error of the machine taken away between motion and drives.
 # {STATEMENT}

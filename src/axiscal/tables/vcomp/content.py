@@ -1,10 +1,11 @@
-"""What a file of the component holds: a machine as the component knows it, in the units of the configuration."""
+"""What a file holds: a machine as the control knows it, in the units of its configuration."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from axiscal.numerics import Array
+from axiscal.tables.surface import Mesh
 
 AXES, JOINTS, KNOTS, MOTIONS = 6, 9, 96, 6
 """By the component's source: axes, joint numbers, knots of an axis, error motions of an axis."""
@@ -47,6 +48,7 @@ class VcompFile:
     campaign : the beginning of its record's hash; unit : mm or inch
     limit, limit_deg : the largest correction of a linear and of a rotary joint; tool : (3,) from the spindle nose
     axes : in chain order, from the workpiece to the tool
+    bed : what is added to z over x and y beside them, m, where the control has that
     """
 
     campaign: str
@@ -55,6 +57,7 @@ class VcompFile:
     limit_deg: float
     tool: Array
     axes: tuple[VcompAxis, ...]
+    bed: Mesh | None = None
 
 
 def fnv1a(data: bytes) -> int:

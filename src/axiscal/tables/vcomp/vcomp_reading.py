@@ -10,28 +10,27 @@ import numpy as np
 
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.volumetric.content import (
-    AXES,
-    JOINTS,
-    KNOTS,
-    MOTIONS,
-    VcompAxis,
-    VcompFile,
-    fnv1a,
-)
+from axiscal.tables.old_files import OldFile
+from axiscal.tables.surface import Mesh
+from axiscal.tables.vcomp.content import AXES, JOINTS, KNOTS, MOTIONS, VcompAxis, VcompFile, fnv1a
+from axiscal.units import from_unit
 
 _NUMBER = re.compile(r"-?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?")
 _LONGEST = 31
 """By the component's source: characters of a word."""
 _AXIS = re.compile(r"([A-Z]) ([xyz]) rotary ([01]) side (1|-1) sense (1|-1) joints ([0-8]) (-1|[0-8])")
 _KNOTS = re.compile(r"(\d+) cyclic ([01]) reversal ([01]) (\S+)")
+_BED = re.compile(r"([2-9]|[1-9]\d) ([2-9]|[1-9]\d)")
 _SECONDS = (0.001, 10.0)
 """By the component's source: what a reversal may take, s."""
 _AGAIN = "export it again; nothing in it may be changed"
 
 
-def read(text: str, name: str = "axiscal.vcomp") -> VcompFile:
-    """Return what a file holds; raises TableError with the line where it is none."""
+def read(text: str, name: str = "axiscal.vcomp", with_bed: bool = False) -> VcompFile:
+    """Return what a file holds; raises TableError with the line where it is none.
+
+    with_bed : of a control that has the height of a bed behind its axes
+    """
     lines = _Lines(_numbered(text, name), name)
     lines.exactly("axiscal-vcomp 1")
     campaign, unit = lines.one("campaign"), lines.one("units")
@@ -48,12 +47,22 @@ def read(text: str, name: str = "axiscal.vcomp") -> VcompFile:
     if sum(not axis.rotary for axis in axes) != 3:
         raise lines.refusal("three axes have to be linear")
     _refuse_joints(lines, [joint for axis in axes for joint in axis.joints])
+    bed = _bed(lines) if with_bed else None
     before = text.encode().rpartition(b"end ")[0]
     if lines.one("end") != f"{fnv1a(before):08x}":
         raise lines.refusal("the checksum is wrong: the file was changed")
     if next(lines.rest, None) is not None:
         raise lines.refusal("something stands behind the end")
-    return VcompFile(campaign, unit, limit, limit_deg, tool, axes)
+    return VcompFile(campaign, unit, limit, limit_deg, tool, axes, bed)
+
+
+def read_among(files: Sequence[OldFile], with_bed: bool = False) -> tuple[VcompFile, ...]:
+    """Return what those of the files hold that are called .vcomp; raises TableError where none is."""
+    own = [file for file in files if file.name.lower().endswith(".vcomp")]
+    if not own:
+        names = ", ".join(dict.fromkeys(file.name for file in files))
+        raise TableError(f"{names} is no file of the whole correction", "give axiscal.vcomp")
+    return tuple(read(file.text, file.name, with_bed) for file in own)
 
 
 @dataclass(slots=True)
@@ -153,6 +162,14 @@ def _curves(lines: _Lines, count: int, curves: int) -> tuple[Array, Array]:
         if i < count - 1:
             found[i] = [lines.numbers(4) for _ in range(curves)]
     return knots, found
+
+
+def _bed(lines: _Lines) -> Mesh:
+    wide, deep = (int(count) for count in lines.matched("bed", _BED))
+    x, y = lines.numbers(wide), lines.numbers(deep)
+    if not (np.all(np.diff(x) > 0) and np.all(np.diff(y) > 0)):
+        raise lines.refusal("the places of the bed do not increase")
+    return Mesh(*(from_unit(values, "mm") for values in (x, y, np.array([lines.numbers(wide) for _ in range(deep)]))))
 
 
 def _refuse_joints(lines: _Lines, joints: Sequence[int]) -> None:

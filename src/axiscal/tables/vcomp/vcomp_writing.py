@@ -8,15 +8,38 @@ from dataclasses import replace
 import numpy as np
 
 from axiscal.errors.model import ErrorFunction, ErrorModel
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.volumetric.content import KNOTS, MOTIONS, VcompAxis, VcompFile, fnv1a
+from axiscal.tables.vcomp.applying import at_zero
+from axiscal.tables.vcomp.content import KNOTS, MOTIONS, VcompAxis, VcompFile, fnv1a
 from axiscal.units import to_unit
 
-STATEMENT = "Never run on real drives or on a realtime kernel. It is no safety function."
+_MARGIN, _LEAST = 1.5, 5e-6
+"""Share and m or rad beyond the largest correction over the volume at which a control refuses it."""
 _APART = 1e-9
 """Share of the travel: knots nearer than this are one, by rounding."""
+
+
+def content_of(
+    estimate: Estimate, given: Sequence[tuple[Sequence[int], float]], unit: str, largest: Array, origin: str
+) -> VcompFile:
+    """Return the file of an estimate; raises TableError for what it cannot hold.
+
+    given : joints of each axis, and how long its reversal takes, s; unit : mm or in
+    largest : (q,) m or rad, that each axis is corrected by; origin : hash of the record
+    """
+    model, mean, axes = estimate.model, estimate.mean, estimate.machine.axes
+    own = [axis_content(model, mean, k, joints, unit, seconds) for k, (joints, seconds) in enumerate(given)]
+    turning = [axis.rotary for axis in axes]
+    if not any(turning):
+        own = list(anchored(own, to_unit(1.0, unit) * at_zero(model, mean)))
+    furthest = max(_MARGIN * float(np.max(largest[~np.array(turning)])), _LEAST)
+    turned = max(_MARGIN * float(np.max(largest[turning], initial=0.0)), _LEAST)
+    tool = np.array([0.0, 0.0, -to_unit(model.machine.tool, unit)])
+    limits = float(to_unit(furthest, unit)), float(to_unit(turned, "deg"))
+    return VcompFile(origin[:16] or "none", {"mm": "mm", "in": "inch"}[unit], *limits, tool, tuple(own))
 
 
 def axis_content(
@@ -57,11 +80,11 @@ def axis_content(
     )
 
 
-def text_of(file: VcompFile) -> str:
-    """Return the file as text, with its checksum."""
+def text_of(file: VcompFile, statement: str) -> str:
+    """Return the file as text, with its checksum.  statement : of what it is not, for whoever looks into it"""
     lines = [
         "axiscal-vcomp 1",
-        f"# {STATEMENT}",
+        f"# {statement}",
         f"campaign {file.campaign}",
         f"units {file.unit}",
         f"limits {file.limit:.12g} {file.limit_deg:.12g}",
@@ -70,6 +93,9 @@ def text_of(file: VcompFile) -> str:
     ]
     for axis in file.axes:
         lines += _axis_lines(axis)
+    if file.bed is not None:
+        x, y, added = (1e3 * values for values in (file.bed.x, file.bed.y, file.bed.added))
+        lines += [f"bed {len(x)} {len(y)}", _line(x), _line(y), *(_line(row) for row in added)]
     body = "".join(f"{line}\n" for line in lines)
     return f"{body}end {fnv1a(body.encode()):08x}\n"
 

@@ -1,0 +1,59 @@
+"""What the files of printers hold: the height over the plane, the skew, and one lost motion of each axis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.machine.description import Machine
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import summed
+from axiscal.tables.loaded import Loaded, Lookup, both_ways
+from axiscal.tables.sampling import axis_tables
+from axiscal.tables.surface import height_seen, mesh_of, skew_of
+
+TRIED = "Tried with Klipper's own host by the steps of the motors, never on a printer."
+"""Of its files; `make controls` does it again."""
+
+
+def content_of(estimate: Estimate, options: ExportOptions, points: int | None) -> Loaded:
+    """Return the map and the skew that were seen, and the lost motion, with what was active already.
+
+    points : of the map along each side, None for as many as were read or the curves have
+    """
+    old = options.old
+    meshes = (old.under_mesh(mesh_of(estimate, points)),) if height_seen(estimate) else ()
+    play = summed([*backlash(estimate).items(), *play_of(old).items()])
+    return Loaded(lookups(estimate.machine, play), meshes, old.under_skew(skew_of(estimate)))
+
+
+def in_words(content: Loaded) -> str:
+    """Return what files hold, a sentence."""
+    skew, play = content.skew.seen, play_of(content)
+    words = ["height over the plane as a bed mesh"] if content.meshes else []
+    words = [" and ".join([*words, f"the skew of {', '.join(skew)}"])] if skew else words
+    return "; ".join([*words, f"one backlash for {', '.join(play)}"] if play else words) + "."
+
+
+def backlash(estimate: Estimate) -> dict[str, float]:
+    """Return the lost motion of each axis, m: by how much it arrives short when it comes from the other side."""
+    found = {}
+    for table in axis_tables(estimate):
+        low, high = estimate.box[estimate.machine.index(table.axis)]
+        at = np.linspace(low, high, 1001)
+        found[table.axis] = max(0.0, float(np.mean(table.deviation(at, -1) - table.deviation(at, 1))))
+    return {axis: value for axis, value in found.items() if value > 0}
+
+
+def play_of(content: Loaded) -> dict[str, float]:
+    """Return the lost motion that tables make up for, half of it to each side, m."""
+    return summed((one.axis, one.direction * float(one.added[0])) for one in content.lookups)
+
+
+def lookups(machine: Machine, play: Mapping[str, float]) -> tuple[Lookup, ...]:
+    """Return the tables that make up for lost motion, m, half of it to each side."""
+    half = {axis: np.full(2, value / 2) for axis, value in play.items()}
+    ends = {axis: np.array(machine.axis(axis).travel) for axis in play}
+    return tuple(one for axis in play for one in both_ways(axis, axis, ends[axis], half[axis], -half[axis]))

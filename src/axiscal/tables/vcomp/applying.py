@@ -1,0 +1,163 @@
+"""What a control makes of a file: errors, chain and joints once more, over many poses at a time.
+
+It shares no line with the writer and no kinematics with the machine's model: a sign that is wrong on one side shows.
+
+What a control does that knows the chain and every error: rotary axes turn their own error back, linear ones the tip.
+
+    Δ_k = -s_k ε_kk of a rotary axis;  [u_x u_y u_z] Δ = -δp without these for the linear axes
+
+and the same once more at the positions to which the axes are sent.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from axiscal.errors.model import ErrorModel
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+from axiscal.numerics import Array
+from axiscal.numerics.rigid import about
+from axiscal.tables.effect import Control, by_linear_axes
+from axiscal.tables.surface import mesh_control
+from axiscal.tables.vcomp.content import FADE_DEG, FADE_MM, LEAST_DETERMINANT, MOTIONS, VcompAxis, VcompFile
+from axiscal.units import from_unit, to_unit
+
+_INCH = 25.4
+"""By definition: mm of an inch."""
+
+
+def component_control(file: VcompFile, machine: Machine) -> Control:
+    """Return what the component adds to the joints; raises TableError when its axes are not those of the machine."""
+    names = [axis.name for axis in machine.axes]
+    if [axis.name for axis in file.axes] != names:
+        raise TableError(f"the file has axes {' '.join(a.name for a in file.axes)}", f"{' '.join(names)} are expected")
+    units = ["deg" if axis.rotary else {"mm": "mm", "inch": "in"}[file.unit] for axis in file.axes]
+
+    def added(poses: Array, approaches: Array) -> Array:
+        joints = np.stack([to_unit(column, u) for column, u in zip(poses.T, units, strict=True)], axis=1)
+        further = correction(file, joints, approaches)
+        found = np.stack([from_unit(column, u) for column, u in zip(further.T, units, strict=True)], axis=1)
+        return found if file.bed is None else found + mesh_control(machine, file.bed)(poses, approaches)
+
+    return added
+
+
+def correction(file: VcompFile, joints: Array, ways: Array, tool: Array | None = None) -> Array:
+    """Return what is added to the joints of each axis, (m, q), units of the file.
+
+    joints : (m, q) in chain order; ways : (m, q) from -1 to 1; tool : (3,) where it is not that of the campaign
+    Raises TableError where the linear axes do not span space.
+    """
+    sense = np.array([axis.sense for axis in file.axes])
+    tip = file.tool if tool is None else tool
+    first = _once(file, sense * joints, sense * ways, tip)
+    return sense * _once(file, sense * joints + first, sense * ways, tip)
+
+
+def joint_errors(axis: VcompAxis, at: Array, ways: Array, unit: str) -> Array:
+    """Return the errors of an axis (m, 6) at positions by ISO 841 (m,): motion + way reversal / 2 + location."""
+    low, high = axis.knots[[0, -1]]
+    fade = FADE_DEG if axis.rotary else FADE_MM if unit == "mm" else FADE_MM / _INCH
+    inside = low + np.mod(at - low, high - low) if axis.cyclic else np.clip(at, low, high)
+    beyond = np.zeros_like(at) if axis.cyclic else at - inside
+    far = np.minimum(np.abs(beyond), fade)
+    faded = np.sign(beyond) * (far - far**2 / (2 * fade))
+    found = np.clip(np.searchsorted(axis.knots, inside, side="right") - 1, 0, len(axis.knots) - 2)
+    x = (inside - axis.knots[found])[:, None]
+
+    def value(curves: Array) -> Array:
+        a, b, c, d = np.moveaxis(curves[found], 2, 0)
+        straight: Array = a + x * (b + x * (c + x * d)) + faded[:, None] * (b + x * (2 * c + 3 * x * d))
+        return straight
+
+    total: Array = value(axis.motions) + axis.place
+    if axis.reversals.shape[1] == MOTIONS:
+        total = total + 0.5 * ways[:, None] * value(axis.reversals)
+    return total
+
+
+def _once(file: VcompFile, at: Array, ways: Array, tool: Array) -> Array:
+    """Return what the axes are to be sent further, (m, q), walking from the tool to the workpiece."""
+    count = len(at)
+    point, off, out = np.tile(tool, (count, 1)), np.zeros((count, 3)), np.zeros_like(at)
+    moves: dict[int, Array] = {}
+    for k in reversed(range(len(file.axes))):
+        axis = file.axes[k]
+        found, e = joint_errors(axis, at[:, k], ways[:, k], file.unit), np.eye(3)[axis.along]
+        if axis.rotary:
+            angle = np.radians(at[:, k])
+            own = found[:, 3 + axis.along].copy()
+            out[:, k] = np.degrees(-axis.side * own)
+            turn = found[:, 3:] - own[:, None] * e
+            point = point - axis.origin
+            if axis.side > 0:
+                point, off = about(axis.along, point, angle), about(axis.along, off, angle)
+            off = off + axis.side * (found[:, :3] + np.cross(turn, point))
+            if axis.side < 0:
+                point, off = about(axis.along, point, angle), about(axis.along, off, angle)
+            moves = {i: about(axis.along, u, angle) for i, u in moves.items()}
+            point = point + axis.origin
+            continue
+        way = at[:, k, None] * e
+        carried = point if axis.side > 0 else point + way
+        off = off + axis.side * (found[:, :3] + np.cross(found[:, 3:], carried)) + np.cross(axis.tilt, way)
+        point, moves[k] = point + way, np.tile(e, (count, 1))
+    directions = np.stack(list(moves.values()), axis=2)
+    if np.any(np.abs(np.linalg.det(directions)) < LEAST_DETERMINANT):
+        raise TableError("the linear axes do not span space at some poses", "keep the volume away from there")
+    out[:, list(moves)] = -np.linalg.solve(directions, off[:, :, None])[:, :, 0]
+    return out
+
+
+def whole_control(model: ErrorModel, mean: Array) -> Control:
+    """Return the control that takes the deviation of these errors away.  mean : (size,) control values
+
+    Without rotary axes it adds nothing at machine zero, the mean of both directions: a constant is a matter of the
+    workpiece's zero. Errors of two axes together are left. Raises TableError when the machine has not three linear axes
+    that span space.
+    """
+    axes = model.machine.axes
+    taken, constant = by_linear_axes(model.machine), at_zero(model, mean)
+
+    def once(poses: Array, approaches: Array) -> Array:
+        values = _values(model, mean, poses, approaches)
+        levers, turned = model.levers(poses)[: len(model.functions)], np.zeros_like(poses)
+        for k, own in _own(model).items():
+            turned[:, k] = -axes[k].sign * np.sum(axes[k].direction) * values[own].sum(axis=0)
+            levers[own] = 0.0
+        return turned + taken(poses, np.einsum("fmc,fm->mc", levers, values) - constant)
+
+    return lambda poses, approaches: once(poses + once(poses, approaches), approaches)
+
+
+def at_zero(model: ErrorModel, mean: Array) -> Array:
+    """Return the constant deviation that is not corrected, (3,) m: that at machine zero, none where axes turn."""
+    if any(axis.rotary for axis in model.machine.axes):
+        return np.zeros(3)
+    zero = np.array([model.machine.zero])
+    values = _values(model, mean, zero, np.zeros_like(zero))
+    deviation: Array = np.einsum("fmc,fm->mc", model.levers(zero)[: len(model.functions)], values)[0]
+    return deviation
+
+
+def _values(model: ErrorModel, mean: Array, poses: Array, approaches: Array) -> Array:
+    """Return what every error of one axis is at poses, (functions, m), a reversal by its side."""
+    found = []
+    for function in model.functions:
+        value = function.rows(poses[:, function.axis]) @ mean[function.columns]
+        found.append(value * (0.5 * approaches[:, function.axis]) if function.kind == "reversal" else value)
+    return np.array(found).reshape(len(model.functions), len(poses))
+
+
+def _own(model: ErrorModel) -> dict[int, list[int]]:
+    """Return the errors by which each rotary axis turns too far about itself."""
+    return {
+        k: [
+            i
+            for i, f in enumerate(model.functions)
+            if f.axis == k and f.angular and abs(axis.direction[f.component % 3]) > 0.5
+        ]
+        for k, axis in enumerate(model.machine.axes)
+        if axis.rotary
+    }

@@ -1,0 +1,241 @@
+"""A printer that runs: Klipper's micro-controller with a bed under its probe, Klipper's host, and Moonraker."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import time
+import urllib.error
+import urllib.parse
+import urllib.request
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.sources import Answer, Request, open_source
+from axiscal.exceptions import SourceError
+from axiscal.machine.description import load_machine
+from axiscal.measurement.readers.bed_map import mesh as saved_mesh
+from axiscal.measurement.readers.text import TextFile
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal.ports.printers.printer_loader import loader_at
+from axiscal.tables.surface import mesh_of_nodes
+from tests.controls.fetched import python
+from tests.controls.klipper_host import klipper
+from tests.controls.known import TRAVELS
+
+BED = (0.31, 0.8, -0.6, 0.5, -0.3)
+"""mm: the height of the bed at 0, and by x, y, x y and x x in 100 mm: a bed as crooked as a probe is quick here."""
+_TURN, _STEPS = {"x": 128.0, "y": 128.0, "z": 8.0}, 200 * 16
+"""mm of a turn of each motor, and its steps."""
+_SECONDS = 40.0
+_OLD = "axiscal_mesh.cfg"
+_PLACES = np.array([[8.0, 8.0, 1.0], [70.0, 15.0, 2.0], [60.0, 70.0, 1.0]])
+"""mm, near each other: a source goes slowly"""
+
+
+def height(x: float, y: float) -> float:
+    """Return how high the bed is, mm.  x, y : mm"""
+    a, b = x / 100, y / 100
+    return BED[0] + BED[1] * a + BED[2] * b + BED[3] * a * b + BED[4] * a * a
+
+
+@dataclass(frozen=True)
+class Printer:
+    """What answers; port : of Moonraker; files : the folder of the configuration"""
+
+    port: int
+    files: Path
+
+    @property
+    def host(self) -> str:
+        """Its name as of a source."""
+        return f"127.0.0.1:{self.port}"
+
+    def asked(self, path: str, query: Mapping[str, str] | None = None, post: bool = False) -> Any:
+        """Return what Moonraker answers; raises OSError."""
+        url = f"http://{self.host}{path}" + (f"?{urllib.parse.urlencode(query)}" if query else "")
+        with urllib.request.urlopen(url, b"" if post else None, timeout=30) as answer:
+            return json.loads(answer.read())["result"]
+
+    def told(self, *codes: str) -> None:
+        """Have G-code executed; raises AssertionError with the log where it is not."""
+        try:
+            self.asked("/printer/gcode/script", {"script": "\n".join(codes)}, post=True)
+        except urllib.error.HTTPError as fault:
+            said = fault.read().decode()
+            raise AssertionError(f"{codes}: {said}: {self._log()}") from fault
+
+    def status(self, name: str) -> dict[str, Any]:
+        """Return what an object of Klipper says."""
+        found: dict[str, Any] = self.asked("/printer/objects/query", {name: ""})["status"][name]
+        return found
+
+    def ready(self) -> None:
+        """Wait until Klipper is; raises AssertionError with its log."""
+        end = time.monotonic() + _SECONDS
+        said = ""
+        while time.monotonic() < end:
+            try:
+                said = str(self.asked("/printer/info")["state"])
+            except OSError as fault:
+                said = str(fault)
+            if said == "ready":
+                return
+            assert said not in ("error", "shutdown"), self._log()
+            time.sleep(0.1)
+        raise AssertionError(f"{said}: {self._log()}")
+
+    def _log(self) -> str:
+        log = (self.files.parent / "klippy.log").read_text()
+        return "\n".join([*(line for line in log.splitlines() if "hutdown" in line), log[-1500:]])
+
+
+def config(data: Path) -> str:
+    """Return printer.cfg.  data : the folder in which everything runs"""
+    lines = [
+        "[include axiscal_*.cfg]",
+        "[mcu]",
+        f"serial: {data}/mcu",
+        "restart_method: command",
+        "[printer]",
+        "kinematics: cartesian",
+    ]
+    lines += ["max_velocity: 200", "max_accel: 3000", "max_z_velocity: 10", "max_z_accel: 100"]
+    for k, axis in enumerate("xyz"):
+        low, high = TRAVELS[axis.upper()]
+        lines += [f"[stepper_{axis}]", f"step_pin: gpio{4 * k}", f"dir_pin: gpio{4 * k + 1}", "microsteps: 16"]
+        lines += [f"enable_pin: !gpio{4 * k + 2}", f"rotation_distance: {_TURN[axis]}", "homing_retract_dist: 0"]
+        lines += [f"position_min: {low - 5}", f"position_max: {high + 5}"]
+        if axis == "z":
+            lines += ["homing_speed: 5", "endstop_pin: probe:z_virtual_endstop"]
+        else:
+            lines += ["homing_speed: 40", f"endstop_pin: gpio{4 * k + 3}", "position_endstop: 0"]
+    lines += ["[probe]", "pin: gpio13", "z_offset: 0", "speed: 4", "lift_speed: 10", "samples: 1"]
+    lines += ["[bed_mesh]", "mesh_min: 0, 0", "mesh_max: 300, 240", "[virtual_sdcard]", f"path: {data}/gcodes"]
+    return "\n".join(lines) + "\n"
+
+
+def read(printer: Printer) -> tuple[Array, Array]:
+    """Return what a source reads of the bed, and how high it is, both (n,) mm over the first place."""
+    with pytest.raises(SourceError, match="has its whole correction in force"):
+        open_source(f"moonraker:{printer.host}", None)  # type: ignore[arg-type]
+    printer.told("AXISCAL ENABLE=0")
+    source = open_source(f"moonraker:{printer.host}", None)  # type: ignore[arg-type]
+    found = [source.read(_request(x, y)) for x, y, _ in _PLACES]
+    heights = np.array([-1e3 * each.value for each in found if isinstance(each, Answer)])
+    bed = np.array([height(x, y) for x, y, _ in _PLACES])
+    return heights - heights[0], bed - bed[0]
+
+
+def loaded(printer: Printer, mesh: str) -> tuple[Array, Array]:
+    """Put a mesh into the printer, and return what it adds to Z and what the mesh says there, (n,) mm each."""
+    said = loader_at(f"moonraker:{printer.host}", "klipper").load(mesh, "axiscal")
+    assert "the one that was there is axiscal_mesh_" in said
+    printer.told("G28")
+    with pytest.raises(AssertionError, match="corrects the machine already, and a bed mesh is active too"):
+        printer.told("G1 Z2")
+    printer.told("AXISCAL ENABLE=0")
+    found = added(printer)[:, 2]
+    printer.told("BED_MESH_CLEAR")
+    text = TextFile(_OLD, tuple(mesh.splitlines()))
+    return found, 1e3 * mesh_of_nodes(saved_mesh(text)).at(*_PLACES[:, :2].T * 1e-3)
+
+
+def added(printer: Printer) -> Array:
+    """Return what is added to X, Y, Z at places, (n, 3) mm."""
+    found = []
+    for place in _PLACES:
+        printer.told("G90", "G1 X{} Y{} Z{} F9000".format(*place), "M400")
+        found.append(printer.status("toolhead")["position"][:3])
+    return np.asarray(np.array(found) - _PLACES)
+
+
+def whole(printer: Printer) -> tuple[Array, Array]:
+    """Return what the extra adds after Klipper and its micro-controller were started again, and where, (n, 3) mm."""
+    printer.told("FIRMWARE_RESTART")
+    time.sleep(1.0)
+    printer.ready()
+    printer.told("G28")
+    return added(printer), _PLACES
+
+
+def _request(x: float, y: float) -> Request:
+    axes, still = load_machine("printer-gantry").axes, (0.0, 0.0, 0.0)
+    setup = Setup("bed", "probe", (0.0, 0.0, 1.0), (1, 2), still, 1e-5, (), 60, 1, 5, still, "both")
+    at = {"X": x * 1e-3, "Y": y * 1e-3}
+    return Request(1, setup, axes, tuple(at.get(axis.name, 0.0) for axis in axes), (0,) * len(axes))
+
+
+@contextmanager
+def running(files: Mapping[str, str]) -> Iterator[Printer]:
+    """Yield a printer that is homed, with the extra and the file of an export.  files : of the export"""
+    at = klipper()
+    with TemporaryDirectory(prefix="axiscal-printer-") as folder, ExitStack() as stack:
+        data = Path(folder)
+        for name in ("config", "gcodes", "logs"):
+            (data / name).mkdir()
+        (at / "klippy" / "extras" / "axiscal.py").write_text(files["axiscal.py"])
+        (data / "config" / "axiscal.vcomp").write_text(files["axiscal.vcomp"])
+        (data / "config" / "printer.cfg").write_text(config(data) + "[axiscal]\n")
+        (data / "config" / _OLD).write_text("# of the owner\n")
+        printer = Printer(_free(), data / "config")
+        server = ["[server]", "host: 127.0.0.1", f"port: {printer.port}", f"klippy_uds_address: {data}/klippy"]
+        server += [
+            "[authorization]",
+            "trusted_clients:",
+            "  127.0.0.1",
+            "[file_manager]",
+            "[machine]",
+            "provider: none",
+        ]
+        (data / "config" / "moonraker.conf").write_text("\n".join(server) + "\n")
+        env = {"STEPS_PER_MM": ",".join(f"{_STEPS / turn}" for turn in _TURN.values()), "BED": ",".join(map(str, BED))}
+        words: list[list[str | Path]] = [[at / "out" / "klipper.elf", "-I", data / "mcu"]]
+        words += [
+            [
+                python(),
+                at / "klippy/klippy.py",
+                data / "config/printer.cfg",
+                "-a",
+                data / "klippy",
+                "-l",
+                data / "klippy.log",
+            ]
+        ]
+        words += [[python(), "-m", "moonraker", "-d", data, "-c", data / "config/moonraker.conf", "-n"]]
+        for number, each in enumerate(words):
+            stack.enter_context(_started(each, data, number, env))
+        printer.ready()
+        printer.told("G28")
+        yield printer
+
+
+@contextmanager
+def _started(words: Sequence[str | Path], data: Path, number: int, env: Mapping[str, str]) -> Iterator[None]:
+    with (data / f"said-{number}.log").open("w") as log:
+        process = subprocess.Popen(words, cwd=data, stdout=log, stderr=log, env={**os.environ, **env})
+        try:
+            yield
+        finally:
+            process.send_signal(signal.SIGTERM)
+            try:
+                process.wait(5)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait(5)
+
+
+def _free() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as found:
+        return int(found.getsockname()[1])

@@ -1,0 +1,145 @@
+"""Every control by its name: what it is given, and what it is seen to do."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.lab import available, can_load
+from axiscal.ports.linuxcnc.linuxcnc_source import LinuxcncMachine
+from axiscal.tables.surface import Mesh
+from tests.certify.gcode import interpreted, random_plan
+from tests.certify.gcode_traces import interpreter
+from tests.controls import duet, klipper_host, live_printer, marlin
+from tests.controls.fetched import MissingError, run
+from tests.controls.known import BED, OWN, PLANE, SQUARE, STRAIGHT, TRAVELS, TURNS, Known, Row, known
+
+LOST = {f"E{axis}{axis}_reversal": "20 um" for axis in "XYZ"}
+
+
+def by_name(machine: Known, added: Callable[[Array, Array], Array]) -> Callable[[Array, Array], Array]:
+    """Return what adds to axes in the order of the chain, of what adds to X, Y, Z."""
+    order = order_of(machine)
+    return lambda poses, ways: added(poses[:, np.argsort(order)], ways[:, np.argsort(order)])[:, order]
+
+
+def order_of(machine: Known) -> list[int]:
+    """Return where each axis of the chain stands in X, Y, Z."""
+    return ["XYZ".index(axis.name) for axis in machine.estimate.machine.axes]
+
+
+def klipper() -> Row:
+    """Its mesh and its skew, by the steps of the motors."""
+    machine = known(BED, SQUARE)
+    export = machine.exported("klipper", mesh=25)
+    config = klipper_host.config("[bed_mesh]\nmesh_min: 0, 0\nmesh_max: 300, 240\n[skew_correction]\n")
+    codes = ["BED_MESH_PROFILE LOAD=axiscal", *export.files["skew.gcode"].splitlines()]
+    files = {"printer.cfg": config + export.files["bed_mesh.cfg"]}
+    added = by_name(machine, lambda poses, _: klipper_host.motors(files, codes, poses) - poses)
+    ran = "bed_mesh and skew_correction, steps of the motors"
+    return machine.row("Klipper", klipper_host.VERSION, ran, export, added, sides=False)
+
+
+def klipper_volumetric() -> Row:
+    """The extra in Klipper's own host, by the steps of the motors."""
+    machine = known(OWN, STRAIGHT, SQUARE, TURNS, BED, PLANE)
+    export = machine.exported("klipper-volumetric", mesh=25)
+    files = {"printer.cfg": klipper_host.config("[axiscal]\n"), "axiscal.vcomp": export.files["axiscal.vcomp"]}
+    extras = {"axiscal.py": export.files["axiscal.py"]}
+    added = by_name(machine, lambda poses, _: klipper_host.motors(files, [], poses, extras) - poses)
+    ran = "extras/axiscal.py, steps of the motors"
+    return machine.row("klipper-volumetric", klipper_host.VERSION, ran, export, added, sides=False)
+
+
+def reprapfirmware() -> Row:
+    """Its map, compiled, behind the formulas of M556 and M425."""
+    machine = known(BED, SQUARE, LOST)
+    export = machine.exported("reprapfirmware", mesh=21)
+    added = by_name(machine, lambda poses, ways: duet.added(export.files, poses, ways))
+    ran = "Grid.cpp compiled; M556, M425 by their formulas"
+    return machine.row("RepRapFirmware", duet.VERSION, ran, export, added, sides=True)
+
+
+def marlin_row() -> Row:
+    """Its mesh, skew and backlash as formulas."""
+    machine = known(BED, SQUARE, LOST)
+    export = machine.exported("marlin", mesh=25)
+    x, y = (np.linspace(*TRAVELS[axis], 25) * 1e-3 for axis in "XY")
+    built = Mesh(x, y, np.zeros((25, 25)))
+    added = by_name(machine, lambda poses, ways: marlin.added(export.files["axiscal.gcode"], built, poses, ways))
+    ran = "M421, M852, M425 by their formulas"
+    return machine.row("Marlin", marlin.VERSION, ran, export, added, sides=True)
+
+
+def moonraker() -> Row:
+    """A bed that `run --source moonraker:` probes, a mesh of `export --load`, and the extra after FIRMWARE_RESTART."""
+    machine = known(OWN, STRAIGHT, SQUARE, BED)
+    mesh, whole = (machine.exported(name, mesh=7) for name in ("klipper", "klipper-volumetric"))
+    with live_printer.running(whole.files) as printer:
+        seen = [live_printer.read(printer), live_printer.loaded(printer, mesh.files["bed_mesh.cfg"])]
+        added, places = live_printer.whole(printer)
+    order = order_of(machine)
+    said = np.empty_like(places)
+    said[:, order] = 1e3 * whole.control(1e-3 * places[:, order], np.zeros_like(places))
+    seen.append((added, said))
+    off = max(100 * float(np.max(np.abs(a - b)) / np.ptp(b)) for a, b in seen)
+    return Row("Moonraker", "0.11.0", "--source moonraker:, --load, FIRMWARE_RESTART", off)
+
+
+def rs274() -> Row:
+    """Measuring programs as LinuxCNC's interpreter understands them, judged by the plan that they are of."""
+    if interpreter() is None:
+        raise MissingError("linuxcnc-uspace is not installed")
+    with TemporaryDirectory() as folder:
+        plans = (random_plan(np.random.default_rng(seed)) for seed in range(20))
+        found = [verdict for plan in plans for verdict in interpreted(plan, Path(folder))]
+    moves, faults = sum(each for each, _ in found), sum(bool(wrong) for _, wrong in found)
+    return Row("rs274", debian(), f"20 measuring programs, {moves} moves", 100 * faults / len(found))
+
+
+def linuxcnc() -> Row:
+    """Tables and HAL text in the LinuxCNC that is installed."""
+    return _on_linuxcnc("linuxcnc", "COMP_FILE and axiscal-cross.hal", known(OWN, LOST, STRAIGHT, SQUARE))
+
+
+def linuxcnc_volumetric() -> Row:
+    """The component in the LinuxCNC that is installed."""
+    if not can_load("axiscal_vcomp"):
+        raise MissingError("gcc and linuxcnc-uspace-dev are not installed")
+    machine = known(OWN, LOST, STRAIGHT, SQUARE, TURNS, BED)
+    return _on_linuxcnc("linuxcnc-volumetric", "axiscal_vcomp in the servo thread", machine)
+
+
+def _on_linuxcnc(controller: str, ran: str, machine: Known) -> Row:
+    if not available():
+        raise MissingError("linuxcnc-uspace is not installed")
+    export = machine.exported(controller)
+    with LinuxcncMachine(machine.truth, export.files) as running:
+        row = machine.row(controller, debian(), ran, export, lambda p, w: running.sent(p, w) - p, sides=True)
+        assert running.errors == ()
+    return row
+
+
+def debian() -> str:
+    """Return the version of LinuxCNC that Debian has installed."""
+    if shutil.which("dpkg-query") is None:
+        return "installed"
+    said = run(["dpkg-query", "-W", "-f", "${Version}", "linuxcnc-uspace"], Path("/"))
+    return said.partition("~")[0]
+
+
+CONTROLS: Mapping[str, Callable[[], Row]] = {
+    "linuxcnc": linuxcnc,
+    "linuxcnc-volumetric": linuxcnc_volumetric,
+    "rs274": rs274,
+    "klipper": klipper,
+    "klipper-volumetric": klipper_volumetric,
+    "moonraker": moonraker,
+    "reprapfirmware": reprapfirmware,
+    "marlin": marlin_row,
+}

@@ -1,0 +1,72 @@
+"""The extra of Klipper by itself: it adds what our reader says, and refuses files that are not whole or not of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from axiscal.exceptions import TableError
+from axiscal.machine.description import machine_from_text
+from axiscal.ports.printers.klipper_extra import Correction
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.loaded import Loaded
+from axiscal.tables.offer import Export
+from axiscal.tables.registry import exporter
+from axiscal.tables.round_trip import drawn_and_known
+from axiscal.tables.vcomp.content import fnv1a
+from tests.controls.known import BED, OWN, PLANE, SQUARE, STRAIGHT, TURNS, Known, known
+from tests.generators.texts import machine_text
+
+
+@pytest.fixture(scope="module")
+def printer() -> Known:
+    return known(OWN, STRAIGHT, SQUARE, TURNS, BED, PLANE)
+
+
+@pytest.fixture(scope="module")
+def export(printer: Known) -> Export:
+    return printer.exported("klipper-volumetric")
+
+
+def test_the_extra_adds_what_the_reader_says_also_beyond_the_travel(printer: Known, export: Export) -> None:
+    extra, machine = Correction(export.files["axiscal.vcomp"]), printer.estimate.machine
+    low, high = np.array(printer.estimate.box).T
+    poses = np.random.default_rng(2).uniform(low - 8e-3, high + 8e-3, (60, 3))
+    order = [machine.index(name) for name in "XYZ"]
+    found = [extra.at([float(at) for at in place]) for place in 1e3 * poses[:, order]]
+    said = 1e3 * export.control(poses, np.ones_like(poses))[:, order]
+    assert np.max(np.abs(np.array(found) - said)) < 1e-9
+    assert np.max(np.abs(said)) > 0.05
+    assert export.effect.after < 1e-6 < 60e-6 < export.effect.before
+
+
+@pytest.mark.parametrize(
+    ("wrong", "why"),
+    [
+        (lambda t: t.replace("e-05", "e-04", 1), "the checksum is wrong"),
+        (lambda t: t[: len(t) // 2], "the checksum is wrong"),
+        (lambda t: _summed(t.replace("units mm", "units inch")), "counts in mm"),
+        (lambda t: _summed(t.replace("axis X", "axis U")), "none of a printer"),
+        (lambda t: _summed(t.partition("bed ")[0]), "a line bed is expected"),
+    ],
+)
+def test_a_file_that_is_not_whole_or_of_another_machine_is_refused(export: Export, wrong: object, why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        Correction(wrong(export.files["axiscal.vcomp"]))  # type: ignore[operator]
+
+
+def _summed(text: str) -> str:
+    """Return a text with the checksum that is right for it."""
+    body = text.rpartition("end ")[0] or text
+    return f"{body}end {fnv1a(body.encode()):08x}\n"
+
+
+def test_a_machine_that_turns_and_an_old_compensation_are_refused(printer: Known) -> None:
+    control = exporter("klipper-volumetric")
+    travels = {"X": (0.0, 100.0), "Y": (0.0, 100.0), "Z": (0.0, 100.0), "C": (0.0, 360.0)}
+    turning = machine_from_text(machine_text("w-C'-X'-b-Y-Z-t", travels, {"EXX": "10 um"}))
+    with pytest.raises(TableError, match="This control is for X, Y and Z"):
+        control.make(drawn_and_known(turning), ExportOptions())
+    old = ExportOptions(old=Loaded(), old_files=(object(),))  # type: ignore[arg-type]
+    with pytest.raises(TableError, match="cannot go on top"):
+        control.make(printer.estimate, old)
