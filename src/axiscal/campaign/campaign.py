@@ -63,7 +63,7 @@ from axiscal.record.events import (
     Undoable,
     Undone,
 )
-from axiscal.record.log import EventLog
+from axiscal.record.log import EventLog, SignedUntil, signed_until
 from axiscal.record.opening import created_log, opened_log
 
 Planner = Callable[
@@ -242,11 +242,22 @@ class Campaign(Closing):
 
     def finish(self, because: str | None = None) -> str:
         """End the campaign and return why: the target that is reached, by what a report says, unless said otherwise."""
-        if self.state.finished is not None:
-            return self.state.finished
-        reason = because or self.reached(ended=True) or "ended by the operator"
-        self._append(Finished(reason))
+        reason = self.state.finished
+        if reason is None:
+            reason = because or self.reached(ended=True) or "ended by the operator"
+            self._append(Finished(reason))
+        self.sign()
         return reason
+
+    def sign(self) -> SignedUntil | None:
+        """Let this person answer for the record so far, if there is a key, and return its last signature."""
+        self._record.sign()
+        self._take_in(self._record.state())
+        return self.signed()
+
+    def signed(self) -> SignedUntil | None:
+        """Return the last signature of the record, None where nobody has signed."""
+        return signed_until(self._record.texts())
 
     def reached(self, ended: bool = False) -> str | None:
         """Return the target that is reached, in words; None if there is none.  ended : no other readings follow"""

@@ -6,7 +6,7 @@ import contextlib
 from abc import abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import NamedTuple
 from uuid import UUID, uuid5
@@ -14,9 +14,10 @@ from uuid import UUID, uuid5
 from axiscal.document.durable import Closing
 from axiscal.document.quoting import shown
 from axiscal.exceptions import NewerError, OvertakenError, RecordError
-from axiscal.record.events import Event, EventOrderError, Folding, Newer, State, Stored
+from axiscal.record.events import Event, EventOrderError, Folding, Newer, Signed, State, Stored
 from axiscal.record.line_form import DamageError, EventText, chained
-from axiscal.record.payload import PayloadError, decode, encode
+from axiscal.record.payload import PayloadError, decode, encode, hand_of
+from axiscal.record.signing import Hand, Signature, holds, key_file, own_hand, signature, what_is_signed
 
 EMPTY = 64 * "0"
 """The chain before the first event."""
@@ -66,7 +67,26 @@ class EventLog(Closing):
         Raises ValueError for an event that cannot be kept, NewerError where a newer version has written.
         """
         self._story.refuse_to_add(self.path)
+        known = self._story.events
+        if known and after in (None, len(known)) and _day(known[-1].at) != _day(_now()) and self.sign():
+            after = None if after is None else after + 1
         return self.extend(rows_of(events), after)
+
+    def sign(self) -> bool:
+        """Let this person answer for all events so far, and return whether; not without a key, nor for a signature.
+
+        Raises NewerError as `append`, OvertakenError if another process writes meanwhile.
+        """
+        self._story.refuse_to_add(self.path)
+        if not key_file().exists():
+            return False
+        texts, at = self.texts(), _now()
+        by = None if texts[-1].row.kind == "signed" else signature(_signable(at, texts))
+        if by is None:
+            return False
+        row = EventText(at, *encode(Signed(by.key, by.signature), Hand(by.person, by.computer)))
+        self.extend([row], after=len(texts))
+        return True
 
     def events(self) -> tuple[Stored, ...]:
         """Return all events, oldest first."""
@@ -77,6 +97,30 @@ class EventLog(Closing):
         """Return the state folded from all events."""
         self.last()
         return replace(self._story.state(self.path), name=self.name)
+
+
+class SignedUntil(NamedTuple):
+    """The last signature of a log: the number of its event, whose it is, and whether it is of what stands before it."""
+
+    number: int
+    by: Signature
+    holds: bool
+
+
+def signed_until(texts: Sequence[ChainedText]) -> SignedUntil | None:
+    """Return the last signature of a log, None where nobody has signed."""
+    for number in range(len(texts), 0, -1):
+        row = texts[number - 1].row
+        if row.kind == "signed":
+            event, hand = decode(row.kind, row.payload), hand_of(row.payload) or Hand("", "")
+            assert isinstance(event, Signed)
+            by = Signature(*hand, event.key, event.signature)
+            return SignedUntil(number, by, holds(_signable(row.at, texts[: number - 1]), by))
+    return None
+
+
+def _signable(at: str, texts: Sequence[ChainedText]) -> dict[str, object]:
+    return what_is_signed(at, ((text.row.at, text.chain) for text in texts))
 
 
 class Story:
@@ -176,8 +220,8 @@ def shared_events(one: Sequence[str], other: Sequence[str]) -> int:
 
 def rows_of(events: Sequence[Event]) -> list[EventText]:
     """Return events as they are written now, in one transaction; raises ValueError for one that cannot be kept."""
-    at = _now()
-    return [EventText(at, *encode(event), n == len(events)) for n, event in enumerate(events, 1)]
+    at, hand = _now(), own_hand()
+    return [EventText(at, *encode(event, hand), n == len(events)) for n, event in enumerate(events, 1)]
 
 
 def in_one(rows: Sequence[EventText]) -> list[EventText]:
@@ -202,6 +246,10 @@ def refuse_overtaken(last: int, after: int | None, path: Path) -> None:
             "Look at it with `axiscal status`, then give the command again",
             path,
         )
+
+
+def _day(at: str) -> date:
+    return datetime.fromisoformat(at).astimezone().date()
 
 
 def _now() -> str:
