@@ -158,3 +158,25 @@ def test_a_signature_of_other_events_is_named(tmp_path: Path, capsys: pytest.Cap
         found = signed_until(record.texts())
     assert found is not None
     assert not found.holds
+
+
+def test_results_are_signed_with_the_record_that_they_are_of(
+    path: Path, key: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = path.parent / "out"
+    assert run(["sign", str(path)]) == 0
+    assert run(["finish", str(path), "--out", str(out)]) == 0
+    assert run(["report", str(path), "--out", str(path.parent / "mill.xml")]) == 0
+    whole = [str(path), "--key", public(path), "--manifest"]
+    for manifest in (out / "manifest.json", path.parent / "manifest-mill.xml.json"):
+        assert main([*whole, str(manifest)]) == 0
+        assert "signed by Anna" in capsys.readouterr().out
+    manifest = out / "manifest.json"
+    (out / "result.json").write_text("{}")
+    assert main([*whole, str(manifest)]) == 1
+    assert "result.json is missing, or not what" in capsys.readouterr().out
+    manifest.write_text(manifest.read_text().replace('"event": ', '"event": 1'))
+    assert main([*whole, str(manifest)]) == 1
+    said = capsys.readouterr().out
+    assert "the signature of manifest.json is not of what" in said
+    assert "not of this record" in said
