@@ -242,18 +242,15 @@ class Campaign(Closing):
 
     def finish(self, because: str | None = None) -> str:
         """End the campaign and return why: the target that is reached, by what a report says, unless said otherwise."""
-        reason = self.state.finished
-        if reason is None:
-            reason = because or self.reached(ended=True) or "ended by the operator"
-            self._append(Finished(reason))
+        if self.state.finished is None:
+            self._append(Finished(because or self.reached(ended=True) or "ended by the operator"))
         self.sign()
-        return reason
+        return self.state.finished or ""
 
-    def sign(self) -> SignedUntil | None:
-        """Let this person answer for the record so far, if there is a key, and return its last signature."""
+    def sign(self) -> None:
+        """Let this person answer for the record so far, if there is a key."""
         self._record.sign()
-        self._take_in(self._record.state())
-        return self.signed()
+        self._append()
 
     def signed(self) -> SignedUntil | None:
         """Return the last signature of the record, None where nobody has signed."""

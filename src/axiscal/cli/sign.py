@@ -12,9 +12,8 @@ from axiscal.record.signing import key_file, make_key
 def sign(record: OwnRecord, json: Json = False) -> None:
     """Answer for a record so far by your signature.
 
-    Your key is made the first time, a file that nobody else may read. From then on every record that you write to is
-    signed when the campaign ends, when a prompt is paused, and before the first entry of another day. Give others your
-    public key: with it, tools/check_record.py checks a record without axiscal.
+    Your key is made the first time. From then on your records are signed when they end, when a prompt is paused, and
+    before the first entry of another day. Give others your public key; keep its file to yourself.
 
     \b
     Example:
@@ -22,7 +21,8 @@ def sign(record: OwnRecord, json: Json = False) -> None:
     """
     make_key()
     with opened_to_write(record) as campaign:
-        found = campaign.sign()
+        campaign.sign()
+        found = campaign.signed()
         assert found is not None
         if json:
             document = {"record": str(record), "event": found.number, **found.by._asdict(), "holds": found.holds}

@@ -36,8 +36,7 @@ def sync(
     """Bring a laptop's record and the shop's store together.
 
     Either may have gone on; no reading is lost. If both have gone on, the laptop's part becomes a branch, a campaign of
-    its own. Nothing is merged, because plan, question and undo depend on the order. The laptop's later readings go
-    there, too.
+    its own. Nothing is merged. The laptop's later readings go there, too.
 
     \b
     Examples:

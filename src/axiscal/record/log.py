@@ -67,10 +67,10 @@ class EventLog(Closing):
         Raises ValueError for an event that cannot be kept, NewerError where a newer version has written.
         """
         self._story.refuse_to_add(self.path)
-        known = self._story.events
-        if known and after in (None, len(known)) and _day(known[-1].at) != _day(_now()) and self.sign():
+        rows, known = rows_of(events), self._story.events
+        if rows and known and after in (None, len(known)) and _day(known[-1].at) != _day(rows[0].at) and self.sign():
             after = None if after is None else after + 1
-        return self.extend(rows_of(events), after)
+        return self.extend(rows, after)
 
     def sign(self) -> bool:
         """Let this person answer for all events so far, and return whether; not without a key, nor for a signature.

@@ -78,7 +78,7 @@ def _listening(port: int) -> socket.socket:
 def _server(app: Guard, ending: Callable[[], None]) -> _Server:
     config = uvicorn.Config(
         app,
-        http=_Line,
+        http=_Caller,
         ws="none",
         log_level="error",
         access_log=False,
@@ -91,7 +91,7 @@ def _server(app: Guard, ending: Callable[[], None]) -> _Server:
     return _Server(config, ending)
 
 
-class _Line(H11Protocol):
+class _Caller(H11Protocol):
     """A connection. One that takes too long to ask is cut, and the longest waiting one where there are too many."""
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
@@ -99,7 +99,7 @@ class _Line(H11Protocol):
         super().connection_made(transport)
         self._since = self.loop.time()
         self._watch = self.loop.call_later(_PATIENCE, self._look)
-        asking = [line for line in self.connections if isinstance(line, _Line) and line._asks()]
+        asking = [line for line in self.connections if isinstance(line, _Caller) and line._asks()]
         if len(asking) > _ASKING:
             min(asking, key=lambda line: line._since).transport.abort()
 
