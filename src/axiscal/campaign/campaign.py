@@ -248,12 +248,12 @@ class Campaign(Closing):
         return self.state.finished or ""
 
     def sign(self) -> None:
-        """Let this person answer for the record so far, if there is a key."""
+        """Sign the record so far, if this person has a key."""
         self._record.sign()
         self._append()
 
     def signed(self) -> SignedUntil | None:
-        """Return the last signature of the record, None where nobody has signed."""
+        """Return the last signature, None without one."""
         return signed_until(self._record.texts())
 
     def reached(self, ended: bool = False) -> str | None:
