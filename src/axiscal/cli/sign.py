@@ -10,10 +10,10 @@ from axiscal.record.signing import key_file, make_key
 
 
 def sign(record: OwnRecord, json: Json = False) -> None:
-    """Answer for a record so far by your signature.
+    """Sign a record with your key.
 
-    Your key is made the first time. From then on your records are signed when they end, when a prompt is paused, and
-    before the first entry of another day. Give others your public key; keep its file to yourself.
+    Your key is made the first time; keep its file to yourself. From then on your records are signed when they end, when
+    a prompt is paused, and before the first entry of another day.
 
     \b
     Example:
