@@ -29,15 +29,15 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(73_530, 50_000),
-    "files of src": Budget(573, 340),
+    "lines of src": Budget(73_930, 50_000),
+    "files of src": Budget(576, 340),
     "mechanisms that remember": Budget(4, 1),
-    "classes that change": Budget(48, 15),
+    "classes that change": Budget(49, 15),
     "public names of more than five functions": Budget(45, 10),
 }
 WALKS = {
-    "next m.axiscal": {"files": Budget(97, 60), "functions": Budget(602, 250), "frames": Budget(30, 16)},
-    "record asked.axiscal 1um": {"files": Budget(107, 60), "functions": Budget(759, 250), "frames": Budget(28, 16)},
+    "next m.axiscal": {"files": Budget(98, 60), "functions": Budget(604, 250), "frames": Budget(30, 16)},
+    "record asked.axiscal 1um": {"files": Budget(108, 60), "functions": Budget(761, 250), "frames": Budget(28, 16)},
     "plan campaign.toml --readings 12": {"files": Budget(136, 110)},
 }
 """Of the campaign `mill`, of four set-ups, which is planned: the functions of axiscal that a command enters."""
