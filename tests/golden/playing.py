@@ -119,6 +119,7 @@ def _become(command: Command, language: str, folder: Path, out: IO[bytes], err: 
         os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])
         time.tzset()
         platform.python_version = lambda: _PYTHON
+        platform.node = lambda: "workshop"  # each entry names it
         for module in [each for name, each in sys.modules.items() if name.startswith("axiscal.")]:
             _wind(module)
         sys.argv = ["axiscal", *command.words]
