@@ -29,7 +29,7 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(73_930, 50_000),
+    "lines of src": Budget(73_934, 50_000),
     "files of src": Budget(576, 340),
     "mechanisms that remember": Budget(4, 1),
     "classes that change": Budget(49, 15),

@@ -14,7 +14,7 @@ from axiscal.exceptions import RecordError
 from axiscal.record import log
 from axiscal.record.copies import write_copy
 from axiscal.record.events import Noted
-from axiscal.record.line_form import BLOCK, head
+from axiscal.record.line_form import BLOCK, EventText, head
 from axiscal.record.log import signed_until
 from axiscal.record.payload import decode, hand_of
 from axiscal.record.signing import KEY, PERSON
@@ -121,6 +121,24 @@ def test_another_day_begins_with_a_signature(path: Path, key: Path, monkeypatch:
         assert [text.row.kind for text in record.texts()[-2:]] == ["signed", "noted"]
         record.append(Noted("later"))
         assert record.texts()[-2].row.kind == "noted"
+
+
+def test_two_people_sign_and_nobody_twice(path: Path, key: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run(["sign", str(path)]) == 0
+    assert run(["sign", str(path)]) == 0
+    anna = public(path)
+    monkeypatch.setenv(KEY, str(key.with_name("otto.pem")))
+    assert run(["sign", str(path)]) == 0
+    with Record.open(path) as record:
+        assert [text.row.kind for text in record.texts()[-3:]] == ["recorded", "signed", "signed"]
+        otto = public(path)
+        assert not checked(path.read_bytes(), [anna, otto]).faults
+        assert "of a key that was not given" in checked(path.read_bytes(), [otto]).faults[0]
+        newer = EventText("2028-03-01T08:00:00.000+00:00", "signed", '{"key":"","signature":"","seal":""}')
+        record.extend([newer])
+        found = signed_until(record.texts())
+    assert found is not None
+    assert found.by.key == otto
 
 
 def test_a_key_that_others_may_read_signs_nothing(path: Path, key: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,7 +6,7 @@ import contextlib
 from abc import abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from datetime import UTC, date, datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 from uuid import UUID, uuid5
@@ -67,13 +67,22 @@ class EventLog(Closing):
         Raises ValueError for an event that cannot be kept, NewerError where a newer version has written.
         """
         self._story.refuse_to_add(self.path)
-        rows, known = rows_of(events), self._story.events
-        if rows and known and after in (None, len(known)) and _day(known[-1].at) != _day(rows[0].at) and self.sign():
+        rows = rows_of(events)
+        if rows and self._day_is_over(rows[0].at, after) and self.sign():
             after = None if after is None else after + 1
         return self.extend(rows, after)
 
+    def _day_is_over(self, at: str, after: int | None) -> bool:
+        """Whether the events of a day before are to be signed, as far as they are known; arguments as of `append`."""
+        known = self._story.events
+        if not known or after not in (None, len(known)) or isinstance(known[-1].event, Signed):
+            return False
+        return (
+            datetime.fromisoformat(known[-1].at).astimezone().date() != datetime.fromisoformat(at).astimezone().date()
+        )
+
     def sign(self) -> bool:
-        """Let this person answer for all events so far, and return whether; not without a key, nor for a signature.
+        """Let this person answer for all events so far, and return whether; not without a key, nor twice.
 
         Raises NewerError as `append`, OvertakenError if another process writes meanwhile.
         """
@@ -81,8 +90,8 @@ class EventLog(Closing):
         if not key_file().exists():
             return False
         texts, at = self.texts(), _now()
-        by = None if texts[-1].row.kind == "signed" else signature(_signable(at, texts))
-        if by is None:
+        by, last = signature(_signable(at, texts)), texts[-1].row
+        if by is None or (last.kind == "signed" and by.key in last.payload):
             return False
         row = EventText(at, *encode(Signed(by.key, by.signature), Hand(by.person, by.computer)))
         self.extend([row], after=len(texts))
@@ -111,10 +120,9 @@ def signed_until(texts: Sequence[ChainedText]) -> SignedUntil | None:
     """Return the last signature of a log, None where nobody has signed."""
     for number in range(len(texts), 0, -1):
         row = texts[number - 1].row
-        if row.kind == "signed":
-            event, hand = decode(row.kind, row.payload), hand_of(row.payload) or Hand("", "")
-            assert isinstance(event, Signed)
-            by = Signature(*hand, event.key, event.signature)
+        event = decode(row.kind, row.payload) if row.kind == "signed" else None
+        if isinstance(event, Signed):
+            by = Signature(*(hand_of(row.payload) or Hand("", "")), event.key, event.signature)
             return SignedUntil(number, by, holds(_signable(row.at, texts[: number - 1]), by))
     return None
 
@@ -246,10 +254,6 @@ def refuse_overtaken(last: int, after: int | None, path: Path) -> None:
             "Look at it with `axiscal status`, then give the command again",
             path,
         )
-
-
-def _day(at: str) -> date:
-    return datetime.fromisoformat(at).astimezone().date()
 
 
 def _now() -> str:
