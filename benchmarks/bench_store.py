@@ -15,9 +15,10 @@ from pathlib import Path
 from axiscal.exceptions import OvertakenError
 from axiscal.measurement.reading import Reading
 from axiscal.ports.postgres.address import store_address
-from axiscal.ports.postgres.database import Database, prepare
+from axiscal.ports.postgres.database import Database
 from axiscal.ports.postgres.server_log import ServerLog
 from axiscal.ports.postgres.syncing import synced
+from axiscal.ports.postgres.tables import prepare
 from axiscal.record.events import Created, Event, Recorded
 from axiscal.record.log import chained_texts
 from axiscal.record.opening import opened_log, records_of

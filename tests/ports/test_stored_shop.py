@@ -15,9 +15,10 @@ from axiscal.ports.fleet.shop_list import shop_list
 from axiscal.ports.fleet.sister_records import read_records
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.ports.postgres.address import store_address
-from axiscal.ports.postgres.database import Database, prepare
+from axiscal.ports.postgres.database import Database
 from axiscal.ports.postgres.server_log import ServerLog
 from axiscal.ports.postgres.syncing import Synced, synced
+from axiscal.ports.postgres.tables import prepare
 from axiscal.record.copies import write_copy
 from axiscal.record.opening import gathered, opened_log, records_of
 from axiscal.record.store import Record

@@ -18,10 +18,14 @@ from axiscal.document.durable import is_running
 from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
 from axiscal.measurement.reading import Reading
 from axiscal.ports.postgres import database as database_module
+from axiscal.ports.postgres import tables
 from axiscal.ports.postgres.address import store_address
-from axiscal.ports.postgres.database import Database, opened_database, prepare
-from axiscal.ports.postgres.server_log import Entry, ServerLog, enter, entries
+from axiscal.ports.postgres.database import Database, opened_database
+from axiscal.ports.postgres.server_log import Entry, ServerLog, enter, entries, insert
+from axiscal.ports.postgres.tables import prepare
 from axiscal.record.events import Created, Noted, Recorded
+from axiscal.record.line_form import EventText, chained
+from axiscal.record.log import ChainedText
 from axiscal.record.opening import opened_log
 from axiscal.record.store import Record
 from tests.generators.sisters import CAMPAIGN, MACHINE
@@ -29,6 +33,7 @@ from tests.record.postgres_server import RunningServer, programs, running_server
 
 ROOT = Path(__file__).resolve().parents[2]
 CREATED = Created("name = 'mill'", "machine = 'mill'", "machine.toml", "campaign.toml", {})
+AT = "2026-03-01T08:00:00.000+00:00"
 READING = Recorded(Reading("laser", (0.1, 0.2), (1, 0), 1e-6))
 _NEXT = "1 + (SELECT max(number) FROM axiscal.events AS e WHERE e.campaign = events.campaign)"
 _INSERT = (
@@ -147,7 +152,7 @@ def test_a_name_that_is_no_text_is_a_sentence(database: Database) -> None:
 def test_a_branch_needs_another_campaign_to_branch_off(log: ServerLog, database: Database) -> None:
     id_of_none = "00000000-0000-0000-0000-000000000001"
     for branch_of, branch_at in ((id_of_none, 1), (log.entry.id, 0)):
-        with pytest.raises(RecordError, match="constraint"):
+        with pytest.raises(RecordError, match="a branch needs the event"):
             enter(database, Entry(id_of_none, "endless", branch_of, branch_at))
 
 
@@ -400,6 +405,48 @@ def test_a_server_of_the_tests_ends_with_what_began_it() -> None:
     while folder.exists() or is_running(process):
         assert time.monotonic() < until
         time.sleep(0.05)
+
+
+@pytest.mark.parametrize(
+    ("kind", "payload", "at"),
+    [
+        ("noted", "[1]", AT),
+        ("noted", "no text", AT),
+        ("not a kind", "{}", AT),
+        ("created", "{}", AT),
+        ("noted", "{}", "yesterday"),
+    ],
+)
+def test_the_store_takes_from_no_client_what_is_no_event(
+    server: RunningServer, log: ServerLog, kind: str, payload: str, at: str
+) -> None:
+    measurer = as_user(server, "measurer")
+    row = EventText(at, kind, payload)
+    with pytest.raises(RecordError, match="The store refuses it"):
+        insert(measurer, log.entry.id, 3, [ChainedText(row, chained(log.name, row))])
+    with pytest.raises(RecordError, match="axiscal_measurer"):
+        measurer.rows(_INSERT.format(number=_NEXT, payload="payload", digest="digest"))
+    measurer.close()
+    assert log.last() == 3
+
+
+@pytest.mark.parametrize("name", [" ", "a\nb", 501 * "x"])
+def test_the_store_takes_no_name_that_is_none(log: ServerLog, database: Database, name: str) -> None:
+    with pytest.raises(RecordError, match="cannot have this name"):
+        enter(database, Entry("00000000-0000-0000-0000-000000000002", name, None, None))
+    with pytest.raises(RecordError, match="name of its campaign"):
+        enter(database, Entry("00000000-0000-0000-0000-000000000002", "another", log.entry.id, 2))
+
+
+def test_a_store_of_before_is_prepared_once_more(server: RunningServer, database: Database) -> None:
+    database.rows("CREATE DATABASE earlier")
+    earlier = Database(store_address(server.address("earlier")))
+    tables._make(earlier, tables._FIRST, "campaigns", "events")
+    with pytest.raises(RecordError, match="sync --prepare"):
+        ServerLog.create(earlier, "mill", CREATED)
+    assert [prepare(earlier), prepare(earlier)] == [True, False]
+    with ServerLog.create(earlier, "mill", CREATED) as log:
+        assert log.append(READING) == 2
 
 
 def test_a_newer_store_is_refused(server: RunningServer, database: Database) -> None:

@@ -103,10 +103,10 @@ def test_a_third_laptop_forks_from_a_branch_and_takes_what_a_branch_has(shop: Sh
     shop.went_on("two", "more of two")
     shop.synced("two")
     taken = shop.synced("three")
-    assert (taken.case, taken.taken, shop.texts("three")[-1].row.payload) == (
+    assert (taken.case, taken.taken, json.loads(shop.texts("three")[-1].row.payload)["text"]) == (
         "fork goes on",
         1,
-        '{"text":"more of two"}',
+        "more of two",
     )
     shop.went_on("four", "of two", "otherwise")
     twig = shop.synced("four")
@@ -253,3 +253,22 @@ def test_the_command_says_what_was_done(
     assert run(["sync", "mill.axiscal", "--store", server.address("shop", user="measurer")]) == 0
     assert run(["sync", "mill.axiscal", "--store", server.address("shop", user="stranger")]) == 1
     assert "may not do that" in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_record_that_was_set_back_is_named_once(shop: Shop, address: str, capsys: pytest.CaptureFixture[str]) -> None:
+    before = shop.file("one").read_bytes()
+    assert [shop.synced("one").set_back, shop.synced("one").set_back] == [0, 0]
+    shop.went_on("one", "third", "fourth")
+    assert shop.synced("one").set_back == 0
+    shop.copied("two")
+    assert shop.synced("two").set_back == 0
+    shop.file("one").write_bytes(before)
+    back = shop.synced("one")
+    assert (back.case, back.taken, back.set_back) == ("behind", 2, 5)
+    assert shop.synced("one").set_back == 0  # it has all again
+    shop.file("one").write_bytes(before)
+    shop.went_on("one", "another third", "another fourth", "fifth")
+    assert run(["sync", str(shop.file("one")), "--store", address]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "the store had seen event 5 in" in said
+    assert shop.synced("one").set_back == 0

@@ -16,6 +16,7 @@ from tests.reliability import (
     bad_files,
     changed,
     command_faults,
+    forged,
     power_loss,
     record_faults,
     salvaged,
@@ -46,6 +47,7 @@ def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
         bad_files.read_all,
         lambda: same_bytes.compared(long, pythons),
         *(partial(salvaged.tried, name, 1430 if long else 150) for name in salvaged.DAMAGES),
+        lambda: forged.tried(10_000),
     )
 
 

@@ -14,6 +14,7 @@ from tests.reliability import (
     bad_files,
     changed,
     command_faults,
+    forged,
     fuzz,
     power_loss,
     record_faults,
@@ -78,6 +79,11 @@ def test_a_record_that_lacks_its_end_is_damaged() -> None:
 def test_what_stands_whole_in_a_damaged_record_comes_back(name: str) -> None:
     trial = salvaged.tried(name, 15)
     assert (trial.lost, trial.tried) == (0, 15), trial.detail
+
+
+def test_who_has_no_key_changes_no_signed_record_unseen() -> None:
+    trial = forged.tried(60)
+    assert (trial.lost, trial.tried) == (0, 60 + 6 + 33)
 
 
 @pytest.mark.long

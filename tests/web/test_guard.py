@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import re
 import socket
+import time
 import tomllib
 from collections.abc import Iterator
+from contextlib import ExitStack, suppress
 from importlib import resources
 from pathlib import Path
 
@@ -122,15 +124,38 @@ def test_a_large_body_is_refused(page: Served) -> None:
     assert (answer.status, answer.document["problem"]) == (413, "large")
 
 
-def test_two_hundred_requests_that_never_end_do_not_stop_the_others(page: Served) -> None:
-    slow = [socket.create_connection(("127.0.0.1", page.port)) for _ in range(200)]
-    try:
-        for line in slow:
-            line.sendall(b"GET / HTTP/1.1\r\nHost: 127")
+@pytest.mark.parametrize("count", [120, pytest.param(1100, marks=pytest.mark.long)])
+@pytest.mark.parametrize("kind", ["silent", "of half a head", "of half a body"])
+def test_requests_that_never_end_do_not_stop_the_others(page: Served, kind: str, count: int) -> None:
+    body = (
+        f"POST /api/1/notes HTTP/1.1\r\nHost: 127.0.0.1:{page.port}\r\n"
+        f"Authorization: Bearer {page.token}\r\nContent-Length: 9\r\n\r\n"
+    )
+    said = {"silent": "", "of half a head": "GET / HTTP/1.1\r\nHost: 127", "of half a body": body}[kind]
+    with ExitStack() as stack:
+        slow = list[socket.socket]()
+        for _ in range(count):
+            slow.append(stack.enter_context(socket.create_connection(("127.0.0.1", page.port))))
+            with suppress(ConnectionError):
+                slow[-1].sendall(said.encode())
+        begin = time.monotonic()
         assert page.state()["machine"] == "One axis"
-    finally:
-        for line in slow:
-            line.close()
+        assert time.monotonic() - begin < 2
+        slow[0].settimeout(2)  # it has made room
+        with suppress(ConnectionError):
+            assert slow[0].recv(1) == b""
+
+
+@pytest.mark.long
+def test_a_request_that_takes_too_long_is_cut(page: Served) -> None:
+    with socket.create_connection(("127.0.0.1", page.port), timeout=20) as slow:
+        assert slow.recv(1) == b""
+
+
+def test_a_large_head_is_refused_before_it_ends(page: Served) -> None:
+    with socket.create_connection(("127.0.0.1", page.port), timeout=20) as large:
+        large.sendall(b"GET / HTTP/1.1\r\nX: " + 20_000 * b"x")
+        assert large.recv(12) == b"HTTP/1.1 400"
 
 
 ODD = st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.lists(st.integers())

@@ -63,7 +63,7 @@ from axiscal.record.events import (
     Undoable,
     Undone,
 )
-from axiscal.record.log import EventLog
+from axiscal.record.log import EventLog, SignedUntil, signed_until
 from axiscal.record.opening import created_log, opened_log
 
 Planner = Callable[
@@ -242,11 +242,19 @@ class Campaign(Closing):
 
     def finish(self, because: str | None = None) -> str:
         """End the campaign and return why: the target that is reached, by what a report says, unless said otherwise."""
-        if self.state.finished is not None:
-            return self.state.finished
-        reason = because or self.reached(ended=True) or "ended by the operator"
-        self._append(Finished(reason))
-        return reason
+        if self.state.finished is None:
+            self._append(Finished(because or self.reached(ended=True) or "ended by the operator"))
+        self.sign()
+        return self.state.finished or ""
+
+    def sign(self) -> None:
+        """Sign the record so far, if this person has a key."""
+        self._record.sign()
+        self._append()
+
+    def signed(self) -> SignedUntil | None:
+        """Return the last signature, None without one."""
+        return signed_until(self._record.texts())
 
     def reached(self, ended: bool = False) -> str | None:
         """Return the target that is reached, in words; None if there is none.  ended : no other readings follow"""

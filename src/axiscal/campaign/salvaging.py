@@ -10,10 +10,10 @@ from axiscal.campaign.possible import Possible, created_description
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import NewerError, RecordError
 from axiscal.record.accepted import Accepted
-from axiscal.record.events import Created, Event, EventOrderError, Folding, Newer, Noted, State, Stored, Undone
+from axiscal.record.events import Created, Event, EventOrderError, Folding, Newer, Noted, Signed, State, Stored, Undone
 from axiscal.record.line_form import EventText
 from axiscal.record.log import rows_of
-from axiscal.record.payload import PayloadError, decode, encode
+from axiscal.record.payload import PayloadError, decode, encode, hand_of
 from axiscal.record.salvage import Standing, standing
 from axiscal.record.store import Record, refuse_existing
 
@@ -107,9 +107,11 @@ def _following(entries: Mapping[int, EventText], description: CampaignDescriptio
             if event.event not in numbers:
                 raise _UnfitError(number, "what it takes back is missing")
             event = Undone(numbers[event.event])
-            row = row._replace(payload=encode(event)[1])
+            row = row._replace(payload=encode(event, hand_of(row.payload))[1])
         if isinstance(event, Accepted) and number > len(rows) + 1:
             raise _UnfitError(number, "what it puts right may be missing; accept it anew")
+        if isinstance(event, Signed) and number > len(rows) + 1:
+            raise _UnfitError(number, "it answers for what is missing; sign anew")
         if fault := possible.fault(event):
             raise _UnfitError(number, fault)
         try:

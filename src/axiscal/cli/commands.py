@@ -43,6 +43,7 @@ _DATA = {
     "iso230": "iso230",
     "predict": "predict",
     "copy": "copy_record",
+    "sign": "sign",
     "salvage": "salvage",
     "schema": "schema",
     "reproduce": "reproduce",

@@ -48,5 +48,7 @@ def measure(
                 campaign.refuse_other(folder / RECORD)
                 campaign.finish()
                 write_outputs(campaign, folder, as_json=False)
+            else:
+                campaign.sign()
         if not over:
             say(said("Paused; every reading is kept. Go on: axiscal measure {record}", record=record))

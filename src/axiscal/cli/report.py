@@ -13,7 +13,9 @@ from axiscal.cli.printing import say
 from axiscal.exceptions import RecordError
 from axiscal.present.calibration_certificate import check_against
 from axiscal.present.delivery import write_report
+from axiscal.present.result_set import write_manifest
 from axiscal.present.summarising import Extras, summarise
+from axiscal.record.signing import key_file
 
 
 def report(
@@ -48,6 +50,8 @@ def report(
         summary = summarise(campaign, campaign.estimate(ended=True), Extras(files=[str(record)]))
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target, language)
+    if summary.record is not None and key_file().exists():
+        write_manifest(target.parent, summary.record, summary.versions, f"manifest-{target.name}.json", target)
     say(f"The report is in {target}.{_compared(target, schema)}")
 
 

@@ -8,7 +8,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Details, Json, OwnRecord
 from axiscal.cli.last_screen import standing_screen
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.texts import accuracy_text, count_text, question_text
+from axiscal.cli.texts import accuracy_text, count_text, question_text, signed_text
 from axiscal.description.target import Target
 from axiscal.estimation.accepting import change_words
 from axiscal.estimation.agreement_words import agreement_document, agreement_words
@@ -57,6 +57,7 @@ def _lines(campaign: Campaign) -> list[str]:
         lines.append(f"{sisters[:1].upper()}{sisters[1:]}")
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
     lines += [f"Accepted: {change_words(each)}" for each in state.accepted]
+    lines.append(f"The record is {signed_text(campaign)}")
     lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
     if state.finished is not None:
         return [*lines, f"Finished: {state.finished}"]

@@ -10,8 +10,9 @@ import typer
 from axiscal.cli.arguments import Json, own_record, records_here
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text
-from axiscal.ports.postgres.database import ROLES, opened_database, prepare
+from axiscal.ports.postgres.database import opened_database
 from axiscal.ports.postgres.syncing import Synced, synced
+from axiscal.ports.postgres.tables import ROLES, prepare
 from axiscal.record.store import Record
 
 
@@ -35,8 +36,7 @@ def sync(
     """Bring a laptop's record and the shop's store together.
 
     Either may have gone on; no reading is lost. If both have gone on, the laptop's part becomes a branch, a campaign of
-    its own. Nothing is merged, because plan, question and undo depend on the order. The laptop's later readings go
-    there, too.
+    its own. Nothing is merged. The laptop's later readings go there, too.
 
     \b
     Examples:
@@ -51,13 +51,15 @@ def sync(
             return
         with Record.open(record or own_record()) as opened:
             found = synced(database, opened, name or opened.path.stem)
-            path = opened.path
+            path, head = opened.path, opened.name
     finally:
         database.close()
     if json:
-        say_document(_document(path, found))
+        say_document(_document(path, found) | {"head": head})
     else:
         say(_words(path, found))
+        if found.set_back:
+            say(f"Mind: the store had seen event {found.set_back} in {path}: it was set back or changed since.")
 
 
 def _tell_prepared(address: str, new: bool, as_json: bool) -> None:
@@ -99,4 +101,5 @@ def _document(path: Path, found: Synced) -> dict[str, object]:
         "branch_at": found.campaign.branch_at,
         "sent": found.sent,
         "taken": found.taken,
+        "set_back": found.set_back,
     }

@@ -62,3 +62,15 @@ def accuracy_text(known: Accuracy, rms: float | None, worst: float | None) -> st
 def count_text(count: int, noun: str) -> str:
     """Return "1 reading", "3 readings"."""
     return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def signed_text(campaign: Campaign) -> str:
+    """Return who answers for how much of the record, in words."""
+    found, last = campaign.signed(), campaign.state.last
+    if found is None:
+        return "unsigned"
+    by = f"{found.by.person} on {found.by.computer}, key {found.by.key[:16]}"
+    if not found.holds:
+        return f"not as it was signed at event {found.number} by {by}"
+    since = "" if found.number == last else f"; unsigned since: {count_text(last - found.number, 'event')}"
+    return f"signed at event {found.number} by {by}{since}"

@@ -105,6 +105,14 @@ class Finished:
 
 
 @dataclass(frozen=True, slots=True)
+class Signed:
+    """A person answers for all events before it: public key and Ed25519 signature in hex, as `signing` has them."""
+
+    key: str
+    signature: str
+
+
+@dataclass(frozen=True, slots=True)
 class Newer:
     """An entry that a newer version wrote: of an unknown kind, or with a field that this version does not know.
 
@@ -117,7 +125,7 @@ class Newer:
     of_readings: bool = False
 
 
-Event = Created | Planned | Asked | Recorded | Skipped | Noted | Mounted | Accepted | Undone | Finished | Newer
+Event = Created | Planned | Asked | Recorded | Skipped | Noted | Mounted | Accepted | Undone | Finished | Signed | Newer
 
 
 @dataclass(frozen=True, slots=True)
@@ -313,7 +321,7 @@ class Folding:
         elif isinstance(event, Accepted):
             self._undo.append(Undoable(stored.number, event, self._pending, tuple(self._readings)))
             self._accept(event)
-        else:
+        elif not isinstance(event, Signed):
             self._undo.append(Undoable(stored.number, event, self._pending))
             self._take(event)
         self._last = stored.number
@@ -329,7 +337,7 @@ class Folding:
             raise EventOrderError("the campaign was created twice")
         if not first and self._created is None:
             raise EventOrderError("the first event is not the creation of the campaign")
-        if self._finished is not None and not isinstance(stored.event, Undone | Noted | Newer):
+        if self._finished is not None and not isinstance(stored.event, Undone | Noted | Signed | Newer):
             raise EventOrderError("it comes after the end of the campaign")
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:

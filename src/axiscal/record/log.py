@@ -14,9 +14,10 @@ from uuid import UUID, uuid5
 from axiscal.document.durable import Closing
 from axiscal.document.quoting import shown
 from axiscal.exceptions import NewerError, OvertakenError, RecordError
-from axiscal.record.events import Event, EventOrderError, Folding, Newer, State, Stored
+from axiscal.record.events import Event, EventOrderError, Folding, Newer, Signed, State, Stored
 from axiscal.record.line_form import DamageError, EventText, chained
-from axiscal.record.payload import PayloadError, decode, encode
+from axiscal.record.payload import PayloadError, decode, encode, hand_of
+from axiscal.record.signing import Hand, Signature, holds, key_file, own_hand, signature, what_is_signed
 
 EMPTY = 64 * "0"
 """The chain before the first event."""
@@ -66,7 +67,35 @@ class EventLog(Closing):
         Raises ValueError for an event that cannot be kept, NewerError where a newer version has written.
         """
         self._story.refuse_to_add(self.path)
-        return self.extend(rows_of(events), after)
+        rows = rows_of(events)
+        if rows and self._day_is_over(rows[0].at, after) and self.sign():
+            after = None if after is None else after + 1
+        return self.extend(rows, after)
+
+    def _day_is_over(self, at: str, after: int | None) -> bool:
+        """Whether the events of a day before are to be signed, as far as they are known; arguments as of `append`."""
+        known = self._story.events
+        if not known or after not in (None, len(known)) or isinstance(known[-1].event, Signed):
+            return False
+        return (
+            datetime.fromisoformat(known[-1].at).astimezone().date() != datetime.fromisoformat(at).astimezone().date()
+        )
+
+    def sign(self) -> bool:
+        """Let this person answer for all events so far, and return whether; not without a key, nor twice.
+
+        Raises NewerError as `append`, OvertakenError if another process writes meanwhile.
+        """
+        self._story.refuse_to_add(self.path)
+        if not key_file().exists():
+            return False
+        texts, at = self.texts(), _now()
+        by, last = signature(_signable(at, texts)), texts[-1].row
+        if by is None or (last.kind == "signed" and by.key in last.payload):
+            return False
+        row = EventText(at, *encode(Signed(by.key, by.signature), Hand(by.person, by.computer)))
+        self.extend([row], after=len(texts))
+        return True
 
     def events(self) -> tuple[Stored, ...]:
         """Return all events, oldest first."""
@@ -77,6 +106,29 @@ class EventLog(Closing):
         """Return the state folded from all events."""
         self.last()
         return replace(self._story.state(self.path), name=self.name)
+
+
+class SignedUntil(NamedTuple):
+    """The last signature of a log: the number of its event, whose it is, and whether it is of what stands before it."""
+
+    number: int
+    by: Signature
+    holds: bool
+
+
+def signed_until(texts: Sequence[ChainedText]) -> SignedUntil | None:
+    """Return the last signature of a log, None where nobody has signed."""
+    for number in range(len(texts), 0, -1):
+        row = texts[number - 1].row
+        event = decode(row.kind, row.payload) if row.kind == "signed" else None
+        if isinstance(event, Signed):
+            by = Signature(*(hand_of(row.payload) or Hand("", "")), event.key, event.signature)
+            return SignedUntil(number, by, holds(_signable(row.at, texts[: number - 1]), by))
+    return None
+
+
+def _signable(at: str, texts: Sequence[ChainedText]) -> dict[str, object]:
+    return what_is_signed(at, ((text.row.at, text.chain) for text in texts))
 
 
 class Story:
@@ -183,8 +235,8 @@ def shared_events(one: Sequence[str], other: Sequence[str]) -> int:
 
 def rows_of(events: Sequence[Event]) -> list[EventText]:
     """Return events as they are written now, in one transaction; raises ValueError for one that cannot be kept."""
-    at = _now()
-    return [EventText(at, *encode(event), n == len(events)) for n, event in enumerate(events, 1)]
+    at, hand = _now(), own_hand()
+    return [EventText(at, *encode(event, hand), n == len(events)) for n, event in enumerate(events, 1)]
 
 
 def in_one(rows: Sequence[EventText]) -> list[EventText]:

@@ -23,9 +23,11 @@ from axiscal.record.events import (
     Noted,
     Planned,
     Recorded,
+    Signed,
     Skipped,
     Undone,
 )
+from axiscal.record.signing import Hand
 
 ABSURD = 1e9
 """m or rad: no number of a reading is as large; what deviates by less is judged by those who know the machine."""
@@ -35,11 +37,15 @@ class PayloadError(ValueError):
     """Text in a record that is not an event."""
 
 
-def encode(event: Event) -> tuple[str, str]:
-    """Return kind and JSON text; raise ValueError if a number is not finite, RecordError for what is no text."""
+def encode(event: Event, hand: Hand | None = None) -> tuple[str, str]:
+    """Return kind and JSON text; raise ValueError if a number is not finite, RecordError for what is no text.
+
+    hand : who writes it, where that is to be kept
+    """
     if isinstance(event, Newer):
         return event.kind, event.text
-    text = json.dumps(_fields(event), allow_nan=False, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
+    said = _fields(event) | ({} if hand is None else hand._asdict())
+    text = json.dumps(said, allow_nan=False, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
     _refuse_halves(text)
     return type(event).__name__.lower(), text
 
@@ -57,12 +63,20 @@ def _refuse_halves(text: str) -> None:
 def decode(kind: str, text: str) -> Event:
     """Return the event, `Newer` for one that this version does not know; raise PayloadError if this is none."""
     try:
-        found = _names(json.loads(text))
+        found = {**_names(json.loads(text))}
+        for name in Hand._fields:  # older records could not say it
+            _text(found.pop(name, ""))
         if kind in _READ and found.keys() <= _KEYS[kind]:
             return _READ[kind](found)
         return Newer(kind, text, kind != "noted" if kind in _READ else not _OF_READINGS.isdisjoint(found))
     except (KeyError, TypeError, ValueError, RecursionError) as error:
         raise PayloadError(f"an entry of kind {kind!r} cannot be read: {error}") from error
+
+
+def hand_of(text: str) -> Hand | None:
+    """Return who wrote an event, by its JSON text; None where that does not say it."""
+    found = json.loads(text)
+    return Hand(*(found[name] for name in Hand._fields)) if found.keys() >= set(Hand._fields) else None
 
 
 def _fields(event: Event) -> dict[str, object]:
@@ -194,6 +208,7 @@ _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
     "mounted": lambda fields: Mounted(*(_text(fields[name]) for name in ("setup", "name", "branch"))),
     "accepted": _accepted,
     "undone": lambda fields: Undone(_whole(fields["event"])),
+    "signed": lambda fields: Signed(_text(fields["key"]), _text(fields["signature"])),
     "finished": lambda fields: Finished(_text(fields["because"])),
 }
 _AT = frozenset(("setup", "position", "approach"))

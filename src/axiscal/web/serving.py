@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import socket
 from collections.abc import Callable
@@ -10,6 +11,7 @@ from pathlib import Path
 from types import FrameType
 
 import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from axiscal.exceptions import InputError
 from axiscal.web.api import application
@@ -19,6 +21,8 @@ from axiscal.web.first_desk import FirstDesk
 from axiscal.web.guard import Admission, Guard
 
 _LOOPBACK = "127.0.0.1"
+_ASKING, _BURST, _PATIENCE, _HEAD = 100, 100, 5.0, 16 * 1024
+"""Connections that have not asked to the end; those taken in at once; seconds to ask in; bytes of a request's head."""
 
 
 def serve_record(record: Path, port: int, language: str, ready: Callable[[str], None]) -> str:
@@ -76,15 +80,49 @@ def _listening(port: int) -> socket.socket:
 def _server(app: Guard, ending: Callable[[], None]) -> _Server:
     config = uvicorn.Config(
         app,
-        http="h11",
+        http=_Caller,
         ws="none",
-        log_level="warning",
+        log_level="error",
         access_log=False,
         server_header=False,
         proxy_headers=False,
         timeout_graceful_shutdown=1,
+        backlog=_BURST,
+        h11_max_incomplete_event_size=_HEAD,
     )
     return _Server(config, ending)
+
+
+class _Caller(H11Protocol):
+    """A connection. One that takes too long to ask is cut, and the longest waiting one where there are too many."""
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Take it in."""
+        super().connection_made(transport)
+        self._since = self.loop.time()
+        self._watch = self.loop.call_later(_PATIENCE, self._look)
+        asking = [line for line in self.connections if isinstance(line, _Caller) and line._asks()]
+        if len(asking) > _ASKING:
+            min(asking, key=lambda line: line._since).transport.abort()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Watch it no longer."""
+        self._watch.cancel()
+        super().connection_lost(exc)
+
+    def on_response_complete(self) -> None:
+        """Let the next request begin."""
+        self._since = self.loop.time()
+        super().on_response_complete()
+
+    def _asks(self) -> bool:
+        cycle = self.cycle
+        return cycle is None or cycle.response_complete or cycle.more_body
+
+    def _look(self) -> None:
+        if self._asks() and self.loop.time() - self._since >= _PATIENCE:
+            self.transport.abort()
+        self._watch = self.loop.call_later(_PATIENCE, self._look)
 
 
 class _Server(uvicorn.Server):

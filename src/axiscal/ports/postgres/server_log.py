@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import NamedTuple, Self
 
 from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
-from axiscal.ports.postgres.database import Database, lock_number, not_known, opened_database, refuse_newer
+from axiscal.ports.postgres.database import Database, lock_number, not_known, opened_database
+from axiscal.ports.postgres.tables import refuse_other
 from axiscal.record.events import Created
 from axiscal.record.line_form import DamageError, EventText, chained
 from axiscal.record.log import (
@@ -34,11 +35,8 @@ _SHOWN = 13
 _ENTRIES = "SELECT CAST(id AS text), name, CAST(branch_of AS text), branch_at FROM axiscal.campaigns"
 
 _INSERT = """
-WITH held AS MATERIALIZED (SELECT pg_advisory_xact_lock(CAST(:held AS bigint)))
-INSERT INTO axiscal.events (campaign, number, kind, payload, at, digest)
-SELECT CAST(:id AS uuid), CAST(:last AS bigint) + e.n, e.kind, e.payload, e.at, e.digest
-FROM held, unnest(CAST(:kinds AS text[]), CAST(:payloads AS text[]), CAST(:times AS text[]), CAST(:digests AS text[]))
-    WITH ORDINALITY AS e (kind, payload, at, digest, n) ORDER BY e.n
+SELECT axiscal.append(CAST(:id AS uuid), CAST(:held AS bigint), CAST(:last AS bigint), CAST(:kinds AS text[]),
+    CAST(:payloads AS text[]), CAST(:times AS text[]), CAST(:digests AS text[]))
 """
 """Behind the lock of its campaign, as everything that is written: a statement of its own waits for others, too."""
 
@@ -75,7 +73,7 @@ class ServerLog(EventLog):
         first = chained_texts(rows_of([created]))[0]
         entry = Entry(campaign_of(first), name, None, None)
         with _closed_at_a_fault(database):
-            refuse_newer(database)
+            refuse_other(database)
             with database.transaction(f"name {name}"):
                 if entries(database, name):
                     remedy = "Go on with it by `axiscal next`, or give the campaign another name"
@@ -90,7 +88,7 @@ class ServerLog(EventLog):
     def open(cls, database: Database, name: str, *, write: bool = True) -> Self:
         """Return the log of a campaign, by its name or the beginning of its id, checked; raises RecordError."""
         with _closed_at_a_fault(database):
-            refuse_newer(database)
+            refuse_other(database)
             log = cls(database, _only(name, entries(database, name)), write=write)
             log.last()
         return log
@@ -244,8 +242,7 @@ def entry_of(database: Database, campaign: str) -> Entry | None:
 def enter(database: Database, entry: Entry) -> None:
     """Add a campaign to a store; nothing where it is there."""
     database.rows(
-        "INSERT INTO axiscal.campaigns (id, name, branch_of, branch_at) "
-        "VALUES (CAST(:id AS uuid), :name, CAST(:branch_of AS uuid), :branch_at) ON CONFLICT (id) DO NOTHING",
+        "SELECT axiscal.enter(CAST(:id AS uuid), :name, CAST(:branch_of AS uuid), CAST(:branch_at AS bigint))",
         **entry._asdict(),
     )
 
@@ -290,7 +287,7 @@ def all_there() -> list[Path]:
     """Return the campaigns of the store that AXISCAL_STORE names, by which each is opened; raises RecordError."""
     database = opened_database()
     try:
-        refuse_newer(database)
+        refuse_other(database)
         there = entries(database)
     finally:
         database.close()

@@ -8,13 +8,16 @@ another laptop with the same rest, comes to the same branch. What is measured la
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Literal
 from uuid import UUID, uuid5
 
-from axiscal.ports.postgres.database import Database, refuse_newer
+from axiscal.ports.postgres.database import Database
 from axiscal.ports.postgres.server_log import Entry, ServerLog, enter, entry_of, insert
-from axiscal.record.log import ChainedText, EventLog, campaign_of, shared_events
+from axiscal.ports.postgres.tables import refuse_other
+from axiscal.record.log import EMPTY, ChainedText, EventLog, campaign_of, shared_events
+from axiscal.record.signing import own_hand
 
 Case = Literal["new", "ahead", "same", "behind", "fork", "fork again", "fork goes on"]
 """What the laptop is against the store."""
@@ -25,6 +28,7 @@ class Synced:
     """Result of a sync.
 
     campaign : where the store has what the laptop has; sent, taken : numbers of events; shared : event of the fork
+    set_back : the last event that the store had seen in this file, and the laptop has no more; 0 if it has all
     """
 
     case: Case
@@ -32,6 +36,7 @@ class Synced:
     sent: int = 0
     taken: int = 0
     shared: int = 0
+    set_back: int = 0
 
 
 def synced(database: Database, record: EventLog, name: str) -> Synced:
@@ -39,19 +44,38 @@ def synced(database: Database, record: EventLog, name: str) -> Synced:
 
     name : what the campaign is called in the store if it is new there
     """
-    refuse_newer(database)
+    refuse_other(database)
     texts = record.texts()
     entry = Entry(campaign_of(texts[0]), name, None, None)
     with database.transaction(entry.id):
         there = entry_of(database, entry.id)
-        if there is None:
-            enter(database, entry)
-            insert(database, entry.id, 0, texts)
-            return Synced("new", entry, sent=len(texts))
-        found, rest = _sent(database, there, texts)
+        found, rest = _new(database, entry, texts) if there is None else _sent(database, there, texts)
+        found = replace(found, set_back=_countersigned(database, entry.id, record.path, found.campaign, texts))
     if rest:
         record.extend([text.row for text in rest], after=len(texts))
     return found
+
+
+def _new(database: Database, entry: Entry, texts: Sequence[ChainedText]) -> tuple[Synced, Sequence[ChainedText]]:
+    enter(database, entry)
+    insert(database, entry.id, 0, texts)
+    return Synced("new", entry, sent=len(texts)), ()
+
+
+def _countersigned(database: Database, record: str, path: Path, there: Entry, texts: Sequence[ChainedText]) -> int:
+    """Let the store keep how far it saw this file, and return the last event it had seen before and that has gone."""
+    of_this = {"record": record, "copy": f"{own_hand().computer}:{path.resolve()}"}
+    rows = database.rows(
+        "SELECT s.number, e.digest FROM axiscal.seen AS s JOIN axiscal.events AS e USING (campaign, number) "
+        "WHERE s.record = CAST(:record AS uuid) AND s.copy = :copy ORDER BY s.id DESC LIMIT 1",
+        **of_this,
+    )
+    number, digest = rows[0] if rows else (0, EMPTY)
+    if (number, digest) != (len(texts), texts[-1].chain):
+        seen = "SELECT axiscal.saw(CAST(:record AS uuid), :copy, CAST(:campaign AS uuid), CAST(:number AS bigint))"
+        database.rows(seen, **of_this, campaign=there.id, number=len(texts))
+    kept = number <= len(texts) and digest in (EMPTY, texts[number - 1].chain)
+    return 0 if kept else int(number)
 
 
 def _sent(database: Database, entry: Entry, texts: Sequence[ChainedText]) -> tuple[Synced, Sequence[ChainedText]]:

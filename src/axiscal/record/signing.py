@@ -1,0 +1,130 @@
+"""Who writes, and how a person answers for what is written: the one place with keys.
+
+    signature = Ed25519("axiscal-signature/1" newline JSON of document, person, computer and public key, keys in order)
+
+The key is a file of the user's that nobody else may read. Whoever has none writes the same, unsigned.
+"""
+
+from __future__ import annotations
+
+import getpass
+import hashlib
+import json
+import os
+import platform
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from axiscal.exceptions import RecordError
+
+if TYPE_CHECKING:
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+
+PERSON, KEY = "AXISCAL_PERSON", "AXISCAL_KEY"
+"""Variables of the environment: the name of who writes, and the file of the key."""
+
+
+class Hand(NamedTuple):
+    """Who writes."""
+
+    person: str
+    computer: str
+
+
+class Signature(NamedTuple):
+    """Who answers for something: public key and signature in hex."""
+
+    person: str
+    computer: str
+    key: str
+    signature: str
+
+
+def own_hand() -> Hand:
+    """Return who writes here: the user of this computer, unless AXISCAL_PERSON names somebody."""
+    try:
+        person = os.environ.get(PERSON) or getpass.getuser()
+    except (KeyError, OSError):  # a user without a name, as in containers
+        person = "nobody"
+    return Hand(*(name.encode("utf-8", "replace").decode() for name in (person, platform.node())))
+
+
+def key_file() -> Path:
+    """Return where the key of this person is, or would be."""
+    if named := os.environ.get(KEY):
+        return Path(named)
+    folder = os.environ.get("XDG_CONFIG_HOME") or os.environ.get("APPDATA")
+    return (Path(folder) if folder else Path.home() / ".config") / "axiscal" / "key.pem"
+
+
+def make_key() -> None:
+    """Make the key of this person unless there is one; raises OSError."""
+    from cryptography.hazmat.primitives import serialization as form
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+
+    path = key_file()
+    if path.exists():
+        return
+    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    secret = Ed25519PrivateKey.generate().private_bytes(
+        form.Encoding.PEM, form.PrivateFormat.PKCS8, form.NoEncryption()
+    )
+    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
+        file.write(secret)
+
+
+def signature(document: Mapping[str, object]) -> Signature | None:
+    """Return the signature of this person over a document, None without a key; raises RecordError for a bad one."""
+    key = _own_key()
+    if key is None:
+        return None
+    public = key.public_key().public_bytes_raw().hex()
+    unsigned = Signature(*own_hand(), public, "")
+    return unsigned._replace(signature=key.sign(_message(document, unsigned)).hex())
+
+
+def holds(document: Mapping[str, object], signed: Signature) -> bool:
+    """Return whether a signature is of this document."""
+    from cryptography.exceptions import InvalidSignature
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
+
+    try:
+        public = Ed25519PublicKey.from_public_bytes(bytes.fromhex(signed.key))
+        public.verify(bytes.fromhex(signed.signature), _message(document, signed))
+    except (InvalidSignature, ValueError):
+        return False
+    return True
+
+
+def what_is_signed(at: str, entries: Iterable[tuple[str, str]]) -> dict[str, object]:
+    """Return the document that a signature in a log is of.
+
+    at : time of the signature;  entries : time of writing and chain of all events before it
+    """
+    lines = "".join(f"{written} {chain}\n" for written, chain in entries)
+    return {"at": at, "before": hashlib.sha256(lines.encode()).hexdigest()}
+
+
+def _message(document: Mapping[str, object], by: Signature) -> bytes:
+    whole = {**document, "person": by.person, "computer": by.computer, "key": by.key}
+    text = json.dumps(whole, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
+    return f"axiscal-signature/1\n{text}".encode()
+
+
+def _own_key() -> Ed25519PrivateKey | None:
+    path = key_file()
+    if not path.exists():
+        return None
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+    from cryptography.hazmat.primitives.serialization import load_pem_private_key
+
+    if os.name == "posix" and path.stat().st_mode & 0o077:
+        raise RecordError("Others may read this key", f"Keep it to yourself: chmod 600 {path}", path)
+    try:
+        key = load_pem_private_key(path.read_bytes(), None)
+    except (OSError, TypeError, ValueError) as fault:
+        raise RecordError(f"The key cannot be read: {fault}", "Put it back from a copy", path) from None
+    if not isinstance(key, Ed25519PrivateKey):
+        raise RecordError("This is no key of Ed25519", f"Name another file by {KEY}", path)
+    return key

@@ -1,0 +1,200 @@
+"""Who writes, and signatures: with the key of a person, and without one."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from axiscal.cli.app import run
+from axiscal.exceptions import RecordError
+from axiscal.record import log
+from axiscal.record.copies import write_copy
+from axiscal.record.events import Noted
+from axiscal.record.line_form import BLOCK, EventText, head
+from axiscal.record.log import signed_until
+from axiscal.record.payload import decode, hand_of
+from axiscal.record.signing import KEY, PERSON
+from axiscal.record.store import Record
+from tests.generators.begun import begun
+from tests.reliability.forged import signed_record
+from tests.reliability.salvaged import CAMPAIGN, MACHINE
+from tools.check_record import checked, main
+
+TOOL = Path(__file__).parents[2] / "tools" / "check_record.py"
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """A campaign with one reading."""
+    at = ("--setup", "along x", "--at", "X=100mm")
+    begin = ("start", "campaign.toml", "mill.axiscal")
+    begun(
+        tmp_path, {"machine.toml": MACHINE, "campaign.toml": CAMPAIGN}, begin, ("record", "mill.axiscal", "1 um", *at)
+    )
+    return tmp_path / "mill.axiscal"
+
+
+@pytest.fixture
+def key(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Be Anna, whose key is to be in this file."""
+    monkeypatch.setenv(PERSON, "Anna")
+    monkeypatch.setenv(KEY, str(tmp_path / "keys" / "anna.pem"))
+    return tmp_path / "keys" / "anna.pem"
+
+
+def public(path: Path) -> str:
+    with Record.open(path, write=False) as record:
+        found = signed_until(record.texts())
+    assert found is not None
+    return found.by.key
+
+
+def test_each_entry_says_who_wrote_it(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(PERSON, 'Anna "Å" Berg')
+    with Record.open(path) as record:
+        record.append(Noted("warm"))
+        row = record.texts()[-1].row
+        hand = hand_of(row.payload)
+        assert all(hand_of(text.row.payload) for text in record.texts())
+    assert hand is not None
+    assert hand.person == 'Anna "Å" Berg'
+    assert decode(row.kind, row.payload) == Noted("warm")
+
+
+def test_entries_of_before_say_nobody() -> None:
+    assert hand_of('{"text":"warm"}') is None
+    assert decode("noted", '{"text":"warm"}') == Noted("warm")
+
+
+def test_without_a_key_nothing_is_signed(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["finish", str(path), "--out", str(path.parent / "out")]) == 0
+    capsys.readouterr()
+    assert run(["status", str(path), "--details"]) == 0
+    assert "The record is unsigned" in capsys.readouterr().out
+    assert main([str(path)]) == 1
+    assert "events 1 to" in capsys.readouterr().out
+
+
+def test_a_record_is_signed_and_a_stranger_can_tell(path: Path, key: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["sign", str(path)]) == 0
+    said = capsys.readouterr().out
+    assert "by Anna on" in said
+    assert key.stat().st_mode & 0o777 == 0o600
+    assert public(path) in said
+    alone = [sys.executable, str(TOOL), str(path), "--key", public(path)]
+    told = subprocess.run(alone, capture_output=True, text=True, check=False)
+    assert (told.returncode, "All of it is signed" in told.stdout) == (0, True), told.stdout + told.stderr
+    assert run(["note", str(path), "warm"]) == 0
+    capsys.readouterr()
+    assert run(["status", str(path), "--details"]) == 0
+    assert "unsigned since: 1 event" in capsys.readouterr().out
+    assert main([str(path), "--key", public(path)]) == 1
+    assert run(["finish", str(path), "--out", str(path.parent / "out")]) == 0
+    capsys.readouterr()
+    assert main([str(path), "--key", public(path)]) == 0
+    assert main([str(path), "--key", 64 * "0"]) == 1
+    assert "a key that was not given" in capsys.readouterr().out
+
+
+def test_the_check_needs_nothing_of_ours() -> None:
+    tree = ast.parse(TOOL.read_text())
+    imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    imported |= {name.name for node in ast.walk(tree) if isinstance(node, ast.Import) for name in node.names}
+    roots = {str(name).partition(".")[0] for name in imported}
+    assert roots <= {*sys.stdlib_module_names, "cryptography"}
+    assert len(TOOL.read_text().splitlines()) <= 200
+    assert checked(head(), []).faults[0].startswith("the two marks")  # the head itself is known
+    assert checked(head()[:-1].ljust(BLOCK), []).faults[0].startswith("its head")
+
+
+def test_another_day_begins_with_a_signature(path: Path, key: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run(["sign", str(path)]) == 0
+    assert run(["note", str(path), "warm"]) == 0
+    monkeypatch.setattr(log, "_now", lambda: "2100-01-02T08:00:00.000+00:00")
+    with Record.open(path) as record:
+        before = record.last()
+        assert record.append(Noted("next day"), after=before) == before + 2
+        assert [text.row.kind for text in record.texts()[-2:]] == ["signed", "noted"]
+        record.append(Noted("later"))
+        assert record.texts()[-2].row.kind == "noted"
+
+
+def test_two_people_sign_and_nobody_twice(path: Path, key: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run(["sign", str(path)]) == 0
+    assert run(["sign", str(path)]) == 0
+    anna = public(path)
+    monkeypatch.setenv(KEY, str(key.with_name("otto.pem")))
+    assert run(["sign", str(path)]) == 0
+    with Record.open(path) as record:
+        assert [text.row.kind for text in record.texts()[-3:]] == ["recorded", "signed", "signed"]
+        otto = public(path)
+        assert not checked(path.read_bytes(), [anna, otto]).faults
+        assert "of a key that was not given" in checked(path.read_bytes(), [otto]).faults[0]
+        newer = EventText("2028-03-01T08:00:00.000+00:00", "signed", '{"key":"","signature":"","seal":""}')
+        record.extend([newer])
+        found = signed_until(record.texts())
+    assert found is not None
+    assert found.by.key == otto
+
+
+def test_a_key_that_others_may_read_signs_nothing(path: Path, key: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["sign", str(path)]) == 0
+    assert run(["note", str(path), "warm"]) == 0
+    key.chmod(0o644)
+    assert run(["sign", str(path)]) == 1
+    assert "chmod 600" in capsys.readouterr().err
+    key.chmod(0o600)
+    key.write_text("no key")
+    with Record.open(path) as record, pytest.raises(RecordError, match="cannot be read"):
+        record.sign()
+
+
+def test_a_copy_and_a_salvaged_record_keep_their_signature(path: Path, key: Path, tmp_path: Path) -> None:
+    assert run(["sign", str(path)]) == 0
+    assert run(["undo", str(path)]) == 0
+    assert run(["sign", str(path)]) == 0
+    copy, new = tmp_path / "copy.axiscal", tmp_path / "new.axiscal"
+    with Record.open(path, write=False) as record:
+        write_copy(record, copy)
+    assert run(["salvage", str(path), str(new)]) == 0
+    assert not checked(copy.read_bytes(), [public(path)]).faults
+    with Record.open(new, write=False) as record:
+        found = signed_until(record.texts())
+    assert found is not None
+    assert (found.number, found.holds) == (6, True)
+
+
+def test_a_signature_of_other_events_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with signed_record(tmp_path / "mill.axiscal") as record:
+        rows = [text.row for text in record.texts()]
+    rows[3] = rows[3]._replace(at="2026-03-01T13:00:00.000+00:00")
+    with Record.made(tmp_path / "changed.axiscal", rows) as record:
+        found = signed_until(record.texts())
+    assert found is not None
+    assert not found.holds
+
+
+def test_results_are_signed_with_the_record_that_they_are_of(
+    path: Path, key: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = path.parent / "out"
+    assert run(["sign", str(path)]) == 0
+    assert run(["finish", str(path), "--out", str(out)]) == 0
+    assert run(["report", str(path), "--out", str(path.parent / "mill.xml")]) == 0
+    whole = [str(path), "--key", public(path), "--manifest"]
+    for manifest in (out / "manifest.json", path.parent / "manifest-mill.xml.json"):
+        assert main([*whole, str(manifest)]) == 0
+        assert "signed by Anna" in capsys.readouterr().out
+    manifest = out / "manifest.json"
+    (out / "result.json").write_text("{}")
+    assert main([*whole, str(manifest)]) == 1
+    assert "result.json is missing, or not what" in capsys.readouterr().out
+    manifest.write_text(manifest.read_text().replace('"event": ', '"event": 1'))
+    assert main([*whole, str(manifest)]) == 1
+    said = capsys.readouterr().out
+    assert "the signature of manifest.json is not of what" in said
+    assert "not of this record" in said

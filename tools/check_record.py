@@ -1,0 +1,187 @@
+"""Check a campaign record (*.axiscal) and the results made of it, without axiscal.
+
+    python tools/check_record.py RECORD --key PUBLIC [--key PUBLIC] [--head CHAIN] [--manifest DIR/manifest.json]
+
+It reads bytes, sums, the chain over all events, the two marks of the end, and every signature. PUBLIC is the public key
+of a person who may sign, in hex, or a file that holds it; CHAIN is the end that somebody else has seen, such as the
+store at a sync: it shows whether the record was set back since. Needs Python 3.11 and the package cryptography.
+Exit status: 0 if all of it is signed by these keys and as it was written, else 1, and each fault in a line.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import re
+import sys
+import zlib
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from cryptography.exceptions import InvalidSignature
+from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
+
+BLOCK, START, MARK = 4096, 3 * 4096, 160
+HEAD = "7b5accdb80a4adc94a0a792ee6083d19e65549ece675b4221b0f7d9665466b0d"
+"""SHA-256 of the first block: what it says of itself is the same in every record of this form."""
+LINE = re.compile(rb"([0-9a-f]{64}) (\S+) (\S+) (.*) ([.,])([0-9a-f]{8})", re.DOTALL)
+BY = ("person", "computer", "key")
+MOST = 20
+"""Faults that are printed."""
+
+
+class Entry(NamedTuple):
+    """An event: chain, time of writing, kind, what happened; whether it closes a transaction; where its line ends."""
+
+    chain: str
+    at: str
+    kind: str
+    what: Mapping[str, Any]
+    closes: bool
+    end: int
+
+
+@dataclass
+class Found:
+    """What was found: sentences, and faults among them; entries : the events that can be read."""
+
+    said: list[str] = field(default_factory=list)
+    faults: list[str] = field(default_factory=list)
+    entries: list[Entry] = field(default_factory=list)
+
+
+def checked(content: bytes, keys: Sequence[str], heads: Sequence[str] = ()) -> Found:
+    """Return what is found in the bytes of a record.  keys : public ones, hex;  heads : chains that it must hold"""
+    found = Found()
+    if hashlib.sha256(content[:BLOCK]).hexdigest() != HEAD:
+        found.faults.append("its head is not that of a record of form 2; one of form 1 is made new by any command")
+    found.faults += _read(content[START:], found.entries)
+    found.faults += _of_marks(content, found.entries)
+    if not found.entries:
+        return found
+    found.faults += _of_signatures(found, keys)
+    for head in heads:
+        if head not in {entry.chain for entry in found.entries}:
+            found.faults.append(f"it does not hold {head[:16]}: it was set back, or changed, since that was seen")
+    hands = Counter((entry.what.get("person"), entry.what.get("computer")) for entry in found.entries)
+    found.said += [f"{count} events by {person} on {computer}" for (person, computer), count in hands.items()]
+    found.said.append(f"it ends at event {len(found.entries)}: {found.entries[-1].chain}")
+    return found
+
+
+def _read(content: bytes, entries: list[Entry]) -> Iterator[str]:
+    """Add the events of lines to a list; yield faults of sums and chain."""
+    chain, end = 64 * "0", START
+    for number, line in enumerate(content.split(b"\n")[:-1], 1):
+        end += len(line) + 1
+        parts = LINE.fullmatch(line)
+        if parts is None or zlib.crc32(line[:-8]) != int(parts[6], 16):
+            yield f"the line of event {number} is not as it was written: its sum is another"
+        try:
+            if parts is None:
+                raise ValueError("no line")
+            written, at, kind, text, closing = (part.decode() for part in parts.groups()[:5])
+            what = json.loads(text)
+            if not isinstance(what, dict):
+                raise ValueError("no object")
+        except (ValueError, RecursionError):
+            yield f"event {number} cannot be read; what follows is not looked at"
+            return
+        chain = hashlib.sha256(f"{chain} {kind} {text}".encode()).hexdigest()
+        if chain != written:
+            yield f"event {number} does not follow from the events before it: its chain is another"
+            chain = written
+        entries.append(Entry(chain, at, kind, what, closing == ".", end))
+    if content and not content.endswith(b"\n"):
+        yield f"bytes from {end} on are no whole line"
+
+
+def _of_marks(content: bytes, entries: Sequence[Entry]) -> Iterator[str]:
+    """Yield faults of the two marks: the newer is of the end, the older of the transaction before."""
+    last, before, turn = b"", b"", 0
+    for number, entry in enumerate(entries, 1):
+        if entry.closes:
+            turn += 1
+            text = f"mark {turn} {number} {entry.end} {entry.chain} ".encode()
+            last, before = (text + b"%08x" % zlib.crc32(text)).ljust(MARK - 1) + b"\n", last
+    if entries and not entries[-1].closes:
+        yield f"event {len(entries)} is not the end of a transaction"
+    blocks = [content[BLOCK : 2 * BLOCK], content[2 * BLOCK : START]]
+    if sorted(blocks) != sorted(mark.ljust(BLOCK - 1) + b"\n" for mark in (before, last)):
+        yield f"the two marks do not say that it ends at event {len(entries)}: it was cut off, added to, or changed"
+
+
+def _of_signatures(found: Found, keys: Sequence[str]) -> Iterator[str]:
+    """Yield faults of signatures, and what none is of."""
+    lines, good = hashlib.sha256(), 0
+    for number, entry in enumerate(found.entries, 1):
+        if entry.kind == "signed":
+            signed = {"at": entry.at, "before": lines.hexdigest()}
+            fault = _fault(signed, entry.what, keys)
+            if fault:
+                yield f"the signature at event {number} {fault}; it stands for events {good + 1} to {number - 1}"
+            else:
+                found.said.append(f"events {good + 1} to {number - 1} signed by {entry.what['person']}, {entry.at}")
+                good = number
+        lines.update(f"{entry.at} {entry.chain}\n".encode())
+    if good < len(found.entries):
+        yield f"events {good + 1} to {len(found.entries)} are not signed by a key that was given"
+
+
+def _fault(document: Mapping[str, Any], by: Mapping[str, Any], keys: Sequence[str]) -> str:
+    """Return what is wrong with a signature, "" if nothing is."""
+    text = json.dumps(
+        {**document, **{name: by.get(name) for name in BY}}, ensure_ascii=False, separators=(",", ":"), sort_keys=True
+    )
+    if by.get("key") not in keys:
+        return "is of a key that was not given"
+    try:
+        public = Ed25519PublicKey.from_public_bytes(bytes.fromhex(by["key"]))
+        public.verify(bytes.fromhex(by["signature"]), f"axiscal-signature/1\n{text}".encode())
+    except (InvalidSignature, KeyError, TypeError, ValueError):
+        return "is not of what it stands for: that was changed, or swapped, or some of it is missing"
+    return ""
+
+
+def checked_manifest(path: Path, entries: Sequence[Entry], keys: Sequence[str]) -> Found:
+    """Return what is found of a set of results: its signature, its files, the event it was made of."""
+    found = Found()
+    document = json.loads(path.read_bytes())
+    by = document.pop("signed", {})
+    if fault := _fault(document, by, keys):
+        found.faults.append(f"the signature of {path.name} {fault}")
+    for name, digest in document["files"].items():
+        file = path.parent / name
+        if not file.is_file() or hashlib.sha256(file.read_bytes()).hexdigest() != digest:
+            found.faults.append(f"{name} is missing, or not what {path.name} names")
+    event, chain = document["record"]["event"], document["record"]["hash"]
+    if not 0 < event <= len(entries) or entries[event - 1].chain != chain:
+        found.faults.append(f"the results are not of this record: it has no event {event} with {chain[:16]}")
+    found.said.append(f"{len(document['files'])} files of event {event}, signed by {by.get('person')}")
+    return found
+
+
+def main(words: Sequence[str]) -> int:
+    """Print what is found; return 1 where something is wrong."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("record", type=Path)
+    for name in ("--key", "--head"):
+        parser.add_argument(name, action="append", default=[])
+    parser.add_argument("--manifest", type=Path)
+    args = parser.parse_args(words)
+    keys = [(Path(key).read_text().strip() if Path(key).is_file() else key).lower() for key in args.key]
+    found = checked(args.record.read_bytes(), keys, args.head)
+    if args.manifest:
+        results = checked_manifest(args.manifest, found.entries, keys)
+        found.said, found.faults = found.said + results.said, found.faults + results.faults
+    print("\n".join([*found.said, *(f"FAULT: {fault}" for fault in found.faults[:MOST])]))
+    print(f"{len(found.faults)} faults" if found.faults else "All of it is signed, and as it was written.")
+    return 1 if found.faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
