@@ -25,6 +25,8 @@ _REACHED = "target reached"
 ALL_REACHED = f"every {_REACHED}"
 _BEYOND = "cannot be reached with these set-ups"
 _HARDLY = 0.99
+_PASSING = {"drift", "cycle", "growth", "noise"}
+"""Kinds of sizes that endless readings take away, however large."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +87,8 @@ def _said(target: Target, known: Estimation) -> str | None:
 
 def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> list[_Standing]:
     """Return the accuracies of which readings have taken away what they can, with their floors at sizes as learnt."""
-    largest = 1.0 if known.posterior is None else max([1.0, *known.posterior.sizes.values()])
+    sizes = {} if known.posterior is None else known.posterior.sizes
+    largest = max([1.0, *(size for (kind, _), size in sizes.items() if kind not in _PASSING)])
     # Floors grow with the sizes at the most: those as learnt take longer to find.
     if not any(each.now <= attainable(each.wanted.limit, largest * each.wanted.floor) for each in volume):
         return []

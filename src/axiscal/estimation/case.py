@@ -24,7 +24,7 @@ from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.promise.type_b_columns import contributions
+from axiscal.estimation.promise.type_b_columns import Contribution, contributions
 from axiscal.estimation.tool_doubt import tool_doubt
 from axiscal.machine.description import Machine
 from axiscal.measurement.artefact import reads_as
@@ -230,8 +230,9 @@ class Case:
         grounds = machine.with_rests(dict.fromkeys(machine.error_names, 0.0)), *others
         moments, sample, alignment = self.volumes.answer(grounds, self._found_volume)
         moments = of_rests(self.errors, moments)
-        factor, (unseen, left) = self.prior.factor, self._endless()
+        factor, unseen, causes = self.prior.factor, self._endless(()), self._causes
         before, after = (np.sum((moments.mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
+        left = self._endless(causes) if causes else unseen
         x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
         box = self.description.target.volume
         return Yardstick(self.errors, box, moments, unseen, left, (x, y, z), sample, alignment)
@@ -239,7 +240,7 @@ class Case:
     @cached_property
     def yardstick_as_sized(self) -> Yardstick:
         """The same with what endless readings leave of errors as large as they are here, not as they were stated."""
-        return self.yardstick.with_rests_of(self.errors, self._endless()[1])
+        return self.yardstick.with_rests_of(self.errors, self._endless(self._causes))
 
     @property
     def _over_what(self) -> tuple[Machine, Target, Itself[About | None]]:
@@ -305,16 +306,14 @@ class Case:
         """Return readings spread over all that is allowed, each divided by its noise, (m, size)."""
         return _whitened(list(self._allowed_parts()))
 
-    def _endless(self) -> tuple[Array, Array]:
-        """Return F (errors, r) with F Fᵀ what endless readings leave of the errors.
+    @property
+    def _causes(self) -> list[Contribution]:
+        """Type B errors of the readings that are allowed."""
+        return contributions(self.observation, self._allowed, usual=self.description.usual)
 
-        The first is what perfect instruments leave, the second what instruments with type B errors leave.
-        """
+    def _endless(self, causes: Sequence[Contribution]) -> Array:
+        """Return F (errors, r) with F Fᵀ what endless readings leave of the errors.  causes : of type B"""
         factor, parts = self.prior.factor, list(self._allowed_parts())
-        unseen = unseen_factor(factor, _whitened(parts))[: self.errors.size]
-        causes = contributions(self.observation, self._allowed, usual=self.description.usual)
-        if not causes:
-            return unseen, unseen
         rows = _whitened(parts)
         columns = np.zeros((len(rows), len(causes)))
         for number, cause in enumerate(causes):
@@ -326,7 +325,7 @@ class Case:
         both = np.zeros((len(factor) + len(causes), factor.shape[1] + len(causes)))
         both[: len(factor), : factor.shape[1]] = factor
         both[len(factor) :, factor.shape[1] :] = np.eye(len(causes))
-        return unseen, unseen_factor(both, np.hstack([rows, columns]))[: self.errors.size]
+        return unseen_factor(both, np.hstack([rows, columns]))[: self.errors.size]
 
 
 def _whitened(parts: Sequence[tuple[int, int, Rows]]) -> Array:
