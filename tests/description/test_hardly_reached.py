@@ -12,7 +12,7 @@ def test_a_ball_that_few_poses_reach_is_said_with_its_angles() -> None:
     """B turns from -30 to 120 deg: within 3 deg of upright lies a twenty-fifth of it."""
     said = hardly_reached(described(SPHERES + 'cone = "3 deg"\n' + TOUCHED + 'ball = "low"\n'))
     assert said is not None
-    found = re.search(r'"touched" reaches ball low of spheres in ([\d.]+)% of the turns', said)
+    found = re.search(r'"touched" reaches ball low of spheres in ([\d.]+) % of the turns', said)
     assert found is not None
     assert 3.5 < float(found[1]) < 4.5
     assert "B -5 to 5 deg" in said

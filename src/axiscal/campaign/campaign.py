@@ -391,15 +391,10 @@ class Campaign(Closing):
 
     def _milestone(self) -> Milestone:
         readings = self.state.readings
-        last = readings[-1] if readings else None
-        return Milestone(len(readings), last, self.estimate().accuracy, self._seconds())
+        return Milestone(len(readings), readings[-1] if readings else None, self.estimate().accuracy, self._seconds())
 
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:
             what = "The campaign is finished: {finished}"
-            raise RecordError(
-                what,
-                "Take the end back with `axiscal undo`, or start a new campaign",
-                self.path,
-                finished=self.state.finished,
-            )
+            remedy = "Take the end back with `axiscal undo`, or start a new campaign"
+            raise RecordError(what, remedy, self.path, finished=self.state.finished)

@@ -105,7 +105,7 @@ def plan_answer(
     bound = bound_rms_um(case, plan)
     ratio = _ratio(plan, bound)
     begin: list[StepCode] = ["start"] if ends else ["target", "start"]
-    answer = _planned(case, places, lambda count: plan.readings[count - 1].seconds, limits, begin)
+    answer = _planned(case, places, lambda count: plan.readings[count - 1].seconds if count else 0.0, limits, begin)
     return PlanAnswer(
         **dict(answer),
         certain_minutes=None if certain is None else to_unit(certain.seconds, "min"),
