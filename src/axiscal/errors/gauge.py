@@ -19,6 +19,7 @@ from axiscal.errors.volume import VolumeMoments, volume_moments, whole_travel
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline, quadrature
+from axiscal.numerics.from_scipy import transposed_solution, triangle_over
 
 __all__ = ["Hidden", "hidden", "machine_check", "unseen_factor"]
 
@@ -40,18 +41,14 @@ _SHARE = 0.02
 def unseen_factor(factor: Array, rows: Array) -> Array:
     """Return F (n, r) with F Fᵀ the covariance that a million readings would leave.
 
-    factor : (n, n) with the prior covariance = factor factorᵀ
+    factor : (n, r) with the prior covariance = factor factorᵀ
     rows : (m, n) allowed readings, spread evenly, each divided by its noise
-    Singular values of the readings in the prior's metric decide: s = 0 is not seen at all.
+    F = factor R⁻¹ with RᵀR = 1 + seenᵀ seen, of what a million readings show in the prior's metric.
     """
     if not len(rows):
         return factor
-    seen = rows @ factor / np.sqrt(len(rows))
-    triangle = np.asarray(np.linalg.qr(seen, mode="r")) if len(seen) > len(factor) else seen
-    _, values, right = np.linalg.svd(triangle, full_matrices=True)
-    information = np.zeros(len(factor))
-    information[: len(values)] = values**2
-    result: Array = (factor @ right.T) / np.sqrt(1.0 + MANY_READINGS * information)
+    seen = rows @ factor * np.sqrt(MANY_READINGS / len(rows))
+    result: Array = transposed_solution(triangle_over(np.ones(factor.shape[1]), seen), factor.T).T
     return result
 
 

@@ -21,6 +21,8 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.overrun import with_rooms
+from axiscal.planning.plan.greedy import picked
+from axiscal.planning.plan.order import in_order
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.promise import foreseen, promised
@@ -110,8 +112,7 @@ def _for_volume(case: Case, task: Task, limits: Limits, readings: Sequence[Readi
     now, known, places = Knowledge(task.observation, task.belief), foreseen(case, readings, left), left
     found, searched = None, _searched(case, known, promised(case, now, places), limits)
     for _ in range(0 if left else _ROUNDS):
-        made = make_plan(_few_candidates(task), searched, patience=0.0, bounded=False)
-        places = with_rooms(case, made.places)
+        places = with_rooms(case, in_order(task, picked(_few_candidates(task), searched)))
         known = foreseen(case, readings, places)
         met = reached(case, limits, known)
         found = searched if met else found

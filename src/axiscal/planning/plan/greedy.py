@@ -153,6 +153,14 @@ def filled(
     return Trial(scores, setups, spent, met)
 
 
+def picked(task: Task, limits: Limits) -> Places:
+    """Return the readings that picks alone make a plan of, before any exchange: about as many."""
+    setups = chosen_setups(task, limits)
+    pool = Pool(task.observation, task.lattice.within(np.isin(task.lattice.setups, setups)), task.memory)
+    meter = RunningAccuracy.of(task.yardstick, task.state.factor)
+    return filled(Scores(pool, task.state), meter, limits, clock(task), setups).scores.places
+
+
 def _after(meter: RunningAccuracy, scores: Scores, limits: Limits) -> RunningAccuracy:
     """Return the accuracy after the last reading, or the given one where the limits have no target accuracy."""
     return meter.after(scores.last) if limits.accurate else meter
