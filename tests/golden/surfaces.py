@@ -98,7 +98,7 @@ def _wanted(rows: Sequence[Row], lines: Sequence[Sequence[str]]) -> list[list[li
     groups = [[row] for row in measured] if len(lines) - 1 == len(measured) else list(_by_kind(measured))
     if 0 < len(lines) - 1 < len(groups):
         groups = [*groups[: len(lines) - 2], groups[-1]]
-    offered = {name for row in measured for name in row.get("left", ())}
+    offered = {name for row in measured for name in row["left"]}
     controls = [name.rpartition(" ")[2] for name in lines[0][3:]]
     assert bool(controls) == bool(offered)
     return [_figures(group, controls) for group in groups]
