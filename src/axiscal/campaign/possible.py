@@ -65,10 +65,8 @@ def kept_text(text: str, what: str, remedy: str) -> str:
     if not text:
         raise ReadingError(f"the {what} is empty", remedy)
     if len(text) > LONGEST_TEXT:
-        shorter = "Write up to {LONGEST_TEXT}, and say there in which file the rest is"
-        raise ReadingError(
-            "the {the_what} has {text} characters", shorter, the_what=what, text=len(text), LONGEST_TEXT=LONGEST_TEXT
-        )
+        shorter = "Write up to {most}, and say there in which file the rest is"
+        raise ReadingError("the {kind} has {count} characters", shorter, kind=what, count=len(text), most=LONGEST_TEXT)
     return text
 
 
@@ -87,11 +85,13 @@ def refuse_of_branch(setup: str, mounted: Sequence[Mounted]) -> None:
     """Raise ReadingError for a set-up as it stood for a branch, or before its zero jumped: it has gone."""
     for each in mounted:
         if each.name == setup and not each.branch:
-            raise ReadingError('"{setup}" has gone: its zero jumped', 'Read "{setup2}"', setup=setup, setup2=each.setup)
+            raise ReadingError(
+                '"{setup}" has gone: its zero jumped', 'Read "{instead}"', setup=setup, instead=each.setup
+            )
         if each.name == setup:
             what = '"{setup}" stood for a branch, which has taken its readings'
             raise ReadingError(
-                what, 'Read "{setup2}", or record it in the branch and adopt it', setup=setup, setup2=each.setup
+                what, 'Read "{instead}", or record it in the branch and adopt it', setup=setup, instead=each.setup
             )
 
 

@@ -202,7 +202,7 @@ def _spacing(texts: list[str]) -> float | dict[str, float] | None:
         if not 0 < distance < 1e3:
             raise TableError('a spacing of "{text}"', "Give a length above zero", text=text[:40])
         if axis in found:
-            raise TableError("the spacing of {value} is given twice", "Give it once", value=axis or "the linear axes")
+            raise TableError("the spacing of {axes} is given twice", "Give it once", axes=axis or "the linear axes")
         found[axis] = distance
     if "" in found and len(found) > 1:
         raise TableError("a spacing is given for all linear axes and for some", 'Give it for each: --spacing "X=25 mm"')

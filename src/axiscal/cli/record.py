@@ -118,8 +118,8 @@ def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:
         kept = {(each.place, each.values) for each in campaign.state.readings}
         for each in placed:
             if (each.place, each.values) in kept:
-                what = "the reading of line {the_line} is in the record already"
-                raise RecordError(what, "This log was recorded before", log, the_line=each.line)
+                what = "the reading of line {number} is in the record already"
+                raise RecordError(what, "This log was recorded before", log, number=each.line)
         first = campaign.state.free
         campaign.adopt(tuple(each.under(number) for number, each in enumerate(placed, start=first)))
         if as_json:

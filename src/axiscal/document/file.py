@@ -89,21 +89,21 @@ def _check_lines(text: str, path: Path) -> None:
         if line.count(".") > 100 and _LONG_KEY.search(line):
             raise DescriptionError("a key has more than 100 parts", "A description is flat", path, number)
         if len(line) > LONGEST_LINE:
-            what = "the line {shown} has {the_line} characters, more than {LONGEST_LINE}"
+            what = "the line {shown} has {count} characters, more than {most}"
             raise DescriptionError(
                 what,
                 "Break it into shorter lines",
                 path,
                 number,
                 shown=shown(line[:40]),
-                the_line=len(line),
-                LONGEST_LINE=LONGEST_LINE,
+                count=len(line),
+                most=LONGEST_LINE,
             )
 
 
 def _too_large(path: Path) -> DescriptionError:
-    what = "the file is larger than {value} kB"
-    return DescriptionError(what, "Give a description, which has a few thousand bytes", path, value=LARGEST // 1000)
+    what = "the file is larger than {most} kB"
+    return DescriptionError(what, "Give a description, which has a few thousand bytes", path, most=LARGEST // 1000)
 
 
 def _content(path: Path) -> bytes:

@@ -35,13 +35,13 @@ def _loaded(point: EntryPoint) -> Any:
     try:
         return point.load()
     except Exception as fault:
-        what = "{name} = {value} of {group} cannot be loaded ({name2}: {fault})"
+        what = "{name} = {value} of {group} cannot be loaded ({kind}: {fault})"
         raise PortError(
             what,
             "Repair the package that brings it, or uninstall it",
             name=point.name,
             value=point.value,
             group=point.group,
-            name2=type(fault).__name__,
+            kind=type(fault).__name__,
             fault=fault,
         ) from fault

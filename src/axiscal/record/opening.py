@@ -70,6 +70,6 @@ def gathered(named: Iterable[Path]) -> list[Path]:
 def records_of(shop: Path) -> list[Path]:
     """Return the records of a folder, or of the store; raises RecordError for anything else."""
     if not is_store(shop) and not shop.is_dir():
-        remedy = "Name the folder that holds the records, or {STORED} for the campaigns on the server"
-        raise RecordError("This is no folder", remedy, shop, STORED=STORED)
+        remedy = "Name the folder that holds the records, or {store} for the campaigns on the server"
+        raise RecordError("This is no folder", remedy, shop, store=STORED)
     return gathered([shop])

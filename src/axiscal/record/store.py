@@ -247,11 +247,11 @@ def _form(path: Path) -> int:
     form = form_of(start)
     if form is not None and form > FORM:
         raise NewerError(
-            "This record was written by a newer axiscal (form {form}; this one knows {FORM})",
+            "This record was written by a newer axiscal (form {form}; this one knows {known})",
             "Install the newer version to go on with it; nothing was changed",
             path,
             form=form,
-            FORM=FORM,
+            known=FORM,
         )
     if form == SQLITE or start[:BLOCK] == head():
         return form or FORM
@@ -328,6 +328,6 @@ def _not_taken(path: Path, error: OSError) -> RecordError:
     if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT):
         what, remedy = "The record cannot be written here", "Put it in a folder that exists and that you may write to"
     else:
-        what = "The disk did not take the entry ({value})"
+        what = "The disk did not take the entry ({reason})"
         remedy = "Make room; everything acknowledged before is kept"
-    return RecordError(what, remedy, path, value=error.strerror or error)
+    return RecordError(what, remedy, path, reason=error.strerror or error)

@@ -206,8 +206,8 @@ def _columns(file: str, number: int, line: str) -> tuple[Column, ...]:
         raise ReadingError("the cells are separated by semicolons or tabs", remedy, file, number)
     for index, name in enumerate(names):
         if not name or name in names[:index]:
-            what = "column '{name}' is named twice" if name else "column {value} has no name"
-            raise ReadingError(what, "give each column one name of its own", file, number, name=name, value=index + 1)
+            what = "column '{name}' is named twice" if name else "column {column} has no name"
+            raise ReadingError(what, "give each column one name of its own", file, number, name=name, column=index + 1)
     return tuple(_column(name) for name in names)
 
 
@@ -221,7 +221,7 @@ def _row(file: str, number: int, line: str, columns: tuple[Column, ...]) -> Row:
     if len(cells) != len(columns):
         remedy = "write one cell for each column, and a decimal point in numbers: 1.5, not 1,5"
         what = f"the line has {_count(cells, 'cell')}, the header {_count(columns, 'column')}"
-        raise ReadingError("{the_what}: {the_line}", remedy, file, number, the_what=what, the_line=_quote(line))
+        raise ReadingError("{fault}: {text}", remedy, file, number, fault=what, text=_quote(line))
     return Row(file, number, {column.name: cell for column, cell in zip(columns, cells, strict=True)})
 
 

@@ -72,8 +72,8 @@ def read_text(path: str | Path) -> TextFile:
 def refuse_many(lines: int, path: str | Path) -> None:
     """Raise ReadingError for a file of so many lines that no campaign has as many readings."""
     if lines > MOST_LINES:
-        what = "the file has {lines:,} lines, and at most {MOST_LINES:,} are read"
-        raise ReadingError(what, "give the readings of one campaign", str(path), lines=lines, MOST_LINES=MOST_LINES)
+        what = "the file has {lines:,} lines, and at most {most:,} are read"
+        raise ReadingError(what, "give the readings of one campaign", str(path), lines=lines, most=MOST_LINES)
 
 
 def _decoded(data: bytes) -> str:
