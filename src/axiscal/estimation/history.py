@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from axiscal.estimation.absorbed import blocks
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.estimation.belief import Innovations
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.knowledge import blocks
 from axiscal.numerics.threads import one_thread
 
 
@@ -28,8 +28,8 @@ def path(final: Estimation) -> list[Moment]:
     as_shown, readings = final.stages.absorbed, final.readings
     start = as_shown.case
     found: list[tuple[Accuracy, Innovations | None]] = [(start.yardstick.measure(start.prior), None)]
-    for case, part in blocks(start, start.knowledge, readings, as_shown.left_out):
-        found += zip(part.accuracies(case.yardstick), part.innovations, strict=True)
+    for part in blocks(start.knowledge, readings, as_shown.left_out):
+        found += zip(part.accuracies(start.yardstick), part.innovations, strict=True)
     if readings:
         found[-1] = final.accuracy, found[-1][1]
     return [Moment(*each, end) for each, end in zip(found, (0.0, *final.stages.timed.ends), strict=True)]
