@@ -90,9 +90,14 @@ class Limits:
         return accuracy._replace(rms=rms, worst=worst).meets(self.rms, self.worst)
 
     @property
+    def of_volume(self) -> bool:
+        """Whether they ask for an accuracy of the volume."""
+        return not self.rms is self.worst is self.expanded is None
+
+    @property
     def accurate(self) -> bool:
         """Whether the limits have a target accuracy."""
-        return self.rows or not self.rms is self.worst is self.expanded is None
+        return self.rows or self.of_volume
 
     @property
     def timed(self) -> bool:
