@@ -77,18 +77,6 @@ class Results(Closing):
         if (first := by.get("axiscal")) != versions.get("axiscal"):
             what = f"These results were begun with axiscal {first}, and this is {versions.get('axiscal')}"
             raise StudyError(what, "Go on with that version, or name another --out", self.path)
-        with self._said():
-            self._give_digests()
-
-    def _give_digests(self) -> None:
-        """Give results that were begun when a case had no digest the ones of what they hold now."""
-        if any(name == "digest" for _, name, *_ in self._database.execute("PRAGMA table_info(cases)")):
-            return
-        self._database.create_function("digest_of", 3, _digest, deterministic=True)
-        self._database.executescript(
-            "BEGIN; ALTER TABLE cases ADD COLUMN digest TEXT; "
-            "UPDATE cases SET digest = digest_of(key, result, error); COMMIT"
-        )
 
     def _said_at_its_beginning(self, rows: list[tuple[object, ...]]) -> tuple[object, Mapping[str, object]]:
         """Return the digest of the study and the versions of the programs; raises StudyError."""
