@@ -10,7 +10,6 @@ import typer
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, Log, Programs, RecordFile
-from axiscal.cli.leaving import Stand
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.placed_log import placed_log
 from axiscal.cli.places import typed_place
@@ -92,11 +91,10 @@ def record(
         else:
             typed = _understood(campaign, text, std, at, setup, approach)  # first: what is misspelt is said at once
             before = doubted(campaign)
-            stood = Stand.of(campaign) if at is not None else None
+            left = _left(campaign, typed.place)
             kept = campaign.record(typed.value, typed.std, typed.place, accepted=accept, others=typed.others)
             surprise, mind = _doubt(campaign)
-            said = [mind, *others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else ""]
-            said += [] if stood is None else [stood.left_for(campaign, kept)]
+            said = [mind, *others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else "", left]
             said += contradictions(campaign)
             minded = [sentence for sentence in said if sentence]
             message = "\n".join([_kept(campaign, kept), *(f"Mind: {sentence}" for sentence in minded)])
@@ -143,6 +141,15 @@ def _doubt(campaign: Campaign) -> tuple[float | None, str]:
     away = f"it is {doubt.surprise:.1f} standard deviations from what the other readings say"
     said = estimation.objection_to(doubt) if doubt.implausible else away
     return round(doubt.surprise, 2), f"{said} and is not relied on. {_REMEDY}"
+
+
+def _left(campaign: Campaign, place: Place) -> str:
+    """Return what it costs to leave the set-up that was asked for, for a place in another one; "" for nothing."""
+    asked = campaign.state.pending
+    if asked is None or asked.place.setup == place.setup or not (costs := cost_words(campaign, rest=True)):
+        return ""
+    stay = "to stay, take this back: axiscal undo"
+    return f'this leaves "{asked.place.setup}", which costs, where nothing more is read there: {costs}; {stay}.'
 
 
 def _assumed(campaign: Campaign, reading: Reading, approach: str | None) -> str:
