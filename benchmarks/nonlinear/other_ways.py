@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.estimation.belief import Belief
-from axiscal.estimation.progressive.bent_readings import BentReadings
+from axiscal.estimation.stations import BentReadings
 from axiscal.measurement.reading_rows import shown_values
 
 _ROUNDS = 3

@@ -12,8 +12,7 @@ from axiscal.errors.actual import deviation_of
 from axiscal.estimation.absorbed import absorbed
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
-from axiscal.estimation.progressive.bent_readings import BentReadings, polished, shares
-from axiscal.estimation.progressive.starts import closed_form
+from axiscal.estimation.stations import BentReadings, closed_form, polished, shares
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine

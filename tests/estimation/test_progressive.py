@@ -8,9 +8,8 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.progressive.bent_readings import BentReadings, polished, shares
-from axiscal.estimation.progressive.starts import closed_form
 from axiscal.estimation.promise.posterior import posterior
+from axiscal.estimation.stations import BentReadings, closed_form, polished, shares
 from axiscal.exceptions import AmbiguityError
 from axiscal.machine import load_machine
 from axiscal.measurement.instruments.distance import Distance

@@ -15,7 +15,7 @@ from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.history import path
+from axiscal.estimation.estimation import path
 from axiscal.estimation.knowledge import Knowledge, blocks
 from axiscal.exceptions import ShapeError
 from axiscal.measurement.reading import Reading

@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
+from axiscal.estimation import stations as found_stations
 from axiscal.estimation.case import Case
-from axiscal.estimation.progressive import bent_readings
-from axiscal.estimation.progressive.bent_readings import BentReadings, polished, shares
-from axiscal.estimation.progressive.starts import closed_form, mirrored, tips
+from axiscal.estimation.stations import BentReadings, closed_form, mirrored, polished, shares, tips
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from benchmarks.nonlinear.stations import read, tracers
@@ -163,7 +162,7 @@ def _conditioned(problem: BentReadings, about: Array) -> Array:
 @pytest.mark.long
 def test_shares_that_come_to_no_end_are_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     _, readings = read(CASE, 0)
-    monkeypatch.setattr(bent_readings, "_MOST", 4)
+    monkeypatch.setattr(found_stations, "_MOST", 4)
     way = shares(BentReadings(CASE, readings))
     assert len(way) == 4
     assert way[-1].gamma < 1.0

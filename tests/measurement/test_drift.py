@@ -17,10 +17,9 @@ from axiscal.description.sizes import Sizes
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.inference.repeats import trend
 from axiscal.estimation.promise.dense import Dense
 from axiscal.estimation.promise.problem import problem as posed_of
-from axiscal.estimation.zero_drift import paths
+from axiscal.estimation.zero_drift import paths, trend
 from axiscal.exceptions import DescriptionError, ReadingError, UnitError
 from axiscal.machine import load_machine
 from axiscal.measurement.drift import MEMORY, STEP, Course, wandering

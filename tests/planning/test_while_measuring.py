@@ -13,7 +13,7 @@ from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.inference.outliers import Doubt
+from axiscal.estimation.judged import Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator

@@ -36,10 +36,9 @@ from axiscal.document.durable import Closing
 from axiscal.estimation.accepting import named
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
-from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.history import path
-from axiscal.estimation.inference.outliers import Doubt
+from axiscal.estimation.estimation import Estimation, path
 from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.exceptions import AmbiguityError, RecordError

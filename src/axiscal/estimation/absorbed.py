@@ -9,7 +9,7 @@ import numpy as np
 
 from axiscal.estimation.belief import Innovations
 from axiscal.estimation.case import Case
-from axiscal.estimation.inference.intervals import is_odd, sited
+from axiscal.estimation.inference.odd_readings import is_odd, sited
 from axiscal.estimation.knowledge import Knowledge, blocks
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import Seen

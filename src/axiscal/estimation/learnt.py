@@ -9,12 +9,11 @@ from itertools import combinations
 import numpy as np
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.inference.outliers import Doubt
-from axiscal.estimation.progressive.bent_readings import BentReadings, Optimum, polished, shares
-from axiscal.estimation.progressive.starts import closed_form
+from axiscal.estimation.judged import Doubt
 from axiscal.estimation.promise.agreement import Turned
 from axiscal.estimation.promise.posterior import Posterior, posterior
 from axiscal.estimation.promise.problem import problem
+from axiscal.estimation.stations import BentReadings, Optimum, closed_form, polished, shares
 from axiscal.measurement.reading import Reading, drawn
 
 _MOST = 200

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.inference.outliers import Doubt
+from axiscal.estimation.judged import Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array

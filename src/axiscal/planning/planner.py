@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.inference.outliers import Doubt
+from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.exceptions import PlanError
 from axiscal.measurement.place import Place
