@@ -29,7 +29,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen, visited_by
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.planning.drift_markers import EVERY, with_markers, without_markers
+from axiscal.planning.other_readings import EVERY, with_markers, without_markers
 from axiscal.present.curves import constants
 from axiscal.present.findings import findings, untimed
 from axiscal.record.events import Recorded

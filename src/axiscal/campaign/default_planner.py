@@ -23,6 +23,6 @@ def plan_ahead(
     left: Sequence[Place],
 ) -> tuple[Place, ...]:
     """Return what `next_places` plans; planning is loaded for it, which a plan that stands need not wait for."""
-    from axiscal.planning.planner import next_places
+    from axiscal.planning.next_readings import next_places
 
     return next_places(case, known, taken, doubts, gaps, left)

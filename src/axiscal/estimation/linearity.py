@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.errors.linear_bound import linear_to
-from axiscal.errors.linear_ways import linear_along
+from axiscal.errors.linear_bound import linear_along, linear_to
 from axiscal.errors.model import ErrorModel, Term
 from axiscal.errors.volume import Box
 from axiscal.estimation.estimation import Estimation

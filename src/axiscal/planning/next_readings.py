@@ -1,4 +1,4 @@
-"""The readings to come: answers of the planner while a campaign is under way."""
+"""What to read next: from what is known to the readings to come, while a campaign is under way."""
 
 from __future__ import annotations
 
@@ -22,17 +22,15 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.planning.both_sides import with_both_sides
-from axiscal.planning.drift_markers import planned_with_markers
+from axiscal.numerics.threads import one_thread
 from axiscal.planning.enough import AT_ONCE, enough
+from axiscal.planning.other_readings import plane_start, planned_with_markers, with_both_sides, without_markers
 from axiscal.planning.overrun import with_rooms
 from axiscal.planning.plan.order import in_order, seconds_along
-from axiscal.planning.plan.patience import PATIENCE
 from axiscal.planning.plan.plan import Plan, Progress, make_plan
 from axiscal.planning.plan.renewal import renewed
-from axiscal.planning.plan.task import Limits, Task
-from axiscal.planning.plan_basis import at_gap, in_gap
-from axiscal.planning.plane_start import plane_start
+from axiscal.planning.plan.task import PATIENCE, Limits, Task
+from axiscal.planning.plan_basis import at_gap, in_gap, twice_rejected
 from axiscal.record.events import Gap
 
 CANDIDATES = 2000
@@ -187,3 +185,28 @@ def _own(asked: AskedRow, case: Case) -> Array:
         return case.yardstick.root.matrix
     scaled: Array = asked.map.rows(case.errors) / np.sqrt(len(asked.map.weights) / asked.map.dimensions)
     return scaled
+
+
+@one_thread()
+def next_places(
+    case: Case,
+    knowledge: Knowledge,
+    readings: Sequence[Reading],
+    outliers: Sequence[Doubt] = (),
+    gaps: Sequence[Gap] = (),
+    left: Sequence[Place] = (),
+) -> tuple[Place, ...]:
+    """Return the readings to come, none in a gap, in the order of a short way; none where nothing is left to measure.
+
+    knowledge : after the readings, which have their times; outliers : those of them that are not believed
+    gaps : where a reading could not be taken; left : of an earlier plan, to begin with
+    """
+    closed = *gaps, *twice_rejected(case, readings, outliers)
+    begin, task = without_markers(case, readings, left), posed(case, knowledge, closed, readings)
+    if not len(task.lattice):
+        return ()
+    limits = limits_left(case, task, readings, begin, outliers)
+    try:
+        return planned_places(case, task, limits, readings, closed, begin)
+    except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
+        return planned_places(case, task, Limits(1), readings, closed)

@@ -13,7 +13,7 @@ from axiscal.estimation.judged import Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.planning.drift_markers import EVERY
+from axiscal.planning.other_readings import EVERY
 from axiscal.record.events import Asked, Gap
 
 _NEAR = 0.01

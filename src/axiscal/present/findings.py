@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from axiscal.description.sizes import Kind
+from axiscal.errors.gauge_words import undescribed
 from axiscal.errors.iso230 import words
-from axiscal.errors.undescribed import undescribed
 from axiscal.estimation.case import Case
 from axiscal.estimation.changes import changes
 from axiscal.estimation.estimation import Estimation

@@ -22,7 +22,6 @@ from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution, solution_of_product
 from axiscal.numerics.gaussian import lower_root
-from axiscal.numerics.low_rank import take_off
 from axiscal.planning.gains.gain import Scorer
 
 _MODERATE = 1e13
@@ -201,3 +200,19 @@ def _information(scaled: Array) -> Array:
     information: Array = scaled.T @ scaled
     information[np.diag_indices(len(information))] += 1.0
     return information
+
+
+_NEAR = 32768
+"""Numbers that stay in the cache while a product is taken off: of speed, not of the result."""
+
+
+def take_off(table: Array, left: Array, right: Array, into: Array) -> None:
+    """Subtract a product of low rank, into = table − left right: 2 m k j operations, 16 m k bytes.
+
+    A few rows at a time, so that the product is taken off while it is near.
+    table, into : (m, k), perhaps the same; left : (m, j); right : (j, k)
+    """
+    height = max(1, _NEAR // max(table.shape[1], 1))
+    for start in range(0, len(table), height):
+        near = slice(start, start + height)
+        np.subtract(table[near], left[near] @ right, out=into[near])

@@ -39,8 +39,8 @@ from axiscal.numerics.threads import one_thread
 from axiscal.planning.enough import reached_by
 from axiscal.planning.next_readings import posed
 from axiscal.planning.overrun import with_rooms
+from axiscal.planning.plan.beginnings import evenly_spaced
 from axiscal.planning.plan.order import arriving, in_order
-from axiscal.planning.plan.plain_designs import evenly_spaced
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.plan_basis import plan_basis
 from axiscal.planning.proposal import proposed
