@@ -13,9 +13,9 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
+from axiscal.estimation.agreement_words import farthest, membership_words
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.membership_words import farthest, membership_words
 from axiscal.estimation.type_prior import over, rivals, type_prior
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.machine import machine_from_text

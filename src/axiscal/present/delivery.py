@@ -24,9 +24,8 @@ from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
 from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
-from axiscal.present.ball_bar_circles import ball_bar_circles
 from axiscal.present.data_files import data_files
-from axiscal.present.positioning_curves import positioning_curves
+from axiscal.present.drawn_by_standards import ball_bar_circles, positioning_curves
 from axiscal.present.result_document import result_json
 from axiscal.present.result_set import RECORD, result_set, write_manifest
 from axiscal.present.statement import NOT_KNOWN

@@ -32,11 +32,10 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics.stages import stage
 from axiscal.planning.what_if import traditional
-from axiscal.present.ball_bar_circles import ball_bar_circles
 from axiscal.present.curves import constants, curves
+from axiscal.present.drawn_by_standards import ball_bar_circles, positioning_curves
 from axiscal.present.findings import findings, observability
 from axiscal.present.plane_summary import planes
-from axiscal.present.positioning_curves import positioning_curves
 from axiscal.present.sentences import cause_words
 from axiscal.present.standard import iso230_blocks
 from axiscal.present.statement import conditions, counted_along

@@ -16,8 +16,8 @@ from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.ties import ALIKE, first_best, ranked
 from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.covariance import RunningAccuracy
 from axiscal.planning.gains.gain import Scorer
-from axiscal.planning.gains.running_accuracy import RunningAccuracy
 from axiscal.planning.gains.running_gains import Allowed, Replacement, Scores
 from axiscal.planning.plan.greedy import Trial, affordable, filled
 from axiscal.planning.plan.move_all import moved

@@ -23,7 +23,7 @@ from axiscal.numerics.threads import one_thread
 from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.bound.lower_bound import Bound, lower_bound
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.running_accuracy import RunningAccuracy, along
+from axiscal.planning.gains.covariance import RunningAccuracy, along
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.beginnings import best_of_random, plain_designs
 from axiscal.planning.plan.exchange import exchange, fitted, polish

@@ -13,7 +13,7 @@ import numpy as np
 
 from axiscal.measurement.place import Places
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.running_accuracy import RunningAccuracy
+from axiscal.planning.gains.covariance import RunningAccuracy
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import drop, exchange, fitted, polish
 from axiscal.planning.plan.greedy import Setups, Trial, affordable, filled

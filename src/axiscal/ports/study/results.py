@@ -19,9 +19,8 @@ from typing import Any, NamedTuple
 
 from axiscal.document.durable import Closing, HeldError, alone, write_whole
 from axiscal.exceptions import StudyError
-from axiscal.ports.study.study_case import FIGURES, canonical, key_of
+from axiscal.ports.study.study_case import FIGURES, Done, Engine, Solve, WorkItem, canonical, key_of
 from axiscal.ports.study.study_file import Study
-from axiscal.ports.study.work import Done, Engine, Solve, WorkItem
 
 Row = dict[str, Any]
 
