@@ -1,4 +1,4 @@
-"""The ways that progressive estimation is compared with: an unscented update, and Gauss-Newton without damping."""
+"""The ways that damped steps are compared with: an unscented update, and Gauss-Newton without damping."""
 
 from __future__ import annotations
 

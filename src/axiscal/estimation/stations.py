@@ -1,4 +1,4 @@
-"""Estimates where the prior is so wide that the first linearisation misleads: by and by, then to the mode.
+"""Estimates where the prior is so wide that the first linearisation misleads: by damped steps to the mode.
 
 The whitened unknowns are z in x = m₀ + F₀ z, with m₀, F₀ F₀ᵀ the prior. The mode minimises ½ zᵀz + ½ Σ (yᵢ −
 fᵢ(x))²/σᵢ².
@@ -26,19 +26,12 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import Seen, places_of, seen, shown_values
 from axiscal.measurement.setup import About
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import transposed_solution
 from axiscal.numerics.gaussian import settled
 
 _STEPS, _SETTLED = 80, 1e-7
 """Steps end where the whitened unknowns stay, RMS."""
 _FIRST, _SOFTER, _HARDER, _HARDEST = 1e-3, 0.1, 10.0, 1e12
 """Damping, of the diagonal: any start does, for it is a tenth after each step and ten times as much until one helps."""
-_KAPPA = 0.5
-"""Half of the noise of a share; what it costs is the number of shares, for the polish ends at the mode anyway."""
-_HALVINGS, _MOST = 6, 60
-"""A share whose index is above one at its second look is halved, at most so often; shares end after so many."""
-_WHOLE = 1.0 - 1e-12
-"""γ is one up to rounding."""
 
 
 class BentReadings:
@@ -133,65 +126,6 @@ def polished(problem: BentReadings, start: Array) -> Optimum:
 
 def _cost(z: Array, left: Array) -> float:
     return float(z @ z + left @ left) / 2
-
-
-class Waypoint(NamedTuple):
-    """gamma : the exponent after it; z, point : (k,) the mean, whitened and not; triangle : (k, k) R
-
-    worst : the largest √(q_i)/σ_i that it leaves
-    """
-
-    gamma: float
-    z: Array
-    point: Array
-    triangle: Array
-    worst: float
-
-
-def shares(problem: BentReadings) -> list[Waypoint]:
-    """Return the way from the prior to all readings, the prior first (Hanebeck and Feiermann 2003).
-
-    The likelihood comes in shares, its exponent γ going from 0 to 1,
-
-        Δ = min(1 − γ, κ²/max_i(q_i/σ_i²)),   the readings with variance σ²/Δ, about the mean, again about the new
-
-    q_i the second order of a reading under the belief. The bound κ compares it with the noise of the share, so every
-    share is nearly linear. Shares grow by themselves as the belief sharpens. The belief is held in whitened unknowns as
-    R with RᵀR its information: a share is one QR of [R; √Δ A] (Bierman 1977, ch. V).
-    """
-    size = problem.root.shape[1]
-    way = [_after(problem, 0.0, np.zeros(size), np.eye(size))]
-    while way[-1].gamma < 1.0 and len(way) < _MOST:
-        here = way[-1]
-        step = min(1.0 - here.gamma, _KAPPA**2 / max(here.worst**2, 1e-300))
-        for _ in range(_HALVINGS):
-            once, _ = _taken(problem, here, here.point, step)
-            z, triangle = _taken(problem, here, problem.start + problem.root @ once, step)
-            after = _after(problem, here.gamma + step, z, triangle)
-            if after.worst * np.sqrt(step) <= 1.0:
-                break
-            step /= 2
-        way.append(after)
-    return way
-
-
-def _after(problem: BentReadings, gamma: float, z: Array, triangle: Array) -> Waypoint:
-    point = problem.start + problem.root @ z
-    spread = transposed_solution(triangle, problem.root.T).T
-    index = float(np.sqrt(np.max(problem.second_order(point, spread), initial=0.0)))
-    return Waypoint(1.0 if gamma > _WHOLE else gamma, z, point, triangle, index)
-
-
-def _taken(problem: BentReadings, here: Waypoint, about: Array, step: float) -> tuple[Array, Array]:
-    """Return z and R after a share of the readings, linearised about a point.  step : Δ"""
-    numbers, size = problem.at(about), len(here.z)
-    weights = np.sqrt(step / numbers.variances)
-    slopes = weights[:, None] * (numbers.rows @ problem.root)
-    left = weights * (numbers.values - numbers.rows @ here.point)
-    stacked = np.zeros((size + len(left), size + 1))
-    stacked[:size, :size], stacked[size:, :size], stacked[size:, size] = here.triangle, slopes, left
-    done = np.asarray(np.linalg.qr(stacked, mode="r"))[:size]
-    return here.z + np.linalg.solve(done[:, :size], done[:, size]), done[:, :size]
 
 
 _SOUND = 1e-6
