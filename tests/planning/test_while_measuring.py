@@ -17,8 +17,7 @@ from axiscal.estimation.judged import Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
-from axiscal.planning.next_readings import next_places
-from axiscal.planning.plan_basis import plan_basis, twice_rejected
+from axiscal.planning.next_readings import next_places, plan_basis, twice_rejected
 from axiscal.record.events import Asked, Planned
 
 TEXT = """

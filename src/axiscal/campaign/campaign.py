@@ -45,7 +45,7 @@ from axiscal.exceptions import AmbiguityError, RecordError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.remembered import Memo
-from axiscal.planning.plan_basis import plan_basis
+from axiscal.planning.next_readings import plan_basis
 from axiscal.record.accepted import Accepted
 from axiscal.record.copies import refuse_other, write_copy
 from axiscal.record.events import (

@@ -23,8 +23,8 @@ from axiscal.estimation.accuracy.unseen import seen_as_one, tool_doubt
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.promise.passing import Contribution, contributions
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.promise.type_b_columns import Contribution, contributions
 from axiscal.machine.description import Machine
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread

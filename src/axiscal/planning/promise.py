@@ -14,10 +14,10 @@ from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.promise.passing import Contribution, contributions
 from axiscal.estimation.promise.posterior import gain
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.spaces import Given
-from axiscal.estimation.promise.type_b_columns import Contribution, contributions
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError

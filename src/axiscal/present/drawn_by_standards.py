@@ -26,9 +26,8 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.present.drawing.labels import text, text_width
 from axiscal.present.drawing.scene import page
-from axiscal.present.drawing.strokes import Point, dots, line, short_number, way
+from axiscal.present.drawing.strokes import Point, dots, line, short_number, text, text_width, way
 from axiscal.tables.effect import Control, left_by
 from axiscal.units import to_unit
 

@@ -21,7 +21,7 @@ from axiscal.estimation.accepting import change_words
 from axiscal.estimation.budget import BudgetShare, budget
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Moment, expanded_uncertainty, path
-from axiscal.estimation.linearity import Linearity, linearity
+from axiscal.estimation.located import Linearity, linearity
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.language.spoken import later, resaid, said, speaking
 from axiscal.machine.questions import questions, which_way

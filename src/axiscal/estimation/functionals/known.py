@@ -17,7 +17,7 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Banded, Estimation, banded
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
-from axiscal.estimation.functionals.axis_line import AxisLine
+from axiscal.estimation.functionals.functional import AxisLine
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.learnt import posterior_of
 from axiscal.measurement.reading import Reading

@@ -17,8 +17,7 @@ from axiscal.planning.gains.covariance import RunningAccuracy
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import drop, exchange, fitted, polish
 from axiscal.planning.plan.greedy import Setups, Trial, affordable, filled
-from axiscal.planning.plan.order import arriving, counting, in_order, seconds_along
-from axiscal.planning.plan.out_and_back import beside, returns
+from axiscal.planning.plan.order import arriving, beside, counting, in_order, returns, seconds_along
 from axiscal.planning.plan.task import Clock, Limits, Patience, Task, clock
 
 _SWEEPS = 3

@@ -12,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.numerics import Array
-from axiscal.present.drawing.labels import FONT, Label, placed, text_width
-from axiscal.present.drawing.strokes import Point, short_number, text_safe
+from axiscal.present.drawing.strokes import FONT, Label, Point, placed, short_number, text_safe, text_width
 
 _STRIPS = 40
 """Strips of the side of a cylinder; a matter of taste."""
