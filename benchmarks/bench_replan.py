@@ -21,7 +21,7 @@ from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.estimation.case import Case
 from axiscal.machine.motion import travel_seconds
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.planner import next_places
+from axiscal.planning.next_readings import next_places
 from axiscal.present.demo.five_axis import SEED, description, hidden_machine
 from axiscal.record.events import Asked
 

@@ -21,8 +21,8 @@ from axiscal.campaign.versions import versions
 from axiscal.ports.study.outcome import outcome
 from axiscal.ports.study.processes import Processes
 from axiscal.ports.study.results import FILE, Results, run_missing
+from axiscal.ports.study.study_case import Done, Engine, WorkItem, here
 from axiscal.ports.study.study_file import Study, read_study
-from axiscal.ports.study.work import Done, Engine, WorkItem, here
 from tests.ports.texts import CAMPAIGN
 
 _STUDY = """[study]

@@ -10,14 +10,12 @@ import numpy as np
 
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from benchmarks.nonlinear.path_picture import path_picture
 from benchmarks.nonlinear.remainders import KINDS, remainders
 from benchmarks.nonlinear.rounds import case_of, rounds
-from benchmarks.nonlinear.stations import bars, compared, path, tracers
+from benchmarks.nonlinear.stations import bars, compared, tracers
 from benchmarks.nonlinear.two_step import compared_evaluations
 
 PAGE = Path(__file__).parents[2] / "docs" / "evidence" / "nonlinear.md"
-PICTURE = PAGE.parents[1] / "pictures" / "progressive-path.svg"
 _MACHINES = 20
 _MICRO = 1e6
 
@@ -49,9 +47,9 @@ def station_by_station() -> Iterator[str]:
     """Yield the table of stations that are off."""
     yield (
         "| stations off by | linear once, um | held | sigma points, um | held | Gauss–Newton 3, um | worst | held "
-        "| shares, um | worst | held | NEES | cost/closed form | shares |"
+        "| damped, um | worst | held | NEES | cost/closed form |"
     )
-    yield "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+    yield "|---|---|---|---|---|---|---|---|---|---|---|---|---|"
     for what, std, zero in (
         ("ball bar ×3", "2 mm", "1 mm"),
         ("tracer ×4", "5 mm", "10 mm"),
@@ -60,13 +58,13 @@ def station_by_station() -> Iterator[str]:
     ):
         case = (bars if "bar" in what else tracers)(std, zero)
         rows = [compared(case, seed) for seed in range(_MACHINES)]
-        once, found = np.array([row.linear for row in rows]), np.array([row.by_shares for row in rows])
+        once, found = np.array([row.linear for row in rows]), np.array([row.damped for row in rows])
         points, rounds_ = np.array([row.by_points for row in rows]), np.array([row.by_rounds for row in rows])
-        costs, counts = [row.cost for row in rows], [row.taken for row in rows]
+        costs = [row.cost for row in rows]
         figures_of = [f"{_median(once)} | {_held(once)}", f"{_median(points)} | {_held(points)}"]
         figures_of += [f"{_median(each)} | {_worst(each)} | {_held(each)}" for each in (rounds_, found)]
         figures_of += [f"{found[:, 3].mean():.2f}", f"{min(costs):.6f} to {max(costs):.6f}"]
-        yield f"| {what}, {std} | {' | '.join(figures_of)} | {min(counts)} to {max(counts)} |"
+        yield f"| {what}, {std} | {' | '.join(figures_of)} |"
 
 
 def _median(found: Array) -> str:
@@ -111,7 +109,5 @@ def filled(page: str, wanted: Sequence[str]) -> str:
 
 if __name__ == "__main__":
     with one_thread():
-        for wanted in [name for name in sys.argv[1:] or [*TABLES, "path"] if name in TABLES]:
+        for wanted in sys.argv[1:] or TABLES:
             PAGE.write_text(filled(PAGE.read_text(), [wanted]))
-        if not sys.argv[1:] or "path" in sys.argv[1:]:
-            PICTURE.write_text(path_picture(path("300 mm", "100 mm", 0)))

@@ -1,11 +1,11 @@
-"""The ways that progressive estimation is compared with: an unscented update, and Gauss-Newton without damping."""
+"""The ways that damped steps are compared with: an unscented update, and Gauss-Newton without damping."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from axiscal.estimation.belief import Belief
-from axiscal.estimation.progressive.bent_readings import BentReadings
+from axiscal.estimation.stations import BentReadings
 from axiscal.measurement.reading_rows import shown_values
 
 _ROUNDS = 3

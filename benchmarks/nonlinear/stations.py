@@ -12,8 +12,7 @@ from axiscal.errors.actual import deviation_of
 from axiscal.estimation.absorbed import absorbed
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
-from axiscal.estimation.progressive.bent_readings import BentReadings, polished, shares
-from axiscal.estimation.progressive.starts import closed_form
+from axiscal.estimation.stations import BentReadings, closed_form, polished
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
@@ -122,42 +121,25 @@ def judged(case: Case, machine: VirtualMachine, belief: Belief) -> Found:
 
 
 class Row(NamedTuple):
-    """What became of one machine; cost : of the optimum from shares, over that from closed form; taken : shares."""
+    """What became of one machine; cost : of the optimum from the prior, over that from closed form."""
 
     linear: Found
     by_points: Found
     by_rounds: Found
-    by_shares: Found
+    damped: Found
     cost: float
-    taken: int
 
 
 def compared(case: Case, seed: int) -> Row:
-    """Return a machine estimated once about the stated stations, by sigma points, in three rounds and by shares."""
+    """Return a machine estimated once about the stated stations, by sigma points, in three rounds and by damping."""
     machine, readings = read(case, seed)
     problem = BentReadings(case, readings)
-    taken = shares(problem)
     best, other = (
-        polished(problem, start) for start in (taken[-1].point, closed_form(case, readings, case.prior.mean))
+        polished(problem, start) for start in (case.prior.mean, closed_form(case, readings, case.prior.mean))
     )
     linear, found = (
         judged(case, machine, absorbed(each, readings, {}).knowledge.belief)
         for each in (case, case.linear_about(best.point))
     )
     by_points, by_rounds = (judged(case, machine, way(problem)) for way in (sigma_points, gauss_newton))
-    return Row(linear, by_points, by_rounds, found, best.cost / other.cost, len(taken) - 1)
-
-
-def path(std: str, dead_path: str, seed: int) -> list[tuple[float, float, float]]:
-    """Return γ, the error of the first station, and its standard deviation after each share, m."""
-    case = tracers(std, dead_path)
-    machine, readings = read(case, seed)
-    columns, own = list(case.station_columns(0)[0]), list(machine.offsets[case.description.setups[0].name].values())
-    names = [unknown.name for unknown in case.description.setups[0].unknowns]
-    truth = np.array([own[names.index(f"station_{axis}")] for axis in "xyz"])
-    problem, found = BentReadings(case, readings), []
-    for share in shares(problem):
-        spread = problem.root[columns] @ np.linalg.inv(share.triangle)
-        off = np.linalg.norm(share.point[columns] - truth)
-        found.append((share.gamma, float(off), float(np.sqrt(np.sum(spread**2)))))
-    return found
+    return Row(linear, by_points, by_rounds, found, best.cost / other.cost)

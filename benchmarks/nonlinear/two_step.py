@@ -13,8 +13,7 @@ from scipy.optimize import least_squares
 
 from axiscal.estimation.absorbed import absorbed
 from axiscal.estimation.case import Case
-from axiscal.estimation.progressive.bent_readings import BentReadings, polished
-from axiscal.estimation.progressive.starts import closed_form, tips
+from axiscal.estimation.stations import BentReadings, closed_form, polished, tips
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine

@@ -12,8 +12,7 @@ from axiscal.estimation.estimate import concluded, estimated
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.planning.plan_basis import plan_basis
-from axiscal.planning.planner import next_places
+from axiscal.planning.next_readings import next_places, plan_basis
 from axiscal.units import to_unit
 from benchmarks.planes.maps import Plane
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.numerics.threads import one_thread
-from axiscal.ports.study.work import processors_here
+from axiscal.ports.study.study_case import processors_here
 from benchmarks.trust.attack_table import (
     FAR,
     FIRST,

@@ -15,8 +15,7 @@ from axiscal.campaign.versions import versions
 from axiscal.exceptions import StudyError
 from axiscal.ports.study.processes import Processes
 from axiscal.ports.study.results import Results, run_missing
-from axiscal.ports.study.study_case import canonical
-from axiscal.ports.study.work import Engine, Solve, WorkItem, here
+from axiscal.ports.study.study_case import Engine, Solve, WorkItem, canonical, here
 from benchmarks.trust.sources import ROOT, version
 
 KEPT = ROOT / "build" / "trust"

@@ -14,7 +14,7 @@ from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.planning.planner import next_places
+from axiscal.planning.next_readings import next_places
 from axiscal.units import to_unit
 from benchmarks.trust.curves import IsoTest, Measured
 

@@ -10,8 +10,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.actual import deviation_of
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
-from axiscal.estimation.functionals.axis_line import AxisLine
-from axiscal.estimation.functionals.functional import Functional
+from axiscal.estimation.functionals.functional import AxisLine, Functional
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import Simulator, VirtualMachine

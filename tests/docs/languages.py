@@ -31,7 +31,7 @@ Message = str | tuple[str, str]
 REFUSALS = {name for name, each in vars(exceptions).items() if isinstance(each, type) and issubclass(each, InputError)}
 MET = (
     *("campaign/", "record/", "document/", "units.py", "present/", "web/"),
-    *("cli/arguments.py", "cli/compensation_active.py", "cli/opened.py", "cli/outputs.py", "cli/places.py"),
+    *("cli/arguments.py", "cli/compensation_active.py", "cli/opened.py", "cli/outputs.py"),
     *("cli/placed_log.py", "cli/plan.py", "cli/record.py", "cli/run_loop.py"),
     *("measurement/readers/csv_", "measurement/readers/text.py"),
 )

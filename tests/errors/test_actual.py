@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from axiscal.errors.actual import MovedErrors, deviation_of, deviations_of, levers_at
-from axiscal.errors.linear_bound import linear_to, longest_arm
-from axiscal.errors.linear_ways import linear_along, linear_ways
+from axiscal.errors.linear_bound import linear_along, linear_to, linear_ways, longest_arm
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import whole_travel
 from axiscal.machine import builtin_names, load_machine

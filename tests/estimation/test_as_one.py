@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription
-from axiscal.estimation.accuracy.as_one import uniform_parts
+from axiscal.estimation.accuracy.unseen import uniform_parts
 from axiscal.estimation.case import Case
 from axiscal.machine.kinematics import frames
 from axiscal.present.demo.five_axis import description

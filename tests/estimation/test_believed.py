@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.believed import sides_told, with_sides
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.zero_drift import sides_told, with_sides
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator

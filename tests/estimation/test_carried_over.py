@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from axiscal.errors.model import ErrorModel
+from axiscal.estimation.agreement_words import farthest, membership_words
 from axiscal.estimation.belief import Belief
-from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Rival
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, banded
 from axiscal.estimation.membership import Membership
-from axiscal.estimation.membership_words import farthest, membership_words
 from axiscal.estimation.promise.problem import Inherited
+from axiscal.estimation.type_prior import carried_over
 from axiscal.machine import machine_from_text
 from axiscal.numerics import Array
 from tests.generators.laser_axis import CASE, machine, read

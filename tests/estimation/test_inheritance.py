@@ -11,7 +11,7 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.changes import changes
-from axiscal.estimation.inference.repeats import trend
+from axiscal.estimation.zero_drift import trend
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.present.findings import findings

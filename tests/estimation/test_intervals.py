@@ -7,8 +7,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from axiscal.estimation.inference.intervals import sited, sites
-from axiscal.estimation.inference.weighted_fit import Fitted
+from axiscal.estimation.inference.odd_readings import Fitted, sited, sites
 from axiscal.measurement.reading import Reading
 from benchmarks.trust.displays import held
 from tests.generators.one_axis import observed, readings_at

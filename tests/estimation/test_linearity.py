@@ -9,7 +9,7 @@ from axiscal.errors.actual import deviation_of
 from axiscal.errors.linear_bound import linear_to
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import whole_travel
-from axiscal.estimation import linearity
+from axiscal.estimation import located
 from axiscal.machine import load_machine
 
 
@@ -28,17 +28,17 @@ def test_the_cross_terms_of_mean_and_what_is_open_are_within_what_is_shown(far: 
         step = factor @ rng.standard_normal(errors.size)
         beyond = deviation_of(errors, mean + step, poses, sides).displacement - at_mean - rows @ step
         worst = max(worst, float(np.max(np.linalg.norm(beyond, axis=1))))
-    shown = linearity._beyond(errors, mean, factor, box)
+    shown = located._beyond(errors, mean, factor, box)
     assert worst < shown
-    squares = linear_to(errors, linearity._sizes(errors, 0.0 * mean, factor, box), box)
+    squares = linear_to(errors, located._sizes(errors, 0.0 * mean, factor, box), box)
     assert far == 0.0 or worst > squares  # which is what was shown before
 
 
 def test_without_a_mean_it_is_the_bound_of_what_is_open() -> None:
     errors = ErrorModel(load_machine("dmu60"))
     box, root = whole_travel(errors), errors.prior_root()
-    sizes = linearity._sizes(errors, np.zeros(errors.size), root, box)
-    assert linearity._beyond(errors, np.zeros(errors.size), root, box) == pytest.approx(linear_to(errors, sizes, box))
+    sizes = located._sizes(errors, np.zeros(errors.size), root, box)
+    assert located._beyond(errors, np.zeros(errors.size), root, box) == pytest.approx(linear_to(errors, sizes, box))
 
 
 def test_no_size_leaves_out_a_mean_a_band_or_a_rest() -> None:
@@ -51,9 +51,9 @@ def test_no_size_leaves_out_a_mean_a_band_or_a_rest() -> None:
     drawn = (mean + rng.standard_normal((20_000, errors.size)) @ factor.T)[:, term.columns] @ rows.T
     whole = drawn + rest * rng.standard_normal(drawn.shape)
     expected = np.max(np.abs(rows @ mean[term.columns]) + 2 * whole.std(axis=0))
-    assert linearity._size(term, mean, factor, box, rest) == pytest.approx(expected, rel=0.02)
+    assert located._size(term, mean, factor, box, rest) == pytest.approx(expected, rel=0.02)
     bare = np.max(np.abs(rows @ mean[term.columns]) + 2 * drawn.std(axis=0))
-    assert linearity._size(term, mean, factor, box, 0.0) == pytest.approx(bare, rel=0.02)
+    assert located._size(term, mean, factor, box, 0.0) == pytest.approx(bare, rel=0.02)
     assert expected > 3 * bare
 
 
@@ -63,5 +63,5 @@ def test_of_a_machine_that_is_known_exactly_the_rests_are_what_is_open() -> None
     rests = np.array([term.rest for term in errors.terms])
     assert rests.max() > 0
     known = np.zeros((errors.size, 1))
-    assert linearity._sizes(errors, nothing, known, box) == pytest.approx(2 * rests)
-    assert not linearity._sizes(errors, nothing, known, box, rests=False).any()
+    assert located._sizes(errors, nothing, known, box) == pytest.approx(2 * rests)
+    assert not located._sizes(errors, nothing, known, box, rests=False).any()

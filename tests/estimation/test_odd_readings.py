@@ -9,8 +9,7 @@ import pytest
 from scipy.stats import norm
 
 from axiscal.errors.prior import matern52
-from axiscal.estimation.inference.intervals import sited, sites
-from axiscal.estimation.inference.weighted_fit import Fitted, Sites
+from axiscal.estimation.inference.odd_readings import Fitted, Sites, sited, sites
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root

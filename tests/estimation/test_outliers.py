@@ -14,7 +14,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.inference.implausible import unit_guess
+from axiscal.estimation.judged import unit_guess
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator

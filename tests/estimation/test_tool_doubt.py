@@ -9,8 +9,8 @@ import pytest
 
 from axiscal.errors.gauge import MANY_READINGS, unseen_factor
 from axiscal.errors.gauge_words import Hidden
+from axiscal.estimation.accuracy.unseen import tool_doubt
 from axiscal.estimation.case import Case
-from axiscal.estimation.tool_doubt import tool_doubt
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from benchmarks.trust.benches import case_of

@@ -12,8 +12,7 @@ from axiscal.estimation.absorbed import absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.learnt import mode
-from axiscal.estimation.progressive.bent_readings import BentReadings, Optimum
-from axiscal.estimation.progressive.starts import closed_form
+from axiscal.estimation.stations import BentReadings, Optimum, closed_form
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine

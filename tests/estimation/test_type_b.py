@@ -18,9 +18,9 @@ from axiscal.description.usual import Learnable, sizes_of
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.promise.numbers import Numbers
+from axiscal.estimation.promise.passing import columns_of, contributions
 from axiscal.estimation.promise.posterior import gain, posterior
 from axiscal.estimation.promise.problem import Problem, problem
-from axiscal.estimation.promise.type_b_columns import columns_of, contributions
 from axiscal.estimation.promise.unknowns import Unknowns
 from axiscal.exceptions import InputError
 from axiscal.machine import load_machine

@@ -13,7 +13,7 @@ from scipy.stats import multivariate_normal
 
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Rival
-from axiscal.estimation.inference.weighted_fit import Fitted
+from axiscal.estimation.inference.odd_readings import Fitted
 from axiscal.estimation.membership import shares_of_rivals
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior, individual, is_type_text, rivals, type_prior

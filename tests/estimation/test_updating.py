@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.estimation.absorbed import Absorbed, absorbed, blocks
+from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.history import path
-from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.estimation import path
+from axiscal.estimation.knowledge import Knowledge, blocks
 from axiscal.exceptions import ShapeError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
@@ -31,11 +31,11 @@ def _turning(problem: Case, count: int) -> list[Reading]:
 
 
 def _one_by_one(case: Case, readings: Sequence[Reading], left_out: Sequence[int]) -> tuple[Absorbed, list[Accuracy]]:
-    known, accuracies = absorbed(case, []), []
+    each = [absorbed(case, [])]
     for index, reading in enumerate(readings):
-        known = _after_one(known, reading, index not in left_out)
-        accuracies.append(known.case.yardstick.measure(known.knowledge.belief))
-    return known, accuracies
+        each.append(_after_one(each[-1], reading, index not in left_out))
+    yardstick = each[-1].case.yardstick  # with what any of them shows of the sides
+    return each[-1], [yardstick.measure(known.knowledge.belief) for known in each[1:]]
 
 
 def _after_one(before: Absorbed, reading: Reading, counts: bool) -> Absorbed:
@@ -56,14 +56,15 @@ def _after_one(before: Absorbed, reading: Reading, counts: bool) -> Absorbed:
 def test_many_readings_at_once_are_one_after_the_other(
     together: int, count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("axiscal.estimation.absorbed.AT_ONCE", together)
+    monkeypatch.setattr("axiscal.estimation.knowledge.AT_ONCE", together)
     problem = mixed()
     readings = _turning(problem, count)
     readings[21] = replace(readings[21], value=3.0, others=(-2.0, 1.0))
     left_out = (0, 11, 21)
     twin, seen_by_twin = _one_by_one(problem, readings, left_out)
     known, surprises = list[Accuracy](), list[Innovations]()
-    for case, part in blocks(problem, problem.knowledge, readings, left_out):
+    case = absorbed(problem, readings, left_out).case
+    for part in blocks(problem.knowledge, readings, left_out):
         known += part.accuracies(case.yardstick)
         surprises += part.innovations
     after = part.after

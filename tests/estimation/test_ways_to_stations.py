@@ -1,19 +1,16 @@
-"""Starts, shares and polish each by itself: exact distances, scipy's least squares, and what each share promises."""
+"""Starts and polish each by itself: exact distances, and scipy's least squares."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.progressive import bent_readings
-from axiscal.estimation.progressive.bent_readings import BentReadings, polished, shares
-from axiscal.estimation.progressive.starts import closed_form, mirrored, tips
+from axiscal.estimation.stations import BentReadings, closed_form, mirrored, polished, tips
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from benchmarks.nonlinear.stations import read, tracers
@@ -112,58 +109,3 @@ def test_the_polish_ends_where_scipy_ends_and_never_above_its_start() -> None:
     assert problem.whitened(again.point) == pytest.approx(z, abs=1e-6)
     from_far = polished(problem, CASE.prior.mean)  # 300 mm off, by damping alone
     assert from_far.cost == pytest.approx(found.cost, rel=1e-6)
-
-
-@pytest.mark.long
-def test_each_share_is_nearly_linear_against_the_noise_that_it_leaves_and_they_make_up_the_whole() -> None:
-    _, readings = read(CASE, 0)
-    problem = BentReadings(CASE, readings)
-    way = shares(problem)
-    assert (way[0].gamma, way[-1].gamma) == (0.0, 1.0)
-    assert not way[0].z.any()
-    assert np.array_equal(way[0].triangle, np.eye(SIZE + 16))
-    for here, after in pairwise(way):
-        step = after.gamma - here.gamma
-        allowed = min(1.0 - here.gamma, 0.25 / here.worst**2)
-        halved = round(np.log2(allowed / step))
-        assert 0 <= halved <= 6
-        assert step == pytest.approx(allowed / 2**halved)
-        assert after.worst * np.sqrt(step) <= 1.0 or halved == 6
-        assert after.point == pytest.approx(problem.start + problem.root @ after.z)
-    last = way[-1]
-    numbers = problem.at(last.point)
-    slopes = numbers.rows @ problem.root / np.sqrt(numbers.variances)[:, None]
-    information = np.eye(SIZE + 16) + slopes.T @ slopes
-    assert last.triangle.T @ last.triangle == pytest.approx(
-        information, rel=0.05, abs=0.05 * np.diagonal(information).max()
-    )
-
-
-@pytest.mark.long
-def test_where_all_is_linear_one_share_is_the_whole_and_is_plain_conditioning() -> None:
-    case = tracers("1 um", "1 um")
-    _, readings = read(case, 2)
-    problem = BentReadings(case, readings)
-    before, after = shares(problem)
-    assert (before.gamma, after.gamma) == (0.0, 1.0)
-    once = _conditioned(problem, problem.start)
-    twice = _conditioned(problem, problem.start + problem.root @ once)
-    assert np.abs(once - twice).max() > 1e-5
-    assert after.z == pytest.approx(twice, abs=1e-8)
-
-
-def _conditioned(problem: BentReadings, about: Array) -> Array:
-    """Return z after all readings, linearised about a point, by normal equations."""
-    numbers = problem.at(about)
-    slopes = numbers.rows @ problem.root / np.sqrt(numbers.variances)[:, None]
-    left = (numbers.values - numbers.rows @ problem.start) / np.sqrt(numbers.variances)
-    return np.asarray(np.linalg.solve(np.eye(slopes.shape[1]) + slopes.T @ slopes, slopes.T @ left), dtype=float)
-
-
-@pytest.mark.long
-def test_shares_that_come_to_no_end_are_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    _, readings = read(CASE, 0)
-    monkeypatch.setattr(bent_readings, "_MOST", 4)
-    way = shares(BentReadings(CASE, readings))
-    assert len(way) == 4
-    assert way[-1].gamma < 1.0

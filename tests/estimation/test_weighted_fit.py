@@ -9,8 +9,8 @@ import pytest
 
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.history import path
-from axiscal.estimation.inference.weighted_fit import Fitted
+from axiscal.estimation.estimation import path
+from axiscal.estimation.inference.odd_readings import Fitted
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen, visited_by
 from axiscal.numerics import Array

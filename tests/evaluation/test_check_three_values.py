@@ -16,8 +16,7 @@ from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.evaluation.acceptance.check import Check
-from axiscal.evaluation.acceptance.datums import datums_of
-from axiscal.evaluation.acceptance.straightened import straightened
+from axiscal.evaluation.acceptance.datums import datums_of, straightened
 from axiscal.evaluation.acceptance.verification import plan_check, values_at
 from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import frames

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.last_screen import standing_screen
+from axiscal.cli.outputs import standing_screen
 from axiscal.language.spoken import speaking
 from axiscal.web.desk import Desk
 from tests.golden.__main__ import EXPECTED, compared

@@ -17,10 +17,9 @@ from axiscal.description.sizes import Sizes
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.inference.repeats import trend
 from axiscal.estimation.promise.dense import Dense
 from axiscal.estimation.promise.problem import problem as posed_of
-from axiscal.estimation.zero_drift import paths
+from axiscal.estimation.zero_drift import paths, trend
 from axiscal.exceptions import DescriptionError, ReadingError, UnitError
 from axiscal.machine import load_machine
 from axiscal.measurement.drift import MEMORY, STEP, Course, wandering
@@ -30,7 +29,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen, visited_by
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.planning.drift_markers import EVERY, with_markers, without_markers
+from axiscal.planning.other_readings import EVERY, with_markers, without_markers
 from axiscal.present.curves import constants
 from axiscal.present.findings import findings, untimed
 from axiscal.record.events import Recorded

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from axiscal.numerics import Array
-from axiscal.numerics.bernstein_plane import PlaneForms, largest_ratio, misfit
+from axiscal.numerics.bernstein import PlaneForms, largest_ratio, misfit
 
 
 def _forms(seed: int, degree: int = 6) -> PlaneForms:

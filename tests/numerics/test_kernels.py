@@ -14,7 +14,7 @@ from axiscal.tables.controllers.sinumerik.surfaces import products
 from axiscal.tables.export_options import ExportOptions
 from axiscal.errors.model import ErrorModel
 from axiscal.ports.fleet.rehearsal import Imagined, VirtualType
-from axiscal.ports.fleet.sisters.prior_units import prior_units
+from axiscal.ports.fleet.sisters.hierarchy import prior_units
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator
 from tests.tables.test_sinumerik_surfaces import known

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.numerics.low_rank import take_off
+from axiscal.planning.gains.covariance import take_off
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (3, 40_000), (700, 90)])

@@ -11,11 +11,10 @@ import pytest
 from axiscal.estimation.accuracy import criterion
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.numerics.axis_pairs import Pairs
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.step.best_step import best_step
 from axiscal.planning.step.climb import Climb
-from axiscal.planning.step.starts_stacked import adds_up
+from axiscal.planning.step.starts_stacked import Pairs, adds_up
 from tests.generators.designs import levered, random_poses, read, splines
 
 POSITIONS = (5.8730, 2.3144, 8.7285, 4.1742, 1.3682, 0.0, 10.0, 7.0444, 3.1836, 5.0)

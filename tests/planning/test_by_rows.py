@@ -16,8 +16,7 @@ from axiscal.estimation.functionals.known import KnownRow, known_rows
 from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.next_readings import rows_root
-from axiscal.planning.planner import next_places
+from axiscal.planning.next_readings import next_places, rows_root
 from axiscal.present.plan_answer import reach_answer
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "howto" / "dial-and-square.md"

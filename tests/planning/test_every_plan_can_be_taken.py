@@ -18,9 +18,8 @@ from axiscal.machine import builtin_names, load_machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
-from axiscal.planning.next_readings import placed
+from axiscal.planning.next_readings import next_places, placed
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.planner import next_places
 from axiscal.planning.proposal import Thoroughness, proposed
 from axiscal.programs import Program, controllers, dialect, programs
 from tests.generators.kinematics import in_travel, tip

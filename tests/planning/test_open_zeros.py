@@ -11,9 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.measurement.setup import Unknown
-from axiscal.planning.bound.certificate import Dual
+from axiscal.planning.bound.certificate import Dual, groups, zeros_each, zeros_of
 from axiscal.planning.bound.lower_bound import lower_bound
-from axiscal.planning.bound.open_zeros import groups, zeros_each, zeros_of
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Task

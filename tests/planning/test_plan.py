@@ -13,8 +13,8 @@ from axiscal.measurement.place import Places
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
+from axiscal.planning.plan.beginnings import evenly_spaced, plain_designs, space_filling
 from axiscal.planning.plan.exchange import exchange
-from axiscal.planning.plan.plain_designs import evenly_spaced, plain_designs, space_filling
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task, clock
 from axiscal.present.demo import five_axis

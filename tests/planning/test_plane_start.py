@@ -11,8 +11,8 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.measurement.reading import Reading
-from axiscal.planning.plane_start import plane_start
-from axiscal.planning.planner import next_places
+from axiscal.planning.next_readings import next_places
+from axiscal.planning.other_readings import plane_start
 from axiscal.record.events import Asked, Gap
 
 MACHINE = """

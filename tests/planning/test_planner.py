@@ -10,7 +10,7 @@ from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
-from axiscal.planning.planner import next_places
+from axiscal.planning.next_readings import next_places
 from axiscal.planning.promise import promised
 from axiscal.record.events import Asked, Gap
 

@@ -15,9 +15,8 @@ from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.touched import touching_sides
 from axiscal.numerics import Array
-from axiscal.planning.next_readings import placed
+from axiscal.planning.next_readings import next_places, placed
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.planner import next_places
 from axiscal.planning.proposal import Thoroughness, proposed
 from axiscal.present.demo.five_axis import description
 from tests.generators.kinematics import in_travel, stem, tip

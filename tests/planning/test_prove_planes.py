@@ -9,8 +9,7 @@ import pytest
 
 from axiscal.machine import machine_from_text
 from axiscal.measurement.place import Places
-from axiscal.planning.bound.plane_boxes import largest_on_plane, planar
-from axiscal.planning.bound.prove import prove
+from axiscal.planning.bound.prove import largest_on_plane, planar, prove
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
 from tests.generators.designs import problem, random_poses

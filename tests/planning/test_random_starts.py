@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from axiscal.numerics import Array
+from axiscal.planning.plan.beginnings import best_of_random
 from axiscal.planning.plan.plan import make_plan
-from axiscal.planning.plan.random_starts import best_of_random
 from axiscal.planning.plan.task import Limits, Task
 from tests.generators.designs import levered, problem, splines
 

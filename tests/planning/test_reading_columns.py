@@ -8,7 +8,7 @@ import pytest
 from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.reading_columns import ReadingColumns
+from axiscal.planning.gains.running_gains import ReadingColumns
 from tests.planning.test_three_values import mixed
 
 CANDIDATES, READINGS, WIDTH = 40, 6, 2

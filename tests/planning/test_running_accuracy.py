@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.planning.gains import running_accuracy
-from axiscal.planning.gains.running_accuracy import RunningAccuracy, along
+from axiscal.planning.gains import covariance
+from axiscal.planning.gains.covariance import RunningAccuracy, along
 from axiscal.planning.plan.task import Task
 from tests.generators.designs import levered, splines
 from tests.planning.test_three_values import mixed
@@ -17,7 +17,7 @@ from tests.planning.test_three_values import mixed
 def test_the_figures_after_each_reading_are_those_of_readings_one_by_one(
     asked: Task, together: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(running_accuracy, "_TOGETHER", together)
+    monkeypatch.setattr(covariance, "_TOGETHER", together)
     chosen = np.random.default_rng(3).permutation(len(asked.lattice))[:20]
     order, state = asked.lattice.within(np.concatenate([chosen, chosen[:3]])), asked.state
     found, meter = list(along(state, asked.yardstick, order)), RunningAccuracy.of(asked.yardstick, state.factor)

@@ -8,8 +8,8 @@ import pytest
 from axiscal.measurement.place import Places
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.gains.gain import joint_gains
 from axiscal.planning.gains.running_gains import Scores
-from axiscal.planning.gains.three_values import joint_gains
 from axiscal.planning.plan.task import Task
 from tests.generators.designs import levered, random_poses, read, splines
 from tests.planning.test_three_values import mixed

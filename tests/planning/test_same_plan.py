@@ -14,9 +14,8 @@ import axiscal.planning
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.numerics import Array
 from axiscal.planning.gains.covariance import Covariance
-from axiscal.planning.plan.patience import Patience
 from axiscal.planning.plan.plan import Plan, make_plan
-from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.plan.task import Limits, Patience, Task
 from tests.generators.designs import levered, read, splines
 
 TASKS = {

@@ -17,9 +17,8 @@ from axiscal.numerics import Array
 from axiscal.planning.bound.lower_bound import lower_bound
 from axiscal.planning.gains import dense
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.gain import Scorer
+from axiscal.planning.gains.gain import Scorer, joint_gains
 from axiscal.planning.gains.running_gains import Scores
-from axiscal.planning.gains.three_values import joint_gains
 from axiscal.planning.plan.exchange import exchange
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task

@@ -13,12 +13,11 @@ from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.inference.outliers import Doubt
+from axiscal.estimation.judged import Doubt
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
-from axiscal.planning.plan_basis import plan_basis, twice_rejected
-from axiscal.planning.planner import next_places
+from axiscal.planning.next_readings import next_places, plan_basis, twice_rejected
 from axiscal.record.events import Asked, Planned
 
 TEXT = """

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from axiscal.exceptions import StudyError
-from axiscal.ports.study.work import WorkItem
+from axiscal.ports.study.study_case import WorkItem
 
 COUNT = 24
 

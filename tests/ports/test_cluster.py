@@ -18,7 +18,7 @@ import pytest
 from axiscal.exceptions import SchedulerError
 from axiscal.ports.study import cluster
 from axiscal.ports.study.cluster import Certificates, Cluster
-from axiscal.ports.study.work import Done, WorkItem, here
+from axiscal.ports.study.study_case import Done, WorkItem, here
 from tests.ports.deeds import COUNT, doubled_slowly, ending_once, numbers, refusing_odd
 
 ROOT = Path(__file__).resolve().parents[2]

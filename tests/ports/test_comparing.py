@@ -11,10 +11,9 @@ import pytest
 
 from axiscal.ports.study.comparing import changes, mean_of, unbeaten, verdicts, ways_of
 from axiscal.ports.study.results import rows_of
-from axiscal.ports.study.study_case import Stop
+from axiscal.ports.study.study_case import Done, Stop
 from axiscal.ports.study.study_file import Study, read_study
 from axiscal.ports.study.study_page import render
-from axiscal.ports.study.work import Done
 from tests.ports.texts import STUDY, written
 
 GRID = 'setups = [["laser"], ["laser", "dial"], ["dial"]]\n"prior.times" = [1, 3]\n'

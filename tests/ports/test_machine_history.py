@@ -13,8 +13,7 @@ from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import TargetError
 from axiscal.ports.fleet.due_dates import Wanted, due_dates
-from axiscal.ports.fleet.history_page import render
-from axiscal.ports.fleet.machine_history import MachineHistory, histories, year_of
+from axiscal.ports.fleet.history_page import MachineHistory, histories, render, year_of
 from axiscal.ports.fleet.wearing import YEAR
 from axiscal.ports.fleet.worn_machine import WornMachine
 from axiscal.record import log

@@ -10,8 +10,8 @@ import pytest
 
 from axiscal.ports.study import results
 from axiscal.ports.study.results import rows_of, write_table
+from axiscal.ports.study.study_case import Done
 from axiscal.ports.study.study_file import read_study
-from axiscal.ports.study.work import Done
 from tests.ports.texts import STUDY, written
 
 TEXT = STUDY.replace("machines = 2", "machines = 2\nseed = 4") + (

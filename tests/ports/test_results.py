@@ -13,7 +13,7 @@ import pytest
 from axiscal.exceptions import StudyError
 from axiscal.ports.study import results as results_module
 from axiscal.ports.study.results import FILE, Results
-from axiscal.ports.study.work import Done
+from axiscal.ports.study.study_case import Done
 
 ONE = {"axiscal": "1"}
 

@@ -13,15 +13,15 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
+from axiscal.estimation.agreement_words import farthest, membership_words
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
-from axiscal.estimation.membership_words import farthest, membership_words
 from axiscal.estimation.type_prior import over, rivals, type_prior
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.machine import machine_from_text
 from axiscal.ports.fleet.rehearsal import Imagined
 from axiscal.ports.fleet.type_learning import learnt_type
-from axiscal.ports.fleet.type_words import summary_sentences
+from axiscal.ports.fleet.type_page import summary_sentences
 from tests.generators.sisters import read_on, shop, slide, write_record
 
 

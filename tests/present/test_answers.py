@@ -12,7 +12,7 @@ from axiscal.exceptions import AxiscalError
 from axiscal.machine import load_machine
 from axiscal.measurement.setup import Setup
 from axiscal.present.guide.answers import Value, Word, answer
-from axiscal.present.guide.sign import reads_text, sign_text, ways
+from axiscal.present.guide.question import reads_text, sign_text, ways
 
 SETUPS = """
 machine = "three-axis-mill"

@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 
 from axiscal.exceptions import ReadingError
-from axiscal.present.calibration_certificate import DCC, SI, certificate, check_against
+from axiscal.present.calibration_certificate import certificate, check_against
 from axiscal.present.data_files import data_files
 from axiscal.present.result_document import result_json
 from axiscal.present.sentences import values_text
 from tests.present.test_page import HOSTILE, _with_every_text, five_axis_summary
 
+DCC, SI = "https://ptb.de/dcc", "https://ptb.de/si"
 ORDER = {
     "digitalCalibrationCertificate": ["administrativeData", "measurementResults"],
     "administrativeData": [

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import xml.etree.ElementTree as ET
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -15,7 +14,7 @@ from axiscal.errors.iso230 import words
 from axiscal.exceptions import SummaryError
 from axiscal.machine import load_machine
 from axiscal.machine.questions import which_way
-from axiscal.present.calibration_certificate import SI, certificate
+from axiscal.present.calibration_certificate import certificate
 from axiscal.present.figures import accuracy, innovations
 from axiscal.present.page import render
 from axiscal.present.result_document import result_json
@@ -133,7 +132,7 @@ def test_readings_that_contradict_each_other_leave_no_uncertainty() -> None:
     assert f'<p class="mark">{AT_ODDS.words}</p>' in page
     assert [result[name] for name in ("U_um", "U_axis_um", "U_worst_um", "k", "rms_um", "worst_um")] == [None] * 6
     assert (result["agreement"]["contradict"], result["agreement"]["text"]) == (True, AT_ODDS.words)
-    assert f"{{{SI}}}valueExpandedMUXMLList" not in {each.tag for each in ET.fromstring(certificate(summary)).iter()}
+    assert b"valueExpandedMUXMLList" not in certificate(summary)
 
 
 def test_what_is_printed_anyway_says_on_each_page_that_readings_contradict() -> None:

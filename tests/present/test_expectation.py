@@ -10,7 +10,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
-from axiscal.present.guide.expectation import expectation
+from axiscal.present.guide.question import expectation
 
 MACHINE = """
 chain = "w-b-X-t"

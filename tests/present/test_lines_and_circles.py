@@ -15,9 +15,14 @@ from axiscal.estimation.estimate import concluded
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.present.ball_bar_circles import BallBarCircle, ball_bar_circles, circle_picture, division
+from axiscal.present.drawn_by_standards import (
+    BallBarCircle,
+    ball_bar_circles,
+    circle_picture,
+    division,
+    positioning_curves,
+)
 from axiscal.present.figures import positioning_figure
-from axiscal.present.positioning_curves import positioning_curves
 from axiscal.tables.effect import Control
 from tests.generators.kinematics import tip
 from tests.generators.laser_axis import CAMPAIGN, MACHINE

@@ -16,8 +16,19 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
 from axiscal.numerics import Array
-from axiscal.present.drawing.scene import EYE, RIGHT, UP, Arrow, RoundMark, Stroke, flat
-from axiscal.present.drawing.solids import Solid, box, cylinder, far_to_near
+from axiscal.present.drawing.scene import (
+    EYE,
+    RIGHT,
+    UP,
+    Arrow,
+    RoundMark,
+    Solid,
+    Stroke,
+    box,
+    cylinder,
+    far_to_near,
+    flat,
+)
 from axiscal.present.machine_drawing.instruments import _DRAWN
 from axiscal.present.machine_drawing.machine_scene import machine_parts, reached
 from axiscal.present.machine_drawing.setup_picture import plan_picture, setup_scene

@@ -16,7 +16,7 @@ import pytest
 from axiscal.answers.answer import ResultAnswer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
-from axiscal.cli.last_screen import standing_screen
+from axiscal.cli.outputs import standing_screen
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
 from axiscal.web.desk import Desk

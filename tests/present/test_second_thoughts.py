@@ -8,7 +8,7 @@ from pathlib import Path
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
-from axiscal.present.guide.second_thoughts import contradictions
+from axiscal.present.guide.taking_back import contradictions
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, plus, read
 
 NARROW = campaign_from_texts(f'usual = "off"\nsure = "exactly"\n{CAMPAIGN}', "c.toml", MACHINE, "m")

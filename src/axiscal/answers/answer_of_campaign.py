@@ -31,7 +31,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import count_reached, known_to
 from axiscal.estimation.agreement_words import agreement_words, mistake_words
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.functionals.axis_line import AxisLine
+from axiscal.estimation.functionals.functional import AxisLine
 from axiscal.estimation.functionals.known import KnownRow, known_rows
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said

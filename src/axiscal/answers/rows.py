@@ -15,8 +15,7 @@ from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.estimation import Banded, Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import Functional
-from axiscal.estimation.functionals.known import KnownRow, known_row
-from axiscal.estimation.functionals.one_more import with_one_more
+from axiscal.estimation.functionals.known import KnownRow, known_row, with_one_more
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.tables.effect import Control, left_by, rms, tour

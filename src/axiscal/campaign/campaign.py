@@ -36,17 +36,16 @@ from axiscal.document.durable import Closing
 from axiscal.estimation.accepting import named
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
-from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.history import path
-from axiscal.estimation.inference.outliers import Doubt
+from axiscal.estimation.estimation import Estimation, path
 from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.exceptions import AmbiguityError, RecordError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.remembered import Memo
-from axiscal.planning.plan_basis import plan_basis
+from axiscal.planning.next_readings import plan_basis
 from axiscal.record.accepted import Accepted
 from axiscal.record.copies import refuse_other, write_copy
 from axiscal.record.events import (

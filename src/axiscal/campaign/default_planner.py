@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.inference.outliers import Doubt
+from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
@@ -23,6 +23,6 @@ def plan_ahead(
     left: Sequence[Place],
 ) -> tuple[Place, ...]:
     """Return what `next_places` plans; planning is loaded for it, which a plan that stands need not wait for."""
-    from axiscal.planning.planner import next_places
+    from axiscal.planning.next_readings import next_places
 
     return next_places(case, known, taken, doubts, gaps, left)

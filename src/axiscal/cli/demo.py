@@ -10,8 +10,7 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import Details
-from axiscal.cli.last_screen import written_screen
-from axiscal.cli.outputs import tell_details
+from axiscal.cli.outputs import tell_details, written_screen
 from axiscal.cli.printing import say
 from axiscal.cli.progress import shown_progress
 from axiscal.cli.texts import micrometres

@@ -13,8 +13,7 @@ from axiscal.cli.printing import say, say_document, tell, tell_progress
 from axiscal.cli.texts import count_text, micrometres
 from axiscal.document.durable import write_whole
 from axiscal.ports.fleet.due_dates import Wanted, due_dates
-from axiscal.ports.fleet.history_page import render
-from axiscal.ports.fleet.machine_history import histories
+from axiscal.ports.fleet.history_page import histories, render
 from axiscal.ports.fleet.shop_list import ShopList, ShopRecord, shop_list
 from axiscal.record.opening import records_of
 from axiscal.units import to_unit

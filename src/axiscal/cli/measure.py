@@ -13,7 +13,7 @@ from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say
 from axiscal.cli.prompt import Prompt
 from axiscal.language.spoken import said, speaking
-from axiscal.present.guide.stopping import results_beside
+from axiscal.present.guide.progress import results_beside
 from axiscal.present.result_set import RECORD
 from axiscal.present.whose_language import chosen
 

@@ -1,20 +1,26 @@
-"""What `--out DIR` receives."""
+"""What `--out DIR` receives, and the last screen of a command."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
 
+from axiscal.answers.answer_of_campaign import standing_answer
+from axiscal.answers.answer_words import screen
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.last_screen import written_screen
 from axiscal.cli.printing import say, say_document
+from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
-from axiscal.language.spoken import resaid
+from axiscal.language.spoken import resaid, speaking
 from axiscal.present.delivery import deliver
+from axiscal.present.guide.progress import results_beside
+from axiscal.present.plan_answer import coming_answer
+from axiscal.present.plan_words import plan_screen
 from axiscal.present.result_document import result_json
 from axiscal.present.statement import NOT_KNOWN, statement
 from axiscal.present.summarising import Extras
 from axiscal.present.summary import Summary
+from axiscal.present.whose_language import chosen
 
 
 def write_outputs(
@@ -75,3 +81,20 @@ def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str) -> Sum
         ) from failure
     except KeyboardInterrupt:
         raise AxiscalError(f"Stopped by Ctrl-C. Every reading is kept. {whole}; {again}") from None
+
+
+def written_screen(summary: Summary, record: Path, out: Path) -> str:
+    """Return the screen of a campaign whose results are written.  record : where it stays"""
+    with speaking(chosen(None)):
+        return screen(summary.answer, summary.agreement.words, str(record), str(out), str(out / "report.pdf"))
+
+
+def standing_screen(campaign: Campaign) -> str:
+    """Return the screen of a campaign as it stands: before the first reading, of its plan."""
+    path, known = campaign.path, campaign.so_far()
+    words = agreement_words(known) if known.readings else ""
+    planned = coming_answer(campaign)
+    with speaking(chosen(None)):
+        if planned is not None:
+            return plan_screen(planned, str(path))
+        return screen(standing_answer(campaign), words, str(path), str(results_beside(path)))

@@ -16,8 +16,8 @@ from axiscal.description.campaign import CampaignDescription, as_exact
 from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
 from axiscal.description.programs import stated
 from axiscal.document.durable import write_whole
-from axiscal.estimation.accuracy.as_one import seen_as_one
 from axiscal.estimation.accuracy.other_tool import other_tool
+from axiscal.estimation.accuracy.unseen import seen_as_one
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import PlanError, TargetError

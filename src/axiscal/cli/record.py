@@ -1,7 +1,8 @@
-"""`axiscal step record`."""
+"""`axiscal step record`, with a place as it is typed: "X=120 mm Y=250 mm", "X+ Y-"."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -10,20 +11,21 @@ import typer
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, Log, Programs, RecordFile
-from axiscal.cli.leaving import Stand
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.placed_log import placed_log
-from axiscal.cli.places import typed_place
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import count_text, next_text, question_document
-from axiscal.exceptions import RecordError
+from axiscal.description.placed_readings import placed_approach, placed_pose
+from axiscal.exceptions import ReadingError, RecordError
+from axiscal.machine import Machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import place_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
 from axiscal.present.guide.answers import value_texts
 from axiscal.present.guide.question import asked_text
-from axiscal.present.guide.second_thoughts import contradictions, doubted, others_doubted
+from axiscal.present.guide.taking_back import contradictions, doubted, others_doubted
 from axiscal.units import format_quantity, parse_quantity, to_unit
 
 
@@ -92,11 +94,10 @@ def record(
         else:
             typed = _understood(campaign, text, std, at, setup, approach)  # first: what is misspelt is said at once
             before = doubted(campaign)
-            stood = Stand.of(campaign) if at is not None else None
+            left = _left(campaign, typed.place)
             kept = campaign.record(typed.value, typed.std, typed.place, accepted=accept, others=typed.others)
             surprise, mind = _doubt(campaign)
-            said = [mind, *others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else ""]
-            said += [] if stood is None else [stood.left_for(campaign, kept)]
+            said = [mind, *others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else "", left]
             said += contradictions(campaign)
             minded = [sentence for sentence in said if sentence]
             message = "\n".join([_kept(campaign, kept), *(f"Mind: {sentence}" for sentence in minded)])
@@ -143,6 +144,15 @@ def _doubt(campaign: Campaign) -> tuple[float | None, str]:
     away = f"it is {doubt.surprise:.1f} standard deviations from what the other readings say"
     said = estimation.objection_to(doubt) if doubt.implausible else away
     return round(doubt.surprise, 2), f"{said} and is not relied on. {_REMEDY}"
+
+
+def _left(campaign: Campaign, place: Place) -> str:
+    """Return what it costs to leave the set-up that was asked for, for a place in another one; "" for nothing."""
+    asked = campaign.state.pending
+    if asked is None or asked.place.setup == place.setup or not (costs := cost_words(campaign, rest=True)):
+        return ""
+    stay = "to stay, take this back: axiscal undo"
+    return f'this leaves "{asked.place.setup}", which costs, where nothing more is read there: {costs}; {stay}.'
 
 
 def _assumed(campaign: Campaign, reading: Reading, approach: str | None) -> str:
@@ -196,3 +206,53 @@ def _kept_document(campaign: Campaign, reading: Reading) -> dict[str, object]:
         "value": to_unit(reading.value, unit),
         "unit": unit,
     }
+
+
+_ENTRY = re.compile(r"\s*([A-Z][0-9]?)\s*=\s*([^=,;]*?)\s*(?:[,;]|(?=\s[A-Z][0-9]?\s*=)|$)")
+_DIRECTION = re.compile(r"([A-Z][0-9]?)([+−-])")
+
+
+def typed_place(campaign: Campaign, setup: str | None, at: str, approach: str | None) -> Place:
+    """Return the place of a reading that was not asked for; raises ReadingError, UnitError or DescriptionError.
+
+    setup : name; None is the set-up of the question that is open, or the only one there is
+    """
+    chosen, machine = _setup(campaign, setup), campaign.description.machine
+    pose = placed_pose(chosen, machine, _position(at, machine))
+    return Place(chosen.name, pose, placed_approach(chosen, machine, _directions(approach or "")))
+
+
+def _setup(campaign: Campaign, name: str | None) -> Setup:
+    description, pending = campaign.description, campaign.state.pending
+    if name is None and pending is None and len(description.setups) > 1:
+        names = ", ".join(f'"{setup.name}"' for setup in description.setups)
+        raise ReadingError("the campaign has several set-ups", "Name one with --setup: {names}", names=names)
+    return description.setup(name or (pending.place.setup if pending else description.setups[0].name))
+
+
+def _position(text: str, machine: Machine) -> dict[str, float]:
+    position: dict[str, float] = {}
+    at = 0
+    while text[at:].strip():
+        found = _ENTRY.match(text, at)
+        if found is None or found[1] in position:
+            raise ReadingError(
+                '"{text}" is not a place', 'Write each axis once, as in --at "X=120 mm Y=250 mm"', text=text
+            )
+        axis = machine.axis(found[1])
+        position[found[1]] = parse_quantity(found[2], axis.dimension)
+        at = found.end()
+    return position
+
+
+def _directions(text: str) -> dict[str, int]:
+    directions: dict[str, int] = {}
+    for word in re.split(r"[\s,;]+", text.strip()):
+        found = _DIRECTION.fullmatch(word)
+        if word and (found is None or found[1] in directions):
+            raise ReadingError(
+                '"{text}" is not an approach', 'Write each axis once, as in --approach "X+ Y-"', text=text
+            )
+        if found:
+            directions[found[1]] = 1 if found[2] == "+" else -1
+    return directions

@@ -6,17 +6,16 @@ from axiscal.answers.answer import StatusAnswer, StatusNote, StatusTarget
 from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Details, Json, OwnRecord
-from axiscal.cli.last_screen import standing_screen
+from axiscal.cli.outputs import standing_screen
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text, signed_text
 from axiscal.description.target import Target
 from axiscal.estimation.accepting import change_words
-from axiscal.estimation.agreement_words import agreement_document, agreement_words
-from axiscal.estimation.membership_words import membership_words
+from axiscal.estimation.agreement_words import agreement_document, agreement_words, membership_words
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.language.spoken import said
 from axiscal.present.guide.question import asked_text
-from axiscal.present.guide.second_thoughts import contradictions
+from axiscal.present.guide.taking_back import contradictions
 from axiscal.present.plan_answer import coming_answer
 from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit

@@ -25,10 +25,9 @@ from axiscal.ports.study.comparing import MeasuringWay, verdicts, ways_of
 from axiscal.ports.study.outcome import outcome
 from axiscal.ports.study.processes import Processes
 from axiscal.ports.study.results import Ran, Results, Watch, rows_of, run_missing, write_table
-from axiscal.ports.study.study_case import FIGURES
+from axiscal.ports.study.study_case import FIGURES, Done, Engine, WorkItem, answered, here, processors_here
 from axiscal.ports.study.study_file import Study, read_study
 from axiscal.ports.study.study_page import render
-from axiscal.ports.study.work import Done, Engine, WorkItem, answered, here, processors_here
 
 _TOLD = 20
 """Lines about the progress where nobody watches a screen; a matter of taste."""

@@ -7,8 +7,7 @@ from axiscal.campaign.ending import Ended
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.language.spoken import decimals
 from axiscal.measurement.place_texts import reading_unit, value_names
-from axiscal.present.guide.question import coming_text, go_text, parked_text, touch_text
-from axiscal.present.guide.sign import reads_text
+from axiscal.present.guide.question import coming_text, go_text, parked_text, reads_text, touch_text
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 

@@ -19,7 +19,7 @@ from axiscal.machine import load_machine
 from axiscal.ports.fleet import type_page
 from axiscal.ports.fleet.rehearsal import Imagined, rehearsed
 from axiscal.ports.fleet.type_learning import DIRECTIONS, DOUBT, Saving, learnt_type, saving
-from axiscal.ports.fleet.type_words import error_lines, summary_sentences
+from axiscal.ports.fleet.type_page import error_lines, summary_sentences
 from axiscal.record.copies import carried_text
 from axiscal.record.opening import gathered
 from axiscal.units import to_unit

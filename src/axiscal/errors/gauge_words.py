@@ -1,17 +1,23 @@
-"""Errors that readings do not show, in words for a technician: few sentences, one for each pattern."""
+"""Errors that readings do not show, in words for a technician: few sentences, one for each pattern.
+
+So are errors that a machine's description does not name, which the model therefore takes as zero.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
 from axiscal.errors.iso230 import words
 from axiscal.errors.model import ErrorModel, Term
 from axiscal.errors.plane import PlaneError
-from axiscal.language.spoken import counted, either_of, joined, later, put, said
+from axiscal.language.spoken import counted, either_of, joined, later, listed, put, said
 from axiscal.machine.axis import Axis, letter_direction
+from axiscal.machine.description import Machine
+from axiscal.machine.names import COMPONENTS
 from axiscal.numerics import Array
 from axiscal.units import said_quantity
 
@@ -219,3 +225,30 @@ def _is_constant(aspect: Aspect) -> bool:
 def _listed(phrases: list[str]) -> str:
     more = len(phrases) - _LISTED
     return joined([*phrases[:_LISTED], said("{count} more", count=more)] if more > 0 else phrases)
+
+
+_ABOUT = {"XY": "C", "XZ": "B", "YZ": "A"}
+
+
+def undescribed(machine: Machine) -> str | None:
+    """Return in one sentence which of the six errors of each axis, and which squarenesses, are not described.
+
+    None where all are. A squareness may be that of either axis: C0Y or C0X.
+    """
+    named = {error.name for error in machine.errors}
+    missing = [name for axis in machine.axes for name in _motions(axis, named)]
+    missing += _squarenesses(machine, named)
+    return said("Not described, taken as zero: {names}.", names=listed(", ", missing)) if missing else None
+
+
+def _motions(axis: Axis, named: set[str]) -> list[str]:
+    absent = [name for component in COMPONENTS if (name := f"E{component}{axis.name}") not in named]
+    return absent if len(absent) < len(COMPONENTS) else [said("all six of {axis}", axis=axis.name)]
+
+
+def _squarenesses(machine: Machine, named: set[str]) -> Iterator[str]:
+    linear = sorted((axis for axis in machine.axes if not axis.rotary), key=lambda axis: axis.name)
+    for first, second in combinations(linear, 2):
+        about = _ABOUT.get(first.letter + second.letter)
+        if about and not {f"{about}0{first.name}", f"{about}0{second.name}"} & named:
+            yield f"{about}0{second.name}"

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from axiscal.estimation.belief import Innovations
 from axiscal.estimation.case import Case
-from axiscal.estimation.inference.intervals import is_odd, sited
-from axiscal.estimation.knowledge import AT_ONCE, Block, Knowledge, block
+from axiscal.estimation.inference.odd_readings import is_odd, sited
+from axiscal.estimation.knowledge import Knowledge, blocks
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import Seen
 from axiscal.numerics import Array
@@ -37,47 +37,16 @@ class Absorbed:
 def absorbed(case: Case, readings: Sequence[Reading], left_out: Iterable[int] = ()) -> Absorbed:
     """Return what is known after readings.  left_out : indices of those that do not count"""
     apart, knowledge, innovations = frozenset(left_out), case.knowledge, list[Innovations]()
-    for after, part in blocks(case, knowledge, readings, apart):
-        case, knowledge = after, part.after
-        innovations += part.innovations
-    return Absorbed(case, apart, knowledge, tuple(innovations))
-
-
-def blocks(
-    case: Case, knowledge: Knowledge, readings: Sequence[Reading], left_out: Collection[int] = ()
-) -> Iterator[tuple[Case, Block]]:
-    """Yield what readings make of case and knowledge, some hundreds at a time.
-
-    left_out : indices of those that are predicted and not used
-    """
-    for after, start, stop in _parts(case, readings):
-        counts = np.array([index not in left_out for index in range(start, stop)])
-        part = block(knowledge, readings[start:stop], counts)
+    for part in blocks(knowledge, readings, apart):
         knowledge = part.after
-        yield after, part
+        innovations += part.innovations
+    return Absorbed(_widened(case, readings), apart, knowledge, tuple(innovations))
 
 
-def _parts(case: Case, readings: Sequence[Reading]) -> Iterator[tuple[Case, int, int]]:
-    """Yield parts of the readings through which the case stays the same: the case, and from which to before which.
-
-    It changes where a reading came from a side that its set-up does not allow.
-    """
-    start = 0
-    for index, reading in enumerate(readings):
-        after = _widened(case, reading)
-        if index > start and (after is not case or index - start == AT_ONCE):
-            yield case, start, index
-            start = index
-        case = after
-    if start < len(readings):
-        yield case, start, len(readings)
-
-
-def _widened(case: Case, reading: Reading) -> Case:
-    """Return the case after a reading: it may have come from a side that nobody said its set-up allows."""
-    if reading.setup in case.both or case.came_as_allowed(reading):
-        return case
-    return replace(case, both=case.both | {reading.setup})
+def _widened(case: Case, readings: Sequence[Reading]) -> Case:
+    """Return the case with set-ups that were read from sides which nobody said they allow."""
+    other = {reading.setup for reading in readings if not case.came_as_allowed(reading)}
+    return replace(case, both=case.both | other) if other else case
 
 
 def displayed(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:

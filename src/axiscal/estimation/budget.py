@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.type_b_columns import Contribution, columns_of, contributions
+from axiscal.estimation.promise.passing import Contribution, columns_of, contributions
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading_rows import places_of, seen
 from axiscal.measurement.setup import Unknown

@@ -19,13 +19,12 @@ from axiscal.errors.gauge import Hidden, hidden, unseen_factor
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import VolumeMoments, of_rests, volume_moments
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
-from axiscal.estimation.accuracy.as_one import seen_as_one
+from axiscal.estimation.accuracy.unseen import seen_as_one, tool_doubt
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.promise.passing import Contribution, contributions
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.promise.type_b_columns import Contribution, contributions
-from axiscal.estimation.tool_doubt import tool_doubt
 from axiscal.machine.description import Machine
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread

@@ -12,9 +12,8 @@ from axiscal.estimation.accuracy.expanded import Expanded, expanded
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.case import Case
-from axiscal.estimation.inference.implausible import objection
-from axiscal.estimation.inference.outliers import Doubt
-from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.judged import Doubt, objection
+from axiscal.estimation.knowledge import Knowledge, blocks
 from axiscal.estimation.learnt import Learnt
 from axiscal.estimation.machine_estimate import Estimate, map_grid, rest_means
 from axiscal.estimation.membership import Membership
@@ -140,3 +139,27 @@ def as_standard(case: Case, knowledge: Knowledge, wanted: float) -> float:
     """Return the RMS standard uncertainty that stands for an expanded one, m, by the factor of what is known now."""
     rms = case.yardstick.measure(knowledge.belief).rms
     return wanted / expanded(case.yardstick, knowledge.belief).factor(rms)
+
+
+class Moment(NamedTuple):
+    """The accuracy after a reading, its innovations (None before the first), and its time in seconds."""
+
+    accuracy: Accuracy
+    innovations: Innovations | None
+    seconds: float
+
+
+@one_thread()
+def path(final: Estimation) -> list[Moment]:
+    """Return what was known before the first reading and after each, in one pass with the sizes known at the end.
+
+    final : a concluded one. Its last figures are those of the posterior, with the sizes averaged over.
+    """
+    as_shown, readings = final.stages.absorbed, final.readings
+    start = as_shown.case
+    found: list[tuple[Accuracy, Innovations | None]] = [(start.yardstick.measure(start.prior), None)]
+    for part in blocks(start.knowledge, readings, as_shown.left_out):
+        found += zip(part.accuracies(start.yardstick), part.innovations, strict=True)
+    if readings:
+        found[-1] = final.accuracy, found[-1][1]
+    return [Moment(*each, end) for each, end in zip(found, (0.0, *final.stages.timed.ends), strict=True)]

@@ -1,15 +1,35 @@
-"""Second stage: the implausible readings, which cannot be right whatever the machine is like."""
+"""Second stage: the implausible readings, which no error of about the stated size could make: mostly slips of the unit.
+
+The test uses the set-up's own unknowns after the readings before, and the stated std of the errors at the place. It
+treats these errors as independent from place to place. So a curve that is rougher than its prior, or several times
+larger, makes no reading implausible. A belief about the unknowns alone does, for the errors count as scatter.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
-from axiscal.estimation.inference.implausible import limit, nearest_first, surprises
-from axiscal.estimation.inference.outliers import Doubt
+from axiscal.language.spoken import later, listed, said
+from axiscal.machine.axis import Axis
+from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import frames
+from axiscal.measurement.drift import wandering
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.instruments.distance import SHIFTS
+from axiscal.measurement.instruments.tracker import TURNS
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place_texts import reading_text, reading_unit
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import seen
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal.units import said_quantity
 
 _LEARNABLE = 4.0
 """How many times larger than stated an error may be where its std is to be learnt."""
@@ -27,3 +47,114 @@ def judged(case: Case, readings: Sequence[Reading]) -> Mapping[int, Doubt]:
         sizes = surprises(case.observation, mean, covariance, taken)
     found = {index: sizes[at] for at, index in enumerate(order) if far[at]}
     return {i: Doubt(i, size, True) for i, size in sorted(found.items()) if not readings[i].accepted}
+
+
+IMPLAUSIBLE = 12.0
+"""So many standard deviations are no chance, and no prior that is three times too small."""
+_WIDEST, _ENOUGH, _COUNTLESS = 4.0, 5, 1e6
+_NEAREST = 0.05
+"""No station stands nearer, m: by how much distances may bend before it is located."""
+_SLIPS = (
+    (75.0, later("about 25 times too large (inches instead of mm?)")),
+    (4000.0, later("about a thousand times too large (mm instead of um?)")),
+    (1e5, later("about 25000 times too large (inches instead of um?)")),
+)
+
+
+def unit_guess(size: float, angular: bool = False) -> str:
+    """Return which slip of the unit makes a reading so many standard deviations too large; empty for none."""
+    if angular:
+        return said("about a thousand times too large (mrad instead of urad?)") if 75.0 < size <= 4000.0 else ""
+    return next((said(words) for most, words in _SLIPS if size <= most), "")
+
+
+def objection(doubt: Doubt, reading: Reading, setup: Setup, axes: Sequence[Axis]) -> str:
+    """Return what an implausible reading is, and which slip of the unit may have made it."""
+    unit = reading_unit(setup)
+    value = listed(", ", [said_quantity(each, unit, 6) for each in reading.values])
+    size = f"{doubt.surprise:.0f}" if doubt.surprise < _COUNTLESS else said("more than a million")
+    guess = unit_guess(doubt.surprise, INSTRUMENTS[setup.instrument].reads == "angle")
+    text = said(
+        "{reading}, {value}, is {size} standard deviations from all that the stated std and the other readings allow",
+        reading=reading_text(axes, setup, reading, doubt.reading),
+        value=value,
+        size=size,
+    )
+    return listed(", ", [text, guess]) if guess else text
+
+
+def surprises(observation: Observation, mean: Array, covariance: Array, readings: Sequence[Reading]) -> list[float]:
+    """Return how far each reading is from what those before it allow, in standard deviations.
+
+    mean : (size,) and covariance : (size, size) of the errors as expected
+    Their rows meet the covariance of the errors once for all of them: as fast as it can be read.
+    """
+    numbers = seen(observation, readings)
+    rows, own = np.split(numbers.rows, [len(mean)], axis=1)
+    scatter = numbers.variances + np.einsum("mi,mi->m", rows @ covariance, rows)
+    stds = [unknown.std for unknown in observation.unknowns]
+    unknowns = Belief(np.zeros(len(stds)), np.diag(np.square(stds))) if stds else None
+    values, own = numbers.values - rows @ mean, own[:, : len(stds)]
+    setups, first, sizes = {setup.name: setup for setup in observation.setups}, dict[str, float](), list[float]()
+    ends = np.searchsorted(numbers.reading, np.arange(len(readings) + 1)).tolist()
+    for reading, mine in zip(readings, (slice(*each) for each in pairwise(ends)), strict=True):
+        setup = setups[reading.setup]
+        variances = scatter[mine] + bent(observation.machine, setup, reading) + _drifted(setup, reading, first)
+        expected, spread = np.zeros(len(variances)), variances
+        if unknowns is not None:
+            known = unknowns.predict(own[mine])
+            expected, spread = known.mean, variances + known.std**2
+        sizes.append(float(np.max(np.abs(values[mine] - expected) / np.sqrt(spread))))
+        if unknowns is not None and (reading.accepted or sizes[-1] <= IMPLAUSIBLE * _WIDEST):
+            unknowns = unknowns.update(own[mine], values[mine], variances)
+        if reading.time is not None:
+            first.setdefault(reading.setup, reading.time)
+    return sizes
+
+
+def _drifted(setup: Setup, reading: Reading, first: Mapping[str, float]) -> float:
+    """Return the variance by which the zero may have wandered between the first one judged and this, m² or rad²."""
+    if setup.drift == 0 or reading.time is None:
+        return 0.0
+    apart = abs(reading.time - first.get(setup.name, reading.time))
+    return float(wandering(setup.drift, [apart])[0, 0])
+
+
+def bent(machine: Machine, setup: Setup, reading: Reading) -> float:
+    """Return the variance by which a reading of a set-up bends while its station or its turn is not found, m²."""
+    stations = max(len(setup.stations), 1)
+    wide = sum(u.std**2 for u in setup.unknowns if u.name.startswith(SHIFTS)) / stations
+    turned = sum(u.std**2 for u in setup.unknowns if u.name in TURNS)
+    if not turned:
+        return float((wide / (2 * _NEAREST)) ** 2)
+    place = frames(machine, np.array([reading.pose])).tcp[0]
+    away = float(np.linalg.norm(place - np.array(setup.station or (0.0, 0.0, 0.0))))
+    return float((turned * away / 2) ** 2)
+
+
+def limit(sizes: Sequence[float]) -> float:
+    """Return the size above which the last reading is implausible: more where most are larger than the prior says."""
+    if len(sizes) < _ENOUGH:
+        return IMPLAUSIBLE
+    usual = 1.4826 * float(np.median(sizes))
+    return IMPLAUSIBLE * min(max(usual, 1.0), _WIDEST)
+
+
+def nearest_first(readings: Sequence[Reading]) -> list[int]:
+    """Return the indices of readings, those nearest to the middle of their set-up first."""
+    middle = {
+        name: np.median([r.values for r in readings if r.setup == name], axis=0) for name in {r.setup for r in readings}
+    }
+    away = [float(np.max(np.abs(np.array(r.values) - middle[r.setup]))) for r in readings]
+    return [int(index) for index in np.argsort(away, kind="stable")]
+
+
+class Doubt(NamedTuple):
+    """A reading that is not used: its index from 0, and standard deviations from what the others predict.
+
+    implausible : no error of about the stated size could make it; the standard deviations are then those of the prior
+    """
+
+    reading: int
+    surprise: float
+    implausible: bool = False

@@ -9,7 +9,7 @@ rest away. Map and belief grow together, and neither can be forgotten.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,9 +49,8 @@ class Knowledge:
     def read(self, readings: Sequence[Reading]) -> Knowledge:
         """Return what is known after readings."""
         known = self
-        for start in range(0, len(readings), AT_ONCE):
-            part = readings[start : start + AT_ONCE]
-            known = block(known, part, np.ones(len(part), dtype=bool)).after
+        for part in blocks(self, readings):
+            known = part.after
         return known
 
 
@@ -84,3 +83,15 @@ def block(knowledge: Knowledge, readings: Sequence[Reading], counts: NDArray[np.
     surprises = (np.split(part, cuts) for part in (done.belief.innovations.value, done.belief.innovations.std))
     innovations = tuple(Innovations(*pair) for pair in zip(*surprises, strict=True))
     return Block(before, Knowledge(before.observation, done.belief), innovations, done.losses)
+
+
+def blocks(knowledge: Knowledge, readings: Sequence[Reading], left_out: Collection[int] = ()) -> Iterator[Block]:
+    """Yield what readings make of knowledge, some hundreds at a time.
+
+    left_out : indices of those that are predicted and not used
+    """
+    for start in range(0, len(readings), AT_ONCE):
+        mine = readings[start : start + AT_ONCE]
+        part = block(knowledge, mine, np.array([index not in left_out for index in range(start, start + len(mine))]))
+        knowledge = part.after
+        yield part

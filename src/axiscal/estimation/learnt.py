@@ -9,12 +9,11 @@ from itertools import combinations
 import numpy as np
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.inference.outliers import Doubt
-from axiscal.estimation.progressive.bent_readings import BentReadings, Optimum, polished, shares
-from axiscal.estimation.progressive.starts import closed_form
+from axiscal.estimation.judged import Doubt
 from axiscal.estimation.promise.agreement import Turned
 from axiscal.estimation.promise.posterior import Posterior, posterior
 from axiscal.estimation.promise.problem import problem
+from axiscal.estimation.stations import BentReadings, Optimum, closed_form, polished
 from axiscal.measurement.reading import Reading, drawn
 
 _MOST = 200
@@ -65,8 +64,7 @@ def progressed(case: Case, readings: Sequence[Reading], implausible: Collection[
     """Return the case linearised about the mode that its plausible readings show; as it was where that is linear.
 
     A distance or a tracker is linear only about its assumed place. If that is 100 mm or 20 mrad off, good readings look
-    bad. So the likelihood is brought in by shares before readings are doubted, and the result polished with the
-    original prior (docs/evidence/nonlinear.md).
+    bad. So the mode is found before readings are doubted (docs/evidence/nonlinear.md).
     """
     kept = [reading for index, reading in enumerate(readings) if index not in implausible]
     if not case.bends or not kept:
@@ -79,7 +77,7 @@ def progressed(case: Case, readings: Sequence[Reading], implausible: Collection[
 
 
 def mode(problem: BentReadings) -> Optimum:
-    """Return the best optimum: from the way through the shares, from closed form and from the prior."""
+    """Return the better optimum: from closed form or from the prior."""
     case, prior = problem.case, problem.case.prior.mean
-    starts = [shares(problem)[-1].point, closed_form(case, problem.readings, prior)]
+    starts = [prior, closed_form(case, problem.readings, prior)]
     return min((polished(problem, start) for start in starts), key=lambda found: found.cost)

@@ -15,7 +15,7 @@ from axiscal.estimation.absorbed import Absorbed, absorbed, displayed
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case, Rival
 from axiscal.estimation.inference.data_equation import data_equation, moments_of, shares_of
-from axiscal.estimation.inference.outliers import Doubt
+from axiscal.estimation.judged import Doubt
 from axiscal.estimation.learnt import posterior_of
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.measurement.reading import Reading

@@ -8,8 +8,7 @@ import numpy as np
 
 from axiscal.estimation.absorbed import Absorbed
 from axiscal.estimation.case import Case
-from axiscal.estimation.progressive.bent_readings import BentReadings, Optimum, polished
-from axiscal.estimation.progressive.starts import mirrored
+from axiscal.estimation.stations import BentReadings, Optimum, mirrored, polished
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.place_texts import place_text
 from axiscal.measurement.reading import Reading, drawn

@@ -6,6 +6,8 @@ a sister at all, the weights are:
 - type: 1 − d; the same with six times its covariance: 0.3 d
 - a sister with one axis hit or renewed, its errors off by what is stated besides: 0.3 d, as much for each axis
 - stated prior in the sizes that were learnt: 0.2 d; stated prior twice as wide: 0.2 d
+
+A belief over the errors of one description is read as one over those of another: curves at the knots of today's.
 """
 
 from __future__ import annotations
@@ -16,12 +18,12 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.carried_over import carried_over
+from axiscal.errors.plane import PlaneError
 from axiscal.estimation.case import Rival
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.exceptions import InputError, RecordError
@@ -253,3 +255,63 @@ def _carried(found: TypePrior, errors: ErrorModel, covariance: Array) -> Inherit
         if term.name in found.learned:
             beyond[term.columns] *= np.sqrt(found.learned[term.name].scale)
     return across.prior(found.mean, covariance, beyond @ beyond.T)
+
+
+_ALIKE = 1e-9
+"""Of the whole: what is less is rounding."""
+
+
+class Across(NamedTuple):
+    """errors : of today; matrix : (size, before) from the unknowns of before to those of today
+
+    rests : (size,) variances that the rests of before give them; known : the names of errors that both have
+    """
+
+    errors: ErrorModel
+    matrix: Array
+    rests: Array
+    known: frozenset[str]
+
+    def beyond(self) -> Array:
+        """Return S (size, k): S Sᵀ is what today's prior holds of common errors and the other description cannot.
+
+        With P = M M⁺ the part of the coefficients that the other knots reach, S = (I − P) L for C₀ = L Lᵀ.
+        """
+        root, parts = self.errors.prior_root(), [np.zeros((self.errors.size, 0))]
+        for term in self.errors.terms:
+            own, held = root[term.columns, term.columns], self.matrix[term.columns]
+            left = own - held @ np.linalg.pinv(held, rcond=_ALIKE) @ own
+            if term.name in self.known and np.linalg.norm(left) > _ALIKE * np.linalg.norm(own):
+                part = np.zeros((self.errors.size, left.shape[1]))
+                part[term.columns] = left
+                parts.append(part)
+        return np.hstack(parts)
+
+    def prior(self, mean: Array, covariance: Array, extra: Array) -> Inherited:
+        """Return a belief over today's errors; those that are new are as their prior states.
+
+        mean : (k,); covariance : (k, k); extra : (n, n) covariance to add
+        """
+        result: Array = self.matrix @ covariance @ self.matrix.T + extra
+        for term in self.errors.terms:
+            if term.name not in self.known:
+                result[term.columns, term.columns] = term.covariance
+        return Inherited(self.matrix @ mean, result)
+
+
+def carried_over(before: ErrorModel, errors: ErrorModel) -> Across:
+    """Return how a belief over the errors of one model becomes one over those of another."""
+    matrix, rests = np.zeros((errors.size, before.size)), np.zeros(errors.size)
+    known = {term.name for term in before.terms} & {term.name for term in errors.terms}
+    for term in errors.terms:
+        if term.name not in known:
+            continue
+        if isinstance(term, PlaneError):
+            plane = before.planes_by_name[term.name]
+            matrix[term.columns, plane.columns] = term.taken_from(plane)
+            rests[term.columns] = term.loosened(plane.rest)
+        else:
+            other = before.names[term.name]
+            matrix[term.columns, other.columns] = other.basis.rows(term.basis.control_positions)
+            rests[term.columns] = other.rest**2
+    return Across(errors, matrix, rests, frozenset(known))

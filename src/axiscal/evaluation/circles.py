@@ -9,17 +9,18 @@ From the deviations of the radius, actual minus nominal, with the centre of leas
 
 The standard defines G by the two concentric circles of least separation. The width about the centre of least squares is
 never smaller, and a few percent larger at most. (Formulas after ISO 230-4:2005, quoted from memory.)
+The least-squares centre of readings around a turn is that of r(θ) = r₀ + a cos θ + b sin θ + e(θ).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.evaluation.polar import centred, covers_a_turn
 from axiscal.exceptions import EvaluationError
 from axiscal.measurement.readers.around import CircularTest
 from axiscal.numerics import Array
@@ -65,3 +66,32 @@ def _of(test: CircularTest, mine: NDArray[np.bool_]) -> tuple[Array, Array]:
 
 def _width(left: Array) -> float:
     return float(left.max() - left.min())
+
+
+class Centred(NamedTuple):
+    """radius : r₀; centre : (a, b); left : (m,) e, all m"""
+
+    radius: float
+    centre: tuple[float, float]
+    left: Array
+
+
+def centred(angles: Array, deviations: Array) -> Centred:
+    """Return deviations (m,) of a radius without what the place of the centre does, by least squares.
+
+    angles : (m,) rad, on at least half a turn or the centre is not told from the radius
+    """
+    columns = np.column_stack([np.ones_like(angles), np.cos(angles), np.sin(angles)])
+    radius, a, b = np.linalg.lstsq(columns, deviations, rcond=None)[0].tolist()
+    return Centred(radius, (a, b), deviations - columns @ np.array([radius, a, b]))
+
+
+def covers_a_turn(angles: Array) -> bool:
+    """Whether no gap between neighbouring angles is as large as a quarter of a turn."""
+    around = np.sort(np.mod(angles, 2 * np.pi))
+    gaps = np.diff(around, append=around[:1] + 2 * np.pi)
+    return bool(len(around) >= _FEWEST and gaps.max() < np.pi / 2)
+
+
+_FEWEST = 8
+"""Angles that tell a centre from a lobed circle of two or three lobes."""

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.evaluation.polar import centred, covers_a_turn
+from axiscal.evaluation.circles import centred, covers_a_turn
 from axiscal.exceptions import EvaluationError
 from axiscal.measurement.readers.around import Turns
 from axiscal.numerics import Array

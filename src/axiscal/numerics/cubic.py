@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from axiscal.exceptions import KnotError, ShapeError
 from axiscal.numerics import Array
-from axiscal.numerics.quadrature import gauss
 
 _VALUES = np.array([[1 / 3, 1 / 6], [1 / 6, 1 / 3]])
 """Mathematics: integrals of products of an interval's linear and cubic shapes."""
@@ -376,3 +375,13 @@ def _checked_positions(t: ArrayLike, derivative: int) -> Array:
     if derivative not in (0, 1, 2, 3):
         raise ShapeError(f"derivative {derivative!r}: a cubic spline has orders 0 to 3")
     return position
+
+
+def gauss(breaks: Array, count: int) -> tuple[Array, Array]:
+    """Return nodes and weights, each (intervals, count), exact for degree 2 count − 1 between any two breaks.
+
+    breaks : (intervals + 1,) ascending
+    """
+    node, weight = np.polynomial.legendre.leggauss(count)
+    half = np.diff(breaks)[:, None] / 2
+    return breaks[:-1, None] + half * (1 + node), half * weight

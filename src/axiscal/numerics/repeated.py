@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from axiscal.numerics import Array
-from axiscal.numerics.cubic import CyclicSpline, even_knots
-from axiscal.numerics.quadrature import gauss
+from axiscal.numerics.cubic import CyclicSpline, even_knots, gauss
 
 
 @dataclass(frozen=True, slots=True, eq=False)

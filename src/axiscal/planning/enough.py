@@ -55,7 +55,7 @@ def reached(case: Case, limits: Limits, known: Knowledge, readings: Sequence[Rea
     """
     now = case.yardstick.measure(known.belief)
     volume = now.meets(limits.rms, limits.worst) or _within(case, known, limits)
-    if not volume and not limits.rms is limits.worst is limits.expanded is None:
+    if not volume and limits.of_volume:
         return False
     rows = known_rows(case, known, readings) if limits.rows else ()
     return all(row.settled for row in rows if row.limit is not None and row.row.kind != "volume")

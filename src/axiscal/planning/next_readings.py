@@ -1,4 +1,7 @@
-"""The readings to come: answers of the planner while a campaign is under way."""
+"""What to read next: from what is known to the readings to come, while a campaign is under way.
+
+A plan stands as long as what it rests on; it has no places where no reading can be had.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.estimation.accuracy.criterion import Gram, Root, joint_root
 from axiscal.estimation.accuracy.expanded import BAND
@@ -14,7 +18,7 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.known import known_row
-from axiscal.estimation.inference.outliers import Doubt
+from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
@@ -22,18 +26,15 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.planning.both_sides import with_both_sides
-from axiscal.planning.drift_markers import planned_with_markers
+from axiscal.numerics.threads import one_thread
 from axiscal.planning.enough import AT_ONCE, enough
+from axiscal.planning.other_readings import EVERY, plane_start, planned_with_markers, with_both_sides, without_markers
 from axiscal.planning.overrun import with_rooms
 from axiscal.planning.plan.order import in_order, seconds_along
-from axiscal.planning.plan.patience import PATIENCE
 from axiscal.planning.plan.plan import Plan, Progress, make_plan
 from axiscal.planning.plan.renewal import renewed
-from axiscal.planning.plan.task import Limits, Task
-from axiscal.planning.plan_basis import at_gap, in_gap
-from axiscal.planning.plane_start import plane_start
-from axiscal.record.events import Gap
+from axiscal.planning.plan.task import PATIENCE, Limits, Task
+from axiscal.record.events import Asked, Gap
 
 CANDIDATES = 2000
 """Places that a plan chooses from; beyond, readings are brought to the best places between them anyway."""
@@ -187,3 +188,90 @@ def _own(asked: AskedRow, case: Case) -> Array:
         return case.yardstick.root.matrix
     scaled: Array = asked.map.rows(case.errors) / np.sqrt(len(asked.map.weights) / asked.map.dimensions)
     return scaled
+
+
+@one_thread()
+def next_places(
+    case: Case,
+    knowledge: Knowledge,
+    readings: Sequence[Reading],
+    outliers: Sequence[Doubt] = (),
+    gaps: Sequence[Gap] = (),
+    left: Sequence[Place] = (),
+) -> tuple[Place, ...]:
+    """Return the readings to come, none in a gap, in the order of a short way; none where nothing is left to measure.
+
+    knowledge : after the readings, which have their times; outliers : those of them that are not believed
+    gaps : where a reading could not be taken; left : of an earlier plan, to begin with
+    """
+    closed = *gaps, *twice_rejected(case, readings, outliers)
+    begin, task = without_markers(case, readings, left), posed(case, knowledge, closed, readings)
+    if not len(task.lattice):
+        return ()
+    limits = limits_left(case, task, readings, begin, outliers)
+    try:
+        return planned_places(case, task, limits, readings, closed, begin)
+    except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
+        return planned_places(case, task, Limits(1), readings, closed)
+
+
+_NEAR = 0.01
+"""Places within this share of each axis' travel are one place."""
+_FIRST, _GROWTH = 5, 1.34
+_AS_STATED = 1.2
+"""By this factor a reading's own std may differ from its set-up's noise before it tells more or less than planned."""
+
+
+def plan_basis(case: Case, readings: Sequence[Reading], doubts: Sequence[Doubt]) -> str:
+    """Return what a plan made now rests on beside where readings were taken, in words; empty for nothing.
+
+    Where a zero drifts it rests on the clock as well: markers are due by it.
+    doubts : readings that are not believed
+    """
+    noise = {setup.name: setup.noise for setup in case.description.setups}
+    said = [f"sizes of {count} readings"] if len(case.sizes) and (count := _learnt_from(len(readings))) else []
+    said += [f"{doubt.reading + 1} rejected" for doubt in doubts]
+    passed = int((readings[-1].time or 0.0) // EVERY) if readings else 0
+    if passed and any(setup.drift > 0 for setup in case.description.setups):
+        said.append(f"{passed} times {EVERY / 60:.0f} min")
+    other = [n for n, r in enumerate(readings, 1) if r.std is not None and not _alike(r.std, noise[r.setup])]
+    return ", ".join([*said, *(f"noise of {number}" for number in other)])
+
+
+def _learnt_from(count: int) -> int:
+    """Return the last number of readings, by a third more each time, after which sizes make a plan anew."""
+    due, following = 0, _FIRST
+    while following <= count:
+        due, following = following, math.ceil(following * _GROWTH)
+    return due
+
+
+def twice_rejected(case: Case, readings: Sequence[Reading], doubts: Sequence[Doubt]) -> tuple[Gap, ...]:
+    """Return the places at which a second reading was rejected as well: asking for a third would be no use."""
+    rejected = [readings[index] for index in sorted(doubt.reading for doubt in doubts)]
+    places = [reading.place for reading in rejected]
+    found = []
+    for number, place in enumerate(places):
+        gap = Gap(Asked(0, place), "two readings were rejected here")
+        if any(in_gap(case, earlier, [gap]) for earlier in places[:number]):
+            found.append(gap)
+    return tuple(found)
+
+
+def in_gap(case: Case, place: Place, gaps: Sequence[Gap]) -> bool:
+    """Return whether a place is where a reading could not be taken."""
+    return bool(at_gap(case, case.index(place.setup), np.array([place.pose]), gaps)[0])
+
+
+def at_gap(case: Case, setup: int, poses: Array, gaps: Sequence[Gap]) -> NDArray[np.bool_]:
+    """Return which poses (m, q) of a set-up are where a reading could not be taken."""
+    lengths = np.array([axis.length for axis in case.description.machine.axes])
+    result = np.zeros(len(poses), dtype=bool)
+    for gap in gaps:
+        if case.index(gap.place.setup) == setup:
+            result |= gap.whole | np.all(np.abs(poses - np.array(gap.place.pose)) < _NEAR * lengths, axis=1)
+    return result
+
+
+def _alike(std: float, noise: float) -> bool:
+    return 1 / _AS_STATED < std / noise < _AS_STATED

@@ -14,10 +14,10 @@ from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.promise.passing import Contribution, contributions
 from axiscal.estimation.promise.posterior import gain
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.spaces import Given
-from axiscal.estimation.promise.type_b_columns import Contribution, contributions
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
@@ -61,47 +61,46 @@ def foreseen(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -
     places : of the readings to come, whatever they will show
     It includes type B errors, such as that of a laser's wavelength, and what wanders with time; J leaves them out.
     """
-    together = timed(case, [*readings, *blank_readings(case.description.setups, places)]).readings
-    if not together:
-        return case.knowledge
-    answer = _given(case, together)[1].answer()
-    return Knowledge(case.observation, Belief(answer.mean, (answer.covariance + answer.covariance.T) / 2))
+    every = [*readings, *blank_readings(case.description.setups, places)]
+    return blank_problem(case, every).knowledge if every else case.knowledge
 
 
 class Blank(NamedTuple):
-    """Readings to come with their times, as a problem, and everything at the case's sizes."""
+    """Readings with their times as a problem, and everything at the case's sizes, whatever those to come will show."""
 
+    case: Case
     readings: tuple[Reading, ...]
     posed: Problem
     found: Given
 
+    @property
+    def knowledge(self) -> Knowledge:
+        """What they make known."""
+        answer = self.found.answer()
+        return Knowledge(self.case.observation, Belief(answer.mean, (answer.covariance + answer.covariance.T) / 2))
 
-def blank_problem(case: Case, places: Sequence[Place]) -> Blank:
-    """Return the readings of a plan, at least one, whatever they will show."""
-    readings = timed(case, blank_readings(case.description.setups, places)).readings
-    return Blank(readings, *_given(case, readings))
+
+def blank_problem(case: Case, readings: Sequence[Reading]) -> Blank:
+    """Return readings as a problem, at least one, those to come among them.  Raises PlanError."""
+    together = timed(case, readings).readings
+    posed = problem(case.observation, together, case.sizes, case.inherited, case.description.usual)
+    found = space_of(posed).given(np.zeros(len(posed.sizes)))
+    if found is None:
+        raise PlanError("the stated sizes differ by more than 15 digits", "Look at the std of errors and unknowns")
+    return Blank(case, together, posed, found)
 
 
-def unseen_parts(case: Case, places: Sequence[Place]) -> list[tuple[Contribution, Array]]:
+def unseen_parts(blank: Blank) -> list[tuple[Contribution, Array]]:
     """Return type B causes, and by what one standard deviation moves what readings would say, (answered,) m and rad.
 
-    places : of the readings; those causes are left out whose effect follows from the values that are read
+    Those causes are left out whose effect follows from the values that are read.
     """
-    readings, posed, found = blank_problem(case, places)
+    case, readings, posed, found = blank
     at = places_of(case.observation.setups, readings)
     every = contributions(case.observation, at, usual=case.description.usual)
     causes = [each for each in every if not each.row.of_values]
     moved = gain(posed, found, posed.rows[:, : len(causes)])  # their columns come first
     return list(zip(causes, moved.T, strict=True))
-
-
-def _given(case: Case, readings: Sequence[Reading]) -> tuple[Problem, Given]:
-    """Return readings as a problem, and everything at the case's sizes."""
-    posed = problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
-    found = space_of(posed).given(np.zeros(len(posed.sizes)))
-    if found is None:
-        raise PlanError("the stated sizes differ by more than 15 digits", "Look at the std of errors and unknowns")
-    return posed, found
 
 
 def reachable_rms(case: Case) -> float:
@@ -118,26 +117,27 @@ class Alike:
     minutes: float
 
 
-def alike(case: Case, places: Sequence[Place]) -> Alike | None:
+def alike(blank: Blank) -> Alike | None:
     """Return the set-up in which a zero that comes and goes looks most like the curve; None where none does.
 
     Half a sine b over the time of a set-up moves the estimate by G b. Where the readings then fit b, it was taken for
     the curve. Where backlashes alone are wanted, no curve is.
     """
+    case = blank.case
     if {want.row.kind for want in case.description.target.wants} == {"backlash"}:
         return None
-    shares = dict(_shares(case, places))
+    shares = dict(_shares(blank))
     name = max(shares, key=lambda each: shares[each], default="")
     if shares.get(name, 0.0) <= _TAKEN:
         return None
-    own = [place for place in places if place.setup == name]
+    own = [reading.place for reading in blank.readings if reading.setup == name]
     out = [own[index] for index in np.linspace(0, len(own) // 2, _AGAIN).astype(int).tolist()]
     return Alike(name, _AGAIN, to_unit(float(case.seconds_along(own[-1], out).sum()), "min"))
 
 
-def _shares(case: Case, places: Sequence[Place]) -> Iterator[tuple[str, float]]:
+def _shares(blank: Blank) -> Iterator[tuple[str, float]]:
     """Yield how much of what comes and goes is taken for the curve, by the name of each set-up with a zero."""
-    readings, posed, found = blank_problem(case, places)
+    case, readings, posed, found = blank
     rows = rows_at(case.observation, places_of(case.observation.setups, readings)).rows[:, : case.errors.size]
     times = times_of(readings)[posed.reading]
     for index in np.unique(posed.setup).tolist():

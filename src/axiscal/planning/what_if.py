@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from axiscal.estimation.absorbed import blocks
 from axiscal.estimation.case import Case
+from axiscal.estimation.knowledge import blocks
 from axiscal.exceptions import PlanError
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Reading
@@ -93,8 +93,8 @@ def traditional(case: Case, count: int) -> Alternative:
     """Return what the same number of readings brings, shared evenly between the axes of the set-ups."""
     readings = traditional_readings(case, count)
     known, seconds = [case.yardstick.measure(case.prior)], [0.0]
-    for seen_by, part in blocks(case, case.knowledge, readings):
-        known += part.accuracies(seen_by.yardstick)
+    for part in blocks(case.knowledge, readings):
+        known += part.accuracies(case.yardstick)
     for before, reading in zip([None, *readings], readings, strict=False):
         seconds.append(seconds[-1] + case.seconds_of(before, reading))
     rms, worst = tuple(k.rms for k in known), tuple(k.worst for k in known)

@@ -24,10 +24,8 @@ from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
 from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
-from axiscal.present.ball_bar_circles import ball_bar_circles
-from axiscal.present.calibration_certificate import certificate
 from axiscal.present.data_files import data_files
-from axiscal.present.positioning_curves import positioning_curves
+from axiscal.present.drawn_by_standards import ball_bar_circles, positioning_curves
 from axiscal.present.result_document import result_json
 from axiscal.present.result_set import RECORD, result_set, write_manifest
 from axiscal.present.statement import NOT_KNOWN
@@ -83,7 +81,7 @@ def _delivered(
             write_report(summary, folder / "report.html", language)
         with stage("the report on paper", 3, 3):
             write_report(summary, folder / "report.pdf", language)
-        write_whole(folder / "certificate.xml", certificate(summary))
+        write_report(summary, folder / "certificate.xml")
         (folder / "data").mkdir()
         for name, content in data_files(summary).items():
             write_whole(folder / "data" / name, content)
@@ -118,6 +116,8 @@ def write_report(summary: Summary, path: Path, language: str | None = None) -> N
 
 def _write(summary: Summary, path: Path) -> None:
     if path.suffix.lower() == ".xml":
+        from axiscal.present.calibration_certificate import certificate
+
         write_whole(path, certificate(summary))
         return
     if path.suffix.lower() == ".pdf":

@@ -10,7 +10,7 @@ from typing import Any
 from axiscal.answers.digits import number, numbers
 from axiscal.language.spoken import said
 from axiscal.present.drawing.svg_picture import Figure
-from axiscal.present.positioning_curves import PositioningCurve
+from axiscal.present.drawn_by_standards import PositioningCurve
 from axiscal.present.sentences import (
     figure,
     position_text,

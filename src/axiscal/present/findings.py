@@ -7,17 +7,15 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from axiscal.description.sizes import Kind
+from axiscal.errors.gauge_words import undescribed
 from axiscal.errors.iso230 import words
-from axiscal.errors.undescribed import undescribed
-from axiscal.estimation.believed import with_sides
+from axiscal.estimation.agreement_words import STRANGE, farthest, membership_words
 from axiscal.estimation.case import Case
 from axiscal.estimation.changes import changes
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inference.aliasing import Alias, aliases
-from axiscal.estimation.inference.repeats import Trend, trend
-from axiscal.estimation.membership_words import STRANGE, farthest, membership_words
 from axiscal.estimation.promise.agreement import AGREES
-from axiscal.estimation.zero_drift import paths
+from axiscal.estimation.zero_drift import Trend, paths, trend, with_sides
 from axiscal.language.spoken import capital, later, listed, put, said
 from axiscal.measurement.place_texts import reading_unit, value_names
 from axiscal.measurement.reading import Reading

@@ -7,9 +7,9 @@ from markupsafe import Markup
 
 from axiscal.language.spoken import capital, later, resaid, said
 from axiscal.present import figures, gallery, sentences
-from axiscal.present.ball_bar_circles import circle_picture
 from axiscal.present.data_files import listed
 from axiscal.present.drawing.shown import shown
+from axiscal.present.drawn_by_standards import circle_picture
 from axiscal.present.found_and_left import found_and_left_shown
 from axiscal.present.sentences import UNSAID, files_of_controls, pairs, words
 from axiscal.present.standalone import environment, inlined

@@ -38,7 +38,7 @@ from axiscal.planning.helping import helping_setups
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import alike, asked, foreseen, reachable_rms, unseen_parts
+from axiscal.planning.promise import Blank, alike, asked, blank_problem, reachable_rms, unseen_parts
 from axiscal.planning.proposal import Proposal
 from axiscal.units import to_unit
 
@@ -144,7 +144,8 @@ def _planned(
 ) -> PlannedAnswer:
     """Return what is known after readings at places.  passed : seconds after so many of them"""
     readings = blank_readings(case.description.setups, places)
-    known = foreseen(case, (), places)
+    blank = blank_problem(case, readings) if places else None
+    known = case.knowledge if blank is None else blank.knowledge
     rows = known_rows(case, known, readings)
     volume, lines = _aims(case, known, rows)
     reached = all_reached(volume, lines)
@@ -155,8 +156,8 @@ def _planned(
         rows=[PlannedRow(**known_figures(row)) for row in rows],
         aims=[*volume, *lines],
         reach=reach,
-        mostly=_mostly(case, places, known) if places else None,
-        alike=alike(case, places) if places and case.description.usual else None,
+        mostly=None if blank is None else _mostly(blank, known),
+        alike=None if blank is None or not case.description.usual else alike(blank),
         setups=list(_setups(case, places, passed)),
         steps=[NextStep(code=code) for code in steps],
         readings=len(places),
@@ -177,12 +178,13 @@ def _reach(case: Case, missed: Sequence[Aim]) -> ReachAnswer | None:
     return ReachAnswer(missed=missed, helps=helping_setups(case, case.description.target)) if missed else None
 
 
-def _mostly(case: Case, places: Sequence[Place], known: Knowledge) -> LargestCause | None:
+def _mostly(blank: Blank, known: Knowledge) -> LargestCause | None:
     """Return what is most of U in a row with a limit (of all where none has one); None where nothing is."""
+    case = blank.case
     rows, found = asked_rows(case.description, (), whole=True), list[LargestCause]()
     limits = case.description.target.expanded is not None or case.description.target.rms is not None
     wanted = [row for row in rows if row.want.limit is not None or (limits and row.map is None)] or rows
-    causes = unseen_parts(case, places)
+    causes = unseen_parts(blank)
     for row in wanted if causes else ():
         at = case.yardstick.root.matrix if row.map is None else row.map.rows(case.errors)
         whole = float(np.sum((at @ known.belief.factor[: at.shape[1]]) ** 2))

@@ -15,10 +15,10 @@ from typing import Any, Literal
 from axiscal.exceptions import PrintingError
 from axiscal.language.spoken import capital, resaid, said, spoken_now
 from axiscal.present import figures, gallery
-from axiscal.present.ball_bar_circles import circle_picture
 from axiscal.present.data_files import listed
 from axiscal.present.drawing.shown import alone, paper_svg
 from axiscal.present.drawing.svg_picture import Figure
+from axiscal.present.drawn_by_standards import circle_picture
 from axiscal.present.found_and_left import found_and_left
 from axiscal.present.sentences import (
     UNSAID,

@@ -20,9 +20,8 @@ from axiscal.description.type_b import Distribution
 from axiscal.estimation.accepting import change_words
 from axiscal.estimation.budget import BudgetShare, budget
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import Estimation, expanded_uncertainty
-from axiscal.estimation.history import Moment, path
-from axiscal.estimation.linearity import Linearity, linearity
+from axiscal.estimation.estimation import Estimation, Moment, expanded_uncertainty, path
+from axiscal.estimation.located import Linearity, linearity
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.language.spoken import later, resaid, said, speaking
 from axiscal.machine.questions import questions, which_way
@@ -33,11 +32,10 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics.stages import stage
 from axiscal.planning.what_if import traditional
-from axiscal.present.ball_bar_circles import ball_bar_circles
 from axiscal.present.curves import constants, curves
+from axiscal.present.drawn_by_standards import ball_bar_circles, positioning_curves
 from axiscal.present.findings import findings, observability
 from axiscal.present.plane_summary import planes
-from axiscal.present.positioning_curves import positioning_curves
 from axiscal.present.sentences import cause_words
 from axiscal.present.standard import iso230_blocks
 from axiscal.present.statement import conditions, counted_along

@@ -11,9 +11,8 @@ from dataclasses import dataclass, field
 
 from axiscal.answers.answer import NOTHING_READ, ReadingAgreement, ResultAnswer
 from axiscal.description.particulars import NOTHING_SAID, Particulars
-from axiscal.present.ball_bar_circles import BallBarCircle
+from axiscal.present.drawn_by_standards import BallBarCircle, PositioningCurve
 from axiscal.present.plane_summary import PlaneSummary
-from axiscal.present.positioning_curves import PositioningCurve
 from axiscal.present.volume_error import BentVolume, VolumeError
 
 Position = Mapping[str, float]

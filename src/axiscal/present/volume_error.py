@@ -7,13 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import listed, put
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.numerics import Array, rigid
+from axiscal.numerics import Array
 from axiscal.tables.effect import Control, Deviation, left_by
 from axiscal.units import said_quantity, to_unit
 
@@ -152,14 +153,16 @@ def bent_volume(estimation: Estimation, controller: str = "", control: Control |
     poses, counts = places_over(estimate, moving, _SMOOTH)
     shape = (*counts, *(1,) * (3 - len(counts)), 3)
     tcp = frames(estimate.machine, poses).tcp
-    off = _Alignment(tcp, turned=estimate.alignment is not None)
-    found = off.left(_either_way(estimate.deviation, poses))
-    left = None
-    if control is not None:
-        left = off.left(_left(estimate, control, poses)).reshape(shape)
-    allowed = np.stack([off.left(each).reshape(shape) for each in _draws(estimate, poses)])
-    aligned = estimate.alignment is not None
-    return BentVolume(estimate.machine, tcp.reshape(shape), found.reshape(shape), left, allowed, aligned, controller)
+    aligned, part = estimate.alignment is not None, Alignment(estimate.model, poses)
+
+    def off(deviations: Array) -> Array:
+        left = part.left(poses, deviations) if aligned else _shifted(deviations)
+        return left.reshape(shape)
+
+    found = off(_either_way(estimate.deviation, poses))
+    left = None if control is None else off(_left(estimate, control, poses))
+    allowed = np.stack([off(each) for each in _draws(estimate, poses)])
+    return BentVolume(estimate.machine, tcp.reshape(shape), found, left, allowed, aligned, controller)
 
 
 def _draws(estimate: Estimate, poses: Array) -> Array:
@@ -169,22 +172,6 @@ def _draws(estimate: Estimate, poses: Array) -> Array:
     chances = np.random.default_rng(_SEED).standard_normal((MACHINES, estimate.factor.shape[1]))
     drawn: Array = np.einsum("mij,nj->nmi", rows, chances @ estimate.factor.T)
     return drawn
-
-
-class _Alignment:
-    """The motion of a part that probing takes off deviations at places, (m, 3) m.  turned : turns as well as shifts"""
-
-    def __init__(self, tcp: Array, turned: bool) -> None:
-        away = tcp - tcp.mean(axis=0)
-        shifts = np.broadcast_to(np.eye(3), (len(tcp), 3, 3))
-        motions = np.concatenate([shifts, -rigid.skew(away)], axis=2) if turned else shifts
-        self._motions = motions.reshape(3 * len(tcp), -1)
-
-    def left(self, deviations: Array) -> Array:
-        """Return deviations, (m, 3), without the motion of the part that fits them best."""
-        moved = np.linalg.lstsq(self._motions, deviations.ravel(), rcond=None)[0]
-        left: Array = (deviations.ravel() - self._motions @ moved).reshape(deviations.shape)
-        return left
 
 
 def sides_of(tcp: Array) -> Sequence[float]:

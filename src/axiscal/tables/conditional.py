@@ -15,7 +15,7 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import Box
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
-from axiscal.numerics.quadrature import gauss
+from axiscal.numerics.cubic import gauss
 
 _TURN = 5
 """Even points around a turn: exact for the first and second harmonic, and levers have no more."""

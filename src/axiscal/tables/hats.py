@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.numerics import Array
+from axiscal.numerics.cubic import gauss
 from axiscal.numerics.from_scipy import sparse_product, three_diagonals
-from axiscal.numerics.quadrature import gauss
 
 _CUBIC = np.linalg.pinv(np.vander(np.polynomial.legendre.leggauss(5)[0], 4, increasing=True))
 """Mathematics: from the values at five points of Gauss to the cubic's coefficients."""

@@ -14,7 +14,7 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import Node
 from axiscal.numerics import Array
-from axiscal.numerics.quadrature import gauss
+from axiscal.numerics.cubic import gauss
 from axiscal.tables.effect import Control
 from axiscal.tables.hats import Hats
 from axiscal.tables.sampling import cross_tables, hats_along, knots_of

@@ -17,11 +17,9 @@ from axiscal.campaign.ending import Ended
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.language.spoken import decimals, said, speaking
 from axiscal.present.guide.answers import Value, answer
-from axiscal.present.guide.expectation import SURPRISING
-from axiscal.present.guide.question import Question, asked_text
-from axiscal.present.guide.second_thoughts import contradictions, doubted, others_doubted
-from axiscal.present.guide.stopping import results_beside, table_left
-from axiscal.present.guide.taking_back import take_back
+from axiscal.present.guide.progress import results_beside, table_left
+from axiscal.present.guide.question import SURPRISING, Question, asked_text
+from axiscal.present.guide.taking_back import contradictions, doubted, others_doubted, take_back
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked

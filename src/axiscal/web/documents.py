@@ -19,14 +19,8 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import reading_unit, shown_coordinate, value_names
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
-from axiscal.present.guide.axis_places import axis_places
-from axiscal.present.guide.due import Due, due
-from axiscal.present.guide.expectation import BAND, Expectation
-from axiscal.present.guide.mounting import mount_sentence, mount_steps
-from axiscal.present.guide.progress import Progress, goals_text
-from axiscal.present.guide.question import Question
-from axiscal.present.guide.sign import ways
-from axiscal.present.guide.stopping import TableLeft, controls_of
+from axiscal.present.guide.progress import Due, Progress, TableLeft, controls_of, due, goals_text
+from axiscal.present.guide.question import BAND, Expectation, Question, axis_places, mount_sentence, mount_steps, ways
 from axiscal.present.guide.taking_back import last_step
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
 from axiscal.present.plan_words import plan_text

@@ -7,8 +7,15 @@ from dataclasses import dataclass
 
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.wants import ABOUT, ANGLES, RowName, Want
-from axiscal.estimation.functionals.axis_line import AxisLine, line_of, seen_by, through_the_volume
-from axiscal.estimation.functionals.functional import Functional, direction_of, functional
+from axiscal.estimation.functionals.functional import (
+    AxisLine,
+    Functional,
+    direction_of,
+    functional,
+    line_of,
+    seen_by,
+    through_the_volume,
+)
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.measurement.reading import Reading
 

@@ -18,8 +18,7 @@ from axiscal.description.sizes import Kind, Sizes
 from axiscal.errors.model import ErrorFunction, Term
 from axiscal.errors.plane import PlaneError
 from axiscal.errors.prior import distances, matern, matern_by_length
-from axiscal.estimation.promise.passing import passing_columns
-from axiscal.estimation.promise.type_b_columns import type_b_columns
+from axiscal.estimation.promise.passing import passing_columns, type_b_columns
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places

@@ -4,6 +4,11 @@ A zero is a datum: a length is judged against the others of its set-up. So is th
 the tolerance. The ball is judged against itself, at other angles of the table. So are such a tool, and such a slope:
 residuals are judged against their own line. A well-known slope, and a growth always, is not fitted, for that could
 swallow an error of the machine. It adds U diag(std²) Uᵀ to the covariance of the readings.
+
+A tracker that was set down by eye is read as if it stood straight. It shows y = R(p + δ − s) + s + zero − p at a place
+p from its station s. Its turn R is a datum of a check if it may hide the tolerance. Turns of 20 mrad are not linear:
+over a metre the square is 200 um. So R is the turn after which no turn remains. It is taken back: Rᵀ(y + p − s) − (p −
+s) = δ + Rᵀ zero.
 """
 
 from __future__ import annotations
@@ -16,11 +21,13 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import TOOL, Nominal
+from axiscal.measurement.instruments.tracker import TURNS
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.setup import Setup
-from axiscal.numerics import Array
+from axiscal.numerics import Array, rigid
 
 GUARD = 1.645
 """Expanded uncertainty in standard deviations: one side, 95 %."""
@@ -150,3 +157,29 @@ def _refuse_few(setup: Setup, readings: int, datums: int) -> None:
     if readings <= datums:
         what = f'{readings} reading(s) with "{setup.name}" cannot tell the machine from the set-up'
         raise ReadingError(what, f"Take {datums + 1} or more with it, or leave it out")
+
+
+_ROUNDS = 12
+"""Rounds end where the turn stays; this only ends what would go round."""
+_STAYS = 1e-10
+"""rad; a tenth of a nanometre over a metre."""
+
+
+def straightened(machine: Machine, setup: Setup, poses: Array, shown: Array, turns: Sequence[str]) -> Array:
+    """Return the readings of one tracker without its turn, (m, 3), m.
+
+    poses : (m, q) m or rad; shown : (m, 3) m; turns : the unknown turns that are datums, others are none
+    """
+    line = frames(machine, poses).tcp - (np.zeros(3) if setup.station is None else np.array(setup.station))
+    free = [TURNS.index(name) for name in turns]
+    zeros = np.tile(np.eye(3), (len(poses), 1))
+    tilted = np.stack([np.cross(np.eye(3)[axis], line).ravel() for axis in free], axis=1)
+    inverse, turn = np.linalg.pinv(np.hstack([tilted, zeros])), np.eye(3)
+    for _ in range(_ROUNDS):
+        step = np.zeros(3)
+        step[free] = (inverse @ ((shown + line) @ turn - line).ravel())[: len(free)]
+        turn = turn @ rigid.rotation(step[None])[0]
+        if np.max(np.abs(step)) < _STAYS:
+            break
+    straight: Array = (shown + line) @ turn - line
+    return straight

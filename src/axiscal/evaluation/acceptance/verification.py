@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.acceptance.datums import GUARD, Datums, datums_of, fewest, is_zero
+from axiscal.evaluation.acceptance.datums import GUARD, Datums, datums_of, fewest, is_zero, straightened
 from axiscal.evaluation.acceptance.judgement import HARDLY, Judgement, Verdict
-from axiscal.evaluation.acceptance.straightened import straightened
 from axiscal.evaluation.acceptance.table_checks import Part, Share, idle_axes, shares, taken_away, without
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.instrument import INSTRUMENTS, model_of

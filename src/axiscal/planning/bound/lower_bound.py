@@ -17,8 +17,7 @@ from axiscal.estimation.accuracy.criterion import Root
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
-from axiscal.planning.bound.certificate import Dual, rank_bound
-from axiscal.planning.bound.open_zeros import groups, zeros_each, zeros_of
+from axiscal.planning.bound.certificate import Dual, groups, rank_bound, zeros_each, zeros_of
 from axiscal.planning.bound.relaxation import Relaxation
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance

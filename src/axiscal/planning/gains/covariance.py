@@ -3,10 +3,13 @@
 Readings enter by Potter's update of F, with all their numbers at once. The result is C − H M⁻¹ Hᵀ with H = C Gᵀ and M =
 R + G C Gᵀ. Readings leave by the same with −(R − G C Gᵀ)⁻¹. Both keep C = F Fᵀ positive semidefinite. No values are
 needed: the covariance of linear Gaussian readings does not depend on them.
+
+The accuracy that is predicted follows while readings enter a plan (`RunningAccuracy`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -14,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.accuracy.criterion import Root, need_root
+from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
@@ -22,7 +26,6 @@ from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution, solution_of_product
 from axiscal.numerics.gaussian import lower_root
-from axiscal.numerics.low_rank import take_off
 from axiscal.planning.gains.gain import Scorer
 
 _MODERATE = 1e13
@@ -201,3 +204,62 @@ def _information(scaled: Array) -> Array:
     information: Array = scaled.T @ scaled
     information[np.diag_indices(len(information))] += 1.0
     return information
+
+
+_NEAR = 32768
+"""Numbers that stay in the cache while a product is taken off: of speed, not of the result."""
+
+
+def take_off(table: Array, left: Array, right: Array, into: Array) -> None:
+    """Subtract a product of low rank, into = table − left right: 2 m k j operations, 16 m k bytes.
+
+    A few rows at a time, so that the product is taken off while it is near.
+    table, into : (m, k), perhaps the same; left : (m, j); right : (j, k)
+    """
+    height = max(1, _NEAR // max(table.shape[1], 1))
+    for start in range(0, len(table), height):
+        near = slice(start, start + height)
+        np.subtract(table[near], left[near] @ right, out=into[near])
+
+
+_TOGETHER = 80
+"""Readings that are taken in at once: of speed, not of the result."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RunningAccuracy:
+    """total : tr(V C Vᵀ) of the volume, m²; variances : of the TCP at the yardstick's poses, (m,) m²."""
+
+    yardstick: Yardstick
+    total: float
+    variances: Array
+
+    @classmethod
+    def of(cls, yardstick: Yardstick, factor: Array) -> RunningAccuracy:
+        """Return the accuracy of a covariance C = F Fᵀ.  factor : F (n, r)."""
+        return cls(yardstick, yardstick.root.value(factor), yardstick.variances(factor))
+
+    def after(self, change: LowRank) -> RunningAccuracy:
+        """Return the accuracy after a change C ← C − H η Hᵀ."""
+        root, rows = self.yardstick.root, self.yardstick.rows
+        reach, seen = root.of(change.h), rows @ change.h[: rows.shape[2]]
+        total = self.total - float(np.sum(reach @ change.eta * reach))
+        variances = self.variances - np.sum(seen @ change.eta * seen, axis=(1, 2))
+        return RunningAccuracy(self.yardstick, total, variances)
+
+    @property
+    def accuracy(self) -> Accuracy:
+        """The figures."""
+        return self.yardstick.figures(self.total, self.variances)
+
+
+def along(state: Covariance, yardstick: Yardstick, order: Places) -> Iterator[tuple[float, Accuracy]]:
+    """Yield J and the accuracy after each of many readings.  state : before the first"""
+    for start in range(0, len(order), _TOGETHER):
+        part = order.within(slice(start, start + _TOGETHER))
+        state = state.opened(part)
+        losses, owner = state.losses(part)
+        ends = np.searchsorted(owner, np.arange(len(part)), side="right")
+        values = state.value - np.cumsum(np.sum(state.root.of(losses.T) ** 2, axis=0))[ends - 1]
+        yield from zip(values.tolist(), yardstick.along(state.factor, losses, ends), strict=True)
+        state = state.after_readings(part)

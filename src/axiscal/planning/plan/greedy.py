@@ -16,7 +16,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics.remembered import remembered
 from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.running_accuracy import RunningAccuracy
+from axiscal.planning.gains.covariance import RunningAccuracy
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Clock, Limits, Task, clock
 

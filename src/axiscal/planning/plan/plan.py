@@ -23,16 +23,13 @@ from axiscal.numerics.threads import one_thread
 from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.bound.lower_bound import Bound, lower_bound
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.running_accuracy import RunningAccuracy, along
+from axiscal.planning.gains.covariance import RunningAccuracy, along
 from axiscal.planning.gains.running_gains import Scores
-from axiscal.planning.plan.exchange import exchange, polish
+from axiscal.planning.plan.beginnings import best_of_random, plain_designs
+from axiscal.planning.plan.exchange import exchange, fitted, polish
 from axiscal.planning.plan.greedy import Setups, Trial, affordable, chosen_setups, filled
 from axiscal.planning.plan.order import arriving, in_order, seconds_each
-from axiscal.planning.plan.patience import PATIENCE, Patience
-from axiscal.planning.plan.plain_designs import plain_designs
-from axiscal.planning.plan.random_starts import best_of_random
-from axiscal.planning.plan.task import Clock, Limits, Task, clock
-from axiscal.planning.plan.within_limits import fitted
+from axiscal.planning.plan.task import PATIENCE, Clock, Limits, Patience, Task, clock
 
 Progress = Callable[[str], None]
 

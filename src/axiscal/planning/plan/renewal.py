@@ -13,15 +13,12 @@ import numpy as np
 
 from axiscal.measurement.place import Places
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.running_accuracy import RunningAccuracy
+from axiscal.planning.gains.covariance import RunningAccuracy
 from axiscal.planning.gains.running_gains import Scores
-from axiscal.planning.plan.exchange import exchange, polish
+from axiscal.planning.plan.exchange import drop, exchange, fitted, polish
 from axiscal.planning.plan.greedy import Setups, Trial, affordable, filled
-from axiscal.planning.plan.order import arriving, counting, in_order, seconds_along
-from axiscal.planning.plan.out_and_back import beside, returns
-from axiscal.planning.plan.patience import Patience
-from axiscal.planning.plan.task import Clock, Limits, Task, clock
-from axiscal.planning.plan.within_limits import drop, fitted
+from axiscal.planning.plan.order import arriving, beside, counting, in_order, returns, seconds_along
+from axiscal.planning.plan.task import Clock, Limits, Patience, Task, clock
 
 _SWEEPS = 3
 _WORTH = 0.01

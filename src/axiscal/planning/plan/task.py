@@ -1,4 +1,7 @@
-"""A planning task, and the time that the plan may take."""
+"""A planning task, the time that the plan may take, and how long its search may go on.
+
+The search ends by the work that it has done: a clock would make another plan on a slower or a loaded machine.
+"""
 
 from __future__ import annotations
 
@@ -90,9 +93,14 @@ class Limits:
         return accuracy._replace(rms=rms, worst=worst).meets(self.rms, self.worst)
 
     @property
+    def of_volume(self) -> bool:
+        """Whether they ask for an accuracy of the volume."""
+        return not self.rms is self.worst is self.expanded is None
+
+    @property
     def accurate(self) -> bool:
         """Whether the limits have a target accuracy."""
-        return self.rows or not self.rms is self.worst is self.expanded is None
+        return self.rows or self.of_volume
 
     @property
     def timed(self) -> bool:
@@ -124,3 +132,32 @@ def clock(task: Task) -> Clock:
         _, ways = short_way(machine, setup, sample.poses, np.zeros_like(sample.poses), exact=True)
         readings.append(reading_seconds(setup) + float(ways.mean()))
     return Clock(np.array(mounting), np.array(readings))
+
+
+PATIENCE = 4e11
+"""Operations that climbing off the lattice may take unless said otherwise: a minute or two."""
+_LOOKS = 400
+"""Places at which a climb looks, roughly: stencils around five places, then lines."""
+_CALLS = 2e7
+"""Operations that a climb's calls into numpy are worth, however few unknowns there are."""
+
+
+class Patience:
+    """How much work is left, in floating point operations."""
+
+    def __init__(self, work: float) -> None:
+        self._left = work
+
+    @property
+    def spent(self) -> bool:
+        """Whether there is none left."""
+        return self._left <= 0
+
+    def take(self, work: float) -> None:
+        """Take off what has been done."""
+        self._left -= work
+
+
+def work_of_climb(size: int, seen: int) -> float:
+    """Return the operations that one climb takes, roughly: rows (size,) times [F, C Vᵀ] of `seen` columns."""
+    return _CALLS + 2.0 * _LOOKS * size * seen

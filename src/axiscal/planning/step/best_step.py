@@ -21,11 +21,10 @@ from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.bernstein_plane import largest_ratio, misfit
+from axiscal.numerics.bernstein import largest_ratio, misfit
 from axiscal.numerics.threads import one_thread
 from axiscal.numerics.ties import TIE, first_best
-from axiscal.planning.gains.gain import Scorer
-from axiscal.planning.gains.three_values import joint_gains
+from axiscal.planning.gains.gain import Scorer, joint_gains
 from axiscal.planning.step.climb import Climb
 from axiscal.planning.step.ground import sides
 from axiscal.planning.step.starts_stacked import adds_up, dense_starts, starts

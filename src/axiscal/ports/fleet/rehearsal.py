@@ -20,7 +20,7 @@ from axiscal.numerics import Array
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
-from axiscal.ports.fleet.sisters.prior_units import prior_units
+from axiscal.ports.fleet.sisters.hierarchy import prior_units
 
 _DIRECTIONS, _LOAD = 3, 0.4
 """Directions in which virtual sisters differ together, and how far: as in the trials of the method."""

@@ -1,21 +1,30 @@
-"""The records of a shop in one list: which machine, when, how well it was known, and what is wrong with a record."""
+"""The records of a shop in one list: which machine, when, how well it was known, and what is wrong with a record.
+
+What records come to is kept in the user's folder for what can be made anew, by the chain of all that each holds.
+Nothing is said there of where a record stands: the same campaign in a folder, a copy of it and one on a server have one
+name. A file that was changed by anybody or anything else, or by other versions, holds nothing.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
+import json
+import os
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from axiscal.campaign.possible import described
+from axiscal.campaign.versions import versions
 from axiscal.description.target import Target
-from axiscal.document.durable import clear_drafts
+from axiscal.document.durable import clear_drafts, write_whole
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import AxiscalError, RecordError, UnreachableError
-from axiscal.ports.fleet.kept_answers import keep_answers, kept_answers
 from axiscal.ports.fleet.sister_records import why_not
 from axiscal.record.events import Recorded
 from axiscal.record.log import campaign_of, shared_events
@@ -241,3 +250,34 @@ def brought(folder: Path, source: Path) -> Brought:
 def _free(file: Path, campaign: str) -> Path:
     """Return a name in the folder for a new record: its own, or one with its campaign where another has that."""
     return file.with_stem(f"{file.stem}-{campaign[:8]}") if file.exists() else file
+
+
+Answers = Mapping[str, Mapping[str, Any]]
+"""By chain, what can be written as JSON."""
+
+
+def kept_answers() -> Answers:
+    """Return the answers of these versions; none where they cannot be read or are not as they were written."""
+    with contextlib.suppress(OSError, ValueError, RecursionError):
+        digest, _, text = _file().read_text(encoding="utf-8").partition("\n")
+        if digest == _digest(text):
+            found: Answers = json.loads(text)
+            return found
+    return {}
+
+
+def keep_answers(answers: Answers) -> None:
+    """Keep answers in the place of those before; raises OSError."""
+    file, text = _file(), json.dumps(answers, sort_keys=True)
+    file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    write_whole(file, f"{_digest(text)}\n{text}".encode())
+
+
+def _digest(text: str) -> str:
+    """Return the SHA-256 of answers and of the versions that they follow from."""
+    return hashlib.sha256(f"{json.dumps(versions(), sort_keys=True)}\n{text}".encode()).hexdigest()
+
+
+def _file() -> Path:
+    named = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
+    return (Path(named) if named else Path.home() / ".cache") / "axiscal" / "fleet.json"

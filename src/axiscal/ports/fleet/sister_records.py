@@ -15,11 +15,10 @@ import numpy as np
 from axiscal.campaign.possible import described
 from axiscal.description.campaign import CampaignDescription
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.carried_over import carried_over
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inference.data_equation import DataEquation, data_equation
-from axiscal.estimation.type_prior import SisterRecord
+from axiscal.estimation.type_prior import SisterRecord, carried_over
 from axiscal.exceptions import AxiscalError, InputError, RecordError, UnreachableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading

@@ -22,8 +22,7 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.ports.fleet.sister_records import MachineRecord, equations_of, read_records, usual_machine
 from axiscal.ports.fleet.sisters.gibbs import SisterPrior, sister_prior
-from axiscal.ports.fleet.sisters.hierarchy import Hierarchy
-from axiscal.ports.fleet.sisters.prior_units import PriorUnits, prior_units
+from axiscal.ports.fleet.sisters.hierarchy import Hierarchy, PriorUnits, prior_units
 from axiscal.record.opening import gathered
 
 DIRECTIONS, DOUBT = 3, 0.1

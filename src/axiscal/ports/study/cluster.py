@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from axiscal.campaign.versions import versions
 from axiscal.document import shown
 from axiscal.exceptions import SchedulerError
-from axiscal.ports.study.work import TRIES, Done, Solve, WorkItem, answered, given_up
+from axiscal.ports.study.study_case import TRIES, Done, Solve, WorkItem, answered, given_up
 
 if TYPE_CHECKING:
     from distributed import Client, Future

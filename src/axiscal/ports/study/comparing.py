@@ -12,9 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from axiscal.ports.study.study_case import FIGURES, Stop, canonical, key_of
+from axiscal.ports.study.study_case import FIGURES, Done, Stop, canonical, key_of
 from axiscal.ports.study.study_file import SETUPS, TIMES, Study
-from axiscal.ports.study.work import Done
 from axiscal.present.sentences import figure
 
 _REACHES = 0.5

@@ -37,12 +37,11 @@ from axiscal.numerics import Array
 from axiscal.numerics.remembered import Memo
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.enough import reached_by
-from axiscal.planning.next_readings import posed
+from axiscal.planning.next_readings import plan_basis, posed
 from axiscal.planning.overrun import with_rooms
+from axiscal.planning.plan.beginnings import evenly_spaced
 from axiscal.planning.plan.order import arriving, in_order
-from axiscal.planning.plan.plain_designs import evenly_spaced
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.plan_basis import plan_basis
 from axiscal.planning.proposal import proposed
 from axiscal.ports.study.study_case import FIGURES, Method, Stop, StudyCase, Variant
 from axiscal.present.findings import findings

@@ -16,7 +16,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 
 from axiscal.exceptions import StudyError
-from axiscal.ports.study.work import TRIES, Done, Solve, WorkItem, answered, given_up
+from axiscal.ports.study.study_case import TRIES, Done, Solve, WorkItem, answered, given_up
 
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 """What the usual BLAS look at when they are loaded."""

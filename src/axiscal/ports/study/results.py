@@ -19,9 +19,8 @@ from typing import Any, NamedTuple
 
 from axiscal.document.durable import Closing, HeldError, alone, write_whole
 from axiscal.exceptions import StudyError
-from axiscal.ports.study.study_case import FIGURES, canonical, key_of
+from axiscal.ports.study.study_case import FIGURES, Done, Engine, Solve, WorkItem, canonical, key_of
 from axiscal.ports.study.study_file import Study
-from axiscal.ports.study.work import Done, Engine, Solve, WorkItem
 
 Row = dict[str, Any]
 
@@ -77,18 +76,6 @@ class Results(Closing):
         if (first := by.get("axiscal")) != versions.get("axiscal"):
             what = f"These results were begun with axiscal {first}, and this is {versions.get('axiscal')}"
             raise StudyError(what, "Go on with that version, or name another --out", self.path)
-        with self._said():
-            self._give_digests()
-
-    def _give_digests(self) -> None:
-        """Give results that were begun when a case had no digest the ones of what they hold now."""
-        if any(name == "digest" for _, name, *_ in self._database.execute("PRAGMA table_info(cases)")):
-            return
-        self._database.create_function("digest_of", 3, _digest, deterministic=True)
-        self._database.executescript(
-            "BEGIN; ALTER TABLE cases ADD COLUMN digest TEXT; "
-            "UPDATE cases SET digest = digest_of(key, result, error); COMMIT"
-        )
 
     def _said_at_its_beginning(self, rows: list[tuple[object, ...]]) -> tuple[object, Mapping[str, object]]:
         """Return the digest of the study and the versions of the programs; raises StudyError."""

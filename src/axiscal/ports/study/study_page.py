@@ -19,9 +19,8 @@ from axiscal.ports.study.comparing import (
     verdicts,
     ways_of,
 )
-from axiscal.ports.study.study_case import FIGURES
+from axiscal.ports.study.study_case import FIGURES, Done
 from axiscal.ports.study.study_file import Study
-from axiscal.ports.study.work import Done
 from axiscal.present.drawing.shown import shown
 from axiscal.present.drawing.svg_picture import Figure
 from axiscal.present.figures import SYMBOLS, axis_style, colour, layout, line_trace, mark_trace

@@ -1,14 +1,25 @@
-"""How far a campaign is: readings and minutes done and to come, and how well the machine is known."""
+"""How far a campaign is: readings and minutes done and to come, and how well the machine is known.
+
+Beside it stands what there would be if the campaign ended now: the table of each control, tried as it would be loaded.
+So does what is due beside the readings: the temperature, and the place that shows whether a zero has wandered.
+"""
 
 from __future__ import annotations
 
+import math
+import re
 from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Accuracy
+from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import counted, said
 from axiscal.planning.promise import promised, reachable_rms
+from axiscal.record.opening import file_name
+from axiscal.tables import registry
 from axiscal.units import said_quantity
 
 
@@ -56,3 +67,75 @@ def goals_text(target: Target) -> str:
     goals += [] if target.readings is None else [counted("{count} reading", "{count} readings", target.readings)]
     goals += [] if target.budget is None else [said_quantity(target.budget, "min", 3)]
     return " · ".join(goals)
+
+
+@dataclass(frozen=True, slots=True)
+class TableLeft:
+    """What is to be expected over the volume without and with the table of one control: RMS, m.
+
+    refusal : why there is no table for it, "" where there is one
+    """
+
+    controller: str
+    before: float
+    expected: float
+    refusal: str = ""
+
+
+def controls_of(campaign: Campaign) -> tuple[str, ...]:
+    """Return the controls that hold tables: those of the campaign first, then all others."""
+    names = dict.fromkeys((*campaign.description.controls, *registry.CONTROLLERS))
+    return tuple(name for name in names if name != "csv")
+
+
+def table_left(campaign: Campaign, controller: str) -> TableLeft:
+    """Return what the table of a control would do if the readings so far were all; nothing is written."""
+    estimation = campaign.estimate(ended=True)
+    try:
+        offered = registry.offered(estimation, controller)
+    except (TableError, ReadingError) as refusal:
+        return TableLeft(controller, 0.0, 0.0, f"{refusal.what}.")
+    return TableLeft(controller, math.hypot(offered.effect.before, offered.unknown), offered.expected)
+
+
+def results_beside(record: Path) -> Path:
+    """Return the folder for the results of a record, beside it."""
+    return (file := file_name(record)).with_name(f"{file.stem}-results")
+
+
+_DEGREES = re.compile(r"(-?[0-9]+(?:[.,][0-9]+)?)\s*(?:°\s*C|degC)\b")
+_EVERY = 30.0
+"""Minutes after which the temperature is asked for again: a workshop moves by tenths of a kelvin in that time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Due:
+    """temperature : last noted, degC; minutes_ago : since then; ask : whether to note it now
+
+    marker : seconds of machine time until a place is read again that shows a drift, None where none is planned
+    """
+
+    temperature: float | None
+    minutes_ago: float
+    ask: bool
+    marker: float | None
+
+
+def due(campaign: Campaign) -> Due:
+    """Return what is due now."""
+    warm, ago = _temperature(campaign)
+    return Due(warm, ago, warm is None or ago >= _EVERY, _marker(campaign))
+
+
+def _temperature(campaign: Campaign) -> tuple[float | None, float]:
+    for note in reversed(campaign.state.notes):
+        if (found := _DEGREES.search(note.text)) is not None:
+            ago = (datetime.now(UTC) - datetime.fromisoformat(note.at)).total_seconds() / 60
+            return float(found[1].replace(",", ".")), max(ago, 0.0)
+    return None, 0.0
+
+
+def _marker(campaign: Campaign) -> float | None:
+    places, read = campaign.state.coming, {reading.place for reading in campaign.state.readings}
+    first = next((n for n, place in enumerate(places) if place in read), None)
+    return None if first is None else campaign.seconds(places[:first]) - campaign.seconds()

@@ -1,4 +1,8 @@
-"""The next reading as the person at the machine has to know it: what to mount, where to go, from which side."""
+"""The next reading as the person at the machine has to know it: what to mount, where to go, from which side.
+
+So much has to be known: the position of each axis, and the side from which it comes there; what a person sees when the
+reading is positive, and what it should show; where to park and what to zero where a set-up is mounted first.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +11,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.knowledge import block
 from axiscal.language.spoken import said
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.place_texts import place_text, reading_unit
-from axiscal.measurement.setup import Setup
-from axiscal.present.guide.axis_places import axis_places
-from axiscal.present.guide.expectation import Expectation, expectation
-from axiscal.present.guide.sign import sign_text
+from axiscal.measurement.instrument import INSTRUMENTS
+from axiscal.measurement.place import Place
+from axiscal.measurement.place_texts import direction_text, place_text, reading_unit, shown_coordinate
+from axiscal.measurement.reading_rows import blank_readings
+from axiscal.measurement.setup import Setup, Vector
+from axiscal.numerics import Array
 from axiscal.record.events import Asked
 
 
@@ -108,3 +115,137 @@ def asked_text(campaign: Campaign, asked: Asked) -> str:
     setup = campaign.description.setup(asked.place.setup)
     where = place_text(campaign.description.machine.axes, asked.place.pose, setup.moves)
     return said('reading {number} in "{setup}" at {place}', number=asked.reading, setup=setup.name, place=where)
+
+
+_DIGITS = 4
+"""Behind the point: one more than controls show; a reading there differs by less than its noise."""
+
+
+@dataclass(frozen=True, slots=True)
+class AxisPlace:
+    """axis : its name; value : in its unit, mm or deg; moves : whether the set-up moves it
+
+    changed : whether it stood elsewhere at the reading before, or there was none
+    side : "+" where it comes from below, "-" from above, "" where that does not matter
+    """
+
+    axis: str
+    value: float
+    unit: str
+    moves: bool
+    changed: bool
+    side: str
+
+    @property
+    def shown(self) -> str:
+        """The coordinate to a tenth of a micrometre, or of a thousandth of a degree, without zeros behind."""
+        return f"{round(self.value, _DIGITS) + 0.0:.{_DIGITS}f}".rstrip("0").rstrip(".")
+
+
+def axis_places(campaign: Campaign, asked: Asked) -> tuple[AxisPlace, ...]:
+    """Return where the axes are to stand, linear axes first, by their letters, as a control shows them."""
+    setup, readings = campaign.description.setup(asked.place.setup), campaign.state.readings
+    before = readings[-1].pose if readings else None
+    found = (
+        AxisPlace(
+            axis=axis.name,
+            value=shown_coordinate(asked.place.pose[k], axis),
+            unit=axis.unit,
+            moves=k in setup.moves,
+            changed=before is None or before[k] != asked.place.pose[k],
+            side={1: "+", -1: "-"}.get(asked.place.approach[k], ""),
+        )
+        for k, axis in enumerate(campaign.description.machine.axes)
+    )
+    return tuple(sorted(found, key=lambda place: (place.unit != "mm", place.axis)))
+
+
+def sign_text(setup: Setup) -> str:
+    """Return when a reading of the set-up is positive; all are of the tool, seen from the workpiece."""
+    instrument = INSTRUMENTS[setup.instrument]
+    if instrument.values > 1:
+        return said("+ where the tool stands too far towards {way}, seen from the workpiece", way="+x, +y, +z")
+    if not instrument.model.directed:
+        return said("+ where the distance is longer than it should be")
+    way = _signed(direction_text(setup))
+    if instrument.reads == "angle":
+        turned = "+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
+        return said(turned, way=way)
+    return said("+ where the tool stands too far towards {way}, seen from the workpiece", way=way)
+
+
+def ways(setup: Setup) -> tuple[Vector, ...]:
+    """Return the directions along or about which readings are positive; none where it is a distance."""
+    instrument = INSTRUMENTS[setup.instrument]
+    if instrument.values > 1:
+        return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+    return (setup.direction,) if instrument.model.directed else ()
+
+
+def reads_text(setup: Setup) -> str:
+    """Return what a set-up reads: "x, y and z", "the distance from its station", "along x" or "about -y"."""
+    instrument = INSTRUMENTS[setup.instrument]
+    if instrument.values > 1:
+        return said("x, y and z")
+    if setup.stations:
+        return said("the distances from its {count} stations, in their order", count=len(setup.stations))
+    if not instrument.model.directed:
+        return said("the distance from its station")
+    way = direction_text(setup)
+    return said("along {way}", way=way) if instrument.reads == "length" else said("about {way}", way=way)
+
+
+def _signed(direction: str) -> str:
+    return direction if direction[0] in "-(" else f"+{direction}"
+
+
+BAND = 2.0
+"""Standard deviations about the expectation that are shown; a matter of taste."""
+SURPRISING = 4.0
+"""Standard deviations from which a person is asked before a reading is kept: one in 16,000 by chance."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Expectation:
+    """mean, std : (k,) of each number of the reading, its noise included, m or rad"""
+
+    mean: Array
+    std: Array
+
+    def surprise(self, values: Array) -> float:
+        """Return by how many standard deviations the most surprising of the numbers is away.  values : (k,)"""
+        return float(np.max(np.abs(values - self.mean) / self.std))
+
+
+def expectation(known: Estimation, place: Place) -> Expectation:
+    """Return what the readings so far say of the next one: ŷ = h·m and s² = h C hᵀ + rests + σ² (method.md 2)."""
+    blanks = blank_readings(known.case.description.setups, [place])
+    (found,) = block(known.knowledge, blanks, np.zeros(len(blanks), dtype=bool)).innovations
+    return Expectation(-np.atleast_1d(found.value), np.atleast_1d(found.std))
+
+
+def mount_sentence(question: Question) -> str:
+    """Return what to mount and what it will read."""
+    setup, reads = question.setup, reads_text(question.setup)
+    if setup.artefact is not None:
+        with_artefact = "set up {artefact}, and mount the instrument ({instrument}); it reads {reads}"
+        mounted = said(with_artefact, artefact=setup.artefact.name, instrument=said(setup.instrument), reads=reads)
+    else:
+        mounted = said(
+            "mount the instrument ({instrument}); it reads {reads}", instrument=said(setup.instrument), reads=reads
+        )
+    if question.go.count("=") == 1:
+        return said("{mounted}, while {axis} moves", mounted=mounted, axis=question.go.split(" = ")[0])
+    return mounted
+
+
+def mount_steps(question: Question) -> tuple[tuple[str, str], ...]:
+    """Return the steps, each as a short name and what to do."""
+    zeroed = any(unknown.name.startswith("zero") for unknown in question.setup.unknowns)
+    steps = (
+        (said("park"), question.parked),
+        (said("go to"), question.go),
+        (said("at"), question.touch),
+        (said("then"), said("set its display to zero there; the zero need not be exact") if zeroed else ""),
+    )
+    return tuple(step for step in steps if step[1])

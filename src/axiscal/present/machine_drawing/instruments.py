@@ -15,10 +15,8 @@ from axiscal.language.spoken import said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.present.drawing.scene import Caption, Part, RoundMark, Stroke
-from axiscal.present.drawing.solids import box, cylinder
-from axiscal.present.machine_drawing.measures import Measures, up
-from axiscal.present.machine_drawing.standing_machine import StandingMachine
+from axiscal.present.drawing.scene import Caption, Part, RoundMark, Stroke, box, cylinder
+from axiscal.present.machine_drawing.standing_machine import Measures, StandingMachine, up
 
 _TURN: Array = np.linspace(0, 2 * np.pi, 49)
 """Mathematics: a circle."""

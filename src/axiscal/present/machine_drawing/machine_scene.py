@@ -7,10 +7,18 @@ from collections.abc import Iterator
 import numpy as np
 
 from axiscal.numerics import Array
-from axiscal.present.drawing.scene import EYE, Part, Stroke
-from axiscal.present.drawing.solids import box, cylinder
-from axiscal.present.machine_drawing.measures import Laid, Measures, across, straight, turning, under, up
-from axiscal.present.machine_drawing.standing_machine import BED, StandingMachine
+from axiscal.present.drawing.scene import EYE, Part, Stroke, box, cylinder
+from axiscal.present.machine_drawing.standing_machine import (
+    BED,
+    Laid,
+    Measures,
+    StandingMachine,
+    across,
+    straight,
+    turning,
+    under,
+    up,
+)
 from axiscal.present.machine_drawing.tool_side import tool_side
 
 LEDGE = 0.34

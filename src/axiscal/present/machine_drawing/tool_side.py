@@ -7,9 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from axiscal.numerics import Array
-from axiscal.present.drawing.solids import box, cylinder
-from axiscal.present.machine_drawing.measures import Laid, Measures, across, straight, turning, under, up
-from axiscal.present.machine_drawing.standing_machine import BED
+from axiscal.present.drawing.scene import box, cylinder
+from axiscal.present.machine_drawing.standing_machine import BED, Laid, Measures, across, straight, turning, under, up
 
 _SEEN_THROUGH = 0.55
 """Opacity of a leg or post between the work and who looks; a matter of taste."""

@@ -8,6 +8,8 @@ In units of the stated prior (C₀f = F_f F_fᵀ for each error f) machine j is 
     log c_f ~ N(log c, 0.5²), log c ~ N(0, 0.9²)   how wrong the stated variance is
     ω_f ~ Beta(4 m, 4 (1 − m)), m ~ U(0, 1)        the share in common; one m for each kind of error
     B_ir ~ N(0, τ²), τ² ~ InvGamma(2, 0.1)         B (n, r), directions in which sisters differ, over all errors at once
+
+The units are a = T x with x ~ N(0, I), without directions in which no error goes.
 """
 
 from __future__ import annotations
@@ -16,11 +18,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.errors.model import ErrorModel, Term
+from axiscal.errors.plane import PlaneError
 from axiscal.numerics import Array
+from axiscal.numerics.gaussian import settled
 
 SPREAD, LEVEL = 0.5, 0.9
 """Standard deviations of log c_f about log c, and of log c about 0: a stated std is right within a factor of 2.5."""
@@ -140,3 +147,54 @@ def blocks_of(named: Sequence[tuple[str, str, int, float]]) -> tuple[ErrorBlock,
         parts.append(ErrorBlock(name, kind, slice(start, start + size), weight))
         start += size
     return tuple(parts)
+
+
+_CUT = 1e-4
+"""Share of the variance of an error that the directions left out hold together: no reading would show it."""
+
+
+_BANDS = (0.8, 0.98)
+"""Shares of the variance that the coarse, and with it the less coarse, directions of an error hold."""
+
+
+class PriorUnits(NamedTuple):
+    """root : (size, n) T; cut : (size, size) covariance of what is left out
+
+    blocks : of x, up to three for each error, from coarse to fine: sisters may be smoother than stated, or rougher
+    """
+
+    root: Array
+    cut: Array
+    blocks: tuple[ErrorBlock, ...]
+
+
+def prior_units(errors: ErrorModel) -> PriorUnits:
+    """Return the units of a model's stated prior, without directions in which no error goes."""
+    roots, cut, sizes = list[Array](), np.zeros((errors.size, errors.size)), list[tuple[str, str, int, float]]()
+    for term in errors.terms:
+        values, vectors = np.linalg.eigh(term.covariance)
+        values, vectors = np.maximum(values[::-1], 0.0), settled(values, vectors)[:, ::-1]
+        kept = 1 + int(np.searchsorted(np.cumsum(values), (1 - _CUT) * values.sum()))
+        column = np.zeros((errors.size, kept))
+        column[term.columns] = vectors[:, :kept] * np.sqrt(values[:kept])
+        roots.append(column)
+        cut[term.columns, term.columns] = (vectors[:, kept:] * values[kept:]) @ vectors[:, kept:].T
+        sizes += [(term.name, kind_in_common(term), *band) for band in _bands(values[:kept])]
+    return PriorUnits(np.hstack(roots), cut, blocks_of(sizes))
+
+
+def _bands(values: Array) -> list[tuple[int, float]]:
+    """Return how many of the directions each band holds, and its share of the variance.  values : (k,) falling"""
+    held = np.cumsum(values) / values.sum()
+    ends = [0, *(1 + int(np.searchsorted(held, share)) for share in _BANDS), len(values)]
+    pairs = [(start, min(stop, len(values))) for start, stop in pairwise(ends) if start < min(stop, len(values))]
+    return [(stop - start, float(values[start:stop].sum() / values.sum())) for start, stop in pairs]
+
+
+def kind_in_common(term: Term) -> str:
+    """Return among which errors the share in common is alike: a plane, a location, a reversal, an angle, a length."""
+    if isinstance(term, PlaneError):
+        return "plane"
+    if term.kind != "motion":
+        return term.kind
+    return "angle" if term.angular else "length"

@@ -1,7 +1,11 @@
-"""Readings that are not linear in what is estimated: what they show exactly, and their rows anywhere.
+"""Estimates where the prior is so wide that the first linearisation misleads: by damped steps to the mode.
 
 The whitened unknowns are z in x = m₀ + F₀ z, with m₀, F₀ F₀ᵀ the prior. The mode minimises ½ zᵀz + ½ Σ (yᵢ −
 fᵢ(x))²/σᵢ².
+
+A station has possible places in closed form, and a mirror image. The square of n = |p − s| + z is linear in s, z and
+|s|² − z². It reads −2 pᵀs + 2 n z + (|s|² − z²) = n² − |p|². Five points that are not in a plane settle it. Seen from
+points in one plane, a station and its mirror image in that plane are alike.
 """
 
 from __future__ import annotations
@@ -15,24 +19,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.case import Case
+from axiscal.machine.kinematics import frames
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import Seen, places_of, seen, shown_values
 from axiscal.measurement.setup import About
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import transposed_solution
+from axiscal.numerics.gaussian import settled
 
 _STEPS, _SETTLED = 80, 1e-7
 """Steps end where the whitened unknowns stay, RMS."""
 _FIRST, _SOFTER, _HARDER, _HARDEST = 1e-3, 0.1, 10.0, 1e12
 """Damping, of the diagonal: any start does, for it is a tenth after each step and ten times as much until one helps."""
-_KAPPA = 0.5
-"""Half of the noise of a share; what it costs is the number of shares, for the polish ends at the mode anyway."""
-_HALVINGS, _MOST = 6, 60
-"""A share whose index is above one at its second look is halved, at most so often; shares end after so many."""
-_WHOLE = 1.0 - 1e-12
-"""γ is one up to rounding."""
 
 
 class BentReadings:
@@ -129,60 +128,69 @@ def _cost(z: Array, left: Array) -> float:
     return float(z @ z + left @ left) / 2
 
 
-class Waypoint(NamedTuple):
-    """gamma : the exponent after it; z, point : (k,) the mean, whitened and not; triangle : (k, k) R
+_SOUND = 1e-6
+"""Share of the largest singular value below which points are as good as in a plane."""
 
-    worst : the largest √(q_i)/σ_i that it leaves
+
+def closed_form(case: Case, readings: Sequence[Reading], point: Array) -> Array:
+    """Return a point (k,) with stations and dead paths of distances where they alone fit the readings best.
+
+    Those of too few points, or of points in a plane, stay.
     """
+    found = point.copy()
+    for index, setup in enumerate(case.description.setups):
+        seen_by = [reading for reading in readings if reading.setup == setup.name]
+        if len(seen_by) < 6:
+            continue
+        own = dict(zip((u.name for u in setup.unknowns), case.observation.unknowns_of(index).tolist(), strict=True))
+        tip = tips(case, seen_by)
+        for number, (columns, stated) in enumerate(zip(case.station_columns(index), setup.standing, strict=False)):
+            zero = own.get(f"zero_{number + 1}" if setup.stations else "zero")
+            shown = np.array([reading.values[number] for reading in seen_by])
+            solved = _one_station(tip - np.array(stated), shown, with_zero=zero is not None)
+            if solved is not None:
+                found[list(columns)] = solved[:3]
+                found[[] if zero is None else [zero]] = solved[3]
+    return found
 
-    gamma: float
-    z: Array
-    point: Array
-    triangle: Array
-    worst: float
 
+def _one_station(places: Array, shown: Array, *, with_zero: bool) -> Array | None:
+    """Return s, and z or something else after it, (4,); None of points in a plane.
 
-def shares(problem: BentReadings) -> list[Waypoint]:
-    """Return the way from the prior to all readings, the prior first (Hanebeck and Feiermann 2003).
-
-    The likelihood comes in shares, its exponent γ going from 0 to 1,
-
-        Δ = min(1 − γ, κ²/max_i(q_i/σ_i²)),   the readings with variance σ²/Δ, about the mean, again about the new
-
-    q_i the second order of a reading under the belief. The bound κ compares it with the noise of the share, so every
-    share is nearly linear. Shares grow by themselves as the belief sharpens. The belief is held in whitened unknowns as
-    R with RᵀR its information: a share is one QR of [R; √Δ A] (Bierman 1977, ch. V).
+    places : (m, 3) from where it is stated to stand; shown : (m,) distances less nominal ones, m
     """
-    size = problem.root.shape[1]
-    way = [_after(problem, 0.0, np.zeros(size), np.eye(size))]
-    while way[-1].gamma < 1.0 and len(way) < _MOST:
-        here = way[-1]
-        step = min(1.0 - here.gamma, _KAPPA**2 / max(here.worst**2, 1e-300))
-        for _ in range(_HALVINGS):
-            once, _ = _taken(problem, here, here.point, step)
-            z, triangle = _taken(problem, here, problem.start + problem.root @ once, step)
-            after = _after(problem, here.gamma + step, z, triangle)
-            if after.worst * np.sqrt(step) <= 1.0:
-                break
-            step /= 2
-        way.append(after)
-    return way
+    lengths = shown + np.linalg.norm(places, axis=1)
+    table = np.column_stack([-2 * places, 2 * lengths, np.ones(len(lengths))])
+    table = table if with_zero else np.delete(table, 3, axis=1)
+    scale = np.linalg.norm(table, axis=0)
+    if not scale.all() or np.linalg.svd(table / scale, compute_uv=False)[-1] < _SOUND:
+        return None
+    solved = np.linalg.lstsq(table / scale, lengths**2 - np.sum(places**2, axis=1), rcond=None)[0] / scale
+    return np.asarray(solved[:4], dtype=float)
 
 
-def _after(problem: BentReadings, gamma: float, z: Array, triangle: Array) -> Waypoint:
-    point = problem.start + problem.root @ z
-    spread = transposed_solution(triangle, problem.root.T).T
-    index = float(np.sqrt(np.max(problem.second_order(point, spread), initial=0.0)))
-    return Waypoint(1.0 if gamma > _WHOLE else gamma, z, point, triangle, index)
+def mirrored(case: Case, readings: Sequence[Reading], point: Array, index: int) -> list[Array]:
+    """Return points (k,), each with one station of a set-up behind the plane that its points are nearest to.
+
+    In the order of its stations; none where it has too few points, or nothing to move.
+    """
+    setup, images = case.description.setups[index], []
+    seen_by = [reading for reading in readings if reading.setup == setup.name]
+    if len(seen_by) < 4:
+        return []
+    places = tips(case, seen_by)
+    middle = places.mean(axis=0)
+    _, sizes, turn = np.linalg.svd(places - middle)
+    normal = settled(sizes**2, turn.T)[:, -1]
+    for columns, stated in zip(case.station_columns(index), setup.standing, strict=False):
+        station = np.array(stated) + point[list(columns)]
+        image = station - 2 * float((station - middle) @ normal) * normal
+        found = point.copy()
+        found[list(columns)] = image - np.array(stated)
+        images.append(found)
+    return images
 
 
-def _taken(problem: BentReadings, here: Waypoint, about: Array, step: float) -> tuple[Array, Array]:
-    """Return z and R after a share of the readings, linearised about a point.  step : Δ"""
-    numbers, size = problem.at(about), len(here.z)
-    weights = np.sqrt(step / numbers.variances)
-    slopes = weights[:, None] * (numbers.rows @ problem.root)
-    left = weights * (numbers.values - numbers.rows @ here.point)
-    stacked = np.zeros((size + len(left), size + 1))
-    stacked[:size, :size], stacked[size:, :size], stacked[size:, size] = here.triangle, slopes, left
-    done = np.asarray(np.linalg.qr(stacked, mode="r"))[:size]
-    return here.z + np.linalg.solve(done[:, :size], done[:, size]), done[:, :size]
+def tips(case: Case, readings: Sequence[Reading]) -> Array:
+    """Return the nominal tool points of readings in the workpiece frame, (m, 3), m."""
+    return frames(case.description.machine, np.array([reading.pose for reading in readings])).tcp

@@ -1,0 +1,229 @@
+"""Readings that a plan has beside those that its search chooses.
+
+Markers: where a zero may wander, its first place is read again every so often, so that the drift shows.
+
+Both sides: where a backlash is wanted, two places at least are read from both. A model whose reversal is the same
+everywhere would read one place again and again.
+
+A plane: where two axes act together and nobody knows how much, nine readings over it are the first ones. Scales that
+are not learnt yet choose places that learn the scales badly. On measured maps the bands then cover less often
+(docs/evidence/planes.md). Corners, edges and middle are the even design too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from axiscal.estimation.case import Case
+from axiscal.estimation.functionals.asked import asked_rows
+from axiscal.measurement.candidates import snapped
+from axiscal.measurement.place import Place, Places
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
+from axiscal.planning.overrun import with_room
+from axiscal.planning.plan.task import Limits
+from axiscal.record.events import Gap
+
+EVERY = 1200.0
+"""Seconds of machine time between two readings of a marker: a third of the hour over which a drift keeps its rate."""
+
+
+def planned_with_markers(
+    case: Case,
+    readings: Sequence[Reading],
+    gaps: Sequence[Gap],
+    limits: Limits,
+    plan: Callable[[Limits], tuple[Place, ...]],
+) -> tuple[Place, ...]:
+    """Return the readings to come with the markers among them, within the limits.
+
+    readings : so far; plan : the readings to come within limits, in their order
+    """
+    places = plan(limits)
+    if all(setup.drift == 0 for setup in case.description.setups):
+        return places
+    marked = with_markers(case, readings, gaps, places)
+    added = len(marked) - len(places)
+    return with_markers(case, readings, gaps, plan(_smaller(case, limits, added))) if added else marked
+
+
+def without_markers(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> tuple[Place, ...]:
+    """Return the places of an earlier plan that were not put there to watch a drift."""
+    markers = _markers(case, readings, ())
+    return tuple(place for place in places if markers.get(place.setup) != place)
+
+
+def with_markers(
+    case: Case, readings: Sequence[Reading], gaps: Sequence[Gap], places: Sequence[Place]
+) -> tuple[Place, ...]:
+    """Return the places with markers before those that come more than `EVERY` after the last one."""
+    markers = _markers(case, readings, places)
+    last = {r.setup: r.time or 0.0 for r in readings if r.place == markers.get(r.setup)}
+    now = (readings[-1].time or 0.0) if readings else 0.0
+    here, found = (readings[-1].place if readings else None), list[Place]()
+    for place in places:
+        marker = markers.get(place.setup)
+        due = marker is not None and now - last.get(place.setup, now) > EVERY
+        if marker is not None and due and not any(gap.holds(marker) for gap in gaps):
+            now, here = now + case.seconds_of(here, marker), marker
+            last[place.setup] = now
+            found.append(marker)
+        now, here = now + case.seconds_of(here, place), place
+        last.setdefault(place.setup, now)
+        found.append(place)
+    return tuple(found)
+
+
+def _markers(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> Mapping[str, Place]:
+    """Return the place of each set-up whose zero may wander that is read first."""
+    wandering = {setup.name for setup in case.description.setups if setup.drift > 0}
+    found: dict[str, Place] = {}
+    for place in (*(reading.place for reading in readings), *places):
+        if place.setup in wandering:
+            found.setdefault(place.setup, place)
+    return found
+
+
+def _smaller(case: Case, limits: Limits, markers: int) -> Limits:
+    """Return limits with room for so many markers in them."""
+    readings = None if limits.readings is None else max(limits.readings - markers, 1)
+    setups = [setup for setup in case.description.setups if setup.drift > 0]
+    each = max(setup.settle + setup.reading_time for setup in setups)
+    budget = None if limits.budget is None else max(limits.budget - markers * each, 0.0)
+    return replace(limits, readings=readings, budget=budget)
+
+
+_PLACES = 2
+"""Two show whether the reversal is the same along the travel, and cost one reading more than one."""
+_INWARD = 0.1
+"""Share of the span from an end, where there is room to come from either side."""
+_SIDES = (1, -1)
+"""From + and from −."""
+_SAME = 1e-6
+"""m or rad: two readings at one place."""
+
+
+def with_both_sides(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> tuple[Place, ...]:
+    """Return a plan with two places read from both sides in each set-up that a wanted backlash is read in.
+
+    readings : so far.  Readings that repeat others move there, else single ones; a plan keeps its number.
+    """
+    found = tuple(places)
+    for setup, axis in _wanted(case):
+        taken = [reading.place for reading in readings if reading.setup == setup.name]
+        found = _paired(case, setup, axis, taken, found)
+    return found
+
+
+def _wanted(case: Case) -> Iterator[tuple[Setup, int]]:
+    """Yield the set-ups that read a wanted backlash and may come from both sides, with its axis."""
+    if all(want.row.kind != "backlash" for want in case.description.target.wants):
+        return
+    for asked in asked_rows(case.description, (), whole=True):
+        if asked.want.row.kind == "backlash" and (name := asked.lines[0].setup):
+            setup = case.description.setup(name)
+            if setup.approach == "both":
+                yield setup, asked.lines[0].axis
+
+
+def _paired(case: Case, setup: Setup, axis: int, taken: list[Place], places: tuple[Place, ...]) -> tuple[Place, ...]:
+    for _ in range(_PLACES):
+        own = [place for place in places if place.setup == setup.name]
+        both = _from_both([*taken, *own], axis)
+        leaving = _spare(places, setup)[: len(_SIDES)]
+        if not own or len(both) >= _PLACES or len(leaving) < len(_SIDES):
+            break
+        at = max(_ends(case, setup, axis), key=lambda end: min((abs(end - other) for other in both), default=0.0))
+        kept = list(places)
+        for place in leaving:
+            kept.remove(place)
+        mine = [number for number, place in enumerate(kept) if place.setup == setup.name]
+        where = min(mine, key=lambda n: abs(kept[n].pose[axis] - at), default=places.index(own[0]))
+        places = (*kept[:where], *(_there(case, setup, axis, own[0], at, side) for side in _SIDES), *kept[where:])
+    return places
+
+
+def _from_both(places: Sequence[Place], axis: int) -> list[float]:
+    """Return the positions that are read from both sides."""
+    plus, minus = ([place.pose[axis] for place in places if place.approach[axis] == side] for side in _SIDES)
+    return sorted({here for here in plus if any(abs(here - other) < _SAME for other in minus)})
+
+
+def _spare(places: Sequence[Place], setup: Setup) -> list[Place]:
+    """Return readings that may go, those of the set-up first: repeats of an earlier one, then those without a twin."""
+    poses = {(place.setup, place.pose, place.approach) for place in places}
+    twins = [sum((name, pose) == (place.setup, place.pose) for name, pose, _ in poses) > 1 for place in places]
+    repeated = [place for number, place in enumerate(places) if place in places[:number]]
+    single = [place for place, twin in zip(places, twins, strict=True) if not twin and place not in repeated]
+    return sorted([*repeated, *single], key=lambda place: place.setup != setup.name)
+
+
+def _ends(case: Case, setup: Setup, axis: int) -> tuple[float, float]:
+    """Return two positions near the ends of where a set-up reads, on its raster."""
+    low, high = setup.span(case.description.machine.axes[axis], axis)
+    step, first, last = setup.raster[axis], low + _INWARD * (high - low), high - _INWARD * (high - low)
+    return (first, last) if step <= 0 else (step * math.ceil(first / step), step * math.floor(last / step))
+
+
+def _there(case: Case, setup: Setup, axis: int, like: Place, at: float, side: int) -> Place:
+    """Return the place of a set-up at a position, come to from a side."""
+    pose = tuple(at if k == axis else value for k, value in enumerate(like.pose))
+    approach = tuple(side if k == axis else value for k, value in enumerate(like.approach))
+    return Place(setup.name, *with_room(case.errors, setup, pose, approach))
+
+
+_SIDE = 3
+"""Places along each axis."""
+_FEWEST = 12
+"""Of fewer readings nine are too many."""
+_READ = 0.01
+"""Share of each travel within which a place counts as read."""
+_FELT = 1e-12
+"""m/rad, 1, or rad/rad: rounding of a lever."""
+
+
+def plane_start(case: Case, readings: Sequence[Reading], left: int | None) -> Places:
+    """Return those of the nine that are not read yet; none where scales of a plane are not learnt, or few are to come.
+
+    They are asked for where one set-up alone is there and moves just two axes that act together.
+    left : how many readings may still come; None for any number
+    """
+    setups = case.description.setups
+    none = Places.none(len(case.description.machine.axes))
+    enough = left is None or left + len(readings) >= _FEWEST
+    if len(setups) != 1 or len(readings) >= _SIDE**2 or not enough or not _learns_a_plane(case, setups[0]):
+        return none
+    poses = _nine(case, setups[0])
+    spans = np.array([axis.length for axis in case.description.machine.axes])
+    read = np.array([reading.pose for reading in readings]).reshape(-1, len(spans))
+    away = np.abs(poses[:, None] - read) / spans
+    fresh = ~np.any(np.all(away < _READ, axis=2), axis=1)
+    sides = np.zeros_like(poses)
+    sides[:, list(setups[0].moves)] = setups[0].sides[0]
+    return Places.of_setup(0, poses[fresh], sides[fresh])
+
+
+def _learns_a_plane(case: Case, setup: Setup) -> bool:
+    """Return whether a set-up moves two axes alone that act together, sees it, and its size is to be learnt."""
+    learnt = {owner for size in case.sizes.of if size.kind == "together" for owner in size.owners}
+    levers = np.abs(case.observation.levers(0, np.array([setup.park])))[:, len(case.errors.functions) :, 0]
+    seen = zip(case.errors.planes, levers.max(axis=0).tolist(), strict=True)
+    plain = setup.chart is None and setup.base is None
+    return plain and any(
+        set(plane.axes) == set(setup.moves) and plane.name in learnt and lever > _FELT for plane, lever in seen
+    )
+
+
+def _nine(case: Case, setup: Setup) -> Array:
+    """Return corners, edges and middle of where a set-up can be read, on its raster, each once, (m, q)."""
+    machine = case.description.machine
+    lines = [np.linspace(*setup.span(machine.axes[axis], axis), _SIDE) for axis in setup.moves]
+    places = np.stack([grid.ravel() for grid in np.meshgrid(*lines, indexing="ij")], axis=1)
+    poses = np.tile(np.array(setup.park), (len(places), 1))
+    poses[:, list(setup.moves)] = places
+    return np.unique(snapped(machine, setup, poses), axis=0)
