@@ -110,10 +110,13 @@ def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> Fi
     instruments : of OFFERED; target : the expanded uncertainty wanted, such as "10 um"
     Raises DescriptionError for an instrument that cannot be offered, UnitError for a target that is no length.
     """
-    offered = "docs/campaign.md shows how others are written. Offered are"
-    _refuse_unknown("instrument whose set-ups can be offered", instruments, OFFERED, offered)
+    for name in instruments:
+        if name not in OFFERED:
+            what = "{name} is no instrument whose set-ups can be offered"
+            remedy = "docs/campaign.md shows how others are written. Offered are {known}"
+            raise DescriptionError(what, remedy, name=shown(name), known=", ".join(OFFERED))
     if not instruments:
-        raise DescriptionError("No instrument was named", f"Name one or more of {', '.join(OFFERED)}")
+        raise DescriptionError("No instrument was named", "Name one or more of {known}", known=", ".join(OFFERED))
     parse_quantity(target, "length")
     machine = _with_stylus(begun.text) if "sphere" in instruments else begun.text
     text = first_campaign(machine_from_text(machine), "machine.toml", instruments, target, begun.active)
@@ -152,7 +155,14 @@ def write_files(folder: Path, texts: Mapping[str, str]) -> None:
 def _refuse_unknown(what: str, names: Sequence[str], known: Sequence[str] | Mapping[str, object], remedy: str) -> None:
     for name in names:
         if name not in known:
-            raise DescriptionError(f"{shown(name)} is no {what}", f"{remedy} {', '.join(known)}")
+            raise DescriptionError(
+                "{name} is no {fault}",
+                "{advice} {known}",
+                name=shown(name),
+                fault=what,
+                advice=remedy,
+                known=", ".join(known),
+            )
 
 
 def machine_text(machine: IniMachine, source: str) -> str:

@@ -88,9 +88,8 @@ class Axis:
         """
         letter = name[:1]
         if letter not in LINEAR_LETTERS + ROTARY_LETTERS or not letter:
-            raise DescriptionError(
-                f"{shown(name)} is not an axis name", "Axis names begin with one of X Y Z U V W P Q R A B C"
-            )
+            remedy = "Axis names begin with one of X Y Z U V W P Q R A B C"
+            raise DescriptionError("{name} is not an axis name", remedy, name=shown(name))
         rotary = letter in ROTARY_LETTERS
         speed = speed or (ROTARY_SPEED if rotary else LINEAR_SPEED)
         acceleration = acceleration or (ROTARY_ACCELERATION if rotary else LINEAR_ACCELERATION)

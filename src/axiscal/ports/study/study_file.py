@@ -194,26 +194,26 @@ def _document_of(key: str) -> str:
 
 
 def _stop(given: str | dict[str, Any], described: CampaignDescription, document: Document) -> Stop:
-    def fault(what: str, remedy: str = _STOP) -> InputError:
-        return document.fault(StudyError(what, remedy), "study", "stop")
+    def refused(what: str, remedy: str = _STOP, **values: object) -> InputError:
+        return document.fault(StudyError(what, remedy, None, None, **values), "study", "stop")
 
     if given == "target":
         if described.target.empty:
-            raise fault("the campaign has no target to stop at", "Give it one, or write stop = { readings = 30 }")
+            raise refused("the campaign has no target to stop at", "Give it one, or write stop = { readings = 30 }")
         return Stop()
     if not isinstance(given, dict) or len(given) != 1 or not given.keys() <= {"readings", "budget"}:
-        raise fault(f"{shown(given)} is not possible here")
+        raise refused("{text} is not possible here", text=shown(given))
     if "budget" in given:
         try:
             seconds = parse_quantity(str(given["budget"]), "time")
         except InputError as wrong:
-            raise fault(wrong.what, wrong.remedy) from None
+            raise refused(wrong.what, wrong.remedy) from None
         if seconds <= 0:
-            raise fault(f"{shown(given['budget'])} is no time to measure in")
+            raise refused("{text} is no time to measure in", text=shown(given["budget"]))
         return Stop(budget=seconds)
     count = given["readings"]
     if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= MOST_READINGS:
-        raise fault(f"{shown(count)} is no number of readings")
+        raise refused("{text} is no number of readings", text=shown(count))
     return Stop(readings=count)
 
 
