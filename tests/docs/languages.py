@@ -126,8 +126,8 @@ def _whole(node: ast.expr, scope: ast.FunctionDef, tree: ast.Module, *, literal:
         made = [each for each in made if each[1] is tree] or made
         ends = [(each, end) for each in made for end in ast.walk(each[0]) if isinstance(end, ast.Return)]
         return bool(ends) and all(_whole(end.value, *each, literal=False) for each, end in ends if end.value)
-    if isinstance(node, ast.Attribute):
-        return node.attr in ("what", "remedy", "wrong")
+    if isinstance(node, ast.Attribute | ast.Subscript):
+        return isinstance(node, ast.Subscript) or node.attr in ("what", "remedy", "wrong")
     parts = {ast.IfExp: ("body", "orelse"), ast.BoolOp: ("values",), ast.Tuple: ("elts",), ast.Starred: ("value",)}
     inner = [getattr(node, part) for part in parts.get(type(node), ())]
     several = [each for part in inner for each in (part if isinstance(part, list) else [part])]

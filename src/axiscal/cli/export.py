@@ -165,9 +165,8 @@ def _offered(estimate: Estimate, to: str, options: ExportOptions, ini: Path | No
     if ini is None:
         return registry.export(estimate, to, options)
     if to.casefold() != "linuxcnc-volumetric":
-        raise TableError(
-            "{to} puts nothing into an INI file", "Leave --ini out, or take linuxcnc-volumetric", to=shown(to)
-        )
+        remedy = "Leave --ini out, or take linuxcnc-volumetric"
+        raise TableError("{to} puts nothing into an INI file", remedy, to=shown(to))
     from axiscal.ports.linuxcnc.configuring import export_into
 
     return export_into(ini, estimate, options)
@@ -214,12 +213,8 @@ def _numbers(texts: list[str], coordinates: str | None, controller: str) -> dict
     numbered = [_numbered(text) for text in texts]
     if coordinates is not None:
         if not controller.startswith("linuxcnc"):
-            raise TableError(
-                "{controller} has no coordinates such as {coordinates}",
-                "Write --number X=1",
-                controller=controller,
-                coordinates=shown(coordinates),
-            )
+            what = "{controller} has no coordinates such as {coordinates}"
+            raise TableError(what, "Write --number X=1", controller=controller, coordinates=shown(coordinates))
         if numbered:
             raise TableError("both --number and --coordinates say which joints are whose", "Give one of them")
         numbered = [(letter, joint) for joint, letter in enumerate(coordinates.upper().replace(" ", ""))]
@@ -240,12 +235,8 @@ def _text(path: Path) -> str:
     try:
         data = bounded_content(path, MOST_BYTES)
     except OSError as fault:
-        raise TableError(
-            "the template cannot be read: {strerror}",
-            "give the file of the compensation alone",
-            path,
-            strerror=fault.strerror,
-        ) from None
+        remedy = "give the file of the compensation alone"
+        raise TableError("the template cannot be read: {strerror}", remedy, path, strerror=fault.strerror) from None
     try:
         return data.decode("ascii")
     except UnicodeDecodeError as fault:

@@ -45,8 +45,11 @@ def write_outputs(
             tell_details(summary, out)
         say(written_screen(summary, record or campaign.path, out))
     if summary.answer.withheld:
-        remedy = "Take the readings again that stand out, or write U and tables all the same with finish --anyway"
-        raise ReadingError(NOT_KNOWN, f"{remedy}; all readings are kept and the report is written", out)
+        remedy = (
+            "Take the readings again that stand out, or write U and tables all the same with finish --anyway; all "
+            "readings are kept and the report is written"
+        )
+        raise ReadingError(NOT_KNOWN, remedy, out)
 
 
 def tell_details(summary: Summary, out: Path) -> None:

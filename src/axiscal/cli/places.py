@@ -40,9 +40,8 @@ def _position(text: str, machine: Machine) -> dict[str, float]:
     while text[at:].strip():
         found = _ENTRY.match(text, at)
         if found is None or found[1] in position:
-            raise ReadingError(
-                '"{text}" is not a place', 'Write each axis once, as in --at "X=120 mm Y=250 mm"', text=text
-            )
+            remedy = 'Write each axis once, as in --at "X=120 mm Y=250 mm"'
+            raise ReadingError('"{text}" is not a place', remedy, text=text)
         axis = machine.axis(found[1])
         position[found[1]] = parse_quantity(found[2], axis.dimension)
         at = found.end()
@@ -54,9 +53,8 @@ def _directions(text: str) -> dict[str, int]:
     for word in re.split(r"[\s,;]+", text.strip()):
         found = _DIRECTION.fullmatch(word)
         if word and (found is None or found[1] in directions):
-            raise ReadingError(
-                '"{text}" is not an approach', 'Write each axis once, as in --approach "X+ Y-"', text=text
-            )
+            remedy = 'Write each axis once, as in --approach "X+ Y-"'
+            raise ReadingError('"{text}" is not an approach', remedy, text=text)
         if found:
             directions[found[1]] = 1 if found[2] == "+" else -1
     return directions

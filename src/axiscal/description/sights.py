@@ -136,7 +136,7 @@ def lack_of(setup: Setup, machine: Machine, reached: Collection[str], chosen: bo
 def _without_place(setup: Setup) -> Lack:
     if setup.instrument == "ballbar":
         what = 'a ball bar reads at its own length from a centre, and "{setup}" does not state it'
-        remedy = 'Write length = "150 mm", and station or artefact for the centre'
+        remedy = 'write length = "150 mm", and station or artefact for the centre'
     elif setup.instrument == "rtest":
         what, remedy = 'an R-test reads at a ball, and the set-up "{setup}" names none', _AT_BALL
     else:
@@ -144,14 +144,14 @@ def _without_place(setup: Setup) -> Lack:
     return said(what, setup=setup.name), said(remedy)
 
 
-_AT_BALL = later('Write artefact = "..." and [[artefacts]] with its place')
+_AT_BALL = later('write artefact = "..." and [[artefacts]] with its place')
 
 
 def _of_many_axes(setup: Setup, moving: Sequence[str]) -> Lack:
     what = 'a {instrument} follows one axis or one line: in "{setup}" {axes} may move'
     if setup.instrument[0] in "aei":
         what = 'an {instrument} follows one axis or one line: in "{setup}" {axes} may move'
-    remedy = 'Write moves = ["{axis}"], or along = [...] with the two ends of a line'
+    remedy = 'write moves = ["{axis}"], or along = [...] with the two ends of a line'
     lack = said(what, instrument=setup.instrument, setup=setup.name, axes=" ".join(moving))
     return lack, said(remedy, axis=moving[0] if moving else "X")
 
@@ -159,11 +159,11 @@ def _of_many_axes(setup: Setup, moving: Sequence[str]) -> Lack:
 def _without_reach(setup: Setup, axes: Sequence[str]) -> Lack:
     what = 'it is not said where along {axes} the {instrument} of "{setup}" touches'
     remedy = (
-        'Name the axis in moves, and where its reference reaches: reach = {{ X = ["150 mm", "450 mm"] }}; or {line}'
+        'name the axis in moves, and where its reference reaches: reach = {{ X = ["150 mm", "450 mm"] }}; or {line}'
     )
     if setup.instrument == "probe":
         remedy = (
-            'Name the axis in moves, and where its reference reaches: reach = {{ X = ["150 mm", "450 mm"] }}; '
+            'name the axis in moves, and where its reference reaches: reach = {{ X = ["150 mm", "450 mm"] }}; '
             "or {line}; or an artefact with its balls"
         )
     line = said("along = [...] with the two ends of a line")

@@ -91,7 +91,9 @@ def _check_lines(text: str, path: Path) -> None:
             raise DescriptionError("a key has more than 100 parts", "A description is flat", path, number)
         if len(line) > LONGEST_LINE:
             what, remedy = "the line {shown} has {count} characters, more than {most}", "Break it into shorter lines"
-            raise DescriptionError(what, remedy, path, number, shown=shown(line[:40]), count=len(line), most=LONGEST_LINE)
+            raise DescriptionError(
+                what, remedy, path, number, shown=shown(line[:40]), count=len(line), most=LONGEST_LINE
+            )
 
 
 def _too_large(path: Path) -> DescriptionError:

@@ -37,4 +37,6 @@ def _loaded(point: EntryPoint) -> Any:
     except Exception as fault:
         what = "{name} = {value} of {group} cannot be loaded ({kind}: {fault})"
         remedy = "Repair the package that brings it, or uninstall it"
-        raise PortError(what, remedy, name=point.name, value=point.value, group=point.group, kind=type(fault).__name__, fault=fault) from fault
+        raise PortError(
+            what, remedy, name=point.name, value=point.value, group=point.group, kind=type(fault).__name__, fault=fault
+        ) from fault

@@ -157,7 +157,12 @@ def _travel(document: Document, axis: Axis, table: AxisTable) -> tuple[float, fl
     given = shown(table.travel)
     if low > high:
         remedy = 'Write the lower end first: ["{high}", "{low}"]'
-        raise document.fault(DescriptionError("travel {given} is reversed", remedy, given=given, high=table.travel[1], low=table.travel[0]), *keys)
+        raise document.fault(
+            DescriptionError(
+                "travel {given} is reversed", remedy, given=given, high=table.travel[1], low=table.travel[0]
+            ),
+            *keys,
+        )
     if high - low < 1e-6:
         remedy = "Write the two ends of the travel"
         raise document.fault(DescriptionError("travel {given} is empty", remedy, given=given), *keys)

@@ -36,7 +36,9 @@ def plane_entries(
             before = entries.setdefault((name.component, frozenset(name.axes)), entry)
             if before is not entry:
                 what, again = "{key} is {name}, which is there already in line {earlier}", before.name
-                raise document.fault(DescriptionError(what, "Keep one of them", key=key, name=again, earlier=before.line), "errors", key)
+                raise document.fault(
+                    DescriptionError(what, "Keep one of them", key=key, name=again, earlier=before.line), "errors", key
+                )
     return tuple(entries.values())
 
 
