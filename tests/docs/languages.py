@@ -121,7 +121,7 @@ def _whole(node: ast.expr, scope: ast.FunctionDef, tree: ast.Module, *, literal:
         )
     if isinstance(node, ast.Call):
         if isinstance(node.func, ast.Name) and node.func.id in _MADE_OF_SAID:
-            return True
+            return node.func.id != "meant" or all(_whole(each, scope, tree, literal=False) for each in node.args[2:])
         made = _functions().get(_name(node.func), [])
         made = [each for each in made if each[1] is tree] or made
         ends = [(each, end) for each in made for end in ast.walk(each[0]) if isinstance(end, ast.Return)]

@@ -41,7 +41,7 @@ _WORDS = 300
 WIDEST = 1e6
 """A standard deviation this many times larger or smaller than the noise of its set-up is a slip."""
 
-_REMEDY = 'Answer each line with one such as {"value": 1.7, "unit": "um"} or {"skip": "reason"}'
+_REMEDY = 'Answer each line with one such as {{"value": 1.7, "unit": "um"}} or {{"skip": "reason"}}'
 
 
 class ExecSource:
