@@ -13,6 +13,7 @@ from datetime import UTC, datetime
 from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
+from string import Formatter
 
 from babel.messages.catalog import Catalog
 from babel.messages.mofile import write_mo
@@ -53,10 +54,9 @@ def _said(file: Path) -> Iterator[Message]:
     """Yield what a file says: literals, either of two, or names that hold them in the same function or file."""
     tree = _tree(file)
     everywhere = _held(tree.body)
-    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
-    for scope in (tree, *functions):
+    for scope in (tree, *_scopes(file)):
         held = everywhere if scope is tree else everywhere | _held(ast.walk(scope))
-        for call in (node for node in ast.walk(scope) if isinstance(node, ast.Call)):
+        for call in _calls(scope):
             if isinstance(call.func, ast.Name) and call.func.id in _SAYING:
                 texts = [list(_texts(each, held)) for each in call.args]
                 if call.func.id == "counted":
@@ -71,10 +71,30 @@ def refusals() -> Iterator[tuple[str, bool]]:
     """Yield each refusal by its file and line, and whether it is said in other languages."""
     for file in sorted(SOURCES.rglob("*.py")):
         tree = _tree(file)
-        for scope in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
-            for call in (node for node in ast.walk(scope) if isinstance(node, ast.Call)):
+        for scope in _scopes(file):
+            for call in _calls(scope):
                 if words := _words(call):
                     yield f"{file.relative_to(SOURCES)}:{call.lineno}", all(_whole(each, scope, tree) for each in words)
+
+
+def gaps() -> Iterator[str]:
+    """Yield each refusal whose places do not all get values, by its file and line, where it is plain what it says.
+
+    That is where a text stands in the call, or in a name that the function gives one text alone; doors add values.
+    """
+    for file in sorted(SOURCES.rglob("*.py")):
+        for scope in _scopes(file):
+            held = {name: list(_texts(values[0], {})) for name, values in _values(scope).items() if len(values) == 1}
+            for call in _calls(scope):
+                given = {each.arg for each in call.keywords}
+                if _name(call.func) not in REFUSALS or None in given:
+                    continue
+                texts = [text for each in call.args[:2] for text in _texts(each, held)]
+                places = {
+                    name for text in texts if given for _, name, _, _ in Formatter().parse(text) if name is not None
+                }
+                if not places <= given:
+                    yield f"{file.relative_to(SOURCES)}:{call.lineno}: {sorted(places - given)}"
 
 
 def _words(call: ast.Call) -> list[ast.expr]:
@@ -91,11 +111,10 @@ def _doors() -> dict[str, list[int]]:
     """Return the functions that refuse in the words of others, and which of their arguments these are."""
     found = {}
     for file in SOURCES.rglob("*.py"):
-        for node in ast.walk(_tree(file)):
-            if isinstance(node, ast.FunctionDef) and node.name != "__init__":
+        for node in _scopes(file):
+            if node.name != "__init__":
                 parameters = [each.arg for each in node.args.args if each.arg != "self"]
-                raising = any(isinstance(each, ast.Call) and _name(each.func) in REFUSALS for each in ast.walk(node))
-                if "what" in parameters and raising:
+                if "what" in parameters and any(_name(each.func) in REFUSALS for each in _calls(node)):
                     found[node.name] = [parameters.index(each) for each in ("what", "remedy") if each in parameters]
     return found
 
@@ -108,8 +127,7 @@ def _whole(node: ast.expr, scope: ast.FunctionDef, tree: ast.Module, *, literal:
     if isinstance(node, ast.Constant):
         return literal or not node.value
     if isinstance(node, ast.Name):
-        given = [value for name, value in _assigned(ast.walk(scope)) if name == node.id]
-        given = given or [value for name, value in _assigned(tree.body) if name == node.id]
+        given = _values(scope).get(node.id) or _values(tree).get(node.id, [])
         others = [
             each for each in given if node.id not in {one.id for one in ast.walk(each) if isinstance(one, ast.Name)}
         ]
@@ -138,15 +156,14 @@ def _whole(node: ast.expr, scope: ast.FunctionDef, tree: ast.Module, *, literal:
 def _functions() -> dict[str, list[tuple[ast.FunctionDef, ast.Module]]]:
     """Return all functions of a name, each with its file."""
     found: dict[str, list[tuple[ast.FunctionDef, ast.Module]]] = {}
-    for tree in map(_tree, SOURCES.rglob("*.py")):
-        for node in ast.walk(tree):
-            if isinstance(node, ast.FunctionDef):
-                found.setdefault(node.name, []).append((node, tree))
+    for file in SOURCES.rglob("*.py"):
+        for node in _scopes(file):
+            found.setdefault(node.name, []).append((node, _tree(file)))
     return found
 
 
 def _is_given(name: str, scope: ast.FunctionDef) -> bool:
-    """Return whether a name is what a function was called with, and so was said elsewhere, or a message of another file."""
+    """Return whether a name is what a function was called with, and so was said elsewhere, or a message of any file."""
     parameters = [*scope.args.args, *scope.args.kwonlyargs]
     return name in [each.arg for each in parameters] or name in _later()
 
@@ -168,6 +185,18 @@ def _tree(file: Path) -> ast.Module:
     return ast.parse(file.read_text(encoding="utf-8"))
 
 
+@cache
+def _scopes(file: Path) -> list[ast.FunctionDef]:
+    """Return the functions of a file."""
+    return [node for node in ast.walk(_tree(file)) if isinstance(node, ast.FunctionDef)]
+
+
+@cache
+def _calls(scope: ast.FunctionDef | ast.Module) -> list[ast.Call]:
+    """Return the calls in a function, or in a file."""
+    return [node for node in ast.walk(scope) if isinstance(node, ast.Call)]
+
+
 def _assigned(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, ast.expr]]:
     """Yield the names that get values, with these; what several names get at once goes to each."""
     for node in nodes:
@@ -180,6 +209,15 @@ def _assigned(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, ast.expr]]:
             if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple):
                 pairs = list(zip(target.elts, node.value.elts, strict=False))  # a starred value holds several, no text
             yield from ((name.id, value) for name, value in pairs if isinstance(name, ast.Name))
+
+
+@cache
+def _values(scope: ast.FunctionDef | ast.Module) -> dict[str, list[ast.expr]]:
+    """Return what names are given in a function, or at the level of a file."""
+    found: dict[str, list[ast.expr]] = {}
+    for name, value in _assigned(scope.body if isinstance(scope, ast.Module) else ast.walk(scope)):
+        found.setdefault(name, []).append(value)
+    return found
 
 
 def _held(nodes: Iterable[ast.AST]) -> dict[str, list[str]]:

@@ -236,7 +236,7 @@ def _text(path: Path) -> str:
         data = bounded_content(path, MOST_BYTES)
     except OSError as fault:
         remedy = "give the file of the compensation alone"
-        raise TableError("the template cannot be read: {strerror}", remedy, path, strerror=fault.strerror) from None
+        raise TableError("the template cannot be read: {reason}", remedy, path, reason=fault.strerror) from None
     try:
         return data.decode("ascii")
     except UnicodeDecodeError as fault:

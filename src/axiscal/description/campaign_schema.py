@@ -60,7 +60,7 @@ def _doubt(key: str) -> QuantityOf:
 
 def _count(number: int) -> int:
     if number <= 0:
-        raise DescriptionError("{number} is not above zero", "Give something such as readings = 40", number=number)
+        raise DescriptionError("{text} is not above zero", "Give something such as readings = 40", text=number)
     if number > MOST_READINGS:
         remedy = "Give at most {most}"
         raise DescriptionError("{text} readings are too many", remedy, text=shown(number), most=MOST_READINGS)

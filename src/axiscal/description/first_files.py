@@ -57,7 +57,11 @@ class FirstFiles(NamedTuple):
 
 def of_builtin(name: str) -> Beginning:
     """Return a built-in machine; raises DescriptionError for a name that is none."""
-    _refuse_unknown("built-in machine", [name], builtin_names(), "The built-in machines are")
+    if name not in builtin_names():
+        remedy = "The built-in machines are {known}"
+        raise DescriptionError(
+            "{name} is no built-in machine", remedy, name=shown(name), known=", ".join(builtin_names())
+        )
     return Beginning(load_machine(name).text)
 
 
@@ -150,19 +154,6 @@ def write_files(folder: Path, texts: Mapping[str, str]) -> None:
             undone.callback(path.unlink, missing_ok=True)
             write_whole(path, content)
         undone.pop_all()
-
-
-def _refuse_unknown(what: str, names: Sequence[str], known: Sequence[str] | Mapping[str, object], remedy: str) -> None:
-    for name in names:
-        if name not in known:
-            raise DescriptionError(
-                "{name} is no {fault}",
-                "{advice} {known}",
-                name=shown(name),
-                fault=what,
-                advice=remedy,
-                known=", ".join(known),
-            )
 
 
 def machine_text(machine: IniMachine, source: str) -> str:

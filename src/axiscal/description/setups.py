@@ -258,7 +258,7 @@ class _Reader:
         if value is not None and value < 0:
             with self._at(key):
                 remedy = 'Give a time such as "3 s"'
-                raise DescriptionError("{value} is negative", remedy, value=format_quantity(value, "s"))
+                raise DescriptionError("{text} is negative", remedy, text=format_quantity(value, "s"))
         return usual if value is None else value
 
     def _unknowns(self, usual: Instrument, moves: tuple[int, ...], site: Site | None) -> tuple[Unknown, ...]:

@@ -36,16 +36,16 @@ class Shaped(NamedTuple):
 def shaped(document: Document, keys: Keys, table: ErrorTable, name: ErrorName, axis: Axis) -> Shaped:
     """Return the shape that an entry states; raises DescriptionError where name and keys do not fit each other."""
     if name.shape != "pitch" and table.harmonics is not None:
-        remedy = "Give them to {bare}_pitch"
-        raise DescriptionError("{name} has no harmonics", remedy, name=name.canonical, bare=name.bare)
+        remedy = "Give them to {error}_pitch"
+        raise DescriptionError("{name} has no harmonics", remedy, name=name.canonical, error=name.bare)
     if name.shape != "step" and table.at is not None:
-        raise DescriptionError("{name} has no joints", "Give at to {bare}_step", name=name.canonical, bare=name.bare)
+        raise DescriptionError("{name} has no joints", "Give at to {error}_step", name=name.canonical, error=name.bare)
     if name.shape == "curve":
         return Shaped()
     for key in ("knots", "spacing", "length", "rest", "smoothness"):
         if getattr(table, key) is not None:
-            remedy = "Take it out, or give it to {bare}"
-            raise DescriptionError("{name} has no {key}", remedy, name=name.canonical, key=key, bare=name.bare)
+            remedy = "Take it out, or give it to {error}"
+            raise DescriptionError("{name} has no {key}", remedy, name=name.canonical, key=key, error=name.bare)
     return _pitch(document, keys, table, axis) if name.shape == "pitch" else _step(document, keys, table, axis)
 
 

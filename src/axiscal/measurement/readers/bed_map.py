@@ -65,8 +65,8 @@ def mesh(file: TextFile) -> tuple[Node, ...]:
         )
         sides.append(_spread(file, low, high, int(count), begins[0]))
     if len(points) != len(sides[1]):
-        what = "{count} rows are announced, and there are {given}"
-        raise file.fail(what, "copy the whole block", begins[0], count=len(sides[1]), given=len(points))
+        what = "{count} rows are announced, and there are {rows}"
+        raise file.fail(what, "copy the whole block", begins[0], count=len(sides[1]), rows=len(points))
     rows = [(at, number, cells) for at, (number, cells) in zip(sides[1], points, strict=True)]
     return _nodes(file, sides[0], rows, zero_is_height=True)
 
