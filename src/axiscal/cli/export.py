@@ -17,6 +17,7 @@ from axiscal.estimation.agreement_words import agreement_words
 from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import said
 from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.present.delivery import deliver_export, introduced
 from axiscal.present.findings import findings
@@ -201,7 +202,8 @@ def _spacing(texts: list[str]) -> float | dict[str, float] | None:
         if not 0 < distance < 1e3:
             raise TableError('a spacing of "{text}"', "Give a length above zero", text=text[:40])
         if axis in found:
-            raise TableError("the spacing of {axes} is given twice", "Give it once", axes=axis or "the linear axes")
+            remedy = "Give it once"
+            raise TableError("the spacing of {axes} is given twice", remedy, axes=axis or said("the linear axes"))
         found[axis] = distance
     if "" in found and len(found) > 1:
         raise TableError("a spacing is given for all linear axes and for some", 'Give it for each: --spacing "X=25 mm"')

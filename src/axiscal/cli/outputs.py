@@ -9,7 +9,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.last_screen import written_screen
 from axiscal.cli.printing import say, say_document
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
-from axiscal.language.spoken import resaid
+from axiscal.language.spoken import resaid, said
 from axiscal.present.delivery import deliver
 from axiscal.present.result_document import result_json
 from axiscal.present.statement import NOT_KNOWN, statement
@@ -67,7 +67,7 @@ def tell_details(summary: Summary, out: Path) -> None:
 
 def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str) -> Summary:
     whole = f"The results in {out} are whole, those of before or the new ones"
-    again = again or f"write them by: axiscal finish {campaign.path} --out {out}"
+    again = again or said("write them by: axiscal finish {record} --out {out}", record=campaign.path, out=out)
     try:
         return deliver(campaign, campaign.estimate(ended=True), out, extras)
     except OSError as failure:

@@ -58,10 +58,8 @@ class FirstFiles(NamedTuple):
 def of_builtin(name: str) -> Beginning:
     """Return a built-in machine; raises DescriptionError for a name that is none."""
     if name not in builtin_names():
-        remedy = "The built-in machines are {known}"
-        raise DescriptionError(
-            "{name} is no built-in machine", remedy, name=shown(name), known=", ".join(builtin_names())
-        )
+        what, remedy = "{name} is no built-in machine", "The built-in machines are {known}"
+        raise DescriptionError(what, remedy, name=shown(name), known=", ".join(builtin_names()))
     return Beginning(load_machine(name).text)
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import said
+from axiscal.language.spoken import listed, said
 from axiscal.machine import Machine
 from axiscal.machine.inverse import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates
@@ -59,7 +59,7 @@ def _nearest(machine: Machine, part: Chart) -> str:
     unit = even_points(_LOOKED_AT, part.size)
     poses = part.poses(np.column_stack([e.low + (e.high - e.low) * s for e, s in zip(ends, unit.T, strict=True)]))
     if np.isnan(poses).any(axis=1).all():
-        slides = " and ".join(machine.axes[k].name for k in linear_axes(machine))
+        slides = listed(said(" and "), [machine.axes[k].name for k in linear_axes(machine)])
         return said("{axes} alone never carry the tool point so far aside: place it where they do", axes=slides)
     low, high = np.array([axis.travel for axis in machine.axes]).T
     short = np.maximum(low - poses, poses - high) / (high - low)
@@ -72,7 +72,8 @@ def _nearest(machine: Machine, part: Chart) -> str:
         return said(what)
     lack = format_quantity(float(short[best, axis] * (high - low)[axis]), machine.axes[axis].unit, 3)
     at = [k for k, each in enumerate(machine.axes) if each.rotary]
-    where = " and ".join(f"{machine.axes[k].name} at {math.degrees(poses[best, k]):.0f} deg" for k in at)
+    turned = [(machine.axes[k].name, math.degrees(poses[best, k])) for k in at]
+    where = listed(said(" and "), [said("{axis} at {angle:.0f} deg", axis=name, angle=a) for name, a in turned])
     what = (
         "At the nearest, with {where}, it lacks {lack} of {axis}"
         if where

@@ -8,6 +8,7 @@ from typing import Literal
 
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import said
 from axiscal.units import format_quantity
 
 LINEAR_LETTERS = "XYZUVWPQR"
@@ -144,7 +145,7 @@ class Axis:
     def travel_text(self) -> str:
         """The travel in words: "0 mm to 600 mm"."""
         low, high = (format_quantity(end, self.unit) for end in self.travel)
-        return f"{low} to {high}"
+        return said("{low} to {high}", low=low, high=high)
 
     @property
     def cyclic(self) -> bool:

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
-from axiscal.language.spoken import later, said
+from axiscal.language.spoken import joined, later, said
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.entry import MOST_KNOTS, ErrorEntry
 from axiscal.machine.error_sizes import AVERAGED, error_size, rest_of, smoothness_of
@@ -119,7 +119,7 @@ def _check_location(name: ErrorName, axis: Axis) -> None:
     if name.kind != "location" or axis.rotary:
         return
     along = 3 + letter_direction(axis.letter)
-    possible = " and ".join(f"{COMPONENTS[c]}0{axis.name}" for c in range(3, 6) if c != along)
+    possible = joined([f"{COMPONENTS[c]}0{axis.name}" for c in range(3, 6) if c != along])
     remedy = "The location errors of the linear axis {axis} are {possible}"
     if name.component == along:
         what = "a turn about {axis}'s own direction does not change its direction of travel"

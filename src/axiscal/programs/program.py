@@ -12,6 +12,7 @@ import numpy as np
 
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError
+from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.inverse import drawn_back
@@ -359,9 +360,10 @@ def clearance_of(machine: Machine, scales: Sequence[AxisScale], setup: Setup) ->
     index = machine.index(name)
     number = scales[index].nearest(place)
     if number is None:
-        unit, travel = scales[index].unit, f"{scales[index].low} to {scales[index].high}"
-        what, remedy = "{name} is to go clear at {place}, outside its travel", "Choose a place within {travel} {unit}"
-        raise ProgramError(what, remedy, name=name, place=format_quantity(place, unit), travel=travel, unit=unit)
+        scale, what = scales[index], "{name} is to go clear at {place}, outside its travel"
+        travel = said("{low} to {high}", low=scale.low, high=f"{scale.high} {scale.unit}")
+        shown = format_quantity(place, scale.unit)
+        raise ProgramError(what, "Choose a place within {travel}", name=name, place=shown, travel=travel)
     return index, number
 
 

@@ -133,7 +133,7 @@ def _placed(scale: AxisScale, label: str, value: float, side: int) -> tuple[Deci
     if number is None:
         what, place = "{label}: {axis} = {place} is outside the travel", format_quantity(value, scale.unit, 9)
         remedy = "Plan within {travel}; a raster may lead beyond it"
-        travel = said("{low} to {high} {unit}", low=scale.low, high=scale.high, unit=scale.unit)
+        travel = said("{low} to {high}", low=scale.low, high=f"{scale.high} {scale.unit}")
         raise ProgramError(what, remedy, label=label, axis=scale.axis.name, place=place, travel=travel)
     if side == 0:
         return number, number

@@ -62,9 +62,8 @@ class _Columns:
         if not self.values:
             raise table.fail("there is no column 'value_um' or 'value_urad'", "Name the column of the readings so")
         if texts:
-            known = "setup, approach, value_um, value_urad, std_um, and positions such as X_mm"
-            remedy = "Known are {known}"
-            raise table.fail("column '{column}' is not known", remedy, column=next(iter(texts)), known=known)
+            remedy = "Known are setup, approach, value_um, value_urad, std_um, and positions such as X_mm"
+            raise table.fail("column '{column}' is not known", remedy, column=next(iter(texts)))
 
     def answer(self, row: Row, request: Request) -> Answer:
         column = row.only_filled(self.values)

@@ -324,4 +324,4 @@ def _signal(process: subprocess.Popen[str], number: signal.Signals) -> None:
 def _quoted(line: str) -> str:
     text = line.strip()
     text = text if len(text) <= 80 else text[:77] + "..."
-    return "".join(c if c.isprintable() else "?" for c in text) or "an empty line"
+    return "".join(c if c.isprintable() else "?" for c in text) or said("an empty line")

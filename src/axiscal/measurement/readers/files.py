@@ -231,9 +231,9 @@ def _columns(table: CsvTable, head: _Head) -> tuple[Column, list[_Way], Column |
             remedy = "columns are X_mm, forward_um/m, back_um/m and time; units of readings {known}"
             raise table.fail("column {column!r} is not known", remedy, column=column.name, known=", ".join(_UNITS))
     if station is None or not ways:
-        missing = "stations, such as X_mm" if station is None else "readings, such as forward_um/m"
-        remedy = "name it in the header; found: {known}"
-        raise table.fail("there is no column of {missing}", remedy, missing=missing, known=table.header)
+        what = "there is no column of readings, such as forward_um/m"
+        what = "there is no column of stations, such as X_mm" if station is None else what
+        raise table.fail(what, "name it in the header; found: {known}", known=table.header)
     if len({way.onward for way in ways}) < len(ways):
         raise table.fail("a way is named twice", "give one column forward, and one back")
     if head.division is None and any(way.unit == "div" for way in ways):

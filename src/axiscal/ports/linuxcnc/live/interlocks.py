@@ -75,7 +75,8 @@ def _refuse_other_machine(status: dict[str, Any], machine: Machine) -> None:
         unit = scale(status, axis.rotary)
         low, high = (float(end) * unit for end in status["axes"][axis.name])
         if axis.travel[0] < low - _CLOSE or axis.travel[1] > high + _CLOSE:
-            ends = " to ".join(format_quantity(end, axis.unit) for end in (low, high))
+            low_text, high_text = (format_quantity(end, axis.unit) for end in (low, high))
+            ends = said("{low} to {high}", low=low_text, high=high_text)
             what = "LinuxCNC lets {axis} go from {ends}, and machine.toml says {travel}"
             remedy = "Keep the travel within the limits of the INI file; or its units are others"
             raise SourceError(what, remedy, axis=axis.name, ends=ends, travel=axis.travel_text)

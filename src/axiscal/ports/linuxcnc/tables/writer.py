@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import either_of
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables.reader import ROWS, LinuxcncTable, correction, parse
 from axiscal.tables.table import CompensationTable
@@ -74,7 +75,7 @@ def _machine_unit(table: CompensationTable, unit: str | None) -> str:
     unit = unit or known[0]
     if unit not in known:
         what, remedy = "{axis} has no table in {unit!r}", "the unit of the machine can be {known}"
-        raise TableError(what, remedy, axis=table.axis, unit=unit, known=" or ".join(known))
+        raise TableError(what, remedy, axis=table.axis, unit=unit, known=either_of(known))
     return unit
 
 

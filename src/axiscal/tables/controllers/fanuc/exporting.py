@@ -9,6 +9,7 @@ import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.controllers.fanuc.pitch import (
@@ -86,10 +87,12 @@ def _table(estimate: Estimate, name: str, plan: PitchParameters) -> Compensation
     low, high = estimate.box[axis]
     needed = plan.covering(low, high)
     if plan.first > needed[0] or plan.last < needed[1]:
-        shown = " to ".join(
-            format_quantity(float(value), "deg" if plan.rotary else "mm") for value in plan.positions[[0, -1]]
+        unit = "deg" if plan.rotary else "mm"
+        first, last = (format_quantity(float(value), unit) for value in plan.positions[[0, -1]])
+        what, shown = (
+            "the points of {name} reach from {shown}, the volume goes beyond",
+            said("{low} to {high}", low=first, high=last),
         )
-        what = "the points of {name} reach from {shown}, the volume goes beyond"
         remedy = "3621 = {first} and 3622 = {second} would cover it"
         raise TableError(what, remedy, name=name, shown=shown, first=needed[0], second=needed[1])
     return own_table(estimate, axis, plan.positions)
