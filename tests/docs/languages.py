@@ -13,6 +13,7 @@ from datetime import UTC, datetime
 from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
+from string import Formatter
 
 from babel.messages.catalog import Catalog
 from babel.messages.mofile import write_mo
@@ -29,14 +30,8 @@ SOURCES = Path(__file__).resolve().parents[2] / "src" / "axiscal"
 FOLDER = SOURCES / "language" / "translations"
 Message = str | tuple[str, str]
 REFUSALS = {name for name, each in vars(exceptions).items() if isinstance(each, type) and issubclass(each, InputError)}
-MET = (
-    *("campaign/", "record/", "document/", "units.py", "present/", "web/"),
-    *("cli/arguments.py", "cli/compensation_active.py", "cli/opened.py", "cli/outputs.py"),
-    *("cli/placed_log.py", "cli/plan.py", "cli/record.py", "cli/run_loop.py"),
-    *("measurement/readers/csv_", "measurement/readers/text.py"),
-)
-"""Where refusals are raised that a person meets at the machine: these are translated, all others are in English."""
 _SAYING = ("said", "counted", "later", "stage")
+_MADE_OF_SAID = (*_SAYING, "put", "listed", "joined", "either_of", "capital", "again", "meant")
 _NEVER = datetime(2026, 1, 1, tzinfo=UTC)
 """Files that are made anew from the same messages are the same."""
 _IN_SCRIPT = re.compile(r'\b(?:said|rich)\("((?:[^"\\]|\\.)*)"')
@@ -57,58 +52,179 @@ def messages() -> set[Message]:
 
 def _said(file: Path) -> Iterator[Message]:
     """Yield what a file says: literals, either of two, or names that hold them in the same function or file."""
-    tree = ast.parse(file.read_text(encoding="utf-8"))
-    everywhere = _held(node for node in tree.body if isinstance(node, ast.Assign))
-    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
-    for scope in (tree, *functions):
-        own = _held(node for node in ast.walk(scope) if isinstance(node, ast.Assign)) if scope is not tree else {}
-        for node in ast.walk(scope):
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _SAYING:
-                texts = [list(_texts(each, everywhere | own)) for each in node.args]
-                if node.func.id == "counted":
+    tree = _tree(file)
+    everywhere = _held(tree.body)
+    for scope in (tree, *_scopes(file)):
+        held = everywhere if scope is tree else everywhere | _held(ast.walk(scope))
+        for call in _calls(scope):
+            if isinstance(call.func, ast.Name) and call.func.id in _SAYING:
+                texts = [list(_texts(each, held)) for each in call.args]
+                if call.func.id == "counted":
                     yield from ((one, many) for one in texts[0] for many in texts[1] if scope is not tree)
-                elif texts and (scope is not tree or node.func.id in ("later", "stage")):
+                elif texts and (scope is not tree or call.func.id in ("later", "stage")):
                     yield from texts[0]
-            elif scope is not tree and isinstance(node, ast.Call) and _name(node.func) in REFUSALS and _met(file):
-                yield from (text for each in node.args[:2] for text in _texts(each, everywhere | own))
+            elif scope is not tree:
+                yield from (text for each in _words(call) for text in _texts(each, held))
 
 
 def refusals() -> Iterator[tuple[str, bool]]:
     """Yield each refusal by its file and line, and whether it is said in other languages."""
     for file in sorted(SOURCES.rglob("*.py")):
-        tree = ast.parse(file.read_text(encoding="utf-8"))
-        for scope in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
-            held = _held(node for node in ast.walk(scope) if isinstance(node, ast.Assign))
-            for node in ast.walk(scope):
-                if isinstance(node, ast.Call) and _name(node.func) in REFUSALS:
-                    whole = all(list(_texts(each, held)) or _is_said(each) for each in node.args[:2])
-                    yield f"{file.relative_to(SOURCES)}:{node.lineno}", whole and _met(file)
+        tree = _tree(file)
+        for scope in _scopes(file):
+            for call in _calls(scope):
+                if words := _words(call):
+                    yield f"{file.relative_to(SOURCES)}:{call.lineno}", all(_whole(each, scope, tree) for each in words)
 
 
-def _is_said(node: ast.expr) -> bool:
-    return isinstance(node, ast.Call) and _name(node.func) in _SAYING
+def gaps() -> Iterator[str]:
+    """Yield each refusal whose places do not all get values, by its file and line, where it is plain what it says.
+
+    That is where a text stands in the call, or in a name that the function gives one text alone; doors add values.
+    """
+    for file in sorted(SOURCES.rglob("*.py")):
+        for scope in _scopes(file):
+            held = {name: list(_texts(values[0], {})) for name, values in _values(scope).items() if len(values) == 1}
+            for call in _calls(scope):
+                given = {each.arg for each in call.keywords}
+                if _name(call.func) not in REFUSALS or None in given:
+                    continue
+                texts = [text for each in call.args[:2] for text in _texts(each, held)]
+                places = {
+                    name for text in texts if given for _, name, _, _ in Formatter().parse(text) if name is not None
+                }
+                if not places <= given:
+                    yield f"{file.relative_to(SOURCES)}:{call.lineno}: {sorted(places - given)}"
+
+
+def _words(call: ast.Call) -> list[ast.expr]:
+    """Return what a call says is wrong, and what would be right; nothing where it refuses nothing."""
+    name = _name(call.func)
+    if isinstance(call.func, ast.Name) and name in REFUSALS:
+        return call.args[:2]
+    named = [each.value for each in call.keywords if each.arg in ("what", "remedy")]
+    return [call.args[at] for at in _doors().get(name, ()) if at < len(call.args)] + named * (name in _doors())
+
+
+@cache
+def _doors() -> dict[str, list[int]]:
+    """Return the functions that refuse in the words of others, and which of their arguments these are."""
+    found = {}
+    for file in SOURCES.rglob("*.py"):
+        for node in _scopes(file):
+            if node.name != "__init__":
+                parameters = [each.arg for each in node.args.args if each.arg != "self"]
+                if "what" in parameters and any(_name(each.func) in REFUSALS for each in _calls(node)):
+                    found[node.name] = [parameters.index(each) for each in ("what", "remedy") if each in parameters]
+    return found
+
+
+def _whole(node: ast.expr, scope: ast.FunctionDef, tree: ast.Module, *, literal: bool = True) -> bool:
+    """Return whether a text is a message, or made of some, and nowhere put together in English.
+
+    literal : whether one that stands there is found as a message
+    """
+    if isinstance(node, ast.Constant):
+        return literal or not node.value
+    if isinstance(node, ast.Name):
+        given = _values(scope).get(node.id) or _values(tree).get(node.id, [])
+        others = [
+            each for each in given if node.id not in {one.id for one in ast.walk(each) if isinstance(one, ast.Name)}
+        ]
+        own = [each for each in given if each not in others and not isinstance(each, ast.IfExp)]
+        return (
+            not own
+            and (bool(given) or _is_given(node.id, scope))
+            and all(_whole(each, scope, tree, literal=literal) for each in others)
+        )
+    if isinstance(node, ast.Call):
+        if isinstance(node.func, ast.Name) and node.func.id in _MADE_OF_SAID:
+            return node.func.id != "meant" or all(_whole(each, scope, tree, literal=False) for each in node.args[2:])
+        made = _functions().get(_name(node.func), [])
+        made = [each for each in made if each[1] is tree] or made
+        ends = [(each, end) for each in made for end in ast.walk(each[0]) if isinstance(end, ast.Return)]
+        return bool(ends) and all(_whole(end.value, *each, literal=False) for each, end in ends if end.value)
+    if isinstance(node, ast.Attribute | ast.Subscript):
+        return isinstance(node, ast.Subscript) or node.attr in ("what", "remedy", "wrong")
+    parts = {ast.IfExp: ("body", "orelse"), ast.BoolOp: ("values",), ast.Tuple: ("elts",), ast.Starred: ("value",)}
+    inner = [getattr(node, part) for part in parts.get(type(node), ())]
+    several = [each for part in inner for each in (part if isinstance(part, list) else [part])]
+    return bool(several) and all(_whole(each, scope, tree, literal=literal) for each in several)
+
+
+@cache
+def _functions() -> dict[str, list[tuple[ast.FunctionDef, ast.Module]]]:
+    """Return all functions of a name, each with its file."""
+    found: dict[str, list[tuple[ast.FunctionDef, ast.Module]]] = {}
+    for file in SOURCES.rglob("*.py"):
+        for node in _scopes(file):
+            found.setdefault(node.name, []).append((node, _tree(file)))
+    return found
+
+
+def _is_given(name: str, scope: ast.FunctionDef) -> bool:
+    """Return whether a name is what a function was called with, and so was said elsewhere, or a message of any file."""
+    parameters = [*scope.args.args, *scope.args.kwonlyargs]
+    return name in [each.arg for each in parameters] or name in _later()
+
+
+@cache
+def _later() -> set[str]:
+    """Return the names of messages that are said later, in whatever file."""
+    bodies = [_tree(file).body for file in SOURCES.rglob("*.py")]
+    pairs = [pair for body in bodies for pair in _assigned(body)]
+    return {name for name, value in pairs if isinstance(value, ast.Call) and _name(value.func) == "later"}
 
 
 def _name(called: ast.expr) -> str:
-    return called.id if isinstance(called, ast.Name) else ""
+    return called.id if isinstance(called, ast.Name) else called.attr if isinstance(called, ast.Attribute) else ""
 
 
-def _met(file: Path) -> bool:
-    """Return whether refusals of a file are met at the machine, and so are translated."""
-    return file.relative_to(SOURCES).as_posix().startswith(MET)
+@cache
+def _tree(file: Path) -> ast.Module:
+    return ast.parse(file.read_text(encoding="utf-8"))
 
 
-def _held(nodes: Iterable[ast.Assign]) -> dict[str, list[str]]:
-    """Return the texts that names are given."""
-    found: dict[str, list[str]] = {}
+@cache
+def _scopes(file: Path) -> list[ast.FunctionDef]:
+    """Return the functions of a file."""
+    return [node for node in ast.walk(_tree(file)) if isinstance(node, ast.FunctionDef)]
+
+
+@cache
+def _calls(scope: ast.FunctionDef | ast.Module) -> list[ast.Call]:
+    """Return the calls in a function, or in a file."""
+    return [node for node in ast.walk(scope) if isinstance(node, ast.Call)]
+
+
+def _assigned(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, ast.expr]]:
+    """Yield the names that get values, with these; what several names get at once goes to each."""
     for node in nodes:
-        for target in node.targets:
-            pairs = [(target, node.value)]
+        targets = (
+            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AugAssign) else []
+        )
+        for target in targets:
+            assert isinstance(node, ast.Assign | ast.AugAssign)
+            pairs = [(each, node.value) for each in (target.elts if isinstance(target, ast.Tuple) else [target])]
             if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple):
                 pairs = list(zip(target.elts, node.value.elts, strict=False))  # a starred value holds several, no text
-            for name, value in pairs:
-                if isinstance(name, ast.Name) and isinstance(value, ast.Constant) and isinstance(value.value, str):
-                    found.setdefault(name.id, []).append(value.value)
+            yield from ((name.id, value) for name, value in pairs if isinstance(name, ast.Name))
+
+
+@cache
+def _values(scope: ast.FunctionDef | ast.Module) -> dict[str, list[ast.expr]]:
+    """Return what names are given in a function, or at the level of a file."""
+    found: dict[str, list[ast.expr]] = {}
+    for name, value in _assigned(scope.body if isinstance(scope, ast.Module) else ast.walk(scope)):
+        found.setdefault(name, []).append(value)
+    return found
+
+
+def _held(nodes: Iterable[ast.AST]) -> dict[str, list[str]]:
+    """Return the texts that names are given."""
+    found: dict[str, list[str]] = {}
+    for name, value in _assigned(nodes):
+        found.setdefault(name, []).extend(_texts(value, {}))
     return found
 
 

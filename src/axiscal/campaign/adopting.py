@@ -122,10 +122,8 @@ def _mounted_anew(campaign: Campaign, setups: Sequence[str], chain: str, path: P
             what = '"{name}" shares the place of {other} with other set-ups, which nobody says was put up anew'
             raise RecordError(what, "Keep the branch as a campaign of its own", path, name=name, other=shown(other))
         if any(each.name == name for each in campaign.state.mounted):
-            what = '"{name}" was mounted anew for a branch already'
-            raise RecordError(
-                what, "Say --same-mounting if it stayed; else keep this one as a campaign of its own", path, name=name
-            )
+            remedy = "Say --same-mounting if it stayed; else keep this one as a campaign of its own"
+            raise RecordError('"{name}" was mounted anew for a branch already', remedy, path, name=name)
     return tuple(Mounted(name, f"{name}, mounted for {chain[:8]}", chain[:_SHOWN]) for name in setups)
 
 
@@ -156,9 +154,6 @@ def _taken_until(state: State, theirs: Sequence[ChainedText]) -> int | None:
 
 def _refuse_shared(both: Iterable[str], path: Path) -> None:
     names = ", ".join(sorted(both))
-    raise RecordError(
-        "Both have read the same set-up, {names}, and mounted anew it has other unknowns",
-        "Say whether it stayed mounted for both, --same-mounting, or not, --mounted-anew",
-        path,
-        names=names,
-    )
+    what = "Both have read the same set-up, {names}, and mounted anew it has other unknowns"
+    remedy = "Say whether it stayed mounted for both, --same-mounting, or not, --mounted-anew"
+    raise RecordError(what, remedy, path, names=names)

@@ -394,6 +394,5 @@ class Campaign(Closing):
 
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:
-            what = "The campaign is finished: {finished}"
             remedy = "Take the end back with `axiscal undo`, or start a new campaign"
-            raise RecordError(what, remedy, self.path, finished=self.state.finished)
+            raise RecordError("The campaign is finished: {finished}", remedy, self.path, finished=self.state.finished)

@@ -10,6 +10,7 @@ from pathlib import Path
 from axiscal.campaign.versions import versions
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
 from axiscal.exceptions import ReadingError, RecordError
+from axiscal.language.spoken import said
 from axiscal.machine import Axis
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place import Place
@@ -63,10 +64,12 @@ def kept_text(text: str, what: str, remedy: str) -> str:
     """
     text = text.strip()
     if not text:
-        raise ReadingError(f"the {what} is empty", remedy)
+        raise ReadingError("the {kind} is empty", remedy, kind=said(what))
     if len(text) > LONGEST_TEXT:
         shorter = "Write up to {most}, and say there in which file the rest is"
-        raise ReadingError("the {kind} has {count} characters", shorter, kind=what, count=len(text), most=LONGEST_TEXT)
+        raise ReadingError(
+            "the {kind} has {count} characters", shorter, kind=said(what), count=len(text), most=LONGEST_TEXT
+        )
     return text
 
 
@@ -74,57 +77,52 @@ def refuse_absurd(*values: float) -> None:
     """Raise ReadingError for a number that no instrument reads; values : m or rad."""
     for value in values:
         if not abs(value) < LARGEST:
-            raise ReadingError(
-                "{value:g} m or rad is no deviation of a machine",
-                "Give the reading with its unit, such as 1.7 um",
-                value=value,
-            )
+            remedy = "Give the reading with its unit, such as 1.7 um"
+            raise ReadingError("{value:g} m or rad is no deviation of a machine", remedy, value=value)
 
 
 def refuse_of_branch(setup: str, mounted: Sequence[Mounted]) -> None:
     """Raise ReadingError for a set-up as it stood for a branch, or before its zero jumped: it has gone."""
     for each in mounted:
         if each.name == setup and not each.branch:
-            raise ReadingError(
-                '"{setup}" has gone: its zero jumped', 'Read "{instead}"', setup=setup, instead=each.setup
-            )
+            remedy = 'Read "{instead}"'
+            raise ReadingError('"{setup}" has gone: its zero jumped', remedy, setup=setup, instead=each.setup)
         if each.name == setup:
             what = '"{setup}" stood for a branch, which has taken its readings'
-            raise ReadingError(
-                what, 'Read "{instead}", or record it in the branch and adopt it', setup=setup, instead=each.setup
-            )
+            remedy = 'Read "{instead}", or record it in the branch and adopt it'
+            raise ReadingError(what, remedy, setup=setup, instead=each.setup)
 
 
 def refuse_unreadable(setup: Setup, values: Sequence[float], std: float | None) -> None:
     """Raise ReadingError for what a set-up's instrument does not read.  values, std : m or rad"""
     for value in values:
         if not math.isfinite(value):
-            raise ReadingError(
-                "{value} is not a finite number", "Give the reading, or skip it with its reason", value=value
-            )
+            remedy = "Give the reading, or skip it with its reason"
+            raise ReadingError("{value} is not a finite number", remedy, value=value)
     refuse_absurd(*values, std or 0.0)
     _refuse_other_count(setup, len(values))
     if std is not None and not std >= FINEST:
-        raise ReadingError(
-            "{std:g} m or rad is no standard deviation", "Give one of at least 0.1 nm or 0.1 nrad, or none", std=std
-        )
+        remedy = "Give one of at least 0.1 nm or 0.1 nrad, or none"
+        raise ReadingError("{std:g} m or rad is no standard deviation", remedy, std=std)
 
 
 def _refuse_other_count(setup: Setup, count: int) -> None:
     values = values_of(setup)
     if count == values:
         return
-    what = f"the {setup.instrument} gives {values} value{'s' * (values > 1)}, not {count}"
+    what = "the {instrument} gives {values} value, not {count}"
+    what = "the {instrument} gives {values} values, not {count}" if values > 1 else what
     several = "Give one from each station in its order" if setup.stations else "Give the values along x, y and z"
-    raise ReadingError(what, several if values > 1 else "Give one value")
+    remedy = several if values > 1 else "Give one value"
+    raise ReadingError(what, remedy, instrument=setup.instrument, values=values, count=count)
 
 
 def _refuse_impossible(events: Iterable[Stored], description: CampaignDescription, path: Path) -> None:
     possible = Possible.of(description)
     for stored in events:
         if fault := possible.fault(stored.event):
-            what = f"The record is damaged: event {stored.number} cannot be: {fault}"
-            raise RecordError(what, restoring(path), path)
+            what = "The record is damaged: event {number} cannot be: {reason}"
+            raise RecordError(what, restoring(path), path, number=stored.number, reason=fault)
         possible = possible.after(stored.event)
 
 
@@ -173,21 +171,23 @@ class Possible:
 
     def _of_setups(self, names: Sequence[str]) -> str:
         missing = next((name for name in names if name not in self.setups), None)
-        return "" if missing is None else f'there is no set-up "{missing[:60]}"'
+        return "" if missing is None else said('there is no set-up "{name}"', name=missing[:60])
 
     def _of_new_name(self, name: str, jumped: str) -> str:
         """Return what is wrong with a name.  jumped : the same where it is that of a set-up before its zero jumped"""
         taken = name in self.setups and jumped not in self.before_jumps
-        return f'there is a set-up "{name[:60]}" already' if taken else ""
+        return said('there is a set-up "{name}" already', name=name[:60]) if taken else ""
 
     def _of_place(self, at: Place | Reading) -> str:
         if missing := self._of_setups([at.setup]):
             return missing
         if len(at.pose) != len(self.bounds):
-            return f"the place has {len(at.pose)} coordinates, and the machine {len(self.bounds)} axes"
+            what = "the place has {count} coordinates, and the machine {axes} axes"
+            return said(what, count=len(at.pose), axes=len(self.bounds))
         for value, (low, high), axis in zip(at.pose, self.bounds, self.axes, strict=True):
             if not low <= value <= high:
-                return f"{axis.name} = {format_quantity(value, axis.unit, 9)} is outside the travel"
+                place = format_quantity(value, axis.unit, 9)
+                return said("{axis} = {shown} is outside the travel", axis=axis.name, shown=place)
         return ""
 
 
@@ -198,7 +198,7 @@ def _of_values(reading: Reading, setup: Setup) -> str:
     except ReadingError as absurd:
         return absurd.what
     if reading.std is not None and reading.std < _LEAST:
-        return f"{reading.std:g} m or rad is no standard deviation"
+        return said("{std:g} m or rad is no standard deviation", std=reading.std)
     if reading.time is not None and not abs(reading.time) < _LATEST:
-        return f"{reading.time:g} s after its beginning"
+        return said("{seconds:g} s after its beginning", seconds=reading.time)
     return ""

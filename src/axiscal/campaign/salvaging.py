@@ -70,9 +70,8 @@ def _created(entries: Mapping[int, EventText], path: Path) -> Created:
         return created
     kept = sum(row.kind == "recorded" for row in entries.values())
     what = "Event 1, which holds the descriptions, does not stand whole; {kept} readings do"
-    raise RecordError(
-        what, "Name a copy of the record, however old, or its campaign.toml: --beginning FILE", path, kept=kept
-    )
+    remedy = "Name a copy of the record, however old, or its campaign.toml: --beginning FILE"
+    raise RecordError(what, remedy, path, kept=kept)
 
 
 def _fitting(
@@ -96,13 +95,8 @@ def _following(entries: Mapping[int, EventText], description: CampaignDescriptio
     for number, row in entries.items():
         event = _event(number, row)
         if isinstance(event, Newer) and event.of_readings:
-            raise NewerError(
-                "Event {number} is an entry of a newer version: {kind}",
-                "Salvage it with that one",
-                path,
-                number=number,
-                kind=event.kind,
-            )
+            what = "Event {number} is an entry of a newer version: {kind}"
+            raise NewerError(what, "Salvage it with that one", path, number=number, kind=event.kind)
         if isinstance(event, Undone):
             if event.event not in numbers:
                 raise _UnfitError(number, "what it takes back is missing")

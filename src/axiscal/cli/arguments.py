@@ -25,10 +25,9 @@ def own_record() -> Path:
     if len(here) == 1:
         return here[0].relative_to(Path.cwd())
     names = ", ".join(path.name for path in here)
-    what = "There are {here} records here: {names}" if here else "There is no campaign record here"
-    raise RecordError(
-        what, "Name the one that is meant, or put its path into AXISCAL_RECORD", Path.cwd(), here=len(here), names=names
-    )
+    what = "There are {count} records here: {names}" if here else "There is no campaign record here"
+    remedy = "Name the one that is meant, or put its path into AXISCAL_RECORD"
+    raise RecordError(what, remedy, Path.cwd(), count=len(here), names=names)
 
 
 def records_here(incomplete: str) -> list[str]:

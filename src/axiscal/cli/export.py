@@ -17,6 +17,7 @@ from axiscal.estimation.agreement_words import agreement_words
 from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import said
 from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.present.delivery import deliver_export, introduced
 from axiscal.present.findings import findings
@@ -165,9 +166,8 @@ def _offered(estimate: Estimate, to: str, options: ExportOptions, ini: Path | No
     if ini is None:
         return registry.export(estimate, to, options)
     if to.casefold() != "linuxcnc-volumetric":
-        raise TableError(
-            "{to} puts nothing into an INI file", "Leave --ini out, or take linuxcnc-volumetric", to=shown(to)
-        )
+        remedy = "Leave --ini out, or take linuxcnc-volumetric"
+        raise TableError("{to} puts nothing into an INI file", remedy, to=shown(to))
     from axiscal.ports.linuxcnc.configuring import export_into
 
     return export_into(ini, estimate, options)
@@ -202,7 +202,8 @@ def _spacing(texts: list[str]) -> float | dict[str, float] | None:
         if not 0 < distance < 1e3:
             raise TableError('a spacing of "{text}"', "Give a length above zero", text=text[:40])
         if axis in found:
-            raise TableError("the spacing of {axes} is given twice", "Give it once", axes=axis or "the linear axes")
+            remedy = "Give it once"
+            raise TableError("the spacing of {axes} is given twice", remedy, axes=axis or said("the linear axes"))
         found[axis] = distance
     if "" in found and len(found) > 1:
         raise TableError("a spacing is given for all linear axes and for some", 'Give it for each: --spacing "X=25 mm"')
@@ -214,12 +215,8 @@ def _numbers(texts: list[str], coordinates: str | None, controller: str) -> dict
     numbered = [_numbered(text) for text in texts]
     if coordinates is not None:
         if not controller.startswith("linuxcnc"):
-            raise TableError(
-                "{controller} has no coordinates such as {coordinates}",
-                "Write --number X=1",
-                controller=controller,
-                coordinates=shown(coordinates),
-            )
+            what = "{controller} has no coordinates such as {coordinates}"
+            raise TableError(what, "Write --number X=1", controller=controller, coordinates=shown(coordinates))
         if numbered:
             raise TableError("both --number and --coordinates say which joints are whose", "Give one of them")
         numbered = [(letter, joint) for joint, letter in enumerate(coordinates.upper().replace(" ", ""))]
@@ -240,12 +237,8 @@ def _text(path: Path) -> str:
     try:
         data = bounded_content(path, MOST_BYTES)
     except OSError as fault:
-        raise TableError(
-            "the template cannot be read: {strerror}",
-            "give the file of the compensation alone",
-            path,
-            strerror=fault.strerror,
-        ) from None
+        remedy = "give the file of the compensation alone"
+        raise TableError("the template cannot be read: {reason}", remedy, path, reason=fault.strerror) from None
     try:
         return data.decode("ascii")
     except UnicodeDecodeError as fault:

@@ -138,8 +138,9 @@ def _lengths(axes: Sequence[str], words: Sequence[str]) -> dict[str, float]:
     except ValueError:
         lengths = []
     if len(lengths) != len(axes) or not all(math.isfinite(length) and length > 0 for length in lengths):
-        remedy = f"Write a number for each of {' '.join(axes)}, such as {' '.join(['400'] * len(axes))}"
-        raise DescriptionError(f"{' '.join(words)!r} are not {len(axes)} travels in mm", remedy)
+        what, text, count = "{text!r} are not {count} travels in mm", " ".join(words), len(axes)
+        remedy, example = "Write a number for each of {axes}, such as {example}", " ".join(["400"] * count)
+        raise DescriptionError(what, remedy, text=text, count=count, axes=" ".join(axes), example=example)
     return dict(zip(axes, lengths, strict=True))
 
 
@@ -167,7 +168,7 @@ def _limits(text: str) -> tuple[str, tuple[float, float]]:
         low = high = math.nan
     if not (math.isfinite(low) and math.isfinite(high)):
         remedy = 'Write the letter of the axis, the lower and the upper limit, such as "Z -300 0"'
-        raise DescriptionError(f"{text!r} is not an axis and its two limits", remedy)
+        raise DescriptionError("{text!r} is not an axis and its two limits", remedy, text=text)
     return letter.upper(), (low, high)
 
 
@@ -177,5 +178,4 @@ def _asked(question: str, known: Iterable[str]) -> str:
     try:
         return ask("> ").strip()
     except EOFError:
-        remedy = "Give --machine or --from, --instrument and --target"
-        raise DescriptionError("Nobody answered", remedy) from None
+        raise DescriptionError("Nobody answered", "Give --machine or --from, --instrument and --target") from None

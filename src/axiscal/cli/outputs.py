@@ -11,7 +11,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.printing import say, say_document
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
-from axiscal.language.spoken import resaid, speaking
+from axiscal.language.spoken import resaid, said, speaking
 from axiscal.present.delivery import deliver
 from axiscal.present.guide.progress import results_beside
 from axiscal.present.plan_answer import coming_answer
@@ -51,8 +51,11 @@ def write_outputs(
             tell_details(summary, out)
         say(written_screen(summary, record or campaign.path, out))
     if summary.answer.withheld:
-        remedy = "Take the readings again that stand out, or write U and tables all the same with finish --anyway"
-        raise ReadingError(NOT_KNOWN, f"{remedy}; all readings are kept and the report is written", out)
+        remedy = (
+            "Take the readings again that stand out, or write U and tables all the same with finish --anyway; all "
+            "readings are kept and the report is written"
+        )
+        raise ReadingError(NOT_KNOWN, remedy, out)
 
 
 def tell_details(summary: Summary, out: Path) -> None:
@@ -70,7 +73,7 @@ def tell_details(summary: Summary, out: Path) -> None:
 
 def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str) -> Summary:
     whole = f"The results in {out} are whole, those of before or the new ones"
-    again = again or f"write them by: axiscal finish {campaign.path} --out {out}"
+    again = again or said("write them by: axiscal finish {record} --out {out}", record=campaign.path, out=out)
     try:
         return deliver(campaign, campaign.estimate(ended=True), out, extras)
     except OSError as failure:

@@ -134,9 +134,8 @@ def plan(
     if gap is not None and not prove:
         raise PlanError("--gap says when a proof ends, and none was asked for", "Add --prove, or leave --gap out")
     if picture is not None and picture.suffix.lower() != ".svg":
-        raise PlanError(
-            "--picture draws an SVG file, and {name} is none", "Give it a name that ends in .svg", name=picture.name
-        )
+        remedy = "Give it a name that ends in .svg"
+        raise PlanError("--picture draws an SVG file, and {name} is none", remedy, name=picture.name)
     if gcode is not None:
         dialect(gcode)
     driven = _driven(campaign_with_sisters(campaign, target_needed=False, told=tell), clearance, order, feed, dwell)

@@ -13,7 +13,7 @@ from axiscal.cli.texts import accuracy_text
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
 from axiscal.description.target import Target
-from axiscal.language.spoken import again, said, speaking
+from axiscal.language.spoken import again, put, said, speaking
 from axiscal.machine.questions import questions
 from axiscal.numerics.stages import listening
 from axiscal.present.plan_answer import reach_answer
@@ -41,12 +41,21 @@ def shown_progress(target: Target) -> Iterator[Callable[[Milestone], None]]:
 def progress_line(milestone: Milestone, target: Target) -> str:
     """Return one line: reading, accuracy with its targets, minutes with their budget."""
     others = target.accurate or target.budget is not None
-    most = "" if target.readings is None else f" of {'at most ' if others else ''}{target.readings}"
     more = milestone.number != milestone.taken  # a skip has a number too
-    number = f"reading {milestone.number}" + (f", {milestone.taken} taken{most}" if more else most)
-    minutes = f"{to_unit(milestone.seconds, 'min'):.1f}"
-    minutes += f" of {to_unit(target.budget, 'min'):.4g} min" if target.budget is not None else " min"
-    return f"{number}: {accuracy_text(milestone.accuracy, target.rms, target.worst)}, {minutes}"
+    number = said(
+        "reading {number}, {taken} taken" if more else "reading {number}",
+        number=milestone.number,
+        taken=milestone.taken,
+    )
+    if target.readings is not None:
+        of = "{reading} of at most {most}" if others else "{reading} of {most}"
+        number = said(of, reading=number, most=target.readings)
+    minutes = said("{minutes:.1f} min", minutes=to_unit(milestone.seconds, "min"))
+    if target.budget is not None:
+        passed, budget = (to_unit(each, "min") for each in (milestone.seconds, target.budget))
+        minutes = said("{minutes:.1f} of {budget:.4g} min", minutes=passed, budget=budget)
+    accuracy = accuracy_text(milestone.accuracy, target.rms, target.worst)
+    return put("{number}: {accuracy}, {minutes}", number=number, accuracy=accuracy, minutes=minutes)
 
 
 def tell_unasked(description: CampaignDescription) -> None:

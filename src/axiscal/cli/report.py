@@ -69,6 +69,6 @@ def _page(out: Path) -> Path:
     """Return the file if its name is one of a page or a PDF; raises RecordError for another kind of file."""
     if out.suffix.lower() in (".html", ".htm", ".pdf", ".xml"):
         return out
-    what = f"the report is an HTML page, a PDF or a certificate, and {out.name} is the name of none"
+    what = "the report is an HTML page, a PDF or a certificate, and {out} is the name of none"
     names = ", ".join(out.with_suffix(suffix).name for suffix in (".html", ".pdf", ".xml"))
-    raise RecordError(what, f"Write it to one of {names}", out)
+    raise RecordError(what, "Write it to one of {names}", out, out=out.name, names=names)

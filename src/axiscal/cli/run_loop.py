@@ -90,9 +90,8 @@ def _kept_campaign(path: Path, description: CampaignDescription, resume: bool) -
         path.unlink()
         return None
     if not resume:
-        raise RecordError(
-            "This folder holds a campaign already", "Go on with it by --resume, or name another --out", path
-        )
+        remedy = "Go on with it by --resume, or name another --out"
+        raise RecordError("This folder holds a campaign already", remedy, path)
     remedy = "Name another --out for the changed description, or take the changes back"
     raise RecordError("The campaign or its machine has been changed since this record was begun", remedy, path)
 
@@ -122,9 +121,8 @@ def _refuse_unreached(campaign: Campaign) -> None:
         remedy = "Add set-ups that see what these cannot, give less noise or a wider target; {written}"
         raise TargetError("{why}", remedy, source, why=capital(why), written=written)
     if because == CONTRADICT:
-        what = "The target cannot be said to be reached: {why}"
         remedy = "See the warnings, review instruments, set-ups and what is stated, and take readings again; {written}"
-        raise TargetError(what, remedy, source, why=why, written=written)
+        raise TargetError("The target cannot be said to be reached: {why}", remedy, source, why=why, written=written)
 
 
 def _kept(campaign: Campaign, again: str) -> str:

@@ -19,6 +19,7 @@ from axiscal.cli.printing import say, say_document, tell, tell_progress
 from axiscal.cli.texts import count_text
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import AxiscalError, InputError, StudyError
+from axiscal.language.spoken import counted, put
 from axiscal.numerics.stages import counting
 from axiscal.ports.study.cluster import Certificates, Cluster
 from axiscal.ports.study.comparing import MeasuringWay, verdicts, ways_of
@@ -80,8 +81,10 @@ def study(
         ran = _run(described, results, engine, again)
         _write(described, results, folder, ran, json)
     if ran.failed:
-        failed = f"{count_text(ran.failed, 'case')} of {described.count} could not be computed"
-        raise StudyError(f"{failed}: the last column of the table says why", "Mend the study, and begin another --out")
+        one = "{count} case of {cases} could not be computed: the last column of the table says why"
+        many = "{count} cases of {cases} could not be computed: the last column of the table says why"
+        what = counted(one, many, ran.failed, cases=described.count)
+        raise StudyError(what, "Mend the study, and begin another --out")
 
 
 def _engine(described: Study, workers: int | None, scheduler: str | None, files: Certificates) -> Engine:
@@ -100,13 +103,18 @@ def _run(described: Study, results: Results, engine: Engine, again: str) -> Ran:
         with _progress() as watch:
             return run_missing(results, questions, described.count, outcome, engine, watch)
     except InputError as failure:
-        raise type(failure)(failure.what, f"{failure.remedy}. {_kept(results, described, again)}") from failure
+        kept = put("{remedy}. {kept}", remedy=failure.remedy, kept=_kept(results, described, again))
+        raise type(failure)(failure.what, kept) from failure
     except KeyboardInterrupt:
         raise AxiscalError(f"Stopped by Ctrl-C. {_kept(results, described, again)}") from None
 
 
 def _kept(results: Results, described: Study, again: str) -> str:
-    return f"{len(results.keys())} of {count_text(described.count, 'case')} are kept; go on with: {again}"
+    one, many = (
+        "{kept} of {count} case are kept; go on with: {again}",
+        "{kept} of {count} cases are kept; go on with: {again}",
+    )
+    return counted(one, many, described.count, kept=len(results.keys()), again=again)
 
 
 def _write(described: Study, results: Results, folder: Path, ran: Ran, json: bool) -> None:
@@ -170,7 +178,7 @@ def _foretell(described: Study, workers: int, json: bool) -> None:
         of = f"{count_text(ways, 'way')} on {count_text(described.machines, 'machine')}"
         say(f"{count_text(described.count, 'case')}: {of}. By the first two: about {taking}, on {workers} at a time.")
     if wrong is not None:
-        raise StudyError(f"One of the first two cases cannot be computed: {wrong}", "Mend the study")
+        raise StudyError("One of the first two cases cannot be computed: {reason}", "Mend the study", reason=wrong)
 
 
 _HOUR = 1.0

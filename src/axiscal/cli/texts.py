@@ -5,7 +5,7 @@ from __future__ import annotations
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended
 from axiscal.estimation.accuracy.yardstick import Accuracy
-from axiscal.language.spoken import decimals
+from axiscal.language.spoken import decimals, said
 from axiscal.measurement.place_texts import reading_unit, value_names
 from axiscal.present.guide.question import coming_text, go_text, parked_text, reads_text, touch_text
 from axiscal.record.events import Asked
@@ -51,11 +51,12 @@ def question_document(campaign: Campaign, asked: Asked | Ended) -> dict[str, obj
 
 def accuracy_text(known: Accuracy, rms: float | None, worst: float | None) -> str:
     """Return the standard uncertainty with the targets, where there are any."""
-    parts = [("standard uncertainty RMS", known.rms, rms), ("worst", known.worst, worst)]
-    return ", ".join(
-        f"{name} {micrometres(value)}" + (f" (target {micrometres(target)})" if target is not None else "")
-        for name, value, target in parts
+    figures = (micrometres(known.rms), rms), (micrometres(known.worst), worst)
+    found, largest = (
+        text if target is None else said("{figure} (target {target})", figure=text, target=micrometres(target))
+        for text, target in figures
     )
+    return said("standard uncertainty RMS {rms}, worst {worst}", rms=found, worst=largest)
 
 
 def count_text(count: int, noun: str) -> str:

@@ -35,8 +35,8 @@ def read_artefacts(tables: list[ArtefactTable], document: Document) -> Mapping[s
     for number, table in enumerate(tables):
         artefact = _ArtefactReader(table, document, number).artefact()
         if artefact.name in found:
-            what = f'two artefacts are called "{artefact.name}"'
-            fault = DescriptionError(what, "Give each a name of its own")
+            what = 'two artefacts are called "{artefact}"'
+            fault = DescriptionError(what, "Give each a name of its own", artefact=artefact.name)
             raise document.fault(fault, "artefacts", number, "name")
         found[artefact.name] = artefact
     return MappingProxyType(found)
@@ -88,8 +88,9 @@ class _ArtefactReader:
                 remedy = 'Write count = [5, 5], pitch = ["80 mm", "80 mm"], along = ["x", "y"]'
                 raise DescriptionError("a grid has two directions", remedy)
             if min(grid.count) < 2 or grid.count[0] * grid.count[1] > MOST_BALLS:
-                what = f"a grid of {grid.count[0]} by {grid.count[1]} balls"
-                raise DescriptionError(what, f"Give 2 to {MOST_BALLS} balls in rows of 2 and more, or a row as balls")
+                what = "a grid of {rows} by {columns} balls"
+                remedy = "Give 2 to {most} balls in rows of 2 and more, or a row as balls"
+                raise DescriptionError(what, remedy, rows=grid.count[0], columns=grid.count[1], most=MOST_BALLS)
             pitch, ways = grid.pitch, [np.array(way) for way in grid.along]
             if min(pitch) < CLOSEST or np.linalg.norm(np.cross(ways[0], ways[1])) < _OFF_LINE:
                 raise DescriptionError("the balls of this grid fall together", "Give two directions and a pitch each")
@@ -113,22 +114,26 @@ class _ArtefactReader:
     def _kept_out(self, at: int, box: Mapping[str, tuple[float, float]]) -> tuple[tuple[float, float], ...]:
         with self._at("keep_out", at):
             if not box or not set(box) <= set("xyz"):
-                remedy = 'Write { x = ["-250 mm", "250 mm"], z = ["-300 mm", "-150 mm"] }, in the workpiece frame'
-                raise DescriptionError(f"{shown(dict(box))} is no box", remedy)
+                remedy = 'Write {{ x = ["-250 mm", "250 mm"], z = ["-300 mm", "-150 mm"] }}, in the workpiece frame'
+                raise DescriptionError("{text} is no box", remedy, text=shown(dict(box)))
             return tuple(box.get(letter, (-_FAR, _FAR)) for letter in "xyz")
 
 
 def _ball_name(text: str) -> str:
     if not text.replace("_", "a").replace("-", "a").isalnum() or len(text) > 40 or text in _TAKEN:
-        raise DescriptionError(f"{shown(text)} is not a name for a ball", "Give a word such as low, high, third")
+        remedy = "Give a word such as low, high, third"
+        raise DescriptionError("{text} is not a name for a ball", remedy, text=shown(text))
     return text
 
 
 def _refuse_close(balls: tuple[Ball, ...]) -> None:
     if len(balls) > MOST_BALLS:
-        raise DescriptionError(f"{len(balls)} balls are too many", f"Give up to {MOST_BALLS}")
+        raise DescriptionError("{count} balls are too many", "Give up to {most}", count=len(balls), most=MOST_BALLS)
     for first, second in combinations(balls, 2):
         apart = math.dist(first.place, second.place)
         if apart < CLOSEST:
-            what = f"the balls {first.name} and {second.name} are {format_quantity(apart, 'mm', 3)} apart"
-            raise DescriptionError(what, "One ball stands at one place: check their coordinates")
+            what = "the balls {first} and {second} are {apart} apart"
+            remedy = "One ball stands at one place: check their coordinates"
+            raise DescriptionError(
+                what, remedy, first=first.name, second=second.name, apart=format_quantity(apart, "mm", 3)
+            )

@@ -78,7 +78,8 @@ class CampaignDescription:
             if setup.name == name:
                 return setup
         known = ", ".join(f'"{setup.name}"' for setup in self.setups)
-        raise DescriptionError(f"there is no set-up {shown(name)}", f"The set-ups are {known}", self.source)
+        remedy = "The set-ups are {known}"
+        raise DescriptionError("there is no set-up {name}", remedy, self.source, name=shown(name), known=known)
 
 
 def with_compensation(description: CampaignDescription, active: bool | tuple[str, ...]) -> CampaignDescription:
@@ -146,9 +147,11 @@ def _machine_name(document: Document) -> str:
     name = document.data.get("machine")
     if isinstance(name, str) and name.strip() and name.isprintable():
         return name
-    what = '"machine" is missing' if name is None else f"machine: {shown(name)} is not the name of a machine"
-    remedy = f'Give a file, machine = "machine.toml", or one of {", ".join(builtin_names())}'
-    raise DescriptionError(what, remedy, document.path, document.line("machine") or 1)
+    what = '"machine" is missing' if name is None else "machine: {name} is not the name of a machine"
+    remedy = 'Give a file, machine = "machine.toml", or one of {known}'
+    raise DescriptionError(
+        what, remedy, document.path, document.line("machine") or 1, name=shown(name), known=", ".join(builtin_names())
+    )
 
 
 def _described(
@@ -220,8 +223,9 @@ def _refuse_budget(target: Target, setups: tuple[Setup, ...], document: Document
     quickest = min(setup.setup_time + setup.settle + setup.reading_time for setup in setups)
     if target.budget is not None and target.budget < quickest:
         needs = format_quantity(quickest, "min", 3)
-        what = f"{format_quantity(target.budget, 'min', 3)} is less than the {needs} that the first reading takes"
-        fault = DescriptionError(what, "Allow more time, or give a shorter setup_time")
+        what = "{given} is less than the {needs} that the first reading takes"
+        remedy = "Allow more time, or give a shorter setup_time"
+        fault = DescriptionError(what, remedy, given=format_quantity(target.budget, "min", 3), needs=needs)
         raise document.fault(fault, "target", "budget")
 
 

@@ -13,7 +13,7 @@ from axiscal.description.vectors import Direction, Span, Spot
 from axiscal.document import Length, QuantityText, Time, shown
 from axiscal.document.validation import QuantityOf, ReadAs
 from axiscal.exceptions import DescriptionError
-from axiscal.language.spoken import LANGUAGES
+from axiscal.language.spoken import LANGUAGES, later
 from axiscal.machine.entry import Sure
 from axiscal.machine.machine_schema import MachineFile
 from axiscal.measurement.instrument import INSTRUMENTS
@@ -38,55 +38,59 @@ _LEAST = sys.float_info.min
 """Above zero."""
 
 
-def _sized(dimension: Dimension, most: float, meaning: str) -> QuantityOf:
-    return QuantityOf(dimension, FINEST, most, "{text} is not possible here", f"Give {meaning}")
+def _sized(dimension: Dimension, most: float, remedy: str) -> QuantityOf:
+    return QuantityOf(dimension, FINEST, most, later("{text} is not possible here"), remedy)
 
 
 def _above_zero(dimension: Dimension, example: str) -> QuantityOf:
-    return QuantityOf(dimension, _LEAST, math.inf, "{text} is not above zero", f"Give something such as {example}")
+    wrong, remedy = later("{text} is not above zero"), later("Give something such as {example}")
+    return QuantityOf(dimension, _LEAST, math.inf, wrong, remedy, example)
 
 
 def _not_negative(dimension: Dimension) -> QuantityOf:
-    return QuantityOf(dimension, 0.0, math.inf, "{text} is negative", f'Give a size such as "{EXAMPLES[dimension]}"')
+    wrong, remedy = later("{text} is negative"), later('Give a size such as "{example}"')
+    return QuantityOf(dimension, 0.0, math.inf, wrong, remedy, EXAMPLES[dimension])
 
 
 def _doubt(key: str) -> QuantityOf:
-    remedy = f'Give how well it is known, such as {key} = "5 um"; "0 um" where the zeros were set with it'
-    return QuantityOf("length", 0.0, _LONGEST_DOUBT, "this is no std of where a tool's point sits", remedy)
+    wrong = later("this is no std of where a tool's point sits")
+    remedy = later('Give how well it is known, such as {example} = "5 um"; "0 um" where the zeros were set with it')
+    return QuantityOf("length", 0.0, _LONGEST_DOUBT, wrong, remedy, key)
 
 
 def _count(number: int) -> int:
     if number <= 0:
-        raise DescriptionError(f"{number} is not above zero", "Give something such as readings = 40")
+        raise DescriptionError("{text} is not above zero", "Give something such as readings = 40", text=number)
     if number > MOST_READINGS:
-        raise DescriptionError(f"{shown(number)} readings are too many", f"Give at most {MOST_READINGS}")
+        remedy = "Give at most {most}"
+        raise DescriptionError("{text} readings are too many", remedy, text=shown(number), most=MOST_READINGS)
     return number
 
 
 def _name(text: str) -> str:
     if not text.strip() or text != text.strip() or not text.isprintable() or len(text) > LONGEST_NAME:
-        remedy = f"Give it up to {LONGEST_NAME} printable characters, without blanks at its ends"
-        raise DescriptionError(f"{shown(text)} is not a name", remedy)
+        remedy = "Give it up to {most} printable characters, without blanks at its ends"
+        raise DescriptionError("{text} is not a name", remedy, text=shown(text), most=LONGEST_NAME)
     return text
 
 
 def _printable(text: str) -> str:
     if len(text) > _LONGEST or not text.replace("\n", " ").isprintable():
-        remedy = f"Write up to {_LONGEST} characters that can be printed"
-        raise DescriptionError(f"{shown(text)} cannot stand in a report", remedy)
+        remedy = "Write up to {most} characters that can be printed"
+        raise DescriptionError("{text} cannot stand in a report", remedy, text=shown(text), most=_LONGEST)
     return text
 
 
 def _country(text: str) -> str:
     if text and not (len(text) == 2 and text.isascii() and text.isalpha()):
-        raise DescriptionError(f"{shown(text)} is no country of two letters", 'Such as country = "DE"')
+        raise DescriptionError("{text} is no country of two letters", 'Such as country = "DE"', text=shown(text))
     return text
 
 
 def _language(text: str) -> str:
     if text and text not in LANGUAGES:
         known = ", ".join(f'language = "{short}" ({long})' for short, long in LANGUAGES.items())
-        raise DescriptionError(f"{shown(text)} is no language of reports", f"There are {known}")
+        raise DescriptionError("{text} is no language of reports", "There are {known}", text=shown(text), known=known)
     return text
 
 
@@ -97,7 +101,7 @@ def _active(given: bool | str | list[str]) -> bool | tuple[str, ...]:
     names = (given,) if isinstance(given, str) else tuple(given)
     if not names or not all(name.strip() and name.isprintable() for name in names):
         remedy = 'Write false, true, or the files that are active, such as ["X.comp", "Y.comp"]'
-        raise DescriptionError(f"compensation_active = {shown(given)} names no file", remedy)
+        raise DescriptionError("compensation_active = {text} names no file", remedy, text=shown(given))
     return names
 
 
@@ -106,7 +110,7 @@ def _patterns(given: str | list[str]) -> tuple[str, ...]:
     patterns = (given,) if isinstance(given, str) else tuple(given)
     wrong = next((each for each in patterns if not each.strip() or not each.isprintable()), None)
     if wrong is not None:
-        raise DescriptionError(f"records = {shown(wrong)} names no file", 'Write "records/*.axiscal"')
+        raise DescriptionError("records = {text} names no file", 'Write "records/*.axiscal"', text=shown(wrong))
     return patterns
 
 
@@ -114,19 +118,19 @@ Name = Annotated[str, ReadAs(str, _name)]
 Printable = Annotated[str, ReadAs(str, _printable)]
 Patterns = Annotated[tuple[str, ...], ReadAs(str | list[str], _patterns)]
 Active = Annotated[bool | tuple[str, ...], ReadAs(bool | str | list[str], _active)]
-Base = Annotated[float, QuantityOf("length", 0.0, math.inf, "{text} is not a length", 'Give one such as "100 mm"')]
-Bar = Annotated[float, QuantityOf("length", 5e-3, 5.0, "{text} is no length of a bar", 'Give one such as "150 mm"')]
+_ONE = later('Give one such as "{example}"')
+Base = Annotated[float, QuantityOf("length", 0.0, math.inf, later("{text} is not a length"), _ONE, "100 mm")]
+Bar = Annotated[float, QuantityOf("length", 5e-3, 5.0, later("{text} is no length of a bar"), _ONE, "150 mm")]
 Sight = Annotated[
-    float, QuantityOf("angle", _LEAST, math.pi, "a sight is above 0 and at most 180 deg", 'Give one such as "60 deg"')
+    float, QuantityOf("angle", _LEAST, math.pi, later("a sight is above 0 and at most 180 deg"), _ONE, "60 deg")
 ]
-Scale = Annotated[
-    float, QuantityOf("angle", 0.0, 1e-2, "this is no scale", 'Give its std, such as "0.5 um/m", or "0 um/m"')
-]
-Cone = Annotated[float, _sized("angle", math.pi, "an angle above 0 and up to 180 deg")]
-Calibrated = Annotated[float, _sized("length", 1.0, "a std above zero")]
-Placed = Annotated[float, _sized("length", 1.0, "how far it may stand from there, above zero")]
-Turned = Annotated[float, _sized("angle", 1.0, "a small angle above zero")]
-Diameter = Annotated[float, _sized("length", 1.0, "that of a ball")]
+_STD = later('Give its std, such as "0.5 um/m", or "0 um/m"')
+Scale = Annotated[float, QuantityOf("angle", 0.0, 1e-2, later("this is no scale"), _STD)]
+Cone = Annotated[float, _sized("angle", math.pi, later("Give an angle above 0 and up to 180 deg"))]
+Calibrated = Annotated[float, _sized("length", 1.0, later("Give a std above zero"))]
+Placed = Annotated[float, _sized("length", 1.0, later("Give how far it may stand from there, above zero"))]
+Turned = Annotated[float, _sized("angle", 1.0, later("Give a small angle above zero"))]
+Diameter = Annotated[float, _sized("length", 1.0, later("Give that of a ball"))]
 Warmth = Annotated[float, _not_negative("temperature_difference")]
 Growth = Annotated[float, _not_negative("expansion")]
 """What keys may say, in SI; several have bounds."""

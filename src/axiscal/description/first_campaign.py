@@ -146,8 +146,9 @@ def first_campaign(machine: Machine, source: str, instruments: Sequence[str], ta
     head = _HEAD.format(name=machine.name, machine=source, target=target, active=active, tool=tool, **about)
     setups = [text for name in instruments for text in OFFERED[name](machine)]
     if not setups:
+        what = "Nothing of {instruments} can be offered for {machine}"
         remedy = "Write the set-ups by hand, as docs/campaign.md shows"
-        raise DescriptionError(f"Nothing of {', '.join(instruments)} can be offered for {machine.name}", remedy)
+        raise DescriptionError(what, remedy, instruments=", ".join(instruments), machine=machine.name)
     return "".join([head, *setups])
 
 

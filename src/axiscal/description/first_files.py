@@ -57,7 +57,9 @@ class FirstFiles(NamedTuple):
 
 def of_builtin(name: str) -> Beginning:
     """Return a built-in machine; raises DescriptionError for a name that is none."""
-    _refuse_unknown("built-in machine", [name], builtin_names(), "The built-in machines are")
+    if name not in builtin_names():
+        what, remedy = "{name} is no built-in machine", "The built-in machines are {known}"
+        raise DescriptionError(what, remedy, name=shown(name), known=", ".join(builtin_names()))
     return Beginning(load_machine(name).text)
 
 
@@ -110,10 +112,13 @@ def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> Fi
     instruments : of OFFERED; target : the expanded uncertainty wanted, such as "10 um"
     Raises DescriptionError for an instrument that cannot be offered, UnitError for a target that is no length.
     """
-    offered = "docs/campaign.md shows how others are written. Offered are"
-    _refuse_unknown("instrument whose set-ups can be offered", instruments, OFFERED, offered)
+    for name in instruments:
+        if name not in OFFERED:
+            what = "{name} is no instrument whose set-ups can be offered"
+            remedy = "docs/campaign.md shows how others are written. Offered are {known}"
+            raise DescriptionError(what, remedy, name=shown(name), known=", ".join(OFFERED))
     if not instruments:
-        raise DescriptionError("No instrument was named", f"Name one or more of {', '.join(OFFERED)}")
+        raise DescriptionError("No instrument was named", "Name one or more of {known}", known=", ".join(OFFERED))
     parse_quantity(target, "length")
     machine = _with_stylus(begun.text) if "sphere" in instruments else begun.text
     text = first_campaign(machine_from_text(machine), "machine.toml", instruments, target, begun.active)
@@ -147,12 +152,6 @@ def write_files(folder: Path, texts: Mapping[str, str]) -> None:
             undone.callback(path.unlink, missing_ok=True)
             write_whole(path, content)
         undone.pop_all()
-
-
-def _refuse_unknown(what: str, names: Sequence[str], known: Sequence[str] | Mapping[str, object], remedy: str) -> None:
-    for name in names:
-        if name not in known:
-            raise DescriptionError(f"{shown(name)} is no {what}", f"{remedy} {', '.join(known)}")
 
 
 def machine_text(machine: IniMachine, source: str) -> str:

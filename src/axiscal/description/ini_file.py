@@ -29,15 +29,16 @@ class IniValue:
     file: Path
     line: int
 
-    def fail(self, what: str, remedy: str) -> DescriptionError:
+    def fail(self, what: str, remedy: str, **values: object) -> DescriptionError:
         """Return the error that places a fault here."""
-        return DescriptionError(what, remedy, self.file, self.line)
+        return DescriptionError(what, remedy, self.file, self.line, **values)
 
     def number(self, key: str) -> float:
         """Return it as a finite number; raises DescriptionError.  key : that it stands behind"""
         value = number_or_none(self.text)
         if value is None:
-            raise self.fail(f"{key} = {self.text} is not a number", "Write digits with a decimal point")
+            remedy = "Write digits with a decimal point"
+            raise self.fail("{key} = {text} is not a number", remedy, key=key, text=self.text)
         return value
 
 
@@ -69,8 +70,8 @@ class IniFile:
         """Return the value that counts; raises DescriptionError where there is none."""
         found = self.get(section, key)
         if found is None or not found.text:
-            what = f"[{section}] says no {key}"
-            raise DescriptionError(what, f"Write it into the file, as in {key} = {example}", *self.place(section))
+            what, remedy = "[{section}] says no {key}", "Write it into the file, as in {key} = {example}"
+            raise DescriptionError(what, remedy, *self.place(section), section=section, key=key, example=example)
         return found
 
 
@@ -95,8 +96,9 @@ def read_ini(path: Path) -> IniFile:
             read.values.setdefault((section, key[1].upper()), []).append(value)
         elif _HEEDED.fullmatch(section):
             shown = line if len(line) <= 40 else line[:37] + "..."
-            what = f"{shown!r} is neither a [SECTION] nor KEY = VALUE" + ("" if section else " of a section")
-            raise DescriptionError(what, "Give the INI file with which LinuxCNC starts", file, number)
+            within = "{shown!r} is neither a [SECTION] nor KEY = VALUE"
+            what = within if section else "{shown!r} is neither a [SECTION] nor KEY = VALUE of a section"
+            raise DescriptionError(what, "Give the INI file with which LinuxCNC starts", file, number, shown=shown)
     if not read.values:
         raise DescriptionError("No section of an INI file stands here", "Give the INI file of your LinuxCNC", path)
     return read
@@ -121,6 +123,6 @@ def _included(path: Path, number: int, name: str, depth: int) -> Iterator[tuple[
     if depth >= _DEEPEST:
         raise DescriptionError("These files include each other", "Take an #INCLUDE out", path, number)
     if not other.is_file():
-        what = f"The file {name!r} that is included here is not there"
-        raise DescriptionError(what, "Put it beside the INI file, or take the line out", path, number)
+        what = "The file {name!r} that is included here is not there"
+        raise DescriptionError(what, "Put it beside the INI file, or take the line out", path, number, name=name)
     yield from _lines(other, depth + 1)

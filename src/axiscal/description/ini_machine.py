@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from axiscal.description.ini_file import IniFile, IniValue, number_or_none
 from axiscal.exceptions import AxiscalError, DescriptionError
+from axiscal.language.spoken import put
 from axiscal.measurement.readers.text import read_text
 
 Point = tuple[float, float, float]
@@ -20,8 +21,6 @@ _SETP = re.compile(r"(?:setp\s+)?([\w.:-]+?)\.([\w-]+)\s+=?\s*(\S+)")
 _NET = re.compile(r"(?:net|newsig|linksp)\s+(\S+)\s+(.*)")
 _SETS = re.compile(r"sets\s+(\S+)\s+(\S+)")
 _ELSEWHERE = re.compile(r"\[(\w+)\](\w+)")
-_OTHERS = "trivkins, xyzac-trt-kins, xyzbc-trt-kins, maxkins and 5axiskins are read"
-
 _LINEAR = {"mm": "mm", "metric": "mm", "inch": "in", "in": "in", "imperial": "in"}
 _ANGULAR = {"deg": "deg", "degree": "deg", "degrees": "deg", "rad": "rad", "radian": "rad"}
 _INCH = 1 / 25.4
@@ -107,10 +106,12 @@ def _refuse_unasked(ini: IniFile, given: Mapping[str, tuple[float, float]]) -> N
     lacking = lacking_limits(ini)
     for letter, (low, high) in given.items():
         if letter not in lacking:
-            open_ = f"those of {', '.join(lacking)} are open" if lacking else "it says those of every axis"
-            raise DescriptionError(f"The INI file does not leave the limits of {letter} open", open_, ini.path)
+            open_ = "those of {lacking} are open" if lacking else "it says those of every axis"
+            what = "The INI file does not leave the limits of {letter} open"
+            raise DescriptionError(what, open_, ini.path, letter=letter, lacking=", ".join(lacking))
         if not low < high:
-            raise DescriptionError(f"{letter} cannot move from {low:g} to {high:g}", "The lower limit comes first")
+            what = "{letter} cannot move from {low:g} to {high:g}"
+            raise DescriptionError(what, "The lower limit comes first", letter=letter, low=low, high=high)
 
 
 def _letters(ini: IniFile) -> str:
@@ -121,9 +122,10 @@ def _letters(ini: IniFile) -> str:
     letters = "".join((given[1] if given else stated.text).split()).upper()
     named = kinematics if given is not None and kinematics is not None else stated
     if not letters or set(letters) - set("XYZABCUVW"):
-        raise named.fail(f"{named.text!r} names no axes", "Write their letters, of X Y Z A B C U V W")
+        raise named.fail("{text!r} names no axes", "Write their letters, of X Y Z A B C U V W", text=named.text)
     if len(set(letters)) > _MOST:
-        raise named.fail(f"{letters} are more than {_MOST} axes", "Describe those that are to be calibrated by hand")
+        remedy = "Describe those that are to be calibrated by hand"
+        raise named.fail("{letters} are more than {most} axes", remedy, letters=letters, most=_MOST)
     return letters
 
 
@@ -140,7 +142,8 @@ def _unit(ini: IniFile, key: str, known: Mapping[str, str], usual: str) -> str:
     if key == "LINEAR_UNITS" and value == 1.0:
         return "mm"
     assert found is not None
-    raise found.fail(f"{key} = {found.text} is no unit known here", f"Known are {', '.join(known)}")
+    remedy = "Known are {known}"
+    raise found.fail("{key} = {text} is no unit known here", remedy, key=key, text=found.text, known=", ".join(known))
 
 
 def _axis(
@@ -169,7 +172,8 @@ def _positive(found: IniValue | None, key: str) -> float | None:
         return None
     value = found.number(key)
     if value <= 0:
-        raise found.fail(f"{key} = {found.text} is not above zero", "Write the fastest that the axis goes")
+        remedy = "Write the fastest that the axis goes"
+        raise found.fail("{key} = {text} is not above zero", remedy, key=key, text=found.text)
     return value
 
 
@@ -205,18 +209,19 @@ def limits(ini: IniFile, letter: str, joint: int, unit: str) -> tuple[float, flo
     stated = _stated(ini, letter, joint)
     for key, found in stated.items():
         if letter not in "ABC" and _left_open(found, key):
-            what = f"The INI file says no {key} of {letter}"
-            remedy = f"Write it under [AXIS_{letter}], as in {key} = {'0' if key == 'MIN_LIMIT' else '500'}"
-            if found is not None:
-                raise found.fail(what, remedy)
-            raise DescriptionError(what, remedy, *ini.place(*axis_sections(letter, joint)))
+            what = "The INI file says no {key} of {letter}"
+            remedy = "Write it under [AXIS_{letter}], as in {key} = {example}"
+            place = ini.place(*axis_sections(letter, joint)) if found is None else (found.file, found.line)
+            example = "0" if key == "MIN_LIMIT" else "500"
+            raise DescriptionError(what, remedy, *place, key=key, letter=letter, example=example)
     low, high = (
         sense * TURN.get(unit, 0.0) if found is None or _left_open(found, key) else found.number(key)
         for sense, (key, found) in zip((-1, 1), stated.items(), strict=True)
     )
     upper = stated["MAX_LIMIT"]
     if upper is not None and low >= high:
-        raise upper.fail(f"MAX_LIMIT of {letter} is {high:g}, and MIN_LIMIT is {low:g}", "The larger one is MAX_LIMIT")
+        what = "MAX_LIMIT of {letter} is {high:g}, and MIN_LIMIT is {low:g}"
+        raise upper.fail(what, "The larger one is MAX_LIMIT", letter=letter, high=high, low=low)
     return low, high
 
 
@@ -269,8 +274,10 @@ def build_of(ini: IniFile, letters: Sequence[str], doubled: Sequence[str], unit:
         pivot, known = pins.values.get("pivot-length", 0.0), "pivot-length" in pins.values
         places = {"B": (0.0, 0.0, pivot), "C": (0.0, 0.0, pivot)}
         return IniBuild("w-b-X-Y-Z-C-B-t", known and pins.clear, name, unit, ("B",), places)
-    what, remedy = f"{name} is no chain of axes that can be read here", f"Write machine.toml by hand; {_OTHERS}"
-    raise stated.fail(what, remedy) if stated is not None else DescriptionError(what, remedy, ini.path)
+    what = "{name} is no chain of axes that can be read here"
+    remedy = "Write machine.toml by hand; trivkins, xyzac-trt-kins, xyzbc-trt-kins, maxkins and 5axiskins are read"
+    place = (ini.path, None) if stated is None else (stated.file, stated.line)
+    raise DescriptionError(what, remedy, *place, name=name)
 
 
 def _plain(linear: Sequence[str], rotary: Sequence[str], doubled: Sequence[str]) -> str:
@@ -289,7 +296,8 @@ def _plain(linear: Sequence[str], rotary: Sequence[str], doubled: Sequence[str])
 def _swivelling(ini: IniFile, name: str, swivel: str, letters: Sequence[str], unit: str) -> IniBuild:
     stated = ini.needed("KINS", "KINEMATICS", name)
     if not {"X", "Y", "Z", "C", swivel} <= set(letters):
-        raise stated.fail(f"{name} has axes X, Y, Z, {swivel} and C", "Name them in [TRAJ] COORDINATES")
+        remedy = "Name them in [TRAJ] COORDINATES"
+        raise stated.fail("{name} has axes X, Y, Z, {swivel} and C", remedy, name=name, swivel=swivel)
     read = _pins(ini, name)
     pins = read.values
     x, y, z = (pins.get(f"{way}-rot-point", 0.0) for way in "xyz")
@@ -334,7 +342,7 @@ def _hal(ini: IniFile) -> list[str]:
             try:
                 lines += [line.partition("#")[0].strip() for line in read_text(path).lines]
             except AxiscalError as failure:
-                raise named.fail(str(failure), "Check the name, or take the line out") from failure
+                raise named.fail(put("{fault}", fault=failure), "Check the name, or take the line out") from failure
     return lines
 
 

@@ -51,7 +51,8 @@ def logged_readings(file: Path, folder: Path, campaign: CampaignDescription) -> 
     for number, touched in runs:
         with faults.noted():
             if number not in planned:
-                raise ReadingError(f"the plan has no reading {number}", _AS_WRITTEN, file, touched[0].line)
+                what = "the plan has no reading {number}"
+                raise ReadingError(what, _AS_WRITTEN, file, touched[0].line, number=number)
             if _whole(number, touched, bool(log.said), file):
                 readings.append(_reading(number, touched, planned[number], campaign, file))
             else:
@@ -71,14 +72,15 @@ def _planned(log: TouchLog, file: Path, folder: Path) -> dict[int, ListedPlace]:
     """Return the readings of the lists in a folder by number; raises ReadingError unless they are of the log's plan."""
     names = folder / LISTS.format(log.code)
     if not names.is_file():
-        what = f"this is the log of plan {log.code}, and {folder} has no programs of that plan ({names.name})"
-        raise ReadingError(what, "Say by --programs into which folder plan --log wrote the programs", file)
+        what = "this is the log of plan {code}, and {folder} has no programs of that plan ({list})"
+        remedy = "Say by --programs into which folder plan --log wrote the programs"
+        raise ReadingError(what, remedy, file, code=log.code, folder=folder, list=names.name)
     lists = [folder / Path(name).name for name in read_text(names).lines if name.strip()]
     texts = {path: "\n".join(read_text(path).lines) for path in lists}
     code = plan_code(list(texts.values()))
     if code != log.code:
-        what = f"the lists of plan {log.code} have been changed, or written anew for another plan"
-        raise ReadingError(what, "Write the programs of that plan into a folder of their own", names)
+        what = "the lists of plan {code} have been changed, or written anew for another plan"
+        raise ReadingError(what, "Write the programs of that plan into a folder of their own", names, code=log.code)
     return {number: each for path, text in texts.items() for number, each in _rows(text, str(path))}
 
 
@@ -96,8 +98,9 @@ def _refuse_doubled(runs: Sequence[tuple[int, Sequence[LoggedTouch]]], file: Pat
     first: dict[int, int] = {}
     for number, touched in runs:
         if number in first:
-            what = f"reading {number} was touched in the lines from {first[number]} on, and here again"
-            raise ReadingError(what, "Take out the lines of the run that does not count", file, touched[0].line)
+            what = "reading {number} was touched in the lines from {earlier} on, and here again"
+            remedy = "Take out the lines of the run that does not count"
+            raise ReadingError(what, remedy, file, touched[0].line, number=number, earlier=first[number])
         first[number] = touched[0].line
 
 
@@ -112,8 +115,9 @@ def _whole(number: int, touched: Sequence[LoggedTouch], broken: bool, file: Path
     if broken and numbers == list(range(1, len(numbers) + 1)) and len(numbers) < TOUCHES:
         return False
     seen = ", ".join(map(str, numbers[:12]))
-    what = f"reading {number} has the touches {seen} where 1 to {TOUCHES} were expected"
-    raise ReadingError(what, f"Lines are missing, doubled or moved. {_AS_WRITTEN}", file, touched[0].line)
+    what = "reading {number} has the touches {seen} where 1 to {most} were expected"
+    remedy = "Lines are missing, doubled or moved. Give the file as the control wrote it"
+    raise ReadingError(what, remedy, file, touched[0].line, number=number, seen=seen, most=TOUCHES)
 
 
 def _reading(
@@ -130,7 +134,8 @@ def _reading(
             hits.append(hit)
         value, *others = read_as(machine, setup, pose, hits)
     except InputError as failure:
-        raise ReadingError(f"reading {number}: {failure.what}", failure.remedy, file, line) from None
+        what = "reading {number}: {fault}"
+        raise ReadingError(what, failure.remedy, file, line, number=number, fault=failure.what) from None
     moving = {machine.axes[k].name for k in setup.moves}
     sides = {name: side for name, side in planned.approach.items() if name in moving}
     return RawReading(

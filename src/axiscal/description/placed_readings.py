@@ -72,16 +72,14 @@ def _on_chart(setup: Setup, chart: Chart, machine: Machine, position: Mapping[st
     off, allowed = off_chart(machine, chart, np.array(pose)), setup.stroke or _OFF
     if off > allowed:
         far = format_quantity(off, "mm", 3)
-        what = f'this place is {far} from {_nearest(setup, machine, pose)}, where "{setup.name}" is read'
-        raise ReadingError(what, "Give the place where the tool point stood, or another set-up")
+        what, ball = 'this place is {far} from the line or circle, where "{setup}" is read', ""
+        if setup.artefact is not None:
+            what = 'this place is {far} from ball {ball}, where "{setup}" is read'
+            nearest = int(setup.artefact.nearest(frames(machine, np.array([pose])).tcp, setup.balls)[0])
+            ball = setup.artefact.balls[nearest].name
+        remedy = "Give the place where the tool point stood, or another set-up"
+        raise ReadingError(what, remedy, far=far, ball=ball, setup=setup.name)
     return pose
-
-
-def _nearest(setup: Setup, machine: Machine, pose: tuple[float, ...]) -> str:
-    if setup.artefact is None:
-        return "the line or circle"
-    ball = int(setup.artefact.nearest(frames(machine, np.array([pose])).tcp, setup.balls)[0])
-    return f"ball {setup.artefact.balls[ball].name}"
 
 
 def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int]) -> tuple[int, ...]:
@@ -89,21 +87,20 @@ def placed_approach(setup: Setup, machine: Machine, approach: Mapping[str, int])
     _refuse_unknown_axis(approach, machine)
     for name in approach:
         if machine.index(name) not in setup.moves:
-            what = f'{name} is parked in the set-up "{setup.name}" and has no direction of approach'
-            raise ReadingError(what, "Leave it out of the approach")
+            what = '{name} is parked in the set-up "{setup}" and has no direction of approach'
+            raise ReadingError(what, "Leave it out of the approach", name=name, setup=setup.name)
     return tuple(approach.get(axis.name, 0) for axis in machine.axes)
-
-
-def _noun(dimension: str) -> str:
-    return "an angle" if dimension == "angle" else f"a {dimension}"
 
 
 def _placed(row: RawReading, campaign: CampaignDescription) -> Reading:
     setup, sign = _setup_of(row, campaign)
     reads = INSTRUMENTS[setup.instrument].reads
     if row.dimension != reads:
-        what = f'the {setup.instrument} of the set-up "{setup.name}" reads {_noun(reads)}, not {_noun(row.dimension)}'
-        raise ReadingError(what, f"Give the value as value_{reading_unit(setup)}")
+        what = 'the {instrument} of the set-up "{setup}" reads a length, not an angle'
+        if reads == "angle":
+            what = 'the {instrument} of the set-up "{setup}" reads an angle, not a length'
+        remedy, unit = "Give the value as value_{unit}", reading_unit(setup)
+        raise ReadingError(what, remedy, instrument=setup.instrument, setup=setup.name, unit=unit)
     _refuse_other_count(row, setup)
     _refuse_other_base(row, setup)
     position, approach = row.position, row.approach
@@ -136,10 +133,15 @@ def _setup_of(row: RawReading, campaign: CampaignDescription) -> tuple[Setup, in
         and abs(setup.direction[component]) > _ALONG
     ]
     if len(fitting) != 1:
-        axis, what = "xyz"[component], "rotation about" if row.dimension == "angle" else "length along"
-        many = "several set-ups read" if fitting else "no set-up reads"
+        what = "no set-up reads a length along {axis} while {moving} moves"
+        if row.dimension == "angle":
+            what = "no set-up reads a rotation about {axis} while {moving} moves"
+        if fitting:
+            what = "several set-ups read a length along {axis} while {moving} moves"
+            if row.dimension == "angle":
+                what = "several set-ups read a rotation about {axis} while {moving} moves"
         remedy = "Describe exactly one set-up for it, or give READINGS.csv with a column setup"
-        raise ReadingError(f"{many} a {what} {axis} while {', '.join(row.position)} moves", remedy)
+        raise ReadingError(what, remedy, axis="xyz"[component], moving=", ".join(row.position))
     return fitting[0], 1 if fitting[0].direction[component] > 0 else -1
 
 
@@ -150,8 +152,9 @@ def _levelled(row: RawReading, campaign: CampaignDescription) -> Setup:
     fitting = [s for s in campaign.setups if s.moves == moving and INSTRUMENTS[s.instrument].reads == "angle"]
     fitting = [s for s in fitting if len(fitting) == 1 or _same_base(row, s)]
     if len(fitting) != 1:
-        what = f"{'several set-ups' if fitting else 'no set-up'} of this campaign read an angle while only {axis} moves"
-        raise ReadingError(what, "Say which it was, in a line # setup = name, or describe one")
+        what = "several set-ups of this campaign read an angle while only {axis} moves"
+        what = what if fitting else "no set-up of this campaign read an angle while only {axis} moves"
+        raise ReadingError(what, "Say which it was, in a line # setup = name, or describe one", axis=axis)
     return fitting[0]
 
 
@@ -163,24 +166,31 @@ def _same_base(row: RawReading, setup: Setup) -> bool:
 
 def _refuse_other_base(row: RawReading, setup: Setup) -> None:
     if row.base is not None and not _same_base(row, setup):
-        own = "rides on what moves" if setup.base is None else f"has a base of {format_quantity(setup.base, 'mm', 6)}"
-        what = f'the level stood on a base of {format_quantity(row.base, "mm", 6)}, and that of "{setup.name}" {own}'
-        raise ReadingError(what, "Let # base in the file and base in the campaign be the same")
+        what = 'the level stood on a base of {base}, and that of "{setup}" has a base of {own}'
+        if setup.base is None:
+            what = 'the level stood on a base of {base}, and that of "{setup}" rides on what moves'
+        base, own = (format_quantity(each or 0.0, "mm", 6) for each in (row.base, setup.base))
+        remedy = "Let # base in the file and base in the campaign be the same"
+        raise ReadingError(what, remedy, base=base, setup=setup.name, own=own)
 
 
 def _refuse_other_kind(row: RawReading, axis: Axis) -> None:
     if axis.rotary != (row.dimension == "angle"):
-        kind = "an angle" if axis.rotary else "a length"
-        what = f"the axis that moves is {axis.name}, whose position is {kind}, and the file gives the other kind"
-        raise ReadingError(what, "Give target_deg and deviation_arcsec for a rotary axis, target_mm for a linear one")
+        what = "the axis that moves is {axis}, whose position is a length, and the file gives the other kind"
+        if axis.rotary:
+            what = "the axis that moves is {axis}, whose position is an angle, and the file gives the other kind"
+        remedy = "Give target_deg and deviation_arcsec for a rotary axis, target_mm for a linear one"
+        raise ReadingError(what, remedy, axis=axis.name)
 
 
 def _refuse_other_count(row: RawReading, setup: Setup) -> None:
     values = values_of(setup)
     if 1 + len(row.others) != values or (values > 1 and row.by_station != bool(setup.stations)):
         *first, last = value_columns(setup)
-        remedy = f"Give {', '.join(first)} and {last}" if first else "Give one value, as value_um"
-        raise ReadingError(f'the {setup.instrument} of "{setup.name}" gives {values} values a reading', remedy)
+        remedy = "Give {first} and {last}" if first else "Give one value, as value_um"
+        what, name = 'the {instrument} of "{setup}" gives {count} values a reading', setup.name
+        columns = {"first": ", ".join(first), "last": last}
+        raise ReadingError(what, remedy, None, None, instrument=setup.instrument, setup=name, count=values, **columns)
 
 
 def _only_setup(campaign: CampaignDescription) -> Setup:
@@ -204,8 +214,9 @@ def _coordinate(setup: Setup, axis: Axis, index: int, position: Mapping[str, flo
     moves = index in setup.moves
     if axis.name not in position:
         if moves:
-            what = f'{axis.name} moves in the set-up "{setup.name}", and its position is not given'
-            raise ReadingError(what, f"Say where it stood, anywhere from {axis.travel_text}")
+            what = '{axis} moves in the set-up "{setup}", and its position is not given'
+            remedy = "Say where it stood, anywhere from {travel}"
+            raise ReadingError(what, remedy, axis=axis.name, setup=setup.name, travel=axis.travel_text)
         return setup.park[index]
     value, unit = position[axis.name], axis.unit
     slack, (low, high) = _STILL[False] if setup.base else 1e-9 * axis.length, setup.span(axis, index)
@@ -213,19 +224,24 @@ def _coordinate(setup: Setup, axis: Axis, index: int, position: Mapping[str, flo
         _refuse_outside(setup, axis, value)
     if not moves and abs(value - setup.park[index]) > _STILL[axis.rotary]:
         park = format_quantity(setup.park[index], unit, 9)
-        what = f'{axis.name} = {format_quantity(value, unit, 9)}, but the set-up "{setup.name}" parks it at {park}'
-        raise ReadingError(what, f"Park it there in the description, or add {axis.name} to its moves")
+        what = '{axis} = {value}, but the set-up "{setup}" parks it at {park}'
+        remedy = "Park it there in the description, or add {axis} to its moves"
+        raise ReadingError(
+            what, remedy, axis=axis.name, value=format_quantity(value, unit, 9), setup=setup.name, park=park
+        )
     return min(max(value, low), high)
 
 
 def _refuse_outside(setup: Setup, axis: Axis, value: float) -> NoReturn:
     shown, unit = format_quantity(value, axis.unit, 9), axis.unit
     if not axis.travel[0] <= value <= axis.travel[1]:
-        raise ReadingError(f"{axis.name} = {shown} is outside the travel", f"{axis.name} goes from {axis.travel_text}")
-    what = f"at {axis.name} = {shown} a foot of the {setup.instrument} stands outside the travel"
+        what = "{axis} = {shown} is outside the travel"
+        raise ReadingError(what, "{axis} goes from {travel}", axis=axis.name, shown=shown, travel=axis.travel_text)
+    what = "at {axis} = {shown} a foot of the {instrument} stands outside the travel"
     base = format_quantity(setup.base or 0.0, unit, 9)
+    remedy = "Give where the middle of its base of {base} stood; {axis} goes from {travel}"
     raise ReadingError(
-        what, f"Give where the middle of its base of {base} stood; {axis.name} goes from {axis.travel_text}"
+        what, remedy, axis=axis.name, shown=shown, instrument=setup.instrument, base=base, travel=axis.travel_text
     )
 
 

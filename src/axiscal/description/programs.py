@@ -52,7 +52,7 @@ def _clearance(text: str, machine: Machine) -> tuple[str, float]:
     """Return the axis and where it is clear, m or rad."""
     name, equals, place = (part.strip() for part in text.partition("="))
     if not equals:
-        raise DescriptionError(f"{shown(text)} is not AXIS=PLACE", 'Write something such as "Z=-5 mm"')
+        raise DescriptionError("{text} is not AXIS=PLACE", 'Write something such as "Z=-5 mm"', text=shown(text))
     return name, coordinate(place, machine.axis(name))
 
 
@@ -60,5 +60,5 @@ def _feed(text: str) -> float:
     """Return the feed near a place, m/s."""
     feed = parse_quantity(text, "speed")
     if feed < _SLOWEST * (1 - 1e-9):
-        raise DescriptionError(f"{shown(text)} is slower than 1 mm/min", 'Give a feed such as "500 mm/min"')
+        raise DescriptionError("{text} is slower than 1 mm/min", 'Give a feed such as "500 mm/min"', text=shown(text))
     return feed

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import listed, said
 from axiscal.machine import Machine
 from axiscal.machine.inverse import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates
@@ -37,21 +38,19 @@ def refuse_unreachable(machine: Machine, setup: Setup) -> None:
         finite = all(part.bounds(k).step > 0 for k in range(part.size))
         if len(poses) >= (1 if finite else FEWEST):
             continue
-        where = _where(setup, part, number)
         if isinstance(part, Sight):
+            what = 'the {instrument} of "{setup}" sees the tool in no pose, or hardly any'
             remedy = "Look at range, sight, faces and the station, which are of the workpiece frame"
-            raise DescriptionError(
-                f'the {setup.instrument} of "{setup.name}" sees the tool in no pose, or hardly any', remedy
+            raise DescriptionError(what, remedy, instrument=setup.instrument, setup=setup.name)
+        if isinstance(part, Held) and setup.artefact is not None:
+            what, ball = (
+                "no pose reaches ball {ball} of {artefact} within the travels and clear of stems",
+                setup.balls[number],
             )
-        raise DescriptionError(
-            f"no pose reaches {where} within the travels and clear of stems", _nearest(machine, part)
-        )
-
-
-def _where(setup: Setup, part: Chart, number: int) -> str:
-    if isinstance(part, Held) and setup.artefact is not None:
-        return f"ball {setup.artefact.balls[setup.balls[number]].name} of {setup.artefact.name}"
-    return f'where "{setup.name}" is to be read'
+            at = {"ball": setup.artefact.balls[ball].name, "artefact": setup.artefact.name}
+            raise DescriptionError(what, _nearest(machine, part), None, None, **at)
+        what = 'no pose reaches where "{setup}" is to be read within the travels and clear of stems'
+        raise DescriptionError(what, _nearest(machine, part), setup=setup.name)
 
 
 def _nearest(machine: Machine, part: Chart) -> str:
@@ -60,20 +59,27 @@ def _nearest(machine: Machine, part: Chart) -> str:
     unit = even_points(_LOOKED_AT, part.size)
     poses = part.poses(np.column_stack([e.low + (e.high - e.low) * s for e, s in zip(ends, unit.T, strict=True)]))
     if np.isnan(poses).any(axis=1).all():
-        slides = " and ".join(machine.axes[k].name for k in linear_axes(machine))
-        return f"{slides} alone never carry the tool point so far aside: place it where they do"
+        slides = listed(said(" and "), [machine.axes[k].name for k in linear_axes(machine)])
+        return said("{axes} alone never carry the tool point so far aside: place it where they do", axes=slides)
     low, high = np.array([axis.travel for axis in machine.axes]).T
     short = np.maximum(low - poses, poses - high) / (high - low)
     best = int(np.nan_to_num(short.max(axis=1), nan=np.inf).argmin())
     axis = int(short[best].argmax())
     if short[best, axis] <= 0:
-        return (
+        what = (
             "The tool is against a stem, or in what is to be kept out, in every pose: look at free, cone and keep_out"
         )
+        return said(what)
     lack = format_quantity(float(short[best, axis] * (high - low)[axis]), machine.axes[axis].unit, 3)
     at = [k for k, each in enumerate(machine.axes) if each.rotary]
-    said = " and ".join(f"{machine.axes[k].name} at {math.degrees(poses[best, k]):.0f} deg" for k in at)
-    return f"At the nearest{f', with {said},' if said else ''} it lacks {lack} of {machine.axes[axis].name}"
+    turned = [(machine.axes[k].name, math.degrees(poses[best, k])) for k in at]
+    where = listed(said(" and "), [said("{axis} at {angle:.0f} deg", axis=name, angle=a) for name, a in turned])
+    what = (
+        "At the nearest, with {where}, it lacks {lack} of {axis}"
+        if where
+        else "At the nearest it lacks {lack} of {axis}"
+    )
+    return said(what, where=where, lack=lack, axis=machine.axes[axis].name)
 
 
 def refuse_short_stroke(machine: Machine, setup: Setup, stroke: float) -> None:
@@ -92,8 +98,8 @@ def refuse_short_stroke(machine: Machine, setup: Setup, stroke: float) -> None:
     allowed = stroke / (_FEWER if setup.length else 1)
     if change > allowed:
         room, size = format_quantity(allowed, "mm", 3), format_quantity(change, "mm", 3)
-        what = f"what touches follows to ±{room}: the machine may deviate by {size} as it is described"
-        raise DescriptionError(what, "Align the axes first, or state smaller std")
+        what = "what touches follows to ±{room}: the machine may deviate by {size} as it is described"
+        raise DescriptionError(what, "Align the axes first, or state smaller std", room=room, size=size)
 
 
 _FINE = math.radians(0.25)
@@ -113,8 +119,9 @@ def reached_arc(circle: Circle, name: str) -> tuple[float, float]:
     start, count = _longest(taken)
     low, high = _whole(angles[start], angles[start] + (count - 1) * _FINE)
     if high - low < _SHORTEST:
-        what = f'the bar of "{name}" reaches no arc of its circle within the travels and clear of stems'
-        raise DescriptionError(what, "Give another plane, station or length, or park the rotary axes elsewhere")
+        what = 'the bar of "{name}" reaches no arc of its circle within the travels and clear of stems'
+        remedy = "Give another plane, station or length, or park the rotary axes elsewhere"
+        raise DescriptionError(what, remedy, name=name)
     return (low - math.tau, high - math.tau) if low >= math.pi else (low, high)
 
 
@@ -130,13 +137,15 @@ def refuse_gap(circle: Circle, name: str) -> None:
     away = [
         a.name for a, at in zip(circle.room.machine.axes, pose, strict=True) if not a.travel[0] <= at <= a.travel[1]
     ]
-    leaves = f"leaves the travel of {', '.join(away)}" if away else "meets a stem, or what is to be kept out,"
     first, count = _longest_of(taken)
     low, high = _whole(angles[first], angles[first + max(count, 1) - 1])
     if high - low < _SHORTEST:
         low, high = reached_arc(circle, name)
-    what = f'the bar of "{name}" {leaves} at {math.degrees(bad):.0f} deg'
-    raise DescriptionError(what, f'Give arc = ["{math.degrees(low):.0f} deg", "{math.degrees(high):.0f} deg"]')
+    what = 'the bar of "{name}" meets a stem, or what is to be kept out, at {angle:.0f} deg'
+    if away:
+        what = 'the bar of "{name}" leaves the travel of {axes} at {angle:.0f} deg'
+    remedy, bad, low, high = 'Give arc = ["{low:.0f} deg", "{high:.0f} deg"]', *map(math.degrees, (bad, low, high))
+    raise DescriptionError(what, remedy, name=name, axes=", ".join(away), angle=bad, low=low, high=high)
 
 
 def _whole(low: float, high: float) -> tuple[float, float]:

@@ -16,6 +16,7 @@ from axiscal.description.target import coordinate
 from axiscal.description.vectors import WAYS, At, unit_vector
 from axiscal.document import Document, meant, shown
 from axiscal.exceptions import DescriptionError, Faults
+from axiscal.language.spoken import said
 from axiscal.machine import Axis, Machine
 from axiscal.measurement.artefact import Artefact, reads_as
 from axiscal.measurement.instrument import INSTRUMENTS, PRINTER_PROBE, Instrument, model_of
@@ -71,8 +72,8 @@ def _refuse_same_name(setups: Sequence[Setup], document: Document) -> None:
     seen: set[str] = set()
     for number, setup in enumerate(setups):
         if setup.name in seen:
-            what = f'two set-ups are called "{setup.name}"'
-            raise document.fault(DescriptionError(what, "Give each a name of its own"), "setups", number, "name")
+            what, remedy = 'two set-ups are called "{setup}"', "Give each a name of its own"
+            raise document.fault(DescriptionError(what, remedy, setup=setup.name), "setups", number, "name")
         seen.add(setup.name)
 
 
@@ -182,12 +183,15 @@ class _Reader:
                 index = self._machine.index(name)
                 axis = self._machine.axes[index]
                 if index not in moves:
-                    raise DescriptionError(f"{name} has a reach, but does not move in this set-up", "Take it out")
+                    remedy = "Take it out"
+                    raise DescriptionError("{name} has a reach, but does not move in this set-up", remedy, name=name)
                 if len(texts) != 2:
-                    raise DescriptionError(f"{shown(texts)} has not two ends", f"Write two, within {axis.travel_text}")
+                    what, remedy = "{text} has not two ends", "Write two, within {travel}"
+                    raise DescriptionError(what, remedy, text=shown(texts), travel=axis.travel_text)
                 low, high = (coordinate(text, axis) for text in texts)
                 if high - low < _SHORTEST_REACH * axis.overrun:
-                    raise DescriptionError(f"{shown(texts)} is too short, or does not increase", "Lower end first")
+                    remedy = "Lower end first"
+                    raise DescriptionError("{text} is too short, or does not increase", remedy, text=shown(texts))
                 spans[index] = low, high
         return tuple(spans)
 
@@ -199,8 +203,9 @@ class _Reader:
         base = self._table.base
         if base is not None and not isinstance(usual.model, Rotation):
             with self._at("base"):
-                what = f"a {usual.name} has no feet that are stepped along a way"
-                raise DescriptionError(what, "Take base out; a level and the mirror of an autocollimator have one")
+                what = "a {instrument} has no feet that are stepped along a way"
+                remedy = "Take base out; a level and the mirror of an autocollimator have one"
+                raise DescriptionError(what, remedy, instrument=usual.name)
         return base
 
     def _moves(self) -> tuple[int, ...]:
@@ -210,9 +215,10 @@ class _Reader:
         indices = [self._machine.index(name) for name in names]
         if not indices:
             known = ", ".join(f'"{axis.name}"' for axis in self._machine.axes)
-            raise DescriptionError("nothing moves", f"Name axes, such as moves = [{known}], or leave it out")
+            remedy = "Name axes, such as moves = [{known}], or leave it out"
+            raise DescriptionError("nothing moves", remedy, known=known)
         if len(set(indices)) < len(indices):
-            raise DescriptionError(f"{shown(names)} names an axis twice", "Name each axis once")
+            raise DescriptionError("{text} names an axis twice", "Name each axis once", text=shown(names))
         return tuple(sorted(indices))
 
     def _park(self, moves: tuple[int, ...]) -> tuple[float, ...]:
@@ -220,8 +226,8 @@ class _Reader:
 
         def read(text: str, axis: Axis, index: int) -> float:
             if index in moves:
-                what = f"{axis.name} is parked, but it is one of the axes that move"
-                raise DescriptionError(what, f"Take it out here, or take {axis.name} out of moves")
+                what = "{axis} is parked, but it is one of the axes that move"
+                raise DescriptionError(what, "Take it out here, or take {axis} out of moves", axis=axis.name)
             return coordinate(text, axis)
 
         self._each_axis("park", self._table.park, read, places)
@@ -232,8 +238,8 @@ class _Reader:
 
         def read(text: str, axis: Axis, index: int) -> float:
             if index not in moves:
-                what = f"{axis.name} has a raster, but does not move in this set-up"
-                raise DescriptionError(what, f"Take it out here, or add {axis.name} to moves")
+                what = "{axis} has a raster, but does not move in this set-up"
+                raise DescriptionError(what, "Take it out here, or add {axis} to moves", axis=axis.name)
             return _step(text, axis, base / 2)
 
         self._each_axis("raster", self._table.raster, read, steps)
@@ -251,7 +257,8 @@ class _Reader:
         value: float | None = getattr(self._table, key)
         if value is not None and value < 0:
             with self._at(key):
-                raise DescriptionError(f"{format_quantity(value, 's')} is negative", 'Give a time such as "3 s"')
+                remedy = 'Give a time such as "3 s"'
+                raise DescriptionError("{text} is negative", remedy, text=format_quantity(value, "s"))
         return usual if value is None else value
 
     def _unknowns(self, usual: Instrument, moves: tuple[int, ...], site: Site | None) -> tuple[Unknown, ...]:
@@ -275,8 +282,10 @@ class _Reader:
         for name, text in given.items():
             with self._at("unknowns", name):
                 if name not in known:
-                    remedy = f"Known are {', '.join(known)}"
-                    raise DescriptionError(f"{shown(name)} is not an unknown of this {usual.name}", remedy)
+                    what = "{name} is not an unknown of this {instrument}"
+                    raise DescriptionError(
+                        what, "Known are {known}", name=shown(name), instrument=usual.name, known=", ".join(known)
+                    )
                 chosen.append(replace(known[name], std=_positive(text, reads_as(name))))
         return tuple(chosen)
 
@@ -285,35 +294,43 @@ class _Reader:
             kinds = usual.model.unknown_reads
             if name not in kinds and not (name == "slope" and usual.reads == "angle"):  # that one has its own reason
                 known = meant(name, kinds)
-                raise DescriptionError(f"{shown(name)} is not an unknown of a set-up with a {usual.name}", known)
+                what = "{name} is not an unknown of a set-up with a {instrument}"
+                raise DescriptionError(what, known, name=shown(name), instrument=usual.name)
             return Unknown(name, _positive(text, kinds.get(name, "angle")))
 
     def _refuse_slope(self, usual: Instrument, moves: tuple[int, ...], by_default: bool) -> None:
         if usual.reads == "angle":
-            what = f"an unknown slope turns the line of a displacement, and the {usual.name} reads an angle"
-            raise DescriptionError(what, "Take slope out")
+            what = "an unknown slope turns the line of a displacement, and the {instrument} reads an angle"
+            raise DescriptionError(what, "Take slope out", instrument=usual.name)
         moving = [self._machine.axes[index].name for index in moves if not self._machine.axes[index].rotary]
         if len(moving) != 1:
-            whose = f"the {usual.name}'s usual unknown" if by_default else "an unknown"
-            what = f"{whose} slope needs exactly one linear axis that moves; here {', '.join(moving) or 'none'} move"
-            raise DescriptionError(what, 'Name one in moves, such as moves = ["X"], or give unknowns without slope')
+            what = "an unknown slope needs exactly one linear axis that moves; here {axes} move"
+            if by_default:
+                what = (
+                    "the {instrument}'s usual unknown slope needs exactly one linear axis that moves; here {axes} move"
+                )
+            remedy = 'Name one in moves, such as moves = ["X"], or give unknowns without slope'
+            axes = ", ".join(moving) or said("none")
+            raise DescriptionError(what, remedy, instrument=usual.name, axes=axes)
 
 
 def _instrument(name: str) -> Instrument:
     if name in INSTRUMENTS:
         return INSTRUMENTS[name]
-    remedy = meant(name, INSTRUMENTS, f"Instruments are {', '.join(INSTRUMENTS)}")
-    raise DescriptionError(f"{shown(name)} is not an instrument", remedy)
+    remedy = meant(name, INSTRUMENTS, said("Instruments are {known}", known=", ".join(INSTRUMENTS)))
+    raise DescriptionError("{name} is not an instrument", remedy, name=shown(name))
 
 
 def _direction(value: str | list[float | int] | None, usual: Instrument) -> Vector:
     """Return the direction; of an instrument that needs none, the diagonal, along which its readings are planned."""
     if not usual.model.directed:
         if value is not None:
-            raise DescriptionError(f"a {usual.name} has no direction of its own", "Take direction out")
+            remedy = "Take direction out"
+            raise DescriptionError("a {instrument} has no direction of its own", remedy, instrument=usual.name)
         return _DIAGONAL, _DIAGONAL, _DIAGONAL
     if value is None:
-        raise DescriptionError(f'"direction" is missing: the {usual.name} reads in one direction', WAYS)
+        what = '"direction" is missing: the {instrument} reads in one direction'
+        raise DescriptionError(what, WAYS, instrument=usual.name)
     return unit_vector(value)
 
 
@@ -321,8 +338,8 @@ def _positive(text: str, reads: str) -> float:
     value = parse_quantity(text, "angle" if reads == "angle" else "length")
     if value < FINEST:
         example = EXAMPLES["angle" if reads == "angle" else "length"]
-        what = f"{shown(text)} is {'not above zero' if value <= 0 else 'finer than any instrument reads'}"
-        raise DescriptionError(what, f'Give a standard deviation such as "{example}"')
+        what = "{text} is not above zero" if value <= 0 else "{text} is finer than any instrument reads"
+        raise DescriptionError(what, 'Give a standard deviation such as "{example}"', text=shown(text), example=example)
     return value
 
 
@@ -330,10 +347,11 @@ def _step(text: str, axis: Axis, margin: float) -> float:
     value = parse_quantity(text, axis.dimension)
     low, high = axis.travel[0] + margin, axis.travel[1] - margin
     if value <= 0:
-        raise DescriptionError(f"{shown(text)} is not above zero", "Give a step, or leave the raster out")
+        raise DescriptionError("{text} is not above zero", "Give a step, or leave the raster out", text=shown(text))
     if math.ceil(low / value - 1e-9) * value > high + 1e-9 * axis.length:
-        what = f"no multiple of {shown(text)} lies in the travel of {axis.name}"
-        raise DescriptionError(what, f"Give a smaller step; the axis goes from {axis.travel_text}")
+        what = "no multiple of {text} lies in the travel of {axis}"
+        remedy = "Give a smaller step; the axis goes from {travel}"
+        raise DescriptionError(what, remedy, text=shown(text), axis=axis.name, travel=axis.travel_text)
     return value
 
 
@@ -346,12 +364,12 @@ def on_square(table: SetupTable, artefacts: Mapping[str, Artefact], at: At, setu
         return setup
     with at("artefact"):
         if table.artefact not in artefacts:
-            remedy = meant(table.artefact, artefacts, "Add it under [[artefacts]], with its name alone")
-            raise DescriptionError(f"there is no artefact {shown(table.artefact)}", remedy)
+            remedy = meant(table.artefact, artefacts, said("Add it under [[artefacts]], with its name alone"))
+            raise DescriptionError("there is no artefact {artefact}", remedy, artefact=shown(table.artefact))
         square = replace(artefacts[table.artefact], mounted=table.mounted)
         if square.balls:
             remedy = 'Let the square be an artefact without balls: [[artefacts]] name = "square", turned = "1 mrad"'
-            raise DescriptionError(f"{square.name} has balls: a straightedge lies at none", remedy)
+            raise DescriptionError("{square} has balls: a straightedge lies at none", remedy, square=square.name)
     own = tuple(unknown for unknown in setup.unknowns if unknown.name != "slope")
     turns = tuple(Unknown(name, square.turned, square.standing) for name in SQUARE)
     return replace(setup, unknowns=(*own, *turns))

@@ -13,6 +13,7 @@ from axiscal.description.reachable import refuse_unreachable
 from axiscal.description.vectors import At
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import later, said
 from axiscal.machine import Machine
 from axiscal.measurement.charts.box import Sight
 from axiscal.measurement.charts.room import Room
@@ -26,9 +27,6 @@ Lack = tuple[str, str]
 """What is not said, and what to add."""
 
 _ONE_LINE = ("interferometer", "autocollimator")
-_AT_BALL = 'Write artefact = "..." and [[artefacts]] with its place'
-_LINE = "along = [...] with the two ends of a line"
-
 _LOOKING = ("tracker", "tracer")
 _KEYS = ("range", "sight", "faces")
 _CONE = math.radians(60.0)
@@ -40,7 +38,7 @@ def refuse_no_sight(table: SetupTable, at: At) -> None:
     for key in _KEYS:
         if getattr(table, key) is not None and table.instrument not in _LOOKING:
             with at(key):
-                raise DescriptionError(f"{key} belongs to a tracker or tracer", f"Take {key} out")
+                raise DescriptionError("{key} belongs to a tracker or tracer", "Take {key} out", key=key)
 
 
 def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
@@ -77,7 +75,8 @@ def _range(table: SetupTable, at: At) -> tuple[float, float]:
     with at("range"):
         ends = [parse_quantity(text, "length") for text in table.range]
         if len(ends) != 2 or not 0 <= ends[0] < ends[1]:
-            raise DescriptionError(f"{shown(table.range)} is no range", 'Write the nearer end first: ["1 m", "8 m"]')
+            remedy = 'Write the nearer end first: ["1 m", "8 m"]'
+            raise DescriptionError("{text} is no range", remedy, text=shown(table.range))
         return ends[0], ends[1]
 
 
@@ -97,14 +96,20 @@ def stations_of(table: SetupTable, usual: Instrument) -> tuple[Vector, ...]:
     if said is None:
         return ()
     if usual.name != "tracer":
-        what = f"several stations are read at once by length-only tracers, and this set-up has a {usual.name}"
-        raise DescriptionError(what, 'Write instrument = "tracer", or a set-up for each of the others')
+        what = "several stations are read at once by length-only tracers, and this set-up has a {instrument}"
+        remedy = 'Write instrument = "tracer", or a set-up for each of the others'
+        raise DescriptionError(what, remedy, instrument=usual.name)
     if table.station is not None:
         what = "it is said twice where it stands, by station and by stations"
         raise DescriptionError(what, "Keep station for one tracer, stations for those that read at once")
     if not 2 <= len(said) <= MOST:
-        what = f"{len(said)} {'station' if len(said) == 1 else 'stations'} cannot be read at once here"
-        raise DescriptionError(what, f"Name two to {MOST}; one alone is station, more are set-ups of their own")
+        what = (
+            "{count} station cannot be read at once here"
+            if len(said) == 1
+            else "{count} stations cannot be read at once here"
+        )
+        remedy = "Name two to {most}; one alone is station, more are set-ups of their own"
+        raise DescriptionError(what, remedy, count=len(said), most=MOST)
     if len(set(said)) < len(said):
         raise DescriptionError("two of the stations are the same place", "Give each tracer its own")
     return tuple(said)
@@ -130,19 +135,36 @@ def lack_of(setup: Setup, machine: Machine, reached: Collection[str], chosen: bo
 
 def _without_place(setup: Setup) -> Lack:
     if setup.instrument == "ballbar":
-        what = f'a ball bar reads at its own length from a centre, and "{setup.name}" does not state it'
-        return what, 'Write length = "150 mm", and station or artefact for the centre'
-    named = "an R-test" if setup.instrument == "rtest" else "a sphere probe"
-    return f'{named} reads at a ball, and the set-up "{setup.name}" names none', _AT_BALL
+        what = 'a ball bar reads at its own length from a centre, and "{setup}" does not state it'
+        remedy = 'write length = "150 mm", and station or artefact for the centre'
+    elif setup.instrument == "rtest":
+        what, remedy = 'an R-test reads at a ball, and the set-up "{setup}" names none', _AT_BALL
+    else:
+        what, remedy = 'a sphere probe reads at a ball, and the set-up "{setup}" names none', _AT_BALL
+    return said(what, setup=setup.name), said(remedy)
+
+
+_AT_BALL = later('write artefact = "..." and [[artefacts]] with its place')
 
 
 def _of_many_axes(setup: Setup, moving: Sequence[str]) -> Lack:
-    article = "an" if setup.instrument[0] in "aei" else "a"
-    what = f'{article} {setup.instrument} follows one axis or one line: in "{setup.name}" {" ".join(moving)} may move'
-    return what, f'Write moves = ["{moving[0] if moving else "X"}"], or {_LINE}'
+    what = 'a {instrument} follows one axis or one line: in "{setup}" {axes} may move'
+    if setup.instrument[0] in "aei":
+        what = 'an {instrument} follows one axis or one line: in "{setup}" {axes} may move'
+    remedy = 'write moves = ["{axis}"], or along = [...] with the two ends of a line'
+    lack = said(what, instrument=setup.instrument, setup=setup.name, axes=" ".join(moving))
+    return lack, said(remedy, axis=moving[0] if moving else "X")
 
 
 def _without_reach(setup: Setup, axes: Sequence[str]) -> Lack:
-    what = f'it is not said where along {" ".join(axes)} the {setup.instrument} of "{setup.name}" touches'
-    remedy = 'Name the axis in moves, and where its reference reaches: reach = { X = ["150 mm", "450 mm"] }'
-    return what, f"{remedy}; or {_LINE}" + ("; or an artefact with its balls" if setup.instrument == "probe" else "")
+    what = 'it is not said where along {axes} the {instrument} of "{setup}" touches'
+    remedy = (
+        'name the axis in moves, and where its reference reaches: reach = {{ X = ["150 mm", "450 mm"] }}; or {line}'
+    )
+    if setup.instrument == "probe":
+        remedy = (
+            'name the axis in moves, and where its reference reaches: reach = {{ X = ["150 mm", "450 mm"] }}; '
+            "or {line}; or an artefact with its balls"
+        )
+    line = said("along = [...] with the two ends of a line")
+    return said(what, axes=" ".join(axes), instrument=setup.instrument, setup=setup.name), said(remedy, line=line)

@@ -12,8 +12,10 @@ from axiscal.description.campaign_schema import SetupTable
 from axiscal.description.reachable import reached_arc, refuse_gap
 from axiscal.description.target import coordinate
 from axiscal.description.vectors import At, unit_vector
-from axiscal.document import nearest, shown
+from axiscal.document import shown
+from axiscal.document.quoting import meant
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import listed, said
 from axiscal.machine import Axis, Machine
 from axiscal.machine.inverse import linear_axes
 from axiscal.measurement.artefact import Artefact
@@ -99,7 +101,8 @@ class SiteReader:
             if pair <= given and table.instrument != "straightedge":
                 first, second = sorted(pair)
                 with self._at(second):
-                    raise DescriptionError(f"{first} and {second} exclude one another", "Give one of them")
+                    what = "{first} and {second} exclude one another"
+                    raise DescriptionError(what, "Give one of them", first=first, second=second)
         if table.touches and (table.instrument != "sphere" or table.sides == "mean"):
             what = "three touches are those of a sphere, and meet no side and its opposite: there is no mean of both"
             with self._at("touches"):
@@ -107,13 +110,14 @@ class SiteReader:
         for key in ("plane", "arc", "turning", "stroke"):
             if getattr(table, key) is not None and table.length is None and table.instrument != "rtest":
                 with self._at(key):
-                    raise DescriptionError(f"{key} belongs to a bar, and the set-up has none", "Give its length, too")
+                    remedy = "Give its length, too"
+                    raise DescriptionError("{key} belongs to a bar, and the set-up has none", remedy, key=key)
 
     def _line(self, ends: list[Vector]) -> Site:
         with self._at("along"):
             if len(ends) != 2:
                 remedy = 'Give two places such as [["-300 mm", "-250 mm", "0 mm"], ["300 mm", "250 mm", "500 mm"]]'
-                raise DescriptionError(f"a line has two ends, and here are {len(ends)}", remedy)
+                raise DescriptionError("a line has two ends, and here are {count}", remedy, count=len(ends))
             points = np.array(ends)
             if np.linalg.norm(points[1] - points[0]) < 2e-3:
                 raise DescriptionError("the ends of the line are one place", "Give two places that are apart")
@@ -121,16 +125,21 @@ class SiteReader:
             overrun = max(axis.overrun for axis in self._machine.axes if not axis.rotary)
             step = self._step("along", "length")
             line = Line(self._room(None), points, park, step, overrun)
-            for name, end in (("first", 0.0), ("second", line.bounds(0).high)):
+            for end in (0.0, line.bounds(0).high):
                 if not line.feasible(line.poses(np.array([[end]])))[0]:
-                    raise DescriptionError(f"the {name} end of the line is out of travel", self._lacking(line, end))
+                    what = (
+                        "the second end of the line is out of travel"
+                        if end
+                        else "the first end of the line is out of travel"
+                    )
+                    raise DescriptionError(what, self._lacking(line, end))
         x, y, z = line.direction.tolist()
         return Site(line, linear_axes(self._machine), tuple(park), "free", direction=(x, y, z))
 
     def _lacking(self, line: Line, end: float) -> str:
         """Say which axes lack how much at a place of a line."""
         pose = line.poses(np.array([[end]]))[0]
-        return f"Let it end within the travels: {lacking(self._machine, pose)}"
+        return said("Let it end within the travels: {lacking}", lacking=lacking(self._machine, pose))
 
     def _bar(self, length: float) -> Site:
         with self._at("stroke"):
@@ -165,8 +174,11 @@ class SiteReader:
             artefact, balls = self._artefact()
             if len(balls) != 1:
                 with self._at("ball" if table.ball else "artefact"):
-                    what = f"a bar turns about one ball, and {artefact.name} has {len(balls)} here"
-                    raise DescriptionError(what, f'Name one, such as ball = "{artefact.balls[0].name}"')
+                    what = "a bar turns about one ball, and {artefact} has {count} here"
+                    remedy = 'Name one, such as ball = "{ball}"'
+                    raise DescriptionError(
+                        what, remedy, artefact=artefact.name, count=len(balls), ball=artefact.balls[0].name
+                    )
             return artefact.balls[balls[0]].place, unknowns_at(artefact, balls), artefact, balls
         if table.station is None:
             with self._at("length"):
@@ -203,10 +215,11 @@ class SiteReader:
                 return replace(circle, arc=reached_arc(circle, self._table.name))
         with self._at("arc"):
             if len(self._table.arc) != 2:
-                raise DescriptionError(f"{shown(self._table.arc)} has not two ends", 'Write ["0 deg", "360 deg"]')
+                remedy = 'Write ["0 deg", "360 deg"]'
+                raise DescriptionError("{text} has not two ends", remedy, text=shown(self._table.arc))
             low, high = (parse_quantity(text, "angle") for text in self._table.arc)
             if not 0 < high - low <= 4 * math.tau:
-                raise DescriptionError(f"{shown(self._table.arc)} is no arc", "Give the lower end first")
+                raise DescriptionError("{text} is no arc", "Give the lower end first", text=shown(self._table.arc))
             circle = replace(circle, arc=(low, high))
             refuse_gap(circle, self._table.name)
         return circle
@@ -231,11 +244,13 @@ class SiteReader:
         with self._at("plane"):
             if isinstance(given, str):
                 if given not in _PLANES:
-                    raise DescriptionError(f"{shown(given)} is not a plane", 'Write "xy", "yz", "zx" or two directions')
+                    remedy = 'Write "xy", "yz", "zx" or two directions'
+                    raise DescriptionError("{text} is not a plane", remedy, text=shown(given))
                 return tuple(np.array(unit_vector(way)) for way in _PLANES[given])  # type: ignore[return-value]
             ways = [np.array(unit_vector(way)) for way in given or ()]
             if len(ways) != 2 or np.linalg.norm(np.cross(ways[0], ways[1])) < _SAME_WAY:
-                raise DescriptionError(f"{shown(given)} is not a plane", "Give two directions that are not the same")
+                remedy = "Give two directions that are not the same"
+                raise DescriptionError("{text} is not a plane", remedy, text=shown(given))
             second = ways[1] - (ways[1] @ ways[0]) * ways[0]
             return ways[0], second / np.linalg.norm(second)
 
@@ -245,7 +260,8 @@ class SiteReader:
             with self._at("turning", name):
                 index = self._machine.index(name)
                 if not self._machine.axes[index].rotary:
-                    raise DescriptionError(f"{name} does not turn", "Name a rotary axis: the linear ones follow")
+                    remedy = "Name a rotary axis: the linear ones follow"
+                    raise DescriptionError("{name} does not turn", remedy, name=name)
                 rates[index] = rate
         return rates
 
@@ -278,30 +294,34 @@ class SiteReader:
     def _refuse_no_turn(self, turning: tuple[int, ...]) -> None:
         if not turning:
             what = "a ball is read in many poses of the rotary axes, and here none turns: it would be one pose"
-            raise DescriptionError(
-                what, "A laser or a ball bar is meant; several balls of a plate need rotary axes too"
-            )
+            remedy = "A laser or a ball bar is meant; several balls of a plate need rotary axes too"
+            raise DescriptionError(what, remedy)
 
     def _artefact(self) -> tuple[Artefact, tuple[int, ...]]:
         name = self._table.artefact or ""
         with self._at("artefact"):
             if name not in self._artefacts:
-                near = nearest(name, self._artefacts)
-                known = ", ".join(f'"{each}"' for each in self._artefacts) or "none"
-                remedy = f'Perhaps "{near}" is meant' if near else f"Known are {known}; add it under [[artefacts]]"
-                raise DescriptionError(f"there is no artefact {shown(name)}", remedy)
+                known = ", ".join(f'"{each}"' for each in self._artefacts) or said("none")
+                remedy = meant(
+                    name, self._artefacts, said("Known are {known}; add it under [[artefacts]]", known=known)
+                )
+                raise DescriptionError("there is no artefact {artefact}", remedy, artefact=shown(name))
             artefact = replace(self._artefacts[name], mounted=self._table.mounted)
             if not artefact.balls:
-                raise DescriptionError(f"{shown(name)} has no ball to be read", 'Add balls = { one = ["0 mm", …] }')
+                remedy = 'Add balls = {{ one = ["0 mm", …] }}'
+                raise DescriptionError("{name} has no ball to be read", remedy, name=shown(name))
         names = [ball.name for ball in artefact.balls]
         wanted = self._table.ball if self._table.ball is not None else names
         wanted = [wanted] if isinstance(wanted, str) else wanted
         with self._at("ball"):
             for ball in wanted:
                 if ball not in names:
-                    raise DescriptionError(f"{artefact.name} has no ball {shown(ball)}", f"It has {', '.join(names)}")
+                    what = "{artefact} has no ball {ball}"
+                    raise DescriptionError(
+                        what, "It has {names}", artefact=artefact.name, ball=shown(ball), names=", ".join(names)
+                    )
             if len(set(wanted)) < len(wanted) or not wanted:
-                raise DescriptionError(f"{shown(wanted)} names no balls, or one twice", "Name each ball once")
+                raise DescriptionError("{text} names no balls, or one twice", "Name each ball once", text=shown(wanted))
         return artefact, tuple(names.index(ball) for ball in wanted)
 
     def _turned_by_moves(self, default_all: bool = False) -> tuple[int, ...]:
@@ -312,8 +332,10 @@ class SiteReader:
             indices = sorted({self._machine.index(name) for name in self._table.moves})
             linear = [self._machine.axes[k].name for k in indices if k not in rotary]
             if linear:
-                what = f"{', '.join(linear)} follow{'s' if len(linear) == 1 else ''} where the tool point is held"
-                raise DescriptionError(what, "Name the rotary axes that turn, or leave moves out")
+                what = "{axes} follow where the tool point is held"
+                what = what if len(linear) > 1 else "{axes} follows where the tool point is held"
+                remedy = "Name the rotary axes that turn, or leave moves out"
+                raise DescriptionError(what, remedy, axes=", ".join(linear))
             return tuple(indices)
 
     def _park(self, moving: Sequence[int] | set[int] = ()) -> Array:
@@ -329,8 +351,9 @@ class SiteReader:
                 index = self._machine.index(name)
                 axis = self._machine.axes[index]
                 if index in moving or not axis.rotary:
-                    what = f"{name} is parked, but it {'turns' if axis.rotary else 'follows the tool point'} here"
-                    raise DescriptionError(what, "Take it out")
+                    what = "{name} is parked, but it follows the tool point here"
+                    what = "{name} is parked, but it turns here" if axis.rotary else what
+                    raise DescriptionError(what, "Take it out", name=name)
                 places[index] = coordinate(text, axis)
         return places
 
@@ -341,7 +364,8 @@ class SiteReader:
         with self._at("raster", key):
             value = parse_quantity(text, "angle" if dimension == "angle" else "length")
             if value <= 0:
-                raise DescriptionError(f"{shown(text)} is not above zero", "Give a step, or leave the raster out")
+                remedy = "Give a step, or leave the raster out"
+                raise DescriptionError("{text} is not above zero", remedy, text=shown(text))
             return value
 
     def _refuse_one_place(self, turning: tuple[int, ...], steps: tuple[float, ...]) -> None:
@@ -350,8 +374,9 @@ class SiteReader:
             low, high = axis.travel
             if step > 0 and len(Coordinate(low, high, step).values) < 2:
                 with self._at("raster", axis.name):
-                    what = f"a raster of {shown(self._table.raster[axis.name])} has less than two places on {axis.name}"
-                    raise DescriptionError(what, f"Give a smaller step, or leave {axis.name} out of moves")
+                    what = "a raster of {text} has less than two places on {axis}"
+                    remedy = "Give a smaller step, or leave {axis} out of moves"
+                    raise DescriptionError(what, remedy, text=shown(self._table.raster[axis.name]), axis=axis.name)
 
     def _room(self, artefact: Artefact | None) -> Room:
         return Room.with_boxes(self._machine, () if artefact is None else artefact.keep_out)
@@ -359,10 +384,13 @@ class SiteReader:
 
 def lacking(machine: Machine, pose: Array) -> str:
     """Say by how much the axes of a pose leave their travels."""
-    said = []
+    lacks = []
     for axis, at in zip(machine.axes, pose, strict=True):
         low, high = axis.travel
         short = max(low - at, at - high)
         if short > 0:
-            said.append(f"{axis.name} lacks {format_quantity(short, axis.unit, 3)}")
-    return ", ".join(said) or "every axis is within its travel, but the tool meets a stem or what is to be kept out"
+            length = format_quantity(short, axis.unit, 3)
+            lacks.append(said("{axis} lacks {length}", axis=axis.name, length=length))
+    if lacks:
+        return listed(", ", lacks)
+    return said("every axis is within its travel, but the tool meets a stem or what is to be kept out")

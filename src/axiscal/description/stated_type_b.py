@@ -14,6 +14,7 @@ from axiscal.description.type_b import WITH_LIGHT, type_b_names
 from axiscal.description.vectors import At
 from axiscal.document import Document, meant, shown
 from axiscal.exceptions import DescriptionError, UnitError
+from axiscal.language.spoken import said
 from axiscal.machine import Machine
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.instrument import Instrument, model_of
@@ -55,8 +56,8 @@ def refers_to_20(table: CampaignTable, artefacts: Mapping[str, Artefact], docume
         return any(_against_length(setup, artefacts) for setup in table.setups)
     warm = next((setup.name for setup in table.setups if setup.temperature is not None), None)
     if said == "as read" and warm is not None:
-        what = f'"{warm}" states a temperature, which brings its lengths to 20 degC, and the target is "as read"'
-        fault = DescriptionError(what, "Take temperature out there, or refers_to here")
+        what = '"{setup}" states a temperature, which brings its lengths to 20 degC, and the target is "as read"'
+        fault = DescriptionError(what, "Take temperature out there, or refers_to here", setup=warm)
         raise document.fault(fault, "target", "refers_to")
     return said == "20 degC"
 
@@ -97,12 +98,13 @@ def stated_of(table: SetupTable, usual: Instrument, at: At) -> tuple[tuple[str, 
         with at("type_b", name):
             if name not in known:
                 remedy = meant(name, known)
-                what = f"{shown(name)} is not known of an instrument such as this {usual.name}"
-                raise DescriptionError(what, remedy)
+                what = "{name} is not known of an instrument such as this {instrument}"
+                raise DescriptionError(what, remedy, name=shown(name), instrument=usual.name)
             dimension = dimension_of(known[name].unit)
             size = parse_quantity(text, dimension)
             if size < 0:
-                raise DescriptionError(f"{shown(text)} is negative", f'Give a size such as "{EXAMPLES[dimension]}"')
+                remedy = 'Give a size such as "{example}"'
+                raise DescriptionError("{text} is negative", remedy, text=shown(text), example=EXAMPLES[dimension])
         found.append((name, size))
     return tuple(found)
 
@@ -145,7 +147,8 @@ def _size(text: str | None, setup: Setup) -> float:
     reads = model_of(setup).reads
     size = parse_quantity(text, reads)
     if not FINEST <= size <= _WIDEST:
-        raise DescriptionError(f"{shown(text)} is no half of a width", f'Give one such as "{EXAMPLES[reads]}"')
+        remedy = 'Give one such as "{example}"'
+        raise DescriptionError("{text} is no half of a width", remedy, text=shown(text), example=EXAMPLES[reads])
     return size
 
 
@@ -156,7 +159,7 @@ def _chips(text: str | None, setup: Setup) -> float:
     sign, size = text.strip()[:1], text.strip()[1:].strip()
     remedy = 'Write "+" or "-", with their usual size behind it if it is known, such as "+ 20 um"'
     if sign not in ("+", "-"):
-        raise DescriptionError(f"{shown(text)} does not say to which side", remedy)
+        raise DescriptionError("{text} does not say to which side", remedy, text=shown(text))
     if model_of(setup).reads == "angle":
         raise DescriptionError("chips shift what touches a surface, and this instrument reads an angle", "Take it out")
     try:
@@ -175,13 +178,13 @@ def stated_drift(text: str, usual: Instrument) -> float:
     if text.strip() == "0":
         return 0.0
     angular = usual.reads == "angle"
-    remedy = f'Give one such as "{"2 urad/h" if angular else "2 um/h"}"'
+    remedy = said('Give one such as "{example}"', example="2 urad/h" if angular else "2 um/h")
     try:
         rate = parse_quantity(text, "rotation_speed" if angular else "speed")
     except UnitError as fault:
         raise UnitError(fault.what, remedy) from None
     if not 0 <= rate <= _FASTEST:
-        raise DescriptionError(f"{shown(text)} is no rate at which a zero wanders", remedy)
+        raise DescriptionError("{text} is no rate at which a zero wanders", remedy, text=shown(text))
     return rate
 
 

@@ -73,8 +73,9 @@ def read_target(table: TargetTable, machine: Machine, document: Document) -> Tar
     """Return the target; raises DescriptionError or UnitError at the line that is wrong."""
     if table.rms is not None and table.worst is not None and table.worst <= table.rms:
         rms, worst = format_quantity(table.rms, "um"), format_quantity(table.worst, "um")
-        what = f"{worst} for the worst point can never be reached before {rms} RMS, and the first one reached stops"
-        raise _fault(document, what, "Give a worst that is larger than rms, or only one of them", "worst")
+        what = "{worst} for the worst point can never be reached before {rms} RMS, and the first one reached stops"
+        remedy = "Give a worst that is larger than rms, or only one of them"
+        raise _fault(document, what, remedy, "worst", worst=worst, rms=rms)
     part = None if table.part is None else read_part(table.part, machine, document)
     if part is not None and table.volume:
         raise _fault(document, "part and volume exclude one another", "Give one of them", "part")
@@ -118,7 +119,8 @@ def coordinate(text: str, axis: Axis) -> float:
     low, high = axis.travel
     slack = 1e-9 * axis.length
     if not low - slack <= value <= high + slack:
-        raise DescriptionError(f'"{text}" is outside the travel of {axis.name}', f"It goes from {axis.travel_text}")
+        what = '"{text}" is outside the travel of {axis}'
+        raise DescriptionError(what, "It goes from {travel}", text=text, axis=axis.name, travel=axis.travel_text)
     return min(max(value, low), high)
 
 
@@ -132,15 +134,16 @@ def _volume(table: TargetTable, machine: Machine, document: Document) -> tuple[t
 
 def _bounds(texts: list[str], axis: Axis) -> tuple[float, float]:
     if len(texts) != 2:
-        raise DescriptionError(f"{shown(texts)} has not two ends", f"The axis goes from {axis.travel_text}")
+        remedy = "The axis goes from {travel}"
+        raise DescriptionError("{text} has not two ends", remedy, text=shown(texts), travel=axis.travel_text)
     low, high = (coordinate(text, axis) for text in texts)
     if not low < high:
-        raise DescriptionError(f"{shown(texts)} does not increase", "Give the lower end first")
+        raise DescriptionError("{text} does not increase", "Give the lower end first", text=shown(texts))
     return low, high
 
 
-def _fault(document: Document, what: str, remedy: str, key: str) -> InputError:
-    return document.fault(DescriptionError(what, remedy), "target", key)
+def _fault(document: Document, what: str, remedy: str, key: str, **values: object) -> InputError:
+    return document.fault(DescriptionError(what, remedy, None, None, **values), "target", key)
 
 
 _SHAPE = 'Write { radius = "200 mm", z = ["-100 mm", "100 mm"] } or { x = [...], y = [...], z = [...] }'
@@ -168,23 +171,25 @@ def read_part(given: Mapping[str, str | list[str]], machine: Machine, document: 
 def _radius(value: str | list[str]) -> float:
     radius = parse_quantity(value, "length") if isinstance(value, str) else 0.0
     if not radius > 0:
-        raise DescriptionError(f"{shown(value)} is no radius", 'Give one such as "200 mm"')
+        raise DescriptionError("{text} is no radius", 'Give one such as "200 mm"', text=shown(value))
     return radius
 
 
 def _span(value: str | list[str]) -> Span:
     ends = [parse_quantity(text, "length") for text in value] if isinstance(value, list) else []
     if len(ends) != 2 or not ends[0] < ends[1]:
-        raise DescriptionError(f"{shown(value)} has not two ends that increase", 'Give ["-100 mm", "100 mm"]')
+        raise DescriptionError("{text} has not two ends that increase", 'Give ["-100 mm", "100 mm"]', text=shown(value))
     return ends[0], ends[1]
 
 
 def _turn(value: str | list[str], axis: Axis) -> Span:
     if not axis.rotary:
-        raise DescriptionError(f"{axis.name} follows the part", "Name x, y, z in the workpiece frame, or a rotary axis")
+        remedy = "Name x, y, z in the workpiece frame, or a rotary axis"
+        raise DescriptionError("{axis} follows the part", remedy, axis=axis.name)
     ends = [parse_quantity(text, "angle") for text in value] if isinstance(value, list) else []
     low, high = axis.travel
     slack = 1e-9 * axis.length
     if len(ends) != 2 or not low - slack <= ends[0] < ends[1] <= high + slack:
-        raise DescriptionError(f"{shown(value)} is no part of the travel of {axis.name}", f"It is {axis.travel_text}")
+        what = "{text} is no part of the travel of {axis}"
+        raise DescriptionError(what, "It is {travel}", text=shown(value), axis=axis.name, travel=axis.travel_text)
     return max(ends[0], low), min(ends[1], high)

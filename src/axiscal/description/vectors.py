@@ -11,13 +11,14 @@ from typing import Annotated
 from axiscal.document import shown
 from axiscal.document.validation import QuantityText, ReadAs
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import later
 from axiscal.measurement.setup import Vector
 from axiscal.units import parse_quantity
 
 At = Callable[..., AbstractContextManager[None]]
 """Places failures at the keys of a set-up."""
 _LETTER = re.compile(r"([+-]?)([xyzXYZ])")
-WAYS = 'Write "x", "-y" or three numbers such as [1, 0, 0], in the workpiece frame'
+WAYS = later('Write "x", "-y" or three numbers such as [1, 0, 0], in the workpiece frame')
 
 
 def unit_vector(value: str | Sequence[float | int]) -> Vector:
@@ -25,13 +26,13 @@ def unit_vector(value: str | Sequence[float | int]) -> Vector:
     if isinstance(value, str):
         found = _LETTER.fullmatch(value)
         if found is None:
-            raise DescriptionError(f"{shown(value)} is not a direction", WAYS)
+            raise DescriptionError("{text} is not a direction", WAYS, text=shown(value))
         sign = -1.0 if found[1] == "-" else 1.0
         x, y, z = (sign if letter == found[2].lower() else 0.0 for letter in "xyz")
         return x, y, z
     largest = max((abs(number) for number in value), default=0)
     if len(value) != 3 or not 1e-100 < largest < 1e100:
-        raise DescriptionError(f"{shown(list(value))} is not a direction", WAYS)
+        raise DescriptionError("{text} is not a direction", WAYS, text=shown(list(value)))
     x, y, z = (number / math.hypot(*value) for number in value)
     return x, y, z
 
@@ -40,7 +41,7 @@ def spot(given: Sequence[str]) -> Vector:
     """Return a place, m; raises DescriptionError or UnitError."""
     if len(given) != 3:
         remedy = 'Give three lengths such as ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
-        raise DescriptionError(f"{shown(list(given))} is not a place", remedy)
+        raise DescriptionError("{text} is not a place", remedy, text=shown(list(given)))
     x, y, z = (parse_quantity(text, "length") for text in given)
     return x, y, z
 
@@ -49,7 +50,7 @@ def span(given: Sequence[str]) -> tuple[float, float]:
     """Return two lengths that increase, m; raises DescriptionError or UnitError."""
     ends = [parse_quantity(text, "length") for text in given]
     if len(ends) != 2 or not ends[0] < ends[1]:
-        raise DescriptionError(f"{shown(list(given))} does not increase", "Give the lower end first")
+        raise DescriptionError("{text} does not increase", "Give the lower end first", text=shown(list(given)))
     return ends[0], ends[1]
 
 

@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple
 
 from axiscal.document import Document, nearest, shown
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import said
 from axiscal.machine import Axis, Machine
 from axiscal.machine.axis import letter_direction
 from axiscal.units import Dimension, parse_quantity
@@ -85,7 +86,7 @@ def read_wants(texts: Sequence[str], machine: Machine, document: Document) -> tu
         with document.placed("target", "wants", index):
             want = _want(text, known, machine)
             if want.row in [each.row for each in found]:
-                raise DescriptionError(f"{shown(want.row.name)} is asked for twice", "Ask for it once")
+                raise DescriptionError("{row} is asked for twice", "Ask for it once", row=shown(want.row.name))
         found.append(want)
     return tuple(found)
 
@@ -96,14 +97,15 @@ def _want(text: str, known: Mapping[str, RowName], machine: Machine) -> Want:
     if name is None:
         word = re.split(r"\s[+-]?[0-9.]", plain)[0]
         near = nearest(word, known)
-        remedy = f'Perhaps "{known[near].name}" is meant' if near else _examples(known)
-        raise DescriptionError(f"{shown(text)} is no row of an answer for this machine", remedy)
+        remedy = said("Perhaps {word} is meant", word=f'"{known[near].name}"') if near else _examples(known)
+        raise DescriptionError("{text} is no row of an answer for this machine", remedy, text=shown(text))
     row, rest = known[name], " ".join(text.split())[len(name) :].strip()
     if not rest:
         return Want(row)
     limit = parse_quantity(rest, dimension(row, machine))
     if not limit > 0:
-        raise DescriptionError(f"{shown(text)}: the limit is not above zero", "Give a limit above zero, or none")
+        remedy = "Give a limit above zero, or none"
+        raise DescriptionError("{text}: the limit is not above zero", remedy, text=shown(text))
     return Want(row, limit)
 
 
@@ -112,4 +114,4 @@ def _examples(known: Mapping[str, RowName]) -> str:
     for row in known.values():
         firsts.setdefault(row.kind, row.name)
     names = ", ".join(f'"{name}"' for name in firsts.values())
-    return f"Ask for rows such as {names}, each with a limit or without"
+    return said("Ask for rows such as {names}, each with a limit or without", names=names)

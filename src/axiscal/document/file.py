@@ -15,7 +15,7 @@ from axiscal.document.bounded import bounded_content
 from axiscal.document.key_lines import line_numbers
 from axiscal.document.quoting import Key, dotted, shown
 from axiscal.exceptions import DescriptionError, InputError
-from axiscal.language.spoken import later, said
+from axiscal.language.spoken import later, put, said
 
 LARGEST = 250_000
 """Bytes; a description has a few thousand."""
@@ -68,8 +68,9 @@ class Document:
 
     def fault(self, failure: InputError, *keys: Key) -> InputError:
         """Return a failure placed in this file at the line of a key path, its text beginning with the dotted path."""
-        led = type(failure)(f"{dotted(keys)}: {failure.what}", failure.remedy) if keys else failure
-        return led.at(self.path, self.line(*keys))
+        led = put("{keys}: {fault}", keys=dotted(keys), fault=failure.what)
+        failure = type(failure)(led, failure.remedy) if keys else failure
+        return failure.at(self.path, self.line(*keys))
 
     @contextmanager
     def placed(self, *keys: Key) -> Iterator[None]:
@@ -89,15 +90,9 @@ def _check_lines(text: str, path: Path) -> None:
         if line.count(".") > 100 and _LONG_KEY.search(line):
             raise DescriptionError("a key has more than 100 parts", "A description is flat", path, number)
         if len(line) > LONGEST_LINE:
-            what = "the line {shown} has {count} characters, more than {most}"
+            what, remedy = "the line {shown} has {count} characters, more than {most}", "Break it into shorter lines"
             raise DescriptionError(
-                what,
-                "Break it into shorter lines",
-                path,
-                number,
-                shown=shown(line[:40]),
-                count=len(line),
-                most=LONGEST_LINE,
+                what, remedy, path, number, shown=shown(line[:40]), count=len(line), most=LONGEST_LINE
             )
 
 
@@ -118,9 +113,8 @@ def _content(path: Path) -> bytes:
         if getattr(fault, "errno", None) == errno.EFBIG:
             raise _too_large(path) from None
         reason = getattr(fault, "strerror", None) or str(fault)
-        raise DescriptionError(
-            "the file cannot be read: {reason}", "Give a readable file", shown_path(path), reason=reason
-        ) from None
+        remedy = "Give a readable file"
+        raise DescriptionError("the file cannot be read: {reason}", remedy, shown_path(path), reason=reason) from None
 
 
 def _decoded(content: bytes, path: Path) -> str:
@@ -129,12 +123,8 @@ def _decoded(content: bytes, path: Path) -> str:
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise DescriptionError("the file is in UTF-16", remedy, path, 1)
     if content.startswith(b"\xef\xbb\xbf"):
-        raise DescriptionError(
-            "the file begins with a byte order mark",
-            "Save it as plain text in UTF-8 without a byte order mark",
-            path,
-            1,
-        )
+        remedy = "Save it as plain text in UTF-8 without a byte order mark"
+        raise DescriptionError("the file begins with a byte order mark", remedy, path, 1)
     if (place := content.find(b"\0")) >= 0:
         line = content.count(b"\n", 0, place) + 1
         raise DescriptionError("the file holds a NUL byte, so it is not a text", remedy, path, line)

@@ -36,12 +36,7 @@ def _loaded(point: EntryPoint) -> Any:
         return point.load()
     except Exception as fault:
         what = "{name} = {value} of {group} cannot be loaded ({kind}: {fault})"
+        remedy = "Repair the package that brings it, or uninstall it"
         raise PortError(
-            what,
-            "Repair the package that brings it, or uninstall it",
-            name=point.name,
-            value=point.value,
-            group=point.group,
-            kind=type(fault).__name__,
-            fault=fault,
+            what, remedy, name=point.name, value=point.value, group=point.group, kind=type(fault).__name__, fault=fault
         ) from fault

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_origin
 
 from axiscal.document.file import Document
-from axiscal.document.quoting import dotted, nearest, quantity_text, shown
+from axiscal.document.quoting import dotted, meant, quantity_text, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError, UnitError
+from axiscal.language.spoken import later, put, said
 from axiscal.units import EXAMPLES, Dimension, parse_quantity
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ class QuantityOf:
     """Marks a pydantic field as a quantity of one dimension, read to SI; without a dimension its text is kept.
 
     least, most : of its value, SI
-    wrong, remedy : what any other is, with its text as {text}, and what would be right
+    wrong, remedy : messages: what any other is, with its text as {text}, and what would be right, with an {example}
     """
 
     dimension: Dimension | None
@@ -33,6 +34,7 @@ class QuantityOf:
     most: float = math.inf
     wrong: str = ""
     remedy: str = ""
+    example: str = ""
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
         from pydantic_core import core_schema
@@ -51,7 +53,7 @@ class QuantityOf:
             text = quantity_text(value, self.dimension)
             found = text if self.dimension is None else parse_quantity(text, self.dimension)
             if isinstance(found, float) and not self.least <= found <= self.most:
-                raise DescriptionError(self.wrong.format(text=shown(text)), self.remedy)
+                raise DescriptionError(self.wrong, self.remedy, text=shown(text), example=self.example)
         except InputError as fault:
             raise model_fault(fault) from None
         return found
@@ -108,37 +110,41 @@ def read_model(document: Document, model: type[ModelT], error_class: type[InputE
         details = faults.errors(include_url=False)
     # A misspelt key is also a missing one: the misspelling is what its writer can see.
     misspelt = {detail["loc"][:-1] for detail in details if detail["type"] == "extra_forbidden"}
-    said = [d for d in details if d["type"] != "missing" or d["loc"][:-1] not in misspelt]
-    said.sort(key=lambda detail: (detail["type"] == "missing", document.line(*detail["loc"]) or 0))
+    wrong = [d for d in details if d["type"] != "missing" or d["loc"][:-1] not in misspelt]
+    wrong.sort(key=lambda detail: (detail["type"] == "missing", document.line(*detail["loc"]) or 0))
     every = Faults()
-    for detail in said:
+    for detail in wrong:
         what, remedy = _wording(model, detail)
         failure = UnitError if detail["type"] == "unit" else error_class
         every.found.append(failure(what, remedy, document.path, document.line(*detail["loc"])))
     every.refuse()
-    raise AssertionError(f"{said}: this is a defect of axiscal")
+    raise AssertionError(f"{wrong}: this is a defect of axiscal")
 
 
 def _wording(model: type[BaseModel], detail: ErrorDetails) -> tuple[str, str]:
     """Return what is wrong and what would be right, for one complaint of pydantic."""
     keys, kind = detail["loc"], detail["type"]
     if (listed := _miscounted_list(keys, kind)) is not None:
-        return f"{dotted(listed)} has the wrong number of entries", f"Write {listed[-1]} = {_example(model, listed)}"
+        what = said("{keys} has the wrong number of entries", keys=dotted(listed))
+        return what, said("Write {key} = {example}", key=listed[-1], example=_example(model, listed))
     name = keys[-1] if keys else ""
-    table = f"[{dotted(keys[:-1])}]" if keys[:-1] else "the file"
+    table = f"[{dotted(keys[:-1])}]" if keys[:-1] else said("the file")
+    example = _example(model, keys)
     if kind == "missing":
-        return f'"{name}" is missing in {table}', f"Add a line such as {name} = {_example(model, keys)}"
+        what = said('"{name}" is missing in {table}', name=name, table=table)
+        return what, said("Add a line such as {name} = {example}", name=name, example=example)
     if kind == "extra_forbidden":
-        return f'unknown key "{dotted((name,))}" in {table}', _known_keys(model, keys)
-    value = f"{dotted(keys)}: {shown(detail['input'])}"
+        return said('unknown key "{key}" in {table}', key=dotted((name,)), table=table), _known_keys(model, keys)
     context: dict[str, Any] = detail.get("ctx", {})
     if kind in ("unit", "fault"):
-        return f"{dotted(keys)}: {context['what']}", str(context["remedy"])
+        return put("{keys}: {fault}", keys=dotted(keys), fault=context["what"]), context["remedy"]
+    what = said("{keys}: {text} is not possible here", keys=dotted(keys), text=shown(detail["input"]))
     if kind in ("literal_error", "enum"):
-        return f"{value} is not possible here", f"Write one of {context['expected']}"
-    example = _example(model, keys)
-    remedy = _EXPECTED.get(kind) or f"{detail['msg']}"
-    return f"{value} is not possible here", remedy if example == "…" else f"{remedy}, such as {name} = {example}"
+        return what, said("Write one of {known}", known=context["expected"])
+    remedy = said(_EXPECTED[kind]) if kind in _EXPECTED else put("{message}", message=detail["msg"])
+    if example == "…":
+        return what, remedy
+    return what, said("{remedy}, such as {name} = {example}", remedy=remedy, name=name, example=example)
 
 
 def _miscounted_list(keys: tuple[str | int, ...], kind: str) -> tuple[str | int, ...] | None:
@@ -149,28 +155,27 @@ def _miscounted_list(keys: tuple[str | int, ...], kind: str) -> tuple[str | int,
 
 
 _EXPECTED = {
-    "string_type": "Write a text in quotes",
-    "int_type": "Write a whole number",
-    "int_parsing": "Write a whole number",
-    "int_from_float": "Write a whole number",
-    "float_type": "Write a number",
-    "float_parsing": "Write a number",
-    "finite_number": "Write a finite number",
-    "bool_type": "Write true or false",
-    "bool_parsing": "Write true or false",
-    "list_type": "Write a list in square brackets",
-    "tuple_type": "Write a list in square brackets",
-    "dict_type": "Write a table",
-    "model_type": "Write a table",
-    "model_attributes_type": "Write a table",
+    "string_type": later("Write a text in quotes"),
+    "int_type": later("Write a whole number"),
+    "int_parsing": later("Write a whole number"),
+    "int_from_float": later("Write a whole number"),
+    "float_type": later("Write a number"),
+    "float_parsing": later("Write a number"),
+    "finite_number": later("Write a finite number"),
+    "bool_type": later("Write true or false"),
+    "bool_parsing": later("Write true or false"),
+    "list_type": later("Write a list in square brackets"),
+    "tuple_type": later("Write a list in square brackets"),
+    "dict_type": later("Write a table"),
+    "model_type": later("Write a table"),
+    "model_attributes_type": later("Write a table"),
 }
 
 
 def _known_keys(model: type[BaseModel], keys: tuple[str | int, ...]) -> str:
     """Return a sentence with the nearest known key, or with all of them."""
     known = list(_fields(_descend(model, keys[:-1])))
-    near = nearest(str(keys[-1]), known)
-    return f'Perhaps "{near}" is meant' if near else f"The keys here are {', '.join(known)}"
+    return meant(str(keys[-1]), known, said("The keys here are {known}", known=", ".join(known)))
 
 
 def _example(model: type[BaseModel], keys: tuple[str | int, ...]) -> str:

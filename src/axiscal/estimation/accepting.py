@@ -7,7 +7,7 @@ from pathlib import Path
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.agreement import NAMED, Explained
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import said
+from axiscal.language.spoken import listed, said
 from axiscal.record.accepted import Accepted
 
 
@@ -29,13 +29,17 @@ def named(known: Estimation, cause: str, setup: str | None, path: Path) -> Accep
     each = [acceptance(found, known) for found in known.agreement.explained]
     mine = [one for one in each if one.mistake == cause and (setup is None or setup in one.setups)]
     if not mine:
-        others = ", ".join(dict.fromkeys(f'{one.mistake} of "{one.setups[0]}"' for one in each)) or "no mistake"
-        of = "" if setup is None else f' of "{setup}"'
-        what = f'The readings do not name "{cause}"{of} at more than {NAMED:g} : 1; they name {others}'
-        raise RecordError(what, f"Look at what they name: axiscal accept {path}", path)
+        found = dict.fromkeys(said('{cause} of "{setup}"', cause=one.mistake, setup=one.setups[0]) for one in each)
+        others = listed(", ", list(found)) if found else said("no mistake")
+        what = 'The readings do not name "{cause}" of "{setup}" at more than {most:g} : 1; they name {others}'
+        if setup is None:
+            what = 'The readings do not name "{cause}" at more than {most:g} : 1; they name {others}'
+        remedy = "Look at what they name: axiscal accept {path}"
+        raise RecordError(what, remedy, path, cause=cause, setup=setup, most=NAMED, others=others, path=path)
     if len({one.setups for one in mine}) > 1 and setup is None:
         names = ", ".join(dict.fromkeys(f'"{one.setups[0]}"' for one in mine))
-        raise RecordError(f'The readings name "{cause}" of {names}', "Say which one with --setup NAME", path)
+        remedy = "Say which one with --setup NAME"
+        raise RecordError('The readings name "{cause}" of {names}', remedy, path, cause=cause, names=names)
     return mine[0]
 
 

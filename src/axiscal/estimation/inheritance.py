@@ -50,7 +50,8 @@ def last_campaign(text: str) -> tuple[CampaignDescription, tuple[Reading, ...]]:
         events = [decode("recorded", json.dumps(fields)) for fields in document["readings"]]
         anew = [decode("mounted", json.dumps(fields)) for fields in document.get("mounted", ())]
     except (PayloadError, ValueError, KeyError, TypeError) as error:
-        raise RecordError(f"the last campaign cannot be read: {error}", "Start the campaign anew") from None
+        remedy = "Start the campaign anew"
+        raise RecordError("the last campaign cannot be read: {reason}", remedy, reason=error) from None
     assert isinstance(created, Created)
     texts = created.campaign_text, created.campaign_source, created.machine_text, created.machine_source
     readings = tuple(event.reading for event in events if isinstance(event, Recorded))

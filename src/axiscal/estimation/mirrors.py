@@ -10,6 +10,7 @@ from axiscal.estimation.absorbed import Absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.stations import BentReadings, Optimum, mirrored, polished
 from axiscal.exceptions import AmbiguityError
+from axiscal.language.spoken import said
 from axiscal.measurement.place_texts import place_text
 from axiscal.measurement.reading import Reading, drawn
 from axiscal.numerics import Array
@@ -46,13 +47,14 @@ def _ambiguity(case: Case, index: int, number: int, best: Optimum, other: Optimu
     first, second = (_text(stated + each.point[columns]) for each in (best, other))
     pose, differ = _decisive(case, index, number, best.point, other.point)
     axes, name = case.description.machine.axes, setup.name
-    whose = f"station {number + 1}" if setup.stations else "the station"
-    what = f'{whose} of "{name}" fits its readings as well at {first} as at {second} (x, y, z in the workpiece frame)'
+    whose = said("station {number}", number=number + 1) if setup.stations else said("the station")
+    what = '{whose} of "{name}" fits its readings as well at {first} as at {second} (x, y, z in the workpiece frame)'
     remedy = (
-        f'Read "{name}" at {place_text(axes, pose)} as well: there the two differ by {to_unit(differ, "mm"):.3g} mm. '
+        'Read "{name}" at {place} as well: there the two differ by {apart:.3g} mm. '
         "Points in one plane cannot tell a station from its mirror image; or state the station nearer"
     )
-    return AmbiguityError(what, remedy)
+    place, apart = place_text(axes, pose), to_unit(differ, "mm")
+    return AmbiguityError(what, remedy, whose=whose, name=name, first=first, second=second, place=place, apart=apart)
 
 
 def _decisive(case: Case, index: int, number: int, first: Array, second: Array) -> tuple[list[float], float]:

@@ -70,13 +70,15 @@ def _placed(raw: RawPose, machine: Machine, file: Path) -> tuple[list[float], li
     names = [axis.name for axis in machine.axes]
     for name in (*raw.position, *raw.approach):
         if name not in names:
-            raise ReadingError(f'the machine has no axis "{name}"', f"Its axes are {', '.join(names)}", file, raw.line)
+            what = 'the machine has no axis "{name}"'
+            raise ReadingError(what, "Its axes are {known}", file, raw.line, name=name, known=", ".join(names))
     pose = []
     for axis in machine.axes:
         low, high = axis.travel
         at = raw.position.get(axis.name, (low + high) / 2)
         if not low - _SLACK <= at <= high + _SLACK:
-            what = f"{axis.name} = {to_unit(at, axis.unit):g} {axis.unit} is outside the travel"
-            raise ReadingError(what, f"{axis.name} goes from {axis.travel_text}", file, raw.line)
+            what, shown = "{axis} = {shown} is outside the travel", f"{to_unit(at, axis.unit):g} {axis.unit}"
+            remedy, travel = "{axis} goes from {travel}", axis.travel_text
+            raise ReadingError(what, remedy, file, raw.line, axis=axis.name, shown=shown, travel=travel)
         pose.append(at)
     return pose, [float(raw.approach.get(name, 0)) for name in names]

@@ -149,8 +149,8 @@ def type_prior(text: str) -> TypePrior:
         )
         _check(found)
     except (InputError, ValueError, KeyError, TypeError, AttributeError, RecursionError, OverflowError) as error:
-        what = f"what the type has taught cannot be read: {error}"
-        raise RecordError(what, "Learn it anew with `axiscal type learn`") from None
+        what = "what the type has taught cannot be read: {reason}"
+        raise RecordError(what, "Learn it anew with `axiscal type learn`", reason=error) from None
     return found
 
 

@@ -27,6 +27,7 @@ from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import ReadingError
+from axiscal.language.spoken import put, said
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading, drawn
@@ -48,8 +49,12 @@ def refuse_implausible(readings: Sequence[Reading], campaign: CampaignDescriptio
     first = readings[min(doubt.reading for doubt in doubts)]
     size = float(np.median([doubt.surprise for doubt in doubts]))
     guess = unit_guess(size, INSTRUMENTS[campaign.setup(first.setup).instrument].reads == "angle")
-    what = f"{len(doubts)} of {len(readings)} readings are some {size:.0f} standard deviations from all that the "
-    what += f"stated std of the errors allow{', ' if guess else ''}{guess}"
+    what = (
+        "{count} of {readings} readings are some {size:.0f} standard deviations from all that the "
+        "stated std of the errors allow"
+    )
+    at = {"count": len(doubts), "readings": len(readings), "size": size}
+    what = put("{fault}, {guess}", fault=said(what, **at), guess=guess) if guess else said(what, **at)
     remedy = "Check the unit that the file names for its values, or state larger std in the machine"
     raise ReadingError(what, remedy, file, first.line)
 
@@ -63,11 +68,11 @@ def _refuse_other_unit(case: Case, readings: Sequence[Reading], file: str | Path
     first = next(reading for reading in readings if reading.setup == found.setup)
     by = f"{found.factor:g}" if found.factor > 1 else f"1/{1 / found.factor:g}"
     what = (
-        f'the readings of "{found.setup}" fit the stated errors and noise when they are multiplied by {by}, by odds of '
+        'the readings of "{setup}" fit the stated errors and noise when they are multiplied by {by}, by odds of '
+        "10^{odds:.0f} to 1, and not as they are"
     )
-    what += f"10^{found.odds:.0f} to 1, and not as they are"
     remedy = "Check the unit that the file names for its values (mm instead of um?), or state other std and noise"
-    raise ReadingError(what, remedy, file, first.line)
+    raise ReadingError(what, remedy, file, first.line, setup=found.setup, by=by, odds=found.odds)
 
 
 def _with_bends(case: Case, readings: Sequence[Reading]) -> Case:

@@ -47,7 +47,8 @@ def circular(test: CircularTest) -> Circular:
     measured = {name: mine for name, mine in sides.items() if np.any(mine)}
     for name, mine in measured.items():
         if not covers_a_turn(test.angles[mine]):
-            what = f"the {'counter-clockwise' if name == 'plus' else 'clockwise'} readings do not go all around"
+            what = "the clockwise readings do not go all around"
+            what = "the counter-clockwise readings do not go all around" if name == "plus" else what
             raise EvaluationError(what, "Give eight angles or more, no quarter of the turn without one", test.file)
     whole = centred(test.angles, test.deviations)
     figures = {f"G_{name}": _width(centred(*_of(test, mine)).left) for name, mine in measured.items()}

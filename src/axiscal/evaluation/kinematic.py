@@ -46,8 +46,8 @@ def kinematic(tests: Mapping[str, HeldPath]) -> Kinematic:
         ways = {"plus": test.directions > 0, "minus": test.directions < 0}
         read = {way: mine for way, mine in ways.items() if np.any(mine)}
         if any(np.sum(mine) < _FEWEST for mine in read.values()):
-            what = f"{name} has a way of fewer than {_FEWEST} readings"
-            raise EvaluationError(what, "Read it at four angles or more", test.file)
+            what = "{name} has a way of fewer than {least} readings"
+            raise EvaluationError(what, "Read it at four angles or more", test.file, name=name, least=_FEWEST)
         for along, values in test.deviations.items():
             stem = f"{name}_{along}" if along else name
             figures[stem] = _width(values)

@@ -290,9 +290,9 @@ def _passes(readings: PositioningRows, targets: list[float], direction: int) -> 
 
 def _left_out(readings: PositioningRows, target: float, direction: int, run: int, line: int) -> ReadingError:
     shown = format_quantity(target, "deg" if readings.rotary else "mm")
-    what = f"run {run} in direction {'+' if direction > 0 else '-'}, which starts here, has no reading at {shown}"
+    what = "run {run} in direction {sign}, which starts here, has no reading at {shown}"
     remedy = "every run must visit every target: add the reading or take out the run"
-    return ReadingError(what, remedy, readings.file, line)
+    return ReadingError(what, remedy, readings.file, line, run=run, sign="+" if direction > 0 else "-", shown=shown)
 
 
 def _shortfalls(test: PositioningTest, runs: int, both: bool) -> Iterable[str]:

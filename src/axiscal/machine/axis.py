@@ -8,6 +8,7 @@ from typing import Literal
 
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import said
 from axiscal.units import format_quantity
 
 LINEAR_LETTERS = "XYZUVWPQR"
@@ -88,9 +89,8 @@ class Axis:
         """
         letter = name[:1]
         if letter not in LINEAR_LETTERS + ROTARY_LETTERS or not letter:
-            raise DescriptionError(
-                f"{shown(name)} is not an axis name", "Axis names begin with one of X Y Z U V W P Q R A B C"
-            )
+            remedy = "Axis names begin with one of X Y Z U V W P Q R A B C"
+            raise DescriptionError("{name} is not an axis name", remedy, name=shown(name))
         rotary = letter in ROTARY_LETTERS
         speed = speed or (ROTARY_SPEED if rotary else LINEAR_SPEED)
         acceleration = acceleration or (ROTARY_ACCELERATION if rotary else LINEAR_ACCELERATION)
@@ -145,7 +145,7 @@ class Axis:
     def travel_text(self) -> str:
         """The travel in words: "0 mm to 600 mm"."""
         low, high = (format_quantity(end, self.unit) for end in self.travel)
-        return f"{low} to {high}"
+        return said("{low} to {high}", low=low, high=high)
 
     @property
     def cyclic(self) -> bool:

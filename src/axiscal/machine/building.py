@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from axiscal.document import Document, nearest, read_model, shown
+from axiscal.document import Document, read_model, shown
+from axiscal.document.quoting import meant
 from axiscal.exceptions import DescriptionError, Faults, InputError
+from axiscal.language.spoken import said
 from axiscal.machine.axis import COUNTINGS, Axis, Counting
 from axiscal.machine.chain import Link, parse_chain
 from axiscal.machine.entry import ErrorEntry, as_fine_as_is_cheap
@@ -68,7 +70,7 @@ def assemble(document: Document, fine_knots: bool) -> Parts:
 def _name(document: Document, tables: MachineFile) -> str:
     name = document.path.stem if tables.name is None else tables.name
     if tables.name is not None and (not name.strip() or len(name) > 200 or not name.isprintable()):
-        fault = DescriptionError(f"{shown(name)} is not a name", "Write up to 200 printable characters")
+        fault = DescriptionError("{name} is not a name", "Write up to 200 printable characters", name=shown(name))
         raise document.fault(fault, "name")
     return name
 
@@ -91,14 +93,14 @@ def _check_tables(document: Document, tables: MachineFile, names: list[str]) -> 
     """Raise DescriptionError for a table without an axis in the chain, or an axis without a table."""
     for name in tables.axes:
         if name not in names:
-            near = nearest(name, [each for each in names if each not in tables.axes])
-            remedy = f"Perhaps {near} is meant" if near else "Put it into the chain, or take the table out"
-            unknown = DescriptionError(f"there is no axis {shown(name)} in the chain {shown(tables.chain)}", remedy)
-            raise document.fault(unknown, "axes", name)
+            otherwise = said("Put it into the chain, or take the table out")
+            remedy = meant(name, [each for each in names if each not in tables.axes], otherwise, quoted="{}")
+            what = said("there is no axis {axis} in the chain {chain}", axis=shown(name), chain=shown(tables.chain))
+            raise document.fault(DescriptionError(what, remedy), "axes", name)
     for name in names:
         if name not in tables.axes:
-            what = f"axis {name} of {shown(tables.chain)} has no table [axes.{name}]"
-            raise document.fault(DescriptionError(what, f"Add [axes.{name}] with its travel"), "chain")
+            what, remedy = "axis {axis} of {chain} has no table [axes.{axis}]", "Add [axes.{axis}] with its travel"
+            raise document.fault(DescriptionError(what, remedy, axis=name, chain=shown(tables.chain)), "chain")
 
 
 def _axis(document: Document, link: Link, table: AxisTable, faults: Faults) -> Axis | None:
@@ -142,7 +144,7 @@ def _counting(document: Document, keys: Keys, text: str | None) -> Counting | No
     if text is None:
         return None
     remedy = 'Write "iso" (ISO 841: counting up moves the tool positively relative to the workpiece) or "reversed"'
-    raise document.fault(DescriptionError(f"{shown(text)} is not a direction", remedy), *keys, "direction")
+    raise document.fault(DescriptionError("{text} is not a direction", remedy, text=shown(text)), *keys, "direction")
 
 
 def _travel(document: Document, axis: Axis, table: AxisTable) -> tuple[float, float]:
@@ -152,16 +154,22 @@ def _travel(document: Document, axis: Axis, table: AxisTable) -> tuple[float, fl
     unit, most = ("deg", 10 * math.tau) if axis.rotary else ("m", LONGEST_TRAVEL)
     low = within(document, (*keys, 0), table.travel[0], dimension, -most, most)
     high = within(document, (*keys, 1), table.travel[1], dimension, -most, most)
-    given = f"travel {shown(table.travel)}"
+    given = shown(table.travel)
     if low > high:
-        remedy = f'Write the lower end first: ["{table.travel[1]}", "{table.travel[0]}"]'
-        raise document.fault(DescriptionError(f"{given} is reversed", remedy), *keys)
+        remedy = 'Write the lower end first: ["{high}", "{low}"]'
+        raise document.fault(
+            DescriptionError(
+                "travel {given} is reversed", remedy, given=given, high=table.travel[1], low=table.travel[0]
+            ),
+            *keys,
+        )
     if high - low < 1e-6:
-        raise document.fault(DescriptionError(f"{given} is empty", "Write the two ends of the travel"), *keys)
+        remedy = "Write the two ends of the travel"
+        raise document.fault(DescriptionError("travel {given} is empty", remedy, given=given), *keys)
     if axis.rotary and high - low > math.tau + 1e-9:
-        what = f"{given} is more than one turn ({format_quantity(high - low, unit)})"
+        what = "travel {given} is more than one turn ({span})"
         remedy = 'The errors repeat after a turn: give one, such as ["0 deg", "360 deg"]'
-        raise document.fault(DescriptionError(what, remedy), *keys)
+        raise document.fault(DescriptionError(what, remedy, given=given, span=format_quantity(high - low, unit)), *keys)
     return low, high
 
 
@@ -171,12 +179,14 @@ def _turns(document: Document, axis: Axis, table: AxisTable, travel: tuple[float
     if table.limits is None:
         return None
     if not Axis.named(axis.name, False, travel).cyclic:
-        what = f"limits {shown(table.limits)} of {axis.name}, whose travel is not one turn"
-        raise document.fault(DescriptionError(what, "Take them out: its travel is where it may go"), *keys)
+        what = "limits {text} of {axis}, whose travel is not one turn"
+        remedy = "Take them out: its travel is where it may go"
+        raise document.fault(DescriptionError(what, remedy, text=shown(table.limits), axis=axis.name), *keys)
     low, high = (within(document, (*keys, end), table.limits[end], "angle", -_FAR, _FAR) for end in (0, 1))
     if low > travel[0] + 1e-9 or high < travel[1] - 1e-9:
-        what = f"limits {shown(table.limits)} do not hold the travel of {axis.name}"
-        raise document.fault(DescriptionError(what, "Write how far the control lets it turn, lower end first"), *keys)
+        what = "limits {text} do not hold the travel of {axis}"
+        remedy = "Write how far the control lets it turn, lower end first"
+        raise document.fault(DescriptionError(what, remedy, text=shown(table.limits), axis=axis.name), *keys)
     below, above = (math.ceil(beyond / math.tau - 1e-9) for beyond in (travel[0] - low, high - travel[1]))
     return below, above
 
@@ -187,8 +197,8 @@ def _origin(document: Document, axis: Axis, table: AxisTable) -> tuple[float, fl
     if table.origin is None:
         return (0.0, 0.0, 0.0)
     if not axis.rotary:
-        what = f"{shown(table.origin)}: a linear axis has no axis line"
-        raise document.fault(DescriptionError(what, "Take it out; origins belong to rotary axes A B C"), *keys)
+        what, remedy = "{origin}: a linear axis has no axis line", "Take it out; origins belong to rotary axes A B C"
+        raise document.fault(DescriptionError(what, remedy, origin=shown(table.origin)), *keys)
     x, y, z = (
         within(document, (*keys, place), text, "length", -LONGEST_TRAVEL, LONGEST_TRAVEL)
         for place, text in enumerate(table.origin)

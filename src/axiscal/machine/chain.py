@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from axiscal.document import shown
 from axiscal.exceptions import ChainError
+from axiscal.language.spoken import said
 from axiscal.machine.axis import LINEAR_LETTERS, ROTARY_LETTERS
 
 MOST_AXES = 6
@@ -45,7 +46,7 @@ def _words(text: str) -> list[str]:
     """Return the parts of a chain string between dashes, or between blanks inside brackets."""
     plain = text.translate(_PRIMES).strip()
     if len(plain) > _LONGEST:
-        raise ChainError(f"a chain of {len(plain)} characters is too long", _EXAMPLE)
+        raise ChainError("a chain of {count} characters is too long", _EXAMPLE, count=len(plain))
     if plain.startswith("[") and plain.endswith("]"):
         return plain[1:-1].split()
     return [word.strip() for word in plain.split("-")]
@@ -55,12 +56,13 @@ def _sides(words: list[str], text: str) -> tuple[list[str], list[str]]:
     """Return the words between w and b and those between b and t."""
     for end, word in ((0, "w"), (-1, "t")):
         if not words or words[end] != word:
-            rule = "begin with w, the workpiece" if word == "w" else "end with t, the tool"
-            raise ChainError(f"the chain {shown(text)} does not {rule}", _EXAMPLE)
+            what = "the chain {text} does not begin with w, the workpiece"
+            what = what if word == "w" else "the chain {text} does not end with t, the tool"
+            raise ChainError(what, _EXAMPLE, text=shown(text))
     inner = words[1:-1]
     if inner.count("b") != 1:
-        times = "no" if "b" not in inner else "more than one"
-        raise ChainError(f"the chain {shown(text)} has {times} bed b", _EXAMPLE)
+        what = "the chain {text} has more than one bed b" if "b" in inner else "the chain {text} has no bed b"
+        raise ChainError(what, _EXAMPLE, text=shown(text))
     bed = inner.index("b")
     return inner[:bed], inner[bed + 1 :]
 
@@ -69,30 +71,35 @@ def _link(word: str, workpiece_side: bool, text: str) -> Link:
     """Return one axis; raises ChainError for a word that is none, or whose prime does not fit its side of the bed."""
     found = _LINK.fullmatch(word)
     if found is None:
-        raise ChainError(f"{shown(word)} in the chain {shown(text)} is not an axis", _word_remedy(word))
+        what = "{word} in the chain {text} is not an axis"
+        raise ChainError(what, _word_remedy(word), word=shown(word), text=shown(text))
     name, primed = found["name"], bool(found["prime"])
     if workpiece_side and not primed:
-        remedy = f"Axes between w and b carry the workpiece and have a prime: write {name}', or put it behind b"
-        raise ChainError(f"{name} in the chain {shown(text)} has no prime", remedy)
+        remedy = "Axes between w and b carry the workpiece and have a prime: write {name}', or put it behind b"
+        raise ChainError("{name} in the chain {text} has no prime", remedy, name=name, text=shown(text))
     if primed and not workpiece_side:
-        remedy = f"Axes between b and t carry the tool and have no prime: write {name}, or put it before b"
-        raise ChainError(f"{name}' in the chain {shown(text)} has a prime", remedy)
+        remedy = "Axes between b and t carry the tool and have no prime: write {name}, or put it before b"
+        raise ChainError("{name}' in the chain {text} has a prime", remedy, name=name, text=shown(text))
     return Link(name, workpiece_side)
 
 
 def _word_remedy(word: str) -> str:
     if _LINK.fullmatch(word.upper()):
-        return f"Axes are written in capitals: {word.upper()}"
+        return said("Axes are written in capitals: {word}", word=word.upper())
     if _SPINDLE.fullmatch(word.replace("'", "")):
-        return "A spindle in parentheses stands behind b; a table that is positioned is written without parentheses"
-    return "Axes are X Y Z U V W P Q R (linear) and A B C (rotary), with one digit after them if needed"
+        return said(
+            "A spindle in parentheses stands behind b; a table that is positioned is written without parentheses"
+        )
+    return said("Axes are X Y Z U V W P Q R (linear) and A B C (rotary), with one digit after them if needed")
 
 
 def _check_names(names: list[str], text: str) -> None:
     """Raise ChainError unless there are one to six axes, each once."""
     twice = next((name for place, name in enumerate(names) if name in names[:place]), None)
     if twice:
-        remedy = f"Every axis stands in the chain once; name a second one {twice[0]}2 or with another letter"
-        raise ChainError(f"{twice} stands twice in the chain {shown(text)}", remedy)
+        what = "{axis} stands twice in the chain {text}"
+        remedy = "Every axis stands in the chain once; name a second one {letter}2 or with another letter"
+        raise ChainError(what, remedy, axis=twice, text=shown(text), letter=twice[0])
     if not 1 <= len(names) <= MOST_AXES:
-        raise ChainError(f"the chain {shown(text)} has {len(names)} axes", f"One to {MOST_AXES} axes are possible")
+        what = "the chain {text} has {count} axes"
+        raise ChainError(what, "One to {most} axes are possible", text=shown(text), count=len(names), most=MOST_AXES)

@@ -7,8 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from axiscal.document import Document, nearest, shown
+from axiscal.document import Document, shown
+from axiscal.document.quoting import meant
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.plane_entry import PlaneEntry
@@ -47,8 +49,9 @@ class Machine:
         names = [axis.name for axis in self.axes]
         if axis_name not in names:
             same = [name for name in names if name.casefold() == axis_name.casefold()]
-            hint = f"Perhaps {same[0]} is meant" if same else f"Its axes are {', '.join(names)}"
-            raise DescriptionError(f"there is no axis {shown(axis_name)} on the machine {shown(self.name)}", hint)
+            remedy = meant(axis_name, same, said("Its axes are {known}", known=", ".join(names)), quoted="{}")
+            what = "there is no axis {axis} on the machine {machine}"
+            raise DescriptionError(what, remedy, axis=shown(axis_name), machine=shown(self.name))
         return names.index(axis_name)
 
     def with_rests(self, rests: Mapping[str, float]) -> Machine:
@@ -87,9 +90,9 @@ def load_machine(source: str | Path) -> Machine:
         return _built(Document.read(_LIBRARY / f"{source}.toml"))
     path = Path(source)
     if path.suffix != ".toml" and len(path.parts) == 1 and not os.path.exists(path):
-        near = nearest(str(source), builtin_names())
-        hint = f"Perhaps {near} is meant" if near else f"The built-in machines are {', '.join(builtin_names())}"
-        raise DescriptionError(f"{shown(str(source))} is neither a file nor a built-in machine", hint)
+        otherwise = said("The built-in machines are {known}", known=", ".join(builtin_names()))
+        remedy = meant(str(source), builtin_names(), otherwise, quoted="{}")
+        raise DescriptionError("{text} is neither a file nor a built-in machine", remedy, text=shown(str(source)))
     return _built(Document.read(path))
 
 

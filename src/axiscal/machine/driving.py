@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 
@@ -61,8 +62,9 @@ def _check(order: Sequence[Sequence[str]], machine: Machine) -> None:
     named = [name for group in order for name in group]
     if sorted(named) != sorted(axis.name for axis in machine.axes):
         known = " ".join(axis.name for axis in machine.axes)
-        raise DescriptionError(f"the order of moves names {' '.join(named) or 'no axis'}", f"Name each of {known} once")
+        axes, remedy = " ".join(named) or said("no axis"), "Name each of {known} once"
+        raise DescriptionError("the order of moves names {axes}", remedy, axes=axes, known=known)
     for group in order:
         if len({family for name in group for family in FAMILIES if machine.axis(name).letter in family}) > 1:
-            what = f"{' '.join(group)} are to move together"
-            raise DescriptionError(what, "Let X Y Z, U V W and A B C move in groups of their own")
+            what = "{axes} are to move together"
+            raise DescriptionError(what, "Let X Y Z, U V W and A B C move in groups of their own", axes=" ".join(group))

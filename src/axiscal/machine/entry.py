@@ -107,11 +107,16 @@ class ErrorEntry:
         count = self._wanted_knots(axis)
         fewest = FEWEST_CYCLIC_KNOTS if axis.cyclic else 2
         if not fewest <= count <= MOST_KNOTS:
-            turn = " over a full turn" if axis.cyclic else ""
-            raise DescriptionError(
-                f"{self.name}: {count:.0f} knots{turn} are too {'few' if count < fewest else 'many'}",
-                f"Between {fewest} and {MOST_KNOTS} knots are possible; give knots, spacing or length accordingly",
+            what = (
+                "{error}: {count:.0f} knots are too few"
+                if count < fewest
+                else "{error}: {count:.0f} knots are too many"
             )
+            if axis.cyclic:
+                what = "{error}: {count:.0f} knots over a full turn are too many"
+                what = "{error}: {count:.0f} knots over a full turn are too few" if count < fewest else what
+            remedy = "Between {least} and {most} knots are possible; give knots, spacing or length accordingly"
+            raise DescriptionError(what, remedy, error=self.name, count=count, least=fewest, most=MOST_KNOTS)
         return int(count)
 
     def knot_positions(self, axis: Axis) -> tuple[float, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError, InputError
+from axiscal.language.spoken import said
 from axiscal.machine.entry import ROUGH, SMOOTH
 from axiscal.machine.limits import Keys, within
 from axiscal.machine.machine_schema import ErrorTable
@@ -24,7 +25,7 @@ def rest_of(document: Document, keys: Keys, table: ErrorTable, dimension: Dimens
     try:
         return error_size(document, (*keys, "rest"), table.rest, dimension)
     except InputError as fault:
-        remedy = f'{fault.remedy}; or "estimate" to learn it from the readings'
+        remedy = said('{remedy}; or "estimate" to learn it from the readings', remedy=fault.remedy)
         raise type(fault)(fault.what, remedy, fault.file, fault.line) from None
 
 
@@ -41,10 +42,16 @@ def smoothness_of(table: ErrorTable, averaged: bool = False) -> float:
     if table.smoothness is None:
         return SMOOTH
     if table.smoothness not in (SMOOTH, ROUGH) and not (averaged and table.smoothness == AVERAGED):
-        what = f"smoothness = {shown(table.smoothness)} is not possible"
-        remedy = f"Write {SMOOTH} for a smooth curve, {ROUGH} for one that may have kinks"
-        raise DescriptionError(what, f'{remedy}, "{AVERAGED}" to average over both' if averaged else remedy)
+        remedy = "Write {smooth} for a smooth curve, {rough} for one that may have kinks"
+        if averaged:
+            remedy = (
+                'Write {smooth} for a smooth curve, {rough} for one that may have kinks, "{both}" to average over both'
+            )
+        what, smooth = "smoothness = {text} is not possible", str(SMOOTH)
+        text, rough = shown(table.smoothness), str(ROUGH)
+        raise DescriptionError(what, remedy, text=text, smooth=smooth, rough=rough, both=AVERAGED)
     if table.length is None:
-        what = f"smoothness = {shown(table.smoothness)} is said of an error without a correlation length"
-        raise DescriptionError(what, 'Add over which distance it changes, such as length = "150 mm"')
+        what = "smoothness = {text} is said of an error without a correlation length"
+        remedy = 'Add over which distance it changes, such as length = "150 mm"'
+        raise DescriptionError(what, remedy, text=shown(table.smoothness))
     return SMOOTH if table.smoothness == AVERAGED else float(table.smoothness)

@@ -7,6 +7,7 @@ from typing import TypeVar
 
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
+from axiscal.language.spoken import joined, later, said
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.entry import MOST_KNOTS, ErrorEntry
 from axiscal.machine.error_sizes import AVERAGED, error_size, rest_of, smoothness_of
@@ -54,8 +55,9 @@ def _add(
     """Add an entry; raises DescriptionError for one that is there already."""
     entry = _entry(document, key, table, axes)
     if (first := entries.get(entry.name)) is not None:
-        what = f"{key} is {entry.name}, which is there already in line {first.line}"
-        raise document.fault(DescriptionError(what, "Keep one of them"), "errors", key)
+        what, name = "{key} is {name}, which is there already in line {earlier}", entry.name
+        fault = DescriptionError(what, "Keep one of them", key=key, name=name, earlier=first.line)
+        raise document.fault(fault, "errors", key)
     entries[entry.name] = entry
 
 
@@ -105,9 +107,10 @@ def _axis_of(name: ErrorName, axes: dict[str, Axis]) -> Axis:
     """Return the axis that an error belongs to; it, and the axis it is measured from, must be in the chain."""
     for wanted in (name.axis, name.reference):
         if wanted is not None and wanted not in axes:
-            raise DescriptionError(f"there is no axis {shown(wanted)} in the chain", f"The axes are {', '.join(axes)}")
+            what = "there is no axis {text} in the chain"
+            raise DescriptionError(what, "The axes are {known}", text=shown(wanted), known=", ".join(axes))
     if name.reference == name.axis:
-        raise DescriptionError(f"{name.axis} cannot be its own reference", "Name another axis behind the 0")
+        raise DescriptionError("{axis} cannot be its own reference", "Name another axis behind the 0", axis=name.axis)
     return axes[name.axis]
 
 
@@ -116,40 +119,43 @@ def _check_location(name: ErrorName, axis: Axis) -> None:
     if name.kind != "location" or axis.rotary:
         return
     along = 3 + letter_direction(axis.letter)
-    possible = " and ".join(f"{COMPONENTS[c]}0{axis.name}" for c in range(3, 6) if c != along)
-    remedy = f"The location errors of the linear axis {axis.name} are {possible}"
+    possible = joined([f"{COMPONENTS[c]}0{axis.name}" for c in range(3, 6) if c != along])
+    remedy = "The location errors of the linear axis {axis} are {possible}"
     if name.component == along:
-        what = f"a turn about {axis.name}'s own direction does not change its direction of travel"
-        raise DescriptionError(what, f"{remedy}; a constant roll is part of E{COMPONENTS[along]}{axis.name}")
+        what = "a turn about {axis}'s own direction does not change its direction of travel"
+        remedy = "The location errors of the linear axis {axis} are {possible}; a constant roll is part of {error}"
+        error = f"E{COMPONENTS[along]}{axis.name}"
+        raise DescriptionError(what, remedy, axis=axis.name, possible=possible, error=error)
     if not name.angular:
-        what = f"a linear axis has no location error {name.canonical}: shifting it shifts only its zero"
-        raise DescriptionError(what, remedy)
+        what = "a linear axis has no location error {name}: shifting it shifts only its zero"
+        raise DescriptionError(what, remedy, name=name.canonical, axis=axis.name, possible=possible)
 
 
 def _check_keys(name: ErrorName, table: ErrorTable) -> None:
     """Raise DescriptionError unless the keys of an entry fit each other and the kind of error."""
     given = [key for key, value in table if value is not None]
-    for one, other, words in (
-        ("std", "band", "the band is four standard deviations"),
-        ("knots", "spacing", "one gives the other"),
+    for one, other, remedy in (
+        ("std", "band", later("Keep one of them: the band is four standard deviations")),
+        ("knots", "spacing", later("Keep one of them: one gives the other")),
     ):
         if one in given and other in given:
-            raise DescriptionError(f"both {one} and {other} are given", f"Keep one of them: {words}")
+            raise DescriptionError("both {one} and {other} are given", said(remedy), one=one, other=other)
     if "std" not in given and "band" not in given:
         raise DescriptionError("neither std nor band is given", 'Add how large the error may be, such as std = "10 um"')
     extra = [key for key in given if key not in ("std", "band")]
     curve = name.kind == "motion" or (name.kind == "reversal" and ("knots" in given or "spacing" in given))
     if extra and not curve:
         remedy = "Take it out, or give knots as well" if name.kind == "reversal" else "It has only std or band"
-        raise DescriptionError(
-            f"{extra[0]} = {shown(getattr(table, extra[0]))}: {name.canonical} is a constant", remedy
-        )
+        what = "{key} = {value}: {name} is a constant"
+        raise DescriptionError(what, remedy, key=extra[0], value=shown(getattr(table, extra[0])), name=name.canonical)
     for key in ("knots", "spacing", "length"):
         if isinstance(getattr(table, key), tuple):
-            what = f"{key} = {shown(list(getattr(table, key)))}: {name.canonical} is an error of one axis"
-            raise DescriptionError(what, "Write one value; two belong to an error of two axes, such as EZXY")
+            what = "{key} = {value}: {name} is an error of one axis"
+            remedy = "Write one value; two belong to an error of two axes, such as EZXY"
+            raise DescriptionError(what, remedy, key=key, value=shown(list(getattr(table, key))), name=name.canonical)
     if table.knots is not None and not 2 <= (_one(table.knots) or 0) <= MOST_KNOTS:
-        raise DescriptionError(f"knots = {shown(table.knots)} is not possible", f"Write 2 to {MOST_KNOTS}")
+        remedy = "Write 2 to {most}"
+        raise DescriptionError("knots = {text} is not possible", remedy, text=shown(table.knots), most=MOST_KNOTS)
 
 
 def _std(document: Document, keys: Keys, table: ErrorTable, dimension: Dimension) -> float:

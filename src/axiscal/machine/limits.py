@@ -26,6 +26,8 @@ def within(document: Document, keys: Keys, text: str, dimension: Dimension, leas
         raise document.fault(fault, *keys) from None
     if least <= value <= most:
         return value
-    sign = "negative" if value < 0 <= least else "zero" if value == 0 else "too small" if value < least else "too large"
+    what = "{text} is too small" if value < least else "{text} is too large"
+    what = "{text} is negative" if value < 0 <= least else "{text} is zero" if value == 0 else what
     low, high = (format_quantity(limit, _SHOWN_IN[dimension]) for limit in (least, most))
-    raise document.fault(DescriptionError(f"{shown(text)} is {sign}", f"Write a value from {low} to {high}"), *keys)
+    remedy = "Write a value from {low} to {high}"
+    raise document.fault(DescriptionError(what, remedy, text=shown(text), low=low, high=high), *keys)

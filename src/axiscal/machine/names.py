@@ -8,6 +8,7 @@ from typing import Literal
 
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import said
 
 Kind = Literal["motion", "location", "reversal"]
 Shape = Literal["curve", "pitch", "step"]
@@ -82,7 +83,7 @@ def parse_error_name(text: str) -> ErrorName:
         component, axis, suffix = found["component"], found["axis"], found["suffix"] or ""
         kind: Kind = "reversal" if suffix == "_reversal" else "motion"
         return ErrorName(f"E{component}{axis}{suffix}", axis, kind, COMPONENTS.index(component))
-    raise DescriptionError(f"{shown(text)} is not the name of an error", _likely(text) or _REMEDY)
+    raise DescriptionError("{text} is not the name of an error", _likely(text) or said(_REMEDY), text=shown(text))
 
 
 def _likely(text: str) -> str | None:
@@ -91,9 +92,10 @@ def _likely(text: str) -> str | None:
     for suffix in ("reversal", "pitch", "step"):
         bare = bare.replace(f"_{suffix.upper()}", f"_{suffix}").replace(f"-{suffix.upper()}", f"_{suffix}")
     if bare != text and (_LOCATION.fullmatch(bare) or _MOTION.fullmatch(bare)):
-        return f"Perhaps {bare} is meant; names are written in capitals"
+        return said("Perhaps {word} is meant; names are written in capitals", word=bare)
     if bare.endswith("_reversal") and _LOCATION.fullmatch(bare.removesuffix("_reversal")):
-        return (
+        what = (
             "A location error is a constant and has no reversal value; only component errors such as EXX_reversal have"
         )
+        return said(what)
     return None

@@ -35,8 +35,10 @@ def plane_entries(
             entry = _entry(document, key, table, name, axes)
             before = entries.setdefault((name.component, frozenset(name.axes)), entry)
             if before is not entry:
-                what = f"{key} is {before.name}, which is there already in line {before.line}"
-                raise document.fault(DescriptionError(what, "Keep one of them"), "errors", key)
+                what, again = "{key} is {name}, which is there already in line {earlier}", before.name
+                raise document.fault(
+                    DescriptionError(what, "Keep one of them", key=key, name=again, earlier=before.line), "errors", key
+                )
     return tuple(entries.values())
 
 
@@ -53,14 +55,16 @@ def _check(name: PlaneName, table: ErrorTable, axes: dict[str, Axis]) -> None:
     """Raise DescriptionError for axes that are not there, or keys that do not fit each other."""
     for wanted in name.axes:
         if wanted not in axes:
-            raise DescriptionError(f"there is no axis {shown(wanted)} in the chain", f"The axes are {', '.join(axes)}")
+            what = "there is no axis {text} in the chain"
+            raise DescriptionError(what, "The axes are {known}", text=shown(wanted), known=", ".join(axes))
     if name.axes[0] == name.axes[1]:
-        raise DescriptionError(f"{name.axes[0]} is named twice", "Name the two axes that act together, such as EZXY")
+        remedy = "Name the two axes that act together, such as EZXY"
+        raise DescriptionError("{axis} is named twice", remedy, axis=name.axes[0])
     if table.period is not None:
         raise DescriptionError("an error of two axes has no period", "Take it out; give it to the curve of one axis")
     for one, other in (("std", "band"), ("knots", "spacing")):
         if getattr(table, one) is not None and getattr(table, other) is not None:
-            raise DescriptionError(f"both {one} and {other} are given", "Keep one of them")
+            raise DescriptionError("both {one} and {other} are given", "Keep one of them", one=one, other=other)
     if table.std is None and table.band is None:
         raise DescriptionError("neither std nor band is given", 'Add how large it may be, such as std = "10 um"')
 
@@ -76,8 +80,8 @@ def _prior(document: Document, keys: Keys, table: ErrorTable, name: PlaneName, a
     )  # fmt: skip
     count = first.knot_count(axes[first.axis]) * second.knot_count(axes[second.axis])
     if std and count > MOST_PRODUCTS:
-        what = f"{count} knots in the plane are too many"
-        raise DescriptionError(what, f"At most {MOST_PRODUCTS} are possible; give knots, spacing or length accordingly")
+        remedy = "At most {most} are possible; give knots, spacing or length accordingly"
+        raise DescriptionError("{count} knots in the plane are too many", remedy, count=count, most=MOST_PRODUCTS)
     return plane
 
 
@@ -99,7 +103,8 @@ def _side(
     if table.knots is not None:
         knots = table.knots[index] if isinstance(table.knots, tuple) else table.knots
         if not 2 <= knots <= MOST_KNOTS:
-            raise DescriptionError(f"knots = {shown(table.knots)} is not possible", f"Write 2 to {MOST_KNOTS}")
+            remedy = "Write 2 to {most}"
+            raise DescriptionError("knots = {text} is not possible", remedy, text=shown(table.knots), most=MOST_KNOTS)
         entry = replace(entry, knots=knots)
     spacing, length = (
         _along(document, (*keys, key), text, index, axis)

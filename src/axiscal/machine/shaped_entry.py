@@ -36,14 +36,16 @@ class Shaped(NamedTuple):
 def shaped(document: Document, keys: Keys, table: ErrorTable, name: ErrorName, axis: Axis) -> Shaped:
     """Return the shape that an entry states; raises DescriptionError where name and keys do not fit each other."""
     if name.shape != "pitch" and table.harmonics is not None:
-        raise DescriptionError(f"{name.canonical} has no harmonics", f"Give them to {name.bare}_pitch")
+        remedy = "Give them to {error}_pitch"
+        raise DescriptionError("{name} has no harmonics", remedy, name=name.canonical, error=name.bare)
     if name.shape != "step" and table.at is not None:
-        raise DescriptionError(f"{name.canonical} has no joints", f"Give at to {name.bare}_step")
+        raise DescriptionError("{name} has no joints", "Give at to {error}_step", name=name.canonical, error=name.bare)
     if name.shape == "curve":
         return Shaped()
     for key in ("knots", "spacing", "length", "rest", "smoothness"):
         if getattr(table, key) is not None:
-            raise DescriptionError(f"{name.canonical} has no {key}", f"Take it out, or give it to {name.bare}")
+            remedy = "Take it out, or give it to {error}"
+            raise DescriptionError("{name} has no {key}", remedy, name=name.canonical, key=key, error=name.bare)
     return _pitch(document, keys, table, axis) if name.shape == "pitch" else _step(document, keys, table, axis)
 
 
@@ -53,29 +55,34 @@ def _pitch(document: Document, keys: Keys, table: ErrorTable, axis: Axis) -> Sha
     period = within(document, (*keys, "period"), table.period, axis.dimension, 1e-6, 1e4)
     harmonics = 1 if table.harmonics is None else table.harmonics
     if not 1 <= harmonics <= MOST_HARMONICS:
-        raise DescriptionError(f"harmonics = {shown(harmonics)} is not possible", f"Write 1 to {MOST_HARMONICS}")
+        remedy = "Write 1 to {most}"
+        raise DescriptionError("harmonics = {text} is not possible", remedy, text=shown(harmonics), most=MOST_HARMONICS)
     if axis.length / period * KNOTS_PER_WAVE * harmonics > MOST_BREAKS:
         waves = axis.length / period * harmonics
-        what = f"{waves:.0f} waves over the travel of {axis.name} are too many"
-        raise DescriptionError(what, f"At most {MOST_BREAKS // KNOTS_PER_WAVE}; fewer harmonics, or a longer period")
+        what = "{waves:.0f} waves over the travel of {axis} are too many"
+        remedy = "At most {most}; fewer harmonics, or a longer period"
+        raise DescriptionError(what, remedy, waves=waves, axis=axis.name, most=MOST_BREAKS // KNOTS_PER_WAVE)
     turns = axis.length / period
     if axis.cyclic and abs(turns - round(turns)) > _TURN * turns:
-        raise DescriptionError(f"{turns:.6g} periods make no whole turn", "A period that repeats in every turn")
+        remedy = "A period that repeats in every turn"
+        raise DescriptionError("{turns:.6g} periods make no whole turn", remedy, turns=turns)
     return Shaped(harmonics)
 
 
 def _step(document: Document, keys: Keys, table: ErrorTable, axis: Axis) -> Shaped:
     if not table.at or len(table.at) > _MOST_JOINTS:
-        remedy = f'Name 1 to {_MOST_JOINTS} places: at = ["500 mm", "1000 mm"]'
-        raise DescriptionError("it is not said where the pieces of the scale meet", remedy)
+        remedy = 'Name 1 to {most} places: at = ["500 mm", "1000 mm"]'
+        raise DescriptionError("it is not said where the pieces of the scale meet", remedy, most=_MOST_JOINTS)
     if axis.cyclic:
-        raise DescriptionError(
-            f"a scale around {axis.name} closes", "Give EXX_step to an axis that does not turn round"
-        )
+        remedy = "Give EXX_step to an axis that does not turn round"
+        raise DescriptionError("a scale around {axis} closes", remedy, axis=axis.name)
     places = [within(document, (*keys, "at"), text, axis.dimension, -1e4, 1e4) for text in table.at]
     low, high = axis.travel
     ends = [low, *places, high]
     if any(after - before < 2 * JOINT for before, after in pairwise(ends)):
-        what = f"{', '.join(shown(text) for text in table.at)}: joints lie within the travel, one after the other"
-        raise DescriptionError(what, f"{axis.name} goes from {axis.travel_text}; leave 2 mm between them")
+        what = "{places}: joints lie within the travel, one after the other"
+        remedy = "{axis} goes from {travel}; leave 2 mm between them"
+        raise DescriptionError(
+            what, remedy, places=", ".join(shown(text) for text in table.at), axis=axis.name, travel=axis.travel_text
+        )
     return Shaped(joints=tuple(places))

@@ -171,8 +171,11 @@ class Simulator:
         for name in curves:
             axis = parse_error_name(name).axis
             if axis not in names:
-                what = f'"{name}" is an error of axis {axis}, which "{self.machine.name}" does not have'
-                raise ReadingError(what, f"Take the curve out; the axes are {', '.join(sorted(names))}", path)
+                what = '"{name}" is an error of axis {axis}, which "{machine}" does not have'
+                remedy = "Take the curve out; the axes are {known}"
+                raise ReadingError(
+                    what, remedy, path, name=name, axis=axis, machine=self.machine.name, known=", ".join(sorted(names))
+                )
         errors = tuple(ErrorEntry(name, std=1.0, knots=4) for name in curves)
         model = ErrorModel(replace(self.machine, errors=errors, planes=()))
         return VirtualMachine(model, tuple(_through(curve) for curve in curves.values()), *self._mounted(seed))

@@ -78,12 +78,14 @@ def cycle_of(machine: Machine, setup: Setup) -> Cycle:
     Raises DescriptionError where nobody says how large they are, or where they are to be touched from three sides.
     """
     if setup.three_touches:
-        what = f"{shown(setup.name)} reads spheres by three touches, and this cycle touches them from all sides"
-        raise DescriptionError(what, "Take touches out of the set-up, and its readings are what the cycle finds")
+        what = "{setup} reads spheres by three touches, and this cycle touches them from all sides"
+        remedy = "Take touches out of the set-up, and its readings are what the cycle finds"
+        raise DescriptionError(what, remedy, setup=shown(setup.name))
     if setup.artefact is None or setup.artefact.diameter is None:
-        name = "the sphere" if setup.artefact is None else f"each ball of {shown(setup.artefact.name)}"
+        what = "nobody says how large each ball of {artefact} is, and it is to be touched"
+        what = what if setup.artefact else "nobody says how large the sphere is, and it is to be touched"
         remedy = 'Give it under [[artefacts]], as in diameter = "25 mm"'
-        raise DescriptionError(f"nobody says how large {name} is, and it is to be touched", remedy)
+        raise DescriptionError(what, remedy, artefact=shown(setup.artefact.name if setup.artefact else ""))
     if machine.stylus <= 0:
         what = "nobody says how large the ball of the stylus is, and it is to touch spheres"
         raise DescriptionError(what, 'Give it in machine.toml under [tool], as in stylus = "6 mm"')
@@ -156,18 +158,19 @@ def found(machine: Machine, setup: Setup, pose: Array, hits: Sequence[Array]) ->
     off = tips - (at + cycle.radius * met)
     if (far := np.linalg.norm(off, axis=1)).max() > _AFAR:
         x, y, z = (format_quantity(each, "mm", 4) for each in off[far.argmax()].tolist())
-        what = f"touch {far.argmax() + 1} met something {x}, {y}, {z} along x, y, z from where the ball is stated"
+        what = "touch {touch} met something {x}, {y}, {z} along x, y, z from where the ball is stated"
         remedy = "Look whether coordinates are the machine's, without tool length and offsets, and the plan is this one"
-        raise ReadingError(what, remedy)
+        raise ReadingError(what, remedy, touch=far.argmax() + 1, x=x, y=y, z=z)
     sphere = centred(tips, met, cycle.radius)
     if abs(sphere.radius - cycle.radius) > _OTHER:
         seen, said = (format_quantity(each, "mm", 5) for each in (sphere.radius, cycle.radius))
-        what = f"the four sides show a radius of {seen}, and ball and stylus make {said}"
-        raise ReadingError(what, "Look at the diameters of ball and stylus, or whether it slips")
+        what = "the four sides show a radius of {seen}, and ball and stylus make {stated}"
+        remedy = "Look at the diameters of ball and stylus, or whether it slips"
+        raise ReadingError(what, remedy, seen=seen, stated=said)
     if sphere.apart > _LOOSE:
         apart = format_quantity(sphere.apart, "um", 3)
-        what = f"the pole, touched first and last, was {apart} from itself"
-        raise ReadingError(what, "Look whether ball and stylus are fixed, and touch it again")
+        what = "the pole, touched first and last, was {apart} from itself"
+        raise ReadingError(what, "Look whether ball and stylus are fixed, and touch it again", apart=apart)
     return sphere
 
 

@@ -11,7 +11,7 @@ from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError, TargetError
-from axiscal.language.spoken import said
+from axiscal.language.spoken import listed, said
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics.threads import one_thread
@@ -23,7 +23,7 @@ from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked, reachable_rms
-from axiscal.units import format_quantity, to_unit
+from axiscal.units import format_quantity, said_quantity, to_unit
 
 _NAMED = 3
 """Sentences that are read; the others would repeat them."""
@@ -48,8 +48,9 @@ def refuse_out_of_reach(case: Case, limits: Limits) -> None:
     floor = reachable_rms(case)
     if floor > limits.rms:
         target = replace(case.description.target, rms=limits.rms, worst=None, expanded=None)
-        what = f"an RMS of {to_unit(limits.rms, 'um'):.3g} um cannot be reached: {_leaves(limits.rms, floor)}"
-        raise TargetError(what, _what_helps(case, target))
+        what = "an RMS of {rms:.3g} um cannot be reached: {leaves}"
+        leaves = _leaves(limits.rms, floor)
+        raise TargetError(what, _what_helps(case, target), rms=to_unit(limits.rms, "um"), leaves=leaves)
     if limits.readings is None and limits.budget is None:
         _refuse_too_noisy(case, limits.rms)
 
@@ -57,24 +58,27 @@ def refuse_out_of_reach(case: Case, limits: Limits) -> None:
 def _leaves(limit: float, floor: float) -> str:
     """Say what endless readings would leave, with as many digits as tell it from the limit."""
     digits = next((n for n in (3, 4, 5) if f"{floor:.{n}g}" != f"{limit:.{n}g}"), 6)
-    floor_um, limit_um = (f"{to_unit(each, 'um'):.{digits}g} um" for each in (floor, limit))
-    return f"endless readings would leave {floor_um} of the {limit_um} asked for"
+    left, asked = (said_quantity(each, "um", digits) for each in (floor, limit))
+    return said("endless readings would leave {left} of the {asked} asked for", left=left, asked=asked)
 
 
 def refuse_endless(case: Case, limits: Limits, candidates: int) -> None:
     """Raise PlanError for a plan of so many readings, or chosen from so many places, that nobody would see its end."""
     if candidates > MOST_CANDIDATES:
-        what = f"a choice among {candidates:,} places is not made: at most {MOST_CANDIDATES:,} are compared"
-        raise PlanError(what, "Leave --candidates out: readings are brought to the best places between them anyway")
+        what = "a choice among {count:,} places is not made: at most {most:,} are compared"
+        remedy = "Leave --candidates out: readings are brought to the best places between them anyway"
+        raise PlanError(what, remedy, count=candidates, most=MOST_CANDIDATES)
     if (limits.readings or 0) > MOST:
-        what = f"a plan of {limits.readings:,} readings is not made: at most {MOST:,} are chosen together"
-        raise PlanError(what, "Ask for fewer, or for an accuracy with --target; a campaign goes on after its plan")
+        what = "a plan of {count:,} readings is not made: at most {most:,} are chosen together"
+        remedy = "Ask for fewer, or for an accuracy with --target; a campaign goes on after its plan"
+        raise PlanError(what, remedy, count=limits.readings, most=MOST)
     if limits.readings is None and limits.budget is not None and not limits.accurate:
         shortest = min(reading_seconds(setup) for setup in case.description.setups)
         if limits.budget > _ABSURD * MOST * max(shortest, _INSTANT):
             hours = format_quantity(limits.budget, "h", 3)
-            what = f"{hours} are time for {_ABSURD} times the {MOST:,} readings that are chosen together at most"
-            raise PlanError(what, "Say how many readings as well, with --readings, or give an accuracy with --target")
+            what = "{hours} are time for {times} times the {most:,} readings that are chosen together at most"
+            remedy = "Say how many readings as well, with --readings, or give an accuracy with --target"
+            raise PlanError(what, remedy, hours=hours, times=_ABSURD, most=MOST)
 
 
 def reached_unread(case: Case, limits: Limits) -> str | None:
@@ -92,12 +96,13 @@ def _what_helps(case: Case, target: Target) -> str:
     """Say which set-ups would help and how long they take, or what cannot be seen, or what the rests leave."""
     rest = math.sqrt(case.yardstick.moments.rest)
     if all(rest > each.limit for each in asked(target, case.yardstick)):
-        finer = "a smaller std" if case.description.usual else "finer knots"
-        return f"The rests of the errors alone make {to_unit(rest, 'um'):.3g} um: with {finer} they could be smaller"
-    hidden = " ".join(part.text for part in case.hidden[:_NAMED])
+        finer = "The rests of the errors alone make {rms:.3g} um: with finer knots they could be smaller"
+        surer = "The rests of the errors alone make {rms:.3g} um: with a smaller std they could be smaller"
+        return said(surer if case.description.usual else finer, rms=to_unit(rest, "um"))
+    hidden = listed(" ", [part.text for part in case.hidden[:_NAMED]])
     found = helping_setups(case, target)
-    helps = "Another set-up would help." if found is None else helping_words(found)
-    return f"{helps} What cannot be seen: {hidden}".rstrip(".")
+    helps = said("Another set-up would help.") if found is None else helping_words(found)
+    return said("{helps} What cannot be seen: {hidden}", helps=helps, hidden=hidden)
 
 
 def _refuse_too_noisy(case: Case, target: float) -> None:
@@ -112,9 +117,9 @@ def _refuse_too_noisy(case: Case, target: float) -> None:
         slopes = relaxation.slopes(dual)
         least = dual.whole - MOST * float(slopes.max())
         if not _met(yardstick, target, least):
-            what = f"an RMS of {to_unit(target, 'um'):.3g} um is out of reach: {MOST:,} readings leave at least "
-            what += f"{to_unit(yardstick.rms_of(least), 'um'):.3g} um"
-            raise TargetError(what, _half_the_noise(case, relaxation))
+            what = "an RMS of {rms:.3g} um is out of reach: {most:,} readings leave at least {left:.3g} um"
+            rms, left = (to_unit(each, "um") for each in (target, yardstick.rms_of(least)))
+            raise TargetError(what, _half_the_noise(case, relaxation), rms=rms, most=MOST, left=left)
         if _met(yardstick, target, dual.value) or not relaxation.grow(slopes):
             return
 
@@ -130,4 +135,5 @@ def _half_the_noise(case: Case, relaxation: Relaxation) -> str:
     best = int(np.argmin(left))
     noise = format_quantity(setups[best].noise / 2, reading_unit(setups[best]))
     reached = to_unit(case.yardstick.rms_of(left[best]), "um")
-    return f'With half the noise in "{setups[best].name}" ({noise}) it would be {reached:.3g} um; or ask for less'
+    what = 'With half the noise in "{setup}" ({noise}) it would be {reached:.3g} um; or ask for less'
+    return said(what, setup=setups[best].name, noise=noise, reached=reached)

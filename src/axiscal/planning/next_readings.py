@@ -22,6 +22,7 @@ from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
+from axiscal.language.spoken import listed, said
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
@@ -138,12 +139,9 @@ def posed(
 def refuse_lacking(case: Case) -> None:
     """Raise PlanError for a set-up that does not say where it can be read: no reading of it can be asked for."""
     lacking = [(setup.name, *setup.lacks) for setup in case.description.setups if setup.lacks is not None]
-    if not lacking:
-        return
-    (name, what, remedy), *others = lacking
-    remedies = [f'In "{name}": {remedy[0].lower()}{remedy[1:]}'] if others else [remedy]
-    remedies += [f'in "{each}": {remedy[0].lower()}{remedy[1:]}' for each, _, remedy in others]
-    raise PlanError(what, ". ".join(each[0].upper() + each[1:] for each in remedies))
+    remedies = [said('In "{setup}": {remedy}', setup=name, remedy=remedy) for name, _, remedy in lacking]
+    if lacking:
+        raise PlanError(lacking[0][1], lacking[0][2] if len(lacking) == 1 else listed(". ", remedies))
 
 
 def limits_left(

@@ -54,10 +54,10 @@ def check_against(schema: Path, document: bytes, file: Path) -> None:
         fault = next(checked.iter_errors(document.decode()), None)
     except (xmlschema.XMLSchemaException, OSError, SyntaxError) as failure:
         remedy = "Give PTB's dcc.xsd with what it imports in local files beside it"
-        raise ReadingError(f"the schema cannot be used: {failure}", remedy, schema) from failure
+        raise ReadingError("the schema cannot be used: {reason}", remedy, schema, reason=failure) from failure
     if fault is not None:
-        what = f"{fault.path}: {fault.reason}"
-        raise ReadingError(what, f"This schema may be another version than DCC {VERSION}", file)
+        remedy = "This schema may be another version than DCC {version}"
+        raise ReadingError("{path}: {reason}", remedy, file, path=fault.path, reason=fault.reason, version=VERSION)
 
 
 def _plain(text: str) -> str:

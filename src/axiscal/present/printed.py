@@ -85,8 +85,9 @@ def _set(template: Path, moment: int) -> bytes:
     try:
         return _compiled(template, moment, True, None)
     except typst.TypstError as failure:
-        what = f"report.pdf could not be set: {str(failure).splitlines()[0][:200]}"
-        raise PrintingError(what, "report.html beside it says the same; please report this defect of axiscal") from None
+        what = "report.pdf could not be set: {reason}"
+        remedy = "report.html beside it says the same; please report this defect of axiscal"
+        raise PrintingError(what, remedy, reason=str(failure).splitlines()[0][:200]) from None
 
 
 def _compiled(template: Path, moment: int, system: bool, standard: Literal["a-2b"] | None) -> bytes:

@@ -36,8 +36,9 @@ class SphereCycle:
         """Yield the touches of a reading, from where the tool is drawn back and back to there."""
         group = self._group
         if group is None:
-            what = f"X, Y and Z touch the spheres of {shown(self._setup.name)} and are not one group of moves"
-            raise ProgramError(what, "Name the linear axes X, Y and Z, and let them move together in --order")
+            what = "X, Y and Z touch the spheres of {setup} and are not one group of moves"
+            remedy = "Name the linear axes X, Y and Z, and let them move together in --order"
+            raise ProgramError(what, remedy, setup=shown(self._setup.name))
         standing = target.position
         for number, touch in enumerate(touches(self._machine, np.array(place.pose), self._cycle), start=1):
             stops = [self._written(pose, target) for pose in (*touch.way, touch.beside)]
@@ -56,8 +57,9 @@ class SphereCycle:
         for k, (scale, value) in enumerate(zip(self._scales, pose.tolist(), strict=True)):
             number = target.position[k] if scale.axis.rotary else scale.nearest(value)
             if number is None:
-                what = f"reading {target.number} of {shown(self._setup.name)}: touching leaves the travel of"
-                raise ProgramError(f"{what} {scale.axis.name}", "Put the sphere nearer to the middle of the travels")
+                what = "reading {number} of {setup}: touching leaves the travel of {axis}"
+                remedy, setup = "Put the sphere nearer to the middle of the travels", shown(self._setup.name)
+                raise ProgramError(what, remedy, number=target.number, setup=setup, axis=scale.axis.name)
             numbers.append(number)
         return tuple(numbers)
 

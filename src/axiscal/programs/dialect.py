@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from axiscal.document import meant, shown
 from axiscal.document.ports import names, one_of, ours
 from axiscal.exceptions import ProgramError
+from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.programs.steps import Touched
@@ -68,7 +69,7 @@ class Dialect:
     tip_off : makes them those of the machine again, {to} where its axes are; tip_move : moves the tool point straight,
     rotary axes in step; tip_needs : which mode and zero that needs, for the head; tip_notes : what must be known of it
     tip_decimals : of a place of the tool point, mm; from_zero : it takes the table as it stands when the mode begins
-    tip_tables : letters of the rotary axes that it has such a mode for, all where empty; tip_tables_said : in words
+    tip_tables : letters of the rotary axes that it has such a mode for, all where empty; tip_tables_said : a message
     timed : makes F the number of moves a minute, and ends that; None where the control has nothing of the kind
     axes : what an axis may be called; decimals : of a coordinate; longest_name : of a program
     signed : coordinates have a plus; numbered : so have blocks a number
@@ -107,8 +108,9 @@ class Dialect:
         """Raise ProgramError for an axis that the control has no name for."""
         for axis in axes:
             if not re.fullmatch(self.axes, axis.name):
-                what = f"{self.title} programs have no axis {axis.name}"
-                raise ProgramError(what, f"Name the axes of the machine by the letters {' '.join(LETTERS)}")
+                what = "{control} programs have no axis {axis}"
+                remedy = "Name the axes of the machine by the letters {letters}"
+                raise ProgramError(what, remedy, control=self.title, axis=axis.name, letters=" ".join(LETTERS))
 
     def refuse_no_tip(self, machine: Machine) -> None:
         """Raise ProgramError where the control cannot hold the tool point of such a machine."""
@@ -116,16 +118,16 @@ class Dialect:
         first = machine.axes[: len(rotary)]
         table = "".join(axis.name for axis in first if axis.workpiece_side)
         if self.tip_tables and (table not in self.tip_tables or len(table) < len(rotary)):
-            what = f"{self.title} has no kinematics for the chain {machine.chain}"
-            raise ProgramError(what, f"{self.tip_tables_said}; choose another control")
+            what, remedy = "{control} has no kinematics for the chain {chain}", said(self.tip_tables_said)
+            raise ProgramError(what, remedy, control=self.title, chain=machine.chain)
         if not {"X", "Y", "Z"} <= {axis.name for axis in machine.axes}:
             raise ProgramError("a tool point is held by X, Y and Z", "Name the linear axes of the machine so")
 
     def logging(self) -> Log:
         """Return how the control writes a log; raises ProgramError where it writes none."""
         if self.log is None:
-            what = f"{self.title} programs write no log"
-            raise ProgramError(what, "Leave --log out: the program stops at each sphere for the control's own cycle")
+            remedy = "Leave --log out: the program stops at each sphere for the control's own cycle"
+            raise ProgramError("{control} programs write no log", remedy, control=self.title)
         return self.log
 
     def framed(self, name: str, number: int, axes: Sequence[Axis], lines: Iterable[str], logs: bool) -> str:
@@ -201,6 +203,7 @@ def dialect(controller: str) -> Dialect:
             return words
         known = (*_DIALECTS, *names(PORTS))
         remedy = meant(controller, known, quoted="{}")
-        raise ProgramError(f"{shown(controller)} is not a controller that programs can be written for", remedy)
+        what = "{name} is not a controller that programs can be written for"
+        raise ProgramError(what, remedy, name=shown(controller))
     found: Dialect = ours(f"programs.dialects.{name}:{name.upper()}")
     return found

@@ -79,7 +79,7 @@ class SlideDriver:
         for scale, number in zip(self._scales, numbers, strict=True):
             if number is None:
                 remedy = "Read nearer to the middle of the travels"
-                raise ProgramError(f"a way in touch leaves the travel of {scale.axis.name}", remedy)
+                raise ProgramError("a way in touch leaves the travel of {axis}", remedy, axis=scale.axis.name)
         return tuple(number for number in numbers if number is not None)
 
     def stands(self, pose: Array) -> Decimals:
@@ -125,7 +125,8 @@ class SlideDriver:
         moving = {k for k, (a, b) in enumerate(zip(self._stood, stop, strict=True)) if a != b}
         if not any(moving <= set(group.axes) for group in self._groups):
             names = " ".join(self._scales[k].axis.name for k in sorted(moving))
-            raise ProgramError(f"{names} move together while the instrument is in touch", "Let them be in one group")
+            remedy = "Let them be in one group"
+            raise ProgramError("{names} move together while the instrument is in touch", remedy, names=names)
 
 
 class TipDriver:

@@ -39,8 +39,8 @@ class Group:
         most = self.near if slow and self.near is not None else FASTEST
         feed = min(math.floor(fastest * 60 * (1 + 1e-12)), most)
         if feed < 1:
-            what = f"{' '.join(self.names)} would move at less than 1 mm/min or deg/min"
-            raise ProgramError(what, "Give these axes a higher speed, or programs a higher feed near the place")
+            remedy = "Give these axes a higher speed, or programs a higher feed near the place"
+            raise ProgramError("{axes} would move at less than 1 mm/min or deg/min", remedy, axes=" ".join(self.names))
         return feed
 
     def seconds(self, ways: Sequence[float], feed: int) -> float:

@@ -164,9 +164,14 @@ class Ways:
             way = self._from_zeros(drawn) if self._from_zero else drawn[None]
             if self._room.in_travel(way).all() and (not boxes or self._leads_out(way, pose)):
                 return way, drawn, pose
-        beside = ", beside what is to be kept out," if boxes else ""
-        what = f'"{self._setup.name}": the tool cannot be drawn back{beside} within the travels where its way begins or'
-        raise ProgramError(f"{what} ends", "Read nearer to the middle of the travels, or move the artefact")
+        what = '"{setup}": the tool cannot be drawn back within the travels where its way begins or ends'
+        if boxes:
+            what = (
+                '"{setup}": the tool cannot be drawn back, beside what is to be kept out, within the travels where its '
+                "way begins or ends"
+            )
+        remedy = "Read nearer to the middle of the travels, or move the artefact"
+        raise ProgramError(what, remedy, setup=self._setup.name)
 
     def _leads_out(self, way: Array, pose: Array) -> bool:
         """Return whether nothing is in the way from where it is clear to a pose in touch.  way : (p, q), as the gate"""

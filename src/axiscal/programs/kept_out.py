@@ -13,6 +13,7 @@ import numpy as np
 
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError
+from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.machine.inverse import tip_at
 from axiscal.machine.kinematics import frames
@@ -96,18 +97,23 @@ def refuse_kept_out(kept: KeptOut, setup: Setup, scales: Sequence[AxisScale], ru
     for step in run:
         pending = pending or not follower.goes(step)
         if isinstance(step, Arrival) and pending:
-            raise _hit(setup, f"the way to reading {step.target.number}")
+            raise _hit(setup, said("the way to reading {number}", number=step.target.number))
     if pending:
-        raise _hit(setup, "the way from the last reading")
+        raise _hit(setup, said("the way from the last reading"))
 
 
 def _hit(setup: Setup, way: str) -> ProgramError:
-    artefact = "" if setup.artefact is None else f" of {shown(setup.artefact.name)}"
-    what = f"{way} of the set-up {shown(setup.name)} leads into what is to be kept out{artefact}"
+    what = "{way} of the set-up {setup} leads into what is to be kept out"
+    what = (
+        what
+        if setup.artefact is None
+        else "{way} of the set-up {setup} leads into what is to be kept out of {artefact}"
+    )
+    artefact = shown(setup.artefact.name if setup.artefact else "")
     remedy = (
         "Say what goes clear before others move (--clearance), read the place from another side, or move the artefact"
     )
-    return ProgramError(what, remedy)
+    return ProgramError(what, remedy, way=way, setup=shown(setup.name), artefact=artefact)
 
 
 class _Follower:

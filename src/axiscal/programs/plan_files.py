@@ -45,8 +45,9 @@ def _refuse_other_plan(folder: Path, own: str, files: Collection[str]) -> None:
     for other in sorted(folder.glob(LISTS.format("*"))):
         lists = other.read_text(encoding="utf-8", errors="replace").split("\n")
         if other.name != own and (taken := next((name for name in lists if name in files), None)):
-            what = f"{folder} holds {shown(taken)} of another plan, whose logs are read with it"
-            raise ProgramError(what, f"Write to another folder; or take out {other.name} if it was never run")
+            what = "{folder} holds {taken} of another plan, whose logs are read with it"
+            remedy = "Write to another folder; or take out {list} if it was never run"
+            raise ProgramError(what, remedy, folder=folder, taken=shown(taken), list=other.name)
 
 
 def _files(program: Program) -> dict[str, str]:

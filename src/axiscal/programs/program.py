@@ -12,6 +12,7 @@ import numpy as np
 
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError
+from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.inverse import drawn_back
@@ -103,7 +104,8 @@ def programs(
 
 def _named(known: Mapping[str, Setup], name: str) -> Setup:
     if name not in known:
-        raise ProgramError(f"the plan has a set-up {shown(name)}", f"Known are {', '.join(map(shown, known))}")
+        remedy = "Known are {known}"
+        raise ProgramError("the plan has a set-up {name}", remedy, name=shown(name), known=", ".join(map(shown, known)))
     return known[name]
 
 
@@ -181,8 +183,9 @@ class _Writer:
     def _refuse_untimed(self) -> None:
         """Raise ProgramError where moves cannot be given their time."""
         if self._dialect.timed is None:
-            what = f"{self._dialect.title} programs have no feed by time, so linear and rotary axes cannot go in step"
-            raise ProgramError(what, "Leave --no-tcp out: the control holds the tool point itself")
+            what = "{control} programs have no feed by time, so linear and rotary axes cannot go in step"
+            remedy = "Leave --no-tcp out: the control holds the tool point itself"
+            raise ProgramError(what, remedy, control=self._dialect.title)
 
     @property
     def _gentle(self) -> int:
@@ -357,9 +360,10 @@ def clearance_of(machine: Machine, scales: Sequence[AxisScale], setup: Setup) ->
     index = machine.index(name)
     number = scales[index].nearest(place)
     if number is None:
-        unit, travel = scales[index].unit, f"{scales[index].low} to {scales[index].high}"
-        what = f"{name} is to go clear at {format_quantity(place, unit)}, outside its travel"
-        raise ProgramError(what, f"Choose a place within {travel} {unit}")
+        scale, what = scales[index], "{name} is to go clear at {place}, outside its travel"
+        travel = said("{low} to {high}", low=scale.low, high=f"{scale.high} {scale.unit}")
+        shown = format_quantity(place, scale.unit)
+        raise ProgramError(what, "Choose a place within {travel}", name=name, place=shown, travel=travel)
     return index, number
 
 

@@ -9,6 +9,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 
 from axiscal.document import shown
 from axiscal.exceptions import ProgramError
+from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.driving import near
 from axiscal.units import format_quantity, to_unit
@@ -47,8 +48,9 @@ class AxisScale:
         low, high = (exact(to_unit(end, axis.unit)) for end in axis.travel)
         first, last = low.quantize(step, ROUND_CEILING) + 0, high.quantize(step, ROUND_FLOOR) + 0
         if first > last:
-            what = f"no number with {decimals} decimals lies in the travel of {axis.name}, {low} to {high}"
-            raise ProgramError(what, "Choose a controller with more decimals")
+            what = "no number with {decimals} decimals lies in the travel of {axis}, {low} to {high}"
+            remedy = "Choose a controller with more decimals"
+            raise ProgramError(what, remedy, decimals=decimals, axis=axis.name, low=low, high=high)
         return cls(axis, step, low, high, first, last)
 
     @property
@@ -82,8 +84,11 @@ class AxisScale:
         text = f"{value + 0:.{-int(self.step.as_tuple().exponent)}f}"
         read = Decimal(text)
         if read != value or not self.low <= read <= self.high:
-            what = f"{self.axis.name} would go to {text} {self.unit}, and its travel is {self.low} to {self.high}"
-            raise ProgramError(what, "Choose a smaller overrun, or a raster within the travel")
+            what = "{axis} would go to {text} {unit}, and its travel is {low} to {high}"
+            remedy = "Choose a smaller overrun, or a raster within the travel"
+            raise ProgramError(
+                what, remedy, axis=self.axis.name, text=text, unit=self.unit, low=self.low, high=self.high
+            )
         return text
 
 
@@ -113,9 +118,10 @@ def target(
     approach: Sequence[int],
 ) -> ReadingTarget:
     """Return a reading in the numbers of a program; raises ProgramError for one outside the travel, or without room."""
-    label = f"reading {number} of the set-up {shown(setup)}"
+    label = said("reading {number} of the set-up {setup}", number=number, setup=shown(setup))
     if not len(pose) == len(approach) == len(scales) or any(side not in (-1, 0, 1) for side in approach):
-        raise ProgramError(f"{label} does not fit the machine's {len(scales)} axes", "Plan it for this machine")
+        remedy = "Plan it for this machine"
+        raise ProgramError("{label} does not fit the machine's {count} axes", remedy, label=label, count=len(scales))
     placed = [_placed(s, label, v, int(a)) for s, v, a in zip(scales, pose, approach, strict=True)]
     position, turning = zip(*placed, strict=True)
     return ReadingTarget(number, position, turning, tuple(int(side) for side in approach))
@@ -125,8 +131,10 @@ def _placed(scale: AxisScale, label: str, value: float, side: int) -> tuple[Deci
     """Return position and turning point of one axis."""
     number = scale.nearest(value)
     if number is None:
-        what = f"{label}: {scale.axis.name} = {format_quantity(value, scale.unit, 9)} is outside the travel"
-        raise ProgramError(what, f"Plan within {scale.low} to {scale.high} {scale.unit}; a raster may lead beyond it")
+        what, place = "{label}: {axis} = {place} is outside the travel", format_quantity(value, scale.unit, 9)
+        remedy = "Plan within {travel}; a raster may lead beyond it"
+        travel = said("{low} to {high}", low=scale.low, high=f"{scale.high} {scale.unit}")
+        raise ProgramError(what, remedy, label=label, axis=scale.axis.name, place=place, travel=travel)
     if side == 0:
         return number, number
     sided = _sided(scale, number, side)
@@ -153,7 +161,9 @@ def _no_room(scale: AxisScale, label: str, number: Decimal, side: int) -> Progra
     sign, end = ("+", scale.low) if side > 0 else ("-", scale.high)
     overrun = format_quantity(scale.axis.overrun, scale.unit, 3)
     what = (
-        f"{label} is to be approached with {scale.axis.name}{sign} at {scale.axis.name} = {number} {scale.unit}, and "
-        f"the travel, which ends at {end} {scale.unit}, leaves less than the overrun of {overrun} to come from there"
+        "{label} is to be approached with {side} at {axis} = {number} {unit}, and the travel, which ends at {end} "
+        "{unit}, leaves less than the overrun of {overrun} to come from there"
     )
-    return ProgramError(what, "Plan it further inside or from the other side, or give the axis a smaller overrun")
+    remedy = "Plan it further inside or from the other side, or give the axis a smaller overrun"
+    at = {"side": f"{scale.axis.name}{sign}", "axis": scale.axis.name, "number": number, "unit": scale.unit, "end": end}
+    return ProgramError(what, remedy, None, None, label=label, overrun=overrun, **at)

@@ -239,8 +239,8 @@ def _others_move(start: Decimals, stop: Decimals, clearance: Clearance | None) -
 def dwells(seconds: float) -> Iterator[Dwell]:
     """Yield dwells of at most a minute that add up to so many seconds; raises ProgramError for more than an hour."""
     if not 0 <= seconds <= LONGEST_WAIT:
-        what = f"a wait of {format_quantity(seconds, 's')} at each reading"
-        raise ProgramError(what, "Shorten settle or reading_time, or let the program stop for the instrument")
+        remedy = "Shorten settle or reading_time, or let the program stop for the instrument"
+        raise ProgramError("a wait of {seconds} at each reading", remedy, seconds=format_quantity(seconds, "s"))
     parts = math.ceil(seconds / LONGEST_DWELL)
     yield from [Dwell(seconds / max(parts, 1))] * parts
 

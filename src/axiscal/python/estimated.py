@@ -107,12 +107,15 @@ class Estimated(Mapping[str, Curve]):
         axes = {axis.name: axis for axis in self.machine.axes}
         for name in pose:
             if name not in axes:
-                raise ReadingError(f'the machine has no axis "{name}"', f"Its axes are {', '.join(axes)}")
+                remedy = "Its axes are {known}"
+                raise ReadingError('the machine has no axis "{name}"', remedy, name=name, known=", ".join(axes))
         found = []
         for name, axis in axes.items():
             value = si(pose[name], axis.dimension) if name in pose else sum(axis.travel) / 2
             if not axis.travel[0] <= value <= axis.travel[1]:
-                raise ReadingError(f"{name} = {value:g} is outside the travel", f"{name} goes from {axis.travel_text}")
+                what = "{axis} = {shown} is outside the travel"
+                shown, travel = f"{value:g}", axis.travel_text
+                raise ReadingError(what, "{axis} goes from {travel}", axis=name, shown=shown, travel=travel)
             found.append(value)
         return found
 

@@ -35,18 +35,14 @@ def refuse_other(log: EventLog, path: Path) -> None:
         with Record.open(path, write=False) as there:
             kept = [_content(text.row) for text in there.texts()]
     except RecordError as failure:
-        raise RecordError(
-            "A file with the name of the record is here already: {why}", remedy, path, why=failure.what
-        ) from None
+        what = "A file with the name of the record is here already: {why}"
+        raise RecordError(what, remedy, path, why=failure.what) from None
     own = [_content(text.row) for text in log.texts()]
     if kept[:1] != own[:1]:
         raise RecordError("Another campaign's record is here already", remedy, path)
     if kept != own[: len(kept)]:
-        raise RecordError(
-            "The copy that is here has gone on by itself",
-            "Name another folder, or move it away; or go on with that one",
-            path,
-        )
+        remedy = "Name another folder, or move it away; or go on with that one"
+        raise RecordError("The copy that is here has gone on by itself", remedy, path)
 
 
 def _is_itself(log: EventLog, path: Path) -> bool:

@@ -198,14 +198,8 @@ class Story:
         assert self._newer is not None
         kind = shown(encode(self._newer.event)[0])
         what = "Event {number} is an entry of a newer version of axiscal: {kind}"
-        return NewerError(
-            what,
-            "Install that version to go on with it. {still}",
-            path,
-            number=self._newer.number,
-            kind=kind,
-            still=still,
-        )
+        remedy = "Install that version to go on with it. {still}"
+        return NewerError(what, remedy, path, number=self._newer.number, kind=kind, still=still)
 
 
 def _refuse_timeless(stored: Stored) -> None:
@@ -256,11 +250,8 @@ def chained_texts(rows: Iterable[EventText], chain: str = EMPTY) -> list[Chained
 def refuse_overtaken(last: int, after: int | None, path: Path) -> None:
     """Raise OvertakenError where a log has gone on since the caller looked at it."""
     if after is not None and last != after:
-        raise OvertakenError(
-            "Another process has written to this record in the meantime",
-            "Look at it with `axiscal status`, then give the command again",
-            path,
-        )
+        remedy = "Look at it with `axiscal status`, then give the command again"
+        raise OvertakenError("Another process has written to this record in the meantime", remedy, path)
 
 
 def _now() -> str:

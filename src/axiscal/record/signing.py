@@ -120,11 +120,11 @@ def _own_key() -> Ed25519PrivateKey | None:
     from cryptography.hazmat.primitives.serialization import load_pem_private_key
 
     if os.name == "posix" and path.stat().st_mode & 0o077:
-        raise RecordError("Others may read this key", f"Keep it to yourself: chmod 600 {path}", path)
+        raise RecordError("Others may read this key", "Keep it to yourself: chmod 600 {path}", path, path=path)
     try:
         key = load_pem_private_key(path.read_bytes(), None)
     except (OSError, TypeError, ValueError) as fault:
-        raise RecordError(f"The key cannot be read: {fault}", "Put it back from a copy", path) from None
+        raise RecordError("The key cannot be read: {reason}", "Put it back from a copy", path, reason=fault) from None
     if not isinstance(key, Ed25519PrivateKey):
-        raise RecordError("This is no key of Ed25519", f"Name another file by {KEY}", path)
+        raise RecordError("This is no key of Ed25519", "Name another file by {key}", path, key=KEY)
     return key

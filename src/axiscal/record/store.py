@@ -192,19 +192,15 @@ class Record(EventLog):
         with contextlib.suppress(FileNotFoundError):
             if os.path.samestat(os.fstat(handle), os.stat(self.path)):
                 return
-        raise RecordError(
-            "The record is no longer here: it was moved, or another file was put in its place",
-            "Put it back, then give the command again; what was acknowledged is in it",
-            self.path,
-        )
+        what = "The record is no longer here: it was moved, or another file was put in its place"
+        raise RecordError(what, "Put it back, then give the command again; what was acknowledged is in it", self.path)
 
 
 def refuse_existing(path: Path) -> None:
     """Raise RecordError if there is something at `path` already."""
     if path.exists():
-        raise RecordError(
-            "This file exists already", "Go on with it by `axiscal next`, or name another file for the record", path
-        )
+        remedy = "Go on with it by `axiscal next`, or name another file for the record"
+        raise RecordError("This file exists already", remedy, path)
 
 
 def content_of(rows: Sequence[EventText]) -> tuple[bytes, Mark]:
@@ -246,20 +242,15 @@ def _form(path: Path) -> int:
     start = _start_of(path)
     form = form_of(start)
     if form is not None and form > FORM:
-        raise NewerError(
-            "This record was written by a newer axiscal (form {form}; this one knows {known})",
-            "Install the newer version to go on with it; nothing was changed",
-            path,
-            form=form,
-            known=FORM,
-        )
+        what = "This record was written by a newer axiscal (form {form}; this one knows {known})"
+        remedy = "Install the newer version to go on with it; nothing was changed"
+        raise NewerError(what, remedy, path, form=form, known=FORM)
     if form == SQLITE or start[:BLOCK] == head():
         return form or FORM
     if any(isinstance(read_mark(start[at:]), Mark) for at in MARKS):
         raise DamageError("its first lines are not as they were written")
-    raise RecordError(
-        "This file is not a campaign record", "Name a record that `axiscal start` or `axiscal run` has made", path
-    )
+    remedy = "Name a record that `axiscal start` or `axiscal run` has made"
+    raise RecordError("This file is not a campaign record", remedy, path)
 
 
 def _start_of(path: Path) -> bytes:
@@ -272,9 +263,8 @@ def _start_of(path: Path) -> bytes:
         inside = next(iter(sorted(path.glob("*.axiscal"))), "a file *.axiscal")
         raise RecordError("This is a folder", "Name the record in it: {inside}", path, inside=inside) from None
     except OSError as error:
-        raise RecordError(
-            "The record cannot be opened: {strerror}", "Name a file you may read", path, strerror=error.strerror
-        ) from error
+        remedy = "Name a file you may read"
+        raise RecordError("The record cannot be opened: {strerror}", remedy, path, strerror=error.strerror) from error
 
 
 @contextlib.contextmanager
@@ -295,11 +285,8 @@ def _held(handle: int, path: Path) -> Iterator[None]:
         with alone(handle, PATIENCE):
             yield
     except HeldError:
-        raise RecordError(
-            "Another program holds this record and is writing",
-            "Close it or wait, then give the command again",
-            path,
-        ) from None
+        remedy = "Close it or wait, then give the command again"
+        raise RecordError("Another program holds this record and is writing", remedy, path) from None
 
 
 @contextlib.contextmanager
@@ -308,7 +295,7 @@ def record_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except DamageError as error:
-        raise RecordError(f"The record is damaged: {error}", restoring(path), path) from error
+        raise RecordError("The record is damaged: {reason}", restoring(path), path, reason=error) from error
     except OSError as error:
         raise _not_taken(path, error) from error
 

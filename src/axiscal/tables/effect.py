@@ -97,7 +97,8 @@ def by_linear_axes(machine: Machine) -> Callable[[Array, Array], Array]:
     """
     linear = [k for k, axis in enumerate(machine.axes) if not axis.rotary]
     if len(linear) != 3:
-        raise TableError(f"the machine has {len(linear)} linear axes", "volumetric compensation needs three")
+        remedy = "volumetric compensation needs three"
+        raise TableError("the machine has {count} linear axes", remedy, count=len(linear))
 
     def added(poses: Array, deviation: Array) -> Array:
         rotations = frames(machine, poses).rotations

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from axiscal.document import shown
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import listed, said
 from axiscal.machine.description import Machine
 from axiscal.tables.loaded import Loaded
 from axiscal.tables.old_files import OldFile
@@ -64,8 +65,9 @@ class ExportOptions:
         found = self.joints(machine, first)
         for name, numbers in found.items():
             if len(numbers) > 1:
-                several = " and ".join(map(str, numbers))
-                raise TableError(f"{name} is given the numbers {several}", "This control takes one for each axis")
+                several = listed(said(" and "), list(map(str, numbers)))
+                remedy = "This control takes one for each axis"
+                raise TableError("{name} is given the numbers {numbers}", remedy, name=name, numbers=several)
         return {name: numbers[0] for name, numbers in found.items()}
 
     def joints(self, machine: Machine, first: int = 0) -> dict[str, tuple[int, ...]]:
@@ -85,19 +87,18 @@ class ExportOptions:
 
     def __post_init__(self) -> None:
         if not _NAME.fullmatch(self.name):
-            raise TableError(
-                f"{shown(self.name)} is not a name for a table", "Take letters, digits, _ and -, 31 at most"
-            )
+            remedy = "Take letters, digits, _ and -, 31 at most"
+            raise TableError("{name} is not a name for a table", remedy, name=shown(self.name))
         if not _HASH.fullmatch(self.origin):
-            raise TableError(f"{shown(self.origin)} is not the hash of a record", "Leave it out")
+            raise TableError("{origin} is not the hash of a record", "Leave it out", origin=shown(self.origin))
         if self.unit not in ("mm", "in"):
-            raise TableError(f"{shown(self.unit)} is not the unit of a machine", "It can be mm or in")
+            raise TableError("{unit} is not the unit of a machine", "It can be mm or in", unit=shown(self.unit))
         if self.mesh is not None and not 2 <= self.mesh <= _LARGEST_MESH:
-            raise TableError(f"a mesh of {self.mesh} points a side", f"Take 2 to {_LARGEST_MESH}")
+            raise TableError("a mesh of {count} points a side", "Take 2 to {most}", count=self.mesh, most=_LARGEST_MESH)
         if self.encoder not in (1, 2):
-            raise TableError(f"measuring system {self.encoder}", "An axis has measuring systems 1 and 2")
+            raise TableError("measuring system {number}", "An axis has measuring systems 1 and 2", number=self.encoder)
         if self.points is not None and not 2 <= self.points <= _MOST_POINTS:
-            raise TableError(f"a table of {self.points} points", f"Take 2 to {_MOST_POINTS}")
+            raise TableError("a table of {count} points", "Take 2 to {most}", count=self.points, most=_MOST_POINTS)
         if any(number < 0 for numbers in self.numbers.values() for number in numbers):
             raise TableError("numbers of axes are negative", "Count from 0 or 1 as the control does")
 
@@ -108,10 +109,10 @@ def _refuse_twice(found: Mapping[str, tuple[int, ...]]) -> None:
     for name, numbers in found.items():
         for number in numbers:
             if number in owner:
-                who = f"{owner[number]} and {name} have" if owner[number] != name else f"{name} is given twice"
                 known = ", ".join(f"{axis}={each}" for axis, own in found.items() for each in own)
-                what = f"{who} the same number {number} (numbers are {known})"
-                raise TableError(
-                    what, "Give each axis its own: --number X=0; an axis of two joints --number Y=1 --number Y=2"
-                )
+                what = "{name} is given twice the same number {number} (numbers are {known})"
+                if owner[number] != name:
+                    what = "{other} and {name} have the same number {number} (numbers are {known})"
+                remedy = "Give each axis its own: --number X=0; an axis of two joints --number Y=1 --number Y=2"
+                raise TableError(what, remedy, name=name, other=owner[number], number=number, known=known)
             owner[number] = name

@@ -88,7 +88,8 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     slack = _WORTH + sum(_reach(estimate, name) * step for name, step in draft.resolution.items())
     if effect.after > min(meant.after, effect.before) + slack:
         before, after = (format_quantity(value, "um", 3) for value in effect)
-        raise TableError(f"these files would take the error from {before} to {after}", _DEFECT)
+        what = "these files would take the error from {before} to {after}"
+        raise TableError(what, _DEFECT, before=before, after=after)
     together = planes_left(estimate, draft.control, poses, approaches)
     if estimate.sample is not None:
         poses, _ = tour(estimate.sample[:POSES], estimate.box)
@@ -104,8 +105,8 @@ def _nothing_held(estimate: Estimate) -> str:
     """Return what to do when a controller can hold nothing of what is known."""
     poses, approaches = spread_poses(estimate)
     if float(np.max(np.abs(estimate.deviation(poses, approaches)), initial=0.0)) <= _WORTH:
-        return "take readings first"
-    return (
+        return said("take readings first")
+    return said(
         "what the readings show is along no axis that such files move; the bed of a printer goes as a height map to "
         "klipper, marlin or reprapfirmware"
     )
@@ -153,7 +154,8 @@ def _refuse_differences(estimate: Estimate, draft: Draft, poses: Array, approach
     for axis, worst in zip(estimate.machine.axes, apart, strict=True):
         if not worst <= draft.resolution.get(axis.name, 0.0) + 1e-12:
             shown = format_quantity(float(worst), "arcsec" if axis.rotary else "um", 3)
-            raise TableError(f"read back, the files move {axis.name} by {shown} more or less than they should", _DEFECT)
+            what = "read back, the files move {axis} by {shown} more or less than they should"
+            raise TableError(what, _DEFECT, axis=axis.name, shown=shown)
 
 
 def _reach(estimate: Estimate, name: str) -> float:

@@ -70,12 +70,14 @@ def loaded(controller: str, machine: Machine, options: ExportOptions) -> Loaded:
     except AxiscalError:
         raise
     except (LookupError, ArithmeticError, ValueError) as fault:
-        what = f"a number that {controller} needs is missing, or is none ({fault})"
-        raise TableError(what, "give the files as the control saved them", named) from fault
+        what = "a number that {controller} needs is missing, or is none ({reason})"
+        remedy = "give the files as the control saved them"
+        raise TableError(what, remedy, named, controller=controller, reason=fault) from fault
     for table in found.lookups:
         if not np.all(np.abs(table.added) < _ABSURD):
-            what = f"the table of {table.axis} over {table.over} moves it by a metre, or a radian, or more"
-            raise TableError(what, "give the files as the control saved them, and the unit of the machine", named)
+            what = "the table of {axis} over {over} moves it by a metre, or a radian, or more"
+            remedy = "give the files as the control saved them, and the unit of the machine"
+            raise TableError(what, remedy, named, axis=table.axis, over=table.over)
     return found
 
 
@@ -91,6 +93,7 @@ def exporter(controller: str) -> Exporter:
             made: Exporter = brought()
             return made
         remedy = meant(controller, controllers(), quoted="{}")
-        raise TableError(f"{shown(controller)} is not a controller that tables can be made for", remedy)
+        what = "{controller} is not a controller that tables can be made for"
+        raise TableError(what, remedy, controller=shown(controller))
     found: type[Exporter] = ours(CONTROLLERS[controller])
     return found()

@@ -41,6 +41,6 @@ def round_trip(control: Exporter, estimate: Estimate, options: ExportOptions | N
     poses, ways = spread_poses(estimate)
     apart = float(np.max(np.abs(loaded(poses, ways) - made.control(poses, ways))))
     if not apart <= 1e-9:
-        what = f"loaded as files that were active, they move an axis by {apart:.3g} m or rad more or less"
-        raise TableError(what, "let load read all that write writes")
+        what = "loaded as files that were active, they move an axis by {apart:.3g} m or rad more or less"
+        raise TableError(what, "let load read all that write writes", apart=apart)
     return made

@@ -144,11 +144,13 @@ def _spaced(axis: Axis, spacing: float, most: int) -> Array:
     shown, travel = format_quantity(spacing, axis.unit), format_quantity(stop - start, axis.unit)
     if count < 1 or abs(count * spacing - (stop - start)) > 1e-9:
         near = format_quantity((stop - start) / max(count, 1), axis.unit)
-        raise TableError(f"{shown} does not divide the {travel} of {name}", f"{near} would, or leave the spacing out")
+        what, remedy = "{shown} does not divide the {travel} of {name}", "{near} would, or leave the spacing out"
+        raise TableError(what, remedy, shown=shown, travel=travel, name=name, near=near)
     if count + 1 > most:
         fits = format_quantity((stop - start) / (most - 1), axis.unit, 4)
-        what = f"every {shown} makes {count + 1} points of {name}, this control holds {most}"
-        raise TableError(what, f"{most} fit: take {fits} or more")
+        what = "every {shown} makes {count} points of {name}, this control holds {most}"
+        remedy = "{most} fit: take {fits} or more"
+        raise TableError(what, remedy, shown=shown, count=count + 1, name=name, most=most, fits=fits)
     return np.linspace(start, stop, count + 1)
 
 

@@ -62,7 +62,7 @@ def plane_axes(machine: Machine) -> tuple[int, int, int]:
     """Return where X, Y and Z stand in a pose; raises TableError for a machine that is more, or less, than these."""
     names = sorted(axis.name for axis in machine.axes)
     if names != ["X", "Y", "Z"]:
-        raise TableError(f"the machine has axes {', '.join(names)}", "this control is for X, Y and Z")
+        raise TableError("the machine has axes {names}", "this control is for X, Y and Z", names=", ".join(names))
     x, y, z = (machine.index(name) for name in "XYZ")
     return x, y, z
 

@@ -44,7 +44,8 @@ class CompensationTable:
         object.__setattr__(self, "over", self.over or self.axis)
         for axis in (self.axis, self.over):
             if not re.fullmatch(AXIS_NAME, axis):
-                raise TableError(f"{axis[:20]!r} is not the name of an axis", "axes are named like X, Y2 or C")
+                remedy = "axes are named like X, Y2 or C"
+                raise TableError("{name!r} is not the name of an axis", remedy, name=axis[:20])
         for name in ("positions", "forward", "reverse", "std"):
             values = np.array(getattr(self, name), dtype=np.float64)
             values.setflags(write=False)
@@ -53,17 +54,18 @@ class CompensationTable:
         if self.prior_only.shape != self.positions.shape:
             object.__setattr__(self, "prior_only", np.zeros(len(self.positions), dtype=bool))
         if np.any(np.diff(self.positions) <= 0):
-            raise TableError(f"the positions of {self.axis} do not increase", "sort them, and give each once")
+            raise TableError("the positions of {axis} do not increase", "sort them, and give each once", axis=self.axis)
 
     def _check(self, name: str, values: Array) -> None:
         if values.ndim != 1 or values.size == 0 or values.shape != np.shape(self.positions):
-            shape = f"{np.shape(values)} for {np.shape(self.positions)} positions"
-            raise TableError(
-                f"the table of {self.axis} has {name} of shape {shape}", "give one number for each position"
-            )
+            what = "the table of {axis} has {name} of shape {shape} for {places} positions"
+            shape, places = np.shape(values), np.shape(self.positions)
+            remedy = "give one number for each position"
+            raise TableError(what, remedy, axis=self.axis, name=name, shape=shape, places=places)
         if not np.all(np.isfinite(values)):
             where = self.positions[int(np.argmin(np.isfinite(values)))]
-            raise TableError(f"{name} of {self.axis} is not finite at {where:g} m or rad", "leave that position out")
+            what = "{name} of {axis} is not finite at {where:g} m or rad"
+            raise TableError(what, "leave that position out", name=name, axis=self.axis, where=where)
 
     def deviation(self, position: Array, direction: int) -> Array:
         """Return the deviation at positions (m,) approached in direction +1 or -1: linear between, constant outside."""

@@ -136,7 +136,8 @@ def _block(name: str, both: Sequence[SampledError]) -> str:
 def _refuse_third_axes(parts: Mapping[str, Sequence[SampledError]]) -> None:
     for name, both in parts.items():
         if len(overs := sorted({one.over for one in both} - {""})) > 1:
-            raise TableError(f"{name} depends on {overs[0]} before and on {overs[1]} now", "take the old one out first")
+            what = "{name} depends on {before} before and on {now} now"
+            raise TableError(what, "take the old one out first", name=name, before=overs[0], now=overs[1])
 
 
 def _distinct(positions: Array) -> Array:

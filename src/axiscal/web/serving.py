@@ -70,10 +70,8 @@ def _listening(port: int) -> socket.socket:
         listener.listen()
     except OSError as failure:
         listener.close()
-        what = "Port {port} cannot be used: {strerror}"
-        raise InputError(
-            what, "Name another one with --port, or leave it out", port=port, strerror=failure.strerror
-        ) from failure
+        what, remedy = "Port {port} cannot be used: {strerror}", "Name another one with --port, or leave it out"
+        raise InputError(what, remedy, port=port, strerror=failure.strerror) from failure
     return listener
 
 

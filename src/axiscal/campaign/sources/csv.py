@@ -35,13 +35,8 @@ class CsvSource:
         row = next(self._rows, None)
         if row is None:
             what = "there are {rows} readings in it, and reading {reading} was asked for"
-            raise SourceError(
-                what,
-                "Add readings, or ask for fewer by the target `readings`",
-                self._table.file,
-                rows=len(self._table.rows),
-                reading=request.reading,
-            )
+            remedy = "Add readings, or ask for fewer by the target `readings`"
+            raise SourceError(what, remedy, self._table.file, rows=len(self._table.rows), reading=request.reading)
         self._columns.refuse_other_place(row, request)
         return self._columns.answer(row, request)
 
@@ -67,8 +62,8 @@ class _Columns:
         if not self.values:
             raise table.fail("there is no column 'value_um' or 'value_urad'", "Name the column of the readings so")
         if texts:
-            known = "setup, approach, value_um, value_urad, std_um, and positions such as X_mm"
-            raise table.fail(f"column '{next(iter(texts))}' is not known", f"Known are {known}")
+            remedy = "Known are setup, approach, value_um, value_urad, std_um, and positions such as X_mm"
+            raise table.fail("column '{column}' is not known", remedy, column=next(iter(texts)))
 
     def answer(self, row: Row, request: Request) -> Answer:
         column = row.only_filled(self.values)
@@ -80,7 +75,8 @@ class _Columns:
             return Answer(row.quantity(column))
         _refuse_other_dimension(row, spread, request)
         if (std := row.quantity(spread)) <= 0:
-            raise row.fail(f"{spread.name} {row.text(spread)} is not positive", "Give a std above 0, or leave it empty")
+            remedy = "Give a std above 0, or leave it empty"
+            raise row.fail("{spread} {text} is not positive", remedy, spread=spread.name, text=row.text(spread))
         return Answer(row.quantity(column), std)
 
     def refuse_other_place(self, row: Row, request: Request) -> None:
@@ -94,7 +90,8 @@ class _Columns:
     def _refuse_other_coordinate(self, row: Row, column: Column, request: Request) -> None:
         names = [axis.name for axis in request.axes]
         if column.stem not in names:
-            raise row.fail(f"there is no axis '{column.stem}'", f"The machine has {', '.join(names)}")
+            remedy = "The machine has {names}"
+            raise row.fail("there is no axis '{stem}'", remedy, stem=column.stem, names=", ".join(names))
         if not row.text(column):
             return
         axis, asked = request.axes[names.index(column.stem)], request.pose[names.index(column.stem)]
@@ -108,9 +105,10 @@ class _Columns:
 def _refuse_other_dimension(row: Row, column: Column, request: Request) -> None:
     reads = INSTRUMENTS[request.setup.instrument].reads
     if dimension_of(column.unit or "") != reads:
-        noun = "an angle" if reads == "angle" else "a length"
-        what = f"'{column.name}' is filled, but the {request.setup.instrument} reads {noun}"
-        raise row.fail(what, f"Give the value as value_{reading_unit(request.setup)}")
+        what = "'{column}' is filled, but the {instrument} reads a length"
+        what = "'{column}' is filled, but the {instrument} reads an angle" if reads == "angle" else what
+        remedy, unit = "Give the value as value_{unit}", reading_unit(request.setup)
+        raise row.fail(what, remedy, column=column.name, instrument=request.setup.instrument, unit=unit)
 
 
 def _refuse_other_approach(row: Row, text: str, request: Request) -> None:

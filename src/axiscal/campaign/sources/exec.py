@@ -18,6 +18,7 @@ from typing import IO, Any
 
 from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import SourceError, UnitError
+from axiscal.language.spoken import said
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.place_texts import reading_unit
 from axiscal.measurement.setup import FINEST, Setup
@@ -40,7 +41,7 @@ _WORDS = 300
 WIDEST = 1e6
 """A standard deviation this many times larger or smaller than the noise of its set-up is a slip."""
 
-_REMEDY = 'Answer each line with one such as {"value": 1.7, "unit": "um"} or {"skip": "reason"}'
+_REMEDY = 'Answer each line with one such as {{"value": 1.7, "unit": "um"}} or {{"skip": "reason"}}'
 
 
 class ExecSource:
@@ -114,7 +115,11 @@ class ExecSource:
             line = self._lines.get_nowait()
             if not line:
                 raise self._died(GRACE)
-            raise self._failure(f"said {_quoted(line)} without being asked", "Answer each line with exactly one line")
+            raise self._failure(
+                "the command `{command}` said {answer} without being asked",
+                "Answer each line with exactly one line",
+                answer=_quoted(line),
+            )
 
     def _send(self, line: str) -> None:
         stream = _pipe(self._process.stdin)
@@ -137,32 +142,43 @@ class ExecSource:
             if ended:  # and something that it has started keeps its output open
                 raise self._died(_LOOK)
         remedy = "See what it is waiting for, then go on with --resume; --timeout allows it more time"
-        raise self._failure(f"has not answered within {self._timeout:g} s", remedy)
+        what = "the command `{command}` has not answered within {seconds:g} s"
+        raise self._failure(what, remedy, seconds=self._timeout)
 
     def _died(self, patience: float) -> SourceError:
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(patience)
         self._listeners[1].join(patience)
         status = self._process.returncode
-        ending = "closed its output" if status is None else f"ended with status {status}"
-        words = f'; its last words were "{" / ".join(self._last_words)}"' if self._last_words else ""
-        return self._failure(f"{ending} before it answered{words}", "Mend it, then go on with --resume")
+        what = "the command `{command}` ended with status {status} before it answered"
+        what = "the command `{command}` closed its output before it answered" if status is None else what
+        ended, words = said(what, command=self._command, status=status), " / ".join(self._last_words)
+        last = said('{ended}; its last words were "{words}"', ended=ended, words=words)
+        return self._failure(last if self._last_words else ended, "Mend it, then go on with --resume")
 
-    def _failure(self, what: str, remedy: str) -> SourceError:
-        return SourceError(f"the command `{self._command}` {what}", remedy)
+    def _failure(self, what: str, remedy: str, **values: object) -> SourceError:
+        return SourceError(what, remedy, None, None, command=self._command, **values)
 
     def _understood(self, line: str, request: Request) -> Answer | Skip:
         try:
             answer = json.loads(line, object_pairs_hook=_once_each) if len(line) <= LONGEST else None
         except _TwiceError as twice:
-            raise self._failure(f"answered {_quoted(line)}, which gives {twice} twice", "Give each key once") from None
+            raise self._failure(
+                "the command `{command}` answered {answer}, which gives {key} twice",
+                "Give each key once",
+                answer=_quoted(line),
+                key=twice,
+            ) from None
         except (ValueError, RecursionError):
             answer = None
         if not isinstance(answer, dict):
-            raise self._failure(f"answered {_quoted(line)}, which is not a JSON object", _REMEDY)
+            raise self._failure(
+                "the command `{command}` answered {answer}, which is not a JSON object", _REMEDY, answer=_quoted(line)
+            )
         if answer.get("reading", request.reading) != request.reading:
-            asked = f"reading {request.reading} was asked for"
-            raise self._failure(f"answered {_quoted(line)}, but {asked}", "Answer the readings in their order")
+            what = "the command `{command}` answered {answer}, but reading {number} was asked for"
+            remedy = "Answer the readings in their order"
+            raise self._failure(what, remedy, answer=_quoted(line), number=request.reading)
         if "skip" in answer:
             return self._skip(answer, line)
         return self._answer(answer, line, request)
@@ -170,7 +186,9 @@ class ExecSource:
     def _skip(self, answer: dict[str, Any], line: str) -> Skip:
         reason = answer["skip"]
         if not isinstance(reason, str) or not reason.strip() or "value" in answer:
-            raise self._failure(f"answered {_quoted(line)}, which is no reason to skip", _REMEDY)
+            raise self._failure(
+                "the command `{command}` answered {answer}, which is no reason to skip", _REMEDY, answer=_quoted(line)
+            )
         return Skip(reason.strip())
 
     def _answer(self, answer: dict[str, Any], line: str, request: Request) -> Answer:
@@ -180,16 +198,23 @@ class ExecSource:
             return Answer(value, others=tuple(others), live=True)
         std = self._number(answer["std"], unit, line)
         if std <= 0:
-            raise self._failure(f"answered {_quoted(line)}, whose std is not positive", "Give a std above 0, or none")
+            raise self._failure(
+                "the command `{command}` answered {answer}, whose std is not positive",
+                "Give a std above 0, or none",
+                answer=_quoted(line),
+            )
         self._refuse_implausible(std, line, request.setup)
         return Answer(value, std, tuple(others), live=True)
 
     def _refuse_implausible(self, std: float, line: str, setup: Setup) -> None:
         if not max(FINEST, setup.noise / WIDEST) <= std <= setup.noise * WIDEST:
             noise = format_quantity(setup.noise, reading_unit(setup))
-            least = "of at least 0.1 nm or 0.1 nrad"
-            remedy = f"Give one {least}, within a factor of a million of the set-up's noise, {noise}, or none"
-            raise self._failure(f"answered {_quoted(line)}, whose std is not plausible", remedy)
+            what = "the command `{command}` answered {answer}, whose std is not plausible"
+            remedy = (
+                "Give one of at least 0.1 nm or 0.1 nrad, within a factor of a million of the set-up's noise, {noise}, "
+                "or none"
+            )
+            raise self._failure(what, remedy, answer=_quoted(line), noise=noise)
 
     def _numbers(self, value: object, unit: str, line: str, setup: Setup) -> list[float]:
         """Return the numbers of a reading: one, or a list of those along x, y and z, or from each station."""
@@ -197,32 +222,50 @@ class ExecSource:
         if count == 1:
             return [self._number(value, unit, line)]
         if not isinstance(value, list) or len(value) != count:
-            which = "from each station in its order" if setup.stations else "along x, y and z"
-            remedy = f'Answer with the values {which}: {{"value": [1.7, 0.2, -0.4], "unit": "um"}}'
-            raise self._failure(f"answered {_quoted(line)}, in which {count} numbers were expected", remedy)
+            what = "the command `{command}` answered {answer}, in which {count} numbers were expected"
+            remedy = 'Answer with the values along x, y and z: {{"value": [1.7, 0.2, -0.4], "unit": "um"}}'
+            if setup.stations:
+                remedy = (
+                    'Answer with the values from each station in its order: {{"value": [1.7, 0.2, -0.4], "unit": "um"}}'
+                )
+            raise self._failure(what, remedy, answer=_quoted(line), count=count)
         return [self._number(each, unit, line) for each in value]
 
     def _unit(self, unit: object, line: str, request: Request) -> str:
         reads = INSTRUMENTS[request.setup.instrument].reads
-        noun = "an angle" if reads == "angle" else "a length"
-        remedy = f'The {request.setup.instrument} reads {noun}: give a unit such as "{reading_unit(request.setup)}"'
+        example, instrument = reading_unit(request.setup), request.setup.instrument
+        remedy = said(
+            'The {instrument} reads a length: give a unit such as "{unit}"', instrument=instrument, unit=example
+        )
+        if reads == "angle":
+            remedy = said(
+                'The {instrument} reads an angle: give a unit such as "{unit}"', instrument=instrument, unit=example
+            )
         if not isinstance(unit, str):
-            raise self._failure(f"answered {_quoted(line)} without a unit", remedy)
+            raise self._failure(
+                "the command `{command}` answered {answer} without a unit", remedy, answer=_quoted(line)
+            )
         try:
             fits = dimension_of(unit) == reads
         except UnitError:
             fits = False
         if not fits:
-            raise self._failure(f"answered {_quoted(line)} in a unit that does not fit", remedy)
+            raise self._failure(
+                "the command `{command}` answered {answer} in a unit that does not fit", remedy, answer=_quoted(line)
+            )
         return unit
 
     def _number(self, number: object, unit: str, line: str) -> float:
         if not isinstance(number, int | float) or isinstance(number, bool):
-            raise self._failure(f"answered {_quoted(line)}, in which a number is missing", _REMEDY)
+            raise self._failure(
+                "the command `{command}` answered {answer}, in which a number is missing", _REMEDY, answer=_quoted(line)
+            )
         value = from_unit(float(number), unit) if abs(number) < 1e300 else math.inf
         if not math.isfinite(value):
-            remedy = 'Answer {"skip": "reason"} when there is no reading'
-            raise self._failure(f"answered {_quoted(line)}, which is not a finite number", remedy)
+            remedy = 'Answer {{"skip": "reason"}} when there is no reading'
+            raise self._failure(
+                "the command `{command}` answered {answer}, which is not a finite number", remedy, answer=_quoted(line)
+            )
         return value
 
 
@@ -244,9 +287,8 @@ def _start(command: str) -> subprocess.Popen[str]:
     try:
         words = shlex.split(command)
     except ValueError as error:
-        raise SourceError(
-            "the command `{command}` cannot be split: {error}", remedy, command=command, error=error
-        ) from None
+        what = "the command `{command}` cannot be split: {error}"
+        raise SourceError(what, remedy, command=command, error=error) from None
     if not words:
         raise SourceError("exec: names no command", remedy)
     try:
@@ -262,9 +304,8 @@ def _start(command: str) -> subprocess.Popen[str]:
         )
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise SourceError(
-            "the command `{command}` cannot be started: {reason}", remedy, command=command, reason=reason
-        ) from None
+        what = "the command `{command}` cannot be started: {reason}"
+        raise SourceError(what, remedy, command=command, reason=reason) from None
 
 
 def _pipe(stream: IO[str] | None) -> IO[str]:
@@ -283,4 +324,4 @@ def _signal(process: subprocess.Popen[str], number: signal.Signals) -> None:
 def _quoted(line: str) -> str:
     text = line.strip()
     text = text if len(text) <= 80 else text[:77] + "..."
-    return "".join(c if c.isprintable() else "?" for c in text) or "an empty line"
+    return "".join(c if c.isprintable() else "?" for c in text) or said("an empty line")

@@ -48,11 +48,11 @@ def _seed(kind: str, rest: str) -> int:
     if kind == "truth" and rest.endswith(".csv"):
         return 0
     if kind not in ("sim", "linuxcnc") or (kind == "sim" and rest.endswith(".csv")):
-        raise SourceError(f"'{kind[:40]}' cannot be asked without a person and with tables", _KINDS)
+        raise SourceError("'{kind}' cannot be asked without a person and with tables", _KINDS, kind=kind[:40])
     if rest.endswith(".csv") or not rest:
         return 0
     if not (rest.isascii() and rest.isdigit() and len(rest) <= 18):
-        raise SourceError(f"'{rest[:40]}' is not a seed", "Write a whole number from 0, as in sim:7")
+        raise SourceError("'{text}' is not a seed", "Write a whole number from 0, as in sim:7", text=rest[:40])
     return int(rest)
 
 

@@ -18,6 +18,7 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import InputError, ReadingError
+from axiscal.language.spoken import said
 from axiscal.measurement.readers.csv_readings import filled_sheet, read_readings
 from axiscal.measurement.reading import Reading
 
@@ -49,8 +50,9 @@ class Sheet:
                 what = "it holds readings of other places than this check"
                 raise ReadingError(what, "Name another file, or give --points as then", self.file, reading.line)
         if len(held) > len(self.wanted):
-            what = f"it holds {len(held)} readings, and this check has {len(self.wanted)}"
-            raise ReadingError(what, "Name another file, or give --points as then", self.file)
+            what = "it holds {count} readings, and this check has {wanted}"
+            remedy = "Name another file, or give --points as then"
+            raise ReadingError(what, remedy, self.file, count=len(held), wanted=len(self.wanted))
         return held
 
     def complete(self) -> bool:
@@ -72,9 +74,9 @@ class Sheet:
                 write_whole(self.file, filled_sheet(self.description.machine.axes, readings).encode())
                 watch(self.file, len(readings), len(self.wanted))
         except InputError as failure:
-            kept = (
-                f"{len(readings)} of {len(self.wanted)} readings are kept in {self.file}; go on with the same command"
-            )
-            raise type(failure)(failure.what, f"{failure.remedy.rstrip('.')}. {kept}", failure.file) from failure
+            kept = "{remedy}. {count} of {wanted} readings are kept in {path}; go on with the same command"
+            counts = {"count": len(readings), "wanted": len(self.wanted)}
+            remedy = said(kept, remedy=failure.remedy, path=self.file, **counts)
+            raise type(failure)(failure.what, remedy, failure.file) from failure
         finally:
             source.close()

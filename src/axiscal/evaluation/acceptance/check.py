@@ -215,7 +215,7 @@ def tolerance_of(target: Target, text: str | None) -> float:
     if text is not None:
         value = parse_quantity(text, "length")
         if value <= 0:
-            raise TargetError(f'a tolerance of "{text}"', "Give a length above zero")
+            raise TargetError('a tolerance of "{text}"', "Give a length above zero", text=text)
         return value
     if (allowed := _largest(target)) is not None:
         return allowed

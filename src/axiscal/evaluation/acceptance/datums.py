@@ -155,8 +155,9 @@ def _are_datums(setup: Setup, own: Array, stds: Array, tolerance: float) -> NDAr
 
 def _refuse_few(setup: Setup, readings: int, datums: int) -> None:
     if readings <= datums:
-        what = f'{readings} reading(s) with "{setup.name}" cannot tell the machine from the set-up'
-        raise ReadingError(what, f"Take {datums + 1} or more with it, or leave it out")
+        what = '{readings} reading(s) with "{setup}" cannot tell the machine from the set-up'
+        remedy = "Take {least} or more with it, or leave it out"
+        raise ReadingError(what, remedy, readings=readings, setup=setup.name, least=datums + 1)
 
 
 _ROUNDS = 12

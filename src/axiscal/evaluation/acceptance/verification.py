@@ -19,6 +19,7 @@ from axiscal.evaluation.acceptance.datums import GUARD, Datums, datums_of, fewes
 from axiscal.evaluation.acceptance.judgement import HARDLY, Judgement, Verdict
 from axiscal.evaluation.acceptance.table_checks import Part, Share, idle_axes, shares, taken_away, without
 from axiscal.exceptions import ReadingError
+from axiscal.language.spoken import said
 from axiscal.measurement.instrument import INSTRUMENTS, model_of
 from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.kind import Nominal
@@ -36,7 +37,7 @@ from axiscal.tables.effect import Control, left_by
 _DISPLACEMENTS = (Displacement, Nest, Tracker)
 _CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if isinstance(kind.model, _DISPLACEMENTS)))
 """Instruments that read displacements along fixed directions: the ones a check is made with."""
-_REMEDY = f"A check is made with {', '.join(_CHECKING)}: give the campaign a set-up of that kind"
+_REMEDY = "A check is made with {known}: give the campaign a set-up of that kind"
 _FRESH, _APART = 0.05, 0.15
 """Shares of the travel: nearer is no new place, wider apart is spread enough; the verdict holds anywhere."""
 _PER_SETUP = 4
@@ -139,7 +140,7 @@ def plan_check(
         least = min((lacking[setup] for setup in promising), default=0)
         found = [fewer for fewer in range(least, len(chosen) + 1) if len(shared(fewer)) == fewer]
         new = len(known) + max(found, default=0)
-        raise ReadingError(f"only {new} places of {len(known) + count} are new", _fewer(new))
+        raise ReadingError("only {new} places of {count} are new", _fewer(new), new=new, count=len(known) + count)
     order = sorted(chosen, key=lambda i: (candidates.setups[i], *candidates.poses[i]))
     return candidates.within(np.array(order, dtype=np.intp))
 
@@ -163,8 +164,8 @@ def _shared(promising: Sequence[int], count: int, lacking: Mapping[int, int], kn
     able = [setup for setup in promising if lacking[setup] <= count]
     if promising and not able:
         least = min(lacking[setup] for setup in promising)
-        what = f"{known + count} places cannot tell the machine from a set-up"
-        raise ReadingError(what, f"Ask for {known + least} or more")
+        what = "{count} places cannot tell the machine from a set-up"
+        raise ReadingError(what, "Ask for {least} or more", count=known + count, least=known + least)
     for several in range(min(len(able), count // _PER_SETUP), 1, -1):
         shares = [part.size for part in np.array_split(np.arange(count), several)]
         if all(lacking[setup] <= share for setup, share in zip(able, shares, strict=False)):
@@ -174,8 +175,8 @@ def _shared(promising: Sequence[int], count: int, lacking: Mapping[int, int], kn
 
 def _fewer(new: int) -> str:
     if new >= _FEWEST:
-        return f"Ask for --points {new} or fewer"
-    return "Take the check at places of your own, and give them with --found and --left"
+        return said("Ask for --points {new} or fewer", new=new)
+    return said("Take the check at places of your own, and give them with --found and --left")
 
 
 def without_zeros(setups: Sequence[Setup], places: Places, mean: Array, factor: Array) -> tuple[Array, Array]:
@@ -199,8 +200,10 @@ def with_displacements(setups: Sequence[Setup], candidates: Places, by: str = ""
     kept = [i for i, s in enumerate(candidates.setups) if setups[s].instrument in checking]
     if not kept:
         if by:
-            raise ReadingError(f"no set-up of this campaign is of instrument {by}", f"Add one with instrument = {by!r}")
-        raise ReadingError("no set-up of this campaign reads a length along a direction", _REMEDY)
+            what, remedy = "no set-up of this campaign is of instrument {name}", "Add one with instrument = {name!r}"
+            raise ReadingError(what, remedy, name=by)
+        what = "no set-up of this campaign reads a length along a direction"
+        raise ReadingError(what, _REMEDY, known=", ".join(_CHECKING))
     return candidates.within(np.array(kept, dtype=np.intp))
 
 
@@ -354,14 +357,14 @@ def _likelihood(values: Array, covariance: Array) -> float:
 def _refuse_others(used: Sequence[Setup]) -> None:
     for setup in used:
         if setup.instrument not in _CHECKING:
-            what = f'"{setup.name}" reads no displacement along a direction ({setup.instrument})'
-            raise ReadingError(what, _REMEDY)
+            what = '"{setup}" reads no displacement along a direction ({instrument})'
+            raise ReadingError(what, _REMEDY, setup=setup.name, instrument=setup.instrument, known=", ".join(_CHECKING))
 
 
 def _refuse_different(found: Sequence[Reading], left: Sequence[Reading]) -> None:
     if len(found) != len(left) or not left:
-        what = f"there are {len(found)} as-found and {len(left)} as-left readings"
-        raise ReadingError(what, "Take both at the same places, in the same order")
+        what = "there are {found} as-found and {left} as-left readings"
+        raise ReadingError(what, "Take both at the same places, in the same order", found=len(found), left=len(left))
     for before, after in zip(found, left, strict=True):
         apart = np.max(np.abs(np.subtract(before.pose, after.pose)))
         if before.setup != after.setup or apart > _SAME or before.approach != after.approach:

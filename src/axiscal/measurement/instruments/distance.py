@@ -99,7 +99,7 @@ class Distance:
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""
-        need_station(setup, f"the {setup.instrument}'s other end")
+        need_station(setup, "the {instrument}'s other end")
 
 
 _ONE = Distance()

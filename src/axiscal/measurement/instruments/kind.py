@@ -16,6 +16,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
@@ -184,7 +185,7 @@ def need_station(setup: Setup, what: str) -> None:
     """Raise DescriptionError for a set-up that does not say where it stands."""
     if setup.station is None:
         remedy = 'Write station = ["0 mm", "0 mm", "-300 mm"], in the workpiece frame'
-        raise DescriptionError(f"it is not said where {what} is", remedy)
+        raise DescriptionError("it is not said where {thing} is", remedy, thing=said(what, instrument=setup.instrument))
 
 
 class Rotation(Angle):

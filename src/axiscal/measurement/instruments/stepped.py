@@ -42,14 +42,16 @@ class Stepped(Angle):
         _refuse_other_moves(setup, machine)
         base, axis = setup.base or 0.0, machine.axes[setup.moves[0]]
         if base >= axis.length:
-            what = f"a base of {format_quantity(base, 'mm', 6)} is not shorter than the travel of {axis.name}"
-            raise DescriptionError(what, f"Both feet stand within the travel, which is {axis.travel_text}")
+            what = "a base of {base} is not shorter than the travel of {axis}"
+            remedy = "Both feet stand within the travel, which is {travel}"
+            raise DescriptionError(
+                what, remedy, base=format_quantity(base, "mm", 6), axis=axis.name, travel=axis.travel_text
+            )
         slope_seen = across(machine, setup, np.array([setup.park]))[0]
         if abs(np.linalg.norm(slope_seen) - 1) > _ALONG:
-            what = f"feet that are stepped along {axis.name} show its slope, and that is no turn about this direction"
-            raise DescriptionError(
-                what, "Give a direction across the way; for the roll of a carriage take base out: the level rides on it"
-            )
+            what = "feet that are stepped along {axis} show its slope, and that is no turn about this direction"
+            remedy = "Give a direction across the way; for the roll of a carriage take base out: the level rides on it"
+            raise DescriptionError(what, remedy, axis=axis.name)
         _refuse_unseen(setup, machine)
 
 
@@ -57,8 +59,9 @@ def _refuse_other_moves(setup: Setup, machine: Machine) -> None:
     moving = [machine.axes[index] for index in setup.moves]
     if len(moving) != 1 or moving[0].rotary:
         named = ", ".join(axis.name for axis in moving)
-        what = f"a base is stepped along one straight way, and here {named} move{'s' if len(moving) == 1 else ''}"
-        raise DescriptionError(what, 'Name the linear axis whose way it is, such as moves = ["X"]')
+        what = "a base is stepped along one straight way, and here {axes} moves"
+        what = what if len(moving) == 1 else "a base is stepped along one straight way, and here {axes} move"
+        raise DescriptionError(what, 'Name the linear axis whose way it is, such as moves = ["X"]', axes=named)
 
 
 def _refuse_unseen(setup: Setup, machine: Machine) -> None:
@@ -69,13 +72,13 @@ def _refuse_unseen(setup: Setup, machine: Machine) -> None:
     shown = [f for f, lever in zip(errors.terms, levers, strict=True) if abs(lever) > _UNSEEN]
     axis = machine.axes[setup.moves[0]].name
     if all(function.kind == "location" and levelled for function in shown):
-        what = f"the machine states no straightness error of {axis} that a slope about this direction could show"
-        raise DescriptionError(what, f"Add one under [errors], such as E{'X' if axis[0] == 'Z' else 'Z'}{axis}")
+        what = "the machine states no straightness error of {axis} that a slope about this direction could show"
+        error = f"E{'X' if axis[0] == 'Z' else 'Z'}{axis}"
+        raise DescriptionError(what, "Add one under [errors], such as {error}", axis=axis, error=error)
     for function in shown:
         cell = function.cell_along(setup.moves[0]) if isinstance(function, PlaneError) else function.cell
         if function.rest > 0 and base < cell * (1 - 1e-9):
             short, long = format_quantity(base, "mm", 6), format_quantity(cell, "mm", 4)
-            what = (
-                f"a base of {short} is shorter than {long}, within which the rest of {function.name} has no known slope"
-            )
-            raise DescriptionError(what, "Use a longer base, give that error more knots, or take its rest out")
+            what = "a base of {short} is shorter than {long}, within which the rest of {function} has no known slope"
+            remedy = "Use a longer base, give that error more knots, or take its rest out"
+            raise DescriptionError(what, remedy, short=short, long=long, function=function.name)

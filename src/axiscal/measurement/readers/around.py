@@ -51,14 +51,16 @@ def turns_of(table: CsvTable) -> Turns:
     for row in table.rows:
         key = row.quantity(angle), read_run(row, turn)
         if key in read:
-            raise row.fail(f"angle {row.text(angle)} of turn {key[1]} was read before", "give each turn its own number")
+            remedy = "give each turn its own number"
+            raise row.fail("angle {text} of turn {key} was read before", remedy, text=row.text(angle), key=key[1])
         read[key] = row.quantity(deviation)
     angles, turns = sorted({at for at, _ in read}), sorted({number for _, number in read})
     for at in angles:
         for number in turns:
             if (at, number) not in read:
-                what = f"turn {number} has no reading at {np.degrees(at):.6g} deg"
-                raise table.fail(what, "every turn is read at every angle: add the reading or take out the turn")
+                what = "turn {number} has no reading at {angle:.6g} deg"
+                remedy = "every turn is read at every angle: add the reading or take out the turn"
+                raise table.fail(what, remedy, number=number, angle=np.degrees(at))
     return Turns(np.array(angles), np.array([[read[at, n] for n in turns] for at in angles]), table.file)
 
 

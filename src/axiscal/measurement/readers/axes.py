@@ -40,8 +40,8 @@ def read_approach(table: CsvTable, row: Row) -> dict[str, int]:
     for word in re.split(r"[\s;]+", row.text(columns[0]).strip(" ;")) if columns else []:
         found = _APPROACH.fullmatch(word)
         if word and (found is None or found[1] in approach):
-            what = f"approach {row.text(columns[0])!r} cannot be read"
-            raise row.fail(what, "write each axis once with its direction, as in 'X+' or 'X+ Y-', or leave it empty")
+            remedy = "write each axis once with its direction, as in 'X+' or 'X+ Y-', or leave it empty"
+            raise row.fail("approach {text!r} cannot be read", remedy, text=row.text(columns[0]))
         if found:
             approach[found[1]] = 1 if found[2] == "+" else -1
     return approach

@@ -45,7 +45,8 @@ def height_map(file: TextFile) -> tuple[Node, ...]:
     x, y = (_axis(file, head, number) for number in (0, 1))
     rows = [(number, line) for number, line in enumerate(file.lines[3:], 4) if line.strip()]
     if len(rows) != len(y):
-        raise file.fail(f"{len(y)} rows are announced, and there are {len(rows)}", "copy the whole heightmap.csv", 3)
+        remedy = "copy the whole heightmap.csv"
+        raise file.fail("{count} rows are announced, and there are {rows}", remedy, 3, count=len(y), rows=len(rows))
     return _nodes(file, x, [(at, number, _cells(line)) for at, (number, line) in zip(y, rows, strict=True)])
 
 
@@ -54,7 +55,8 @@ def mesh(file: TextFile) -> tuple[Node, ...]:
     begins = [number for number, line in enumerate(file.lines, 1) if line.startswith(_BLOCK)]
     if len(begins) > 1:
         names = ", ".join(file.lines[number - 1][len(_BLOCK) :].rstrip("] ") for number in begins)
-        raise file.fail(f"{len(begins)} meshes are saved here: {names}", "keep one of them", begins[1])
+        remedy = "keep one of them"
+        raise file.fail("{count} meshes are saved here: {names}", remedy, begins[1], count=len(begins), names=names)
     keys, points = _block(file, begins[0])
     sides = []
     for name in "xy":
@@ -63,8 +65,8 @@ def mesh(file: TextFile) -> tuple[Node, ...]:
         )
         sides.append(_spread(file, low, high, int(count), begins[0]))
     if len(points) != len(sides[1]):
-        what = f"{len(sides[1])} rows are announced, and there are {len(points)}"
-        raise file.fail(what, "copy the whole block", begins[0])
+        what = "{count} rows are announced, and there are {rows}"
+        raise file.fail(what, "copy the whole block", begins[0], count=len(sides[1]), rows=len(points))
     rows = [(at, number, cells) for at, (number, cells) in zip(sides[1], points, strict=True)]
     return _nodes(file, sides[0], rows, zero_is_height=True)
 
@@ -86,7 +88,8 @@ def _axis(file: TextFile, head: dict[str, str], which: int) -> list[float]:
         )
     )
     if not 1 <= count <= 1000 or spacing <= 0 or low + (count - 1) * spacing > high + spacing:
-        raise file.fail(f"{count:g} nodes {spacing:g} mm apart do not fit the range", "copy the whole heightmap.csv", 3)
+        what = "{count:g} nodes {spacing:g} mm apart do not fit the range"
+        raise file.fail(what, "copy the whole heightmap.csv", 3, count=count, spacing=spacing)
     return [from_unit(low + i * spacing, "mm") for i in range(int(count))]
 
 
@@ -94,7 +97,7 @@ def _first(file: TextFile, head: dict[str, str], keys: tuple[str, ...]) -> float
     for key in keys:
         if key in head:
             return file.number(head[key], key, 3)
-    raise file.fail(f"there is no {keys[0]} in the second line", "copy the whole heightmap.csv", 2)
+    raise file.fail("there is no {key} in the second line", "copy the whole heightmap.csv", 2, key=keys[0])
 
 
 def _nodes(
@@ -103,8 +106,8 @@ def _nodes(
     found = []
     for y, number, cells in rows:
         if len(cells) != len(x):
-            what = f"the row has {len(cells)} heights, and {len(x)} are announced"
-            raise file.fail(what, "copy the whole file", number)
+            what = "the row has {count} heights, and {along} are announced"
+            raise file.fail(what, "copy the whole file", number, count=len(cells), along=len(x))
         for at, cell in zip(x, cells, strict=True):
             if zero_is_height or cell not in _NOT_PROBED:
                 found.append(Node(at, y, from_unit(file.number(cell, "height", number), "mm"), number))
@@ -136,11 +139,12 @@ def _saved(file: TextFile, begin: int) -> Iterator[tuple[int, str]]:
 
 def _value(file: TextFile, keys: dict[str, str], key: str, line: int) -> float:
     if key not in keys:
-        raise file.fail(f"the mesh has no {key}", "copy the whole block", line)
+        raise file.fail("the mesh has no {key}", "copy the whole block", line, key=key)
     return file.number(keys[key], key, line)
 
 
 def _spread(file: TextFile, low: float, high: float, count: int, line: int) -> list[float]:
     if not 2 <= count <= 1000 or high <= low:
-        raise file.fail(f"{count} nodes from {low:g} to {high:g} mm are no mesh", "copy the whole block", line)
+        what = "{count} nodes from {low:g} to {high:g} mm are no mesh"
+        raise file.fail(what, "copy the whole block", line, count=count, low=low, high=high)
     return [from_unit(low + i * (high - low) / (count - 1), "mm") for i in range(count)]

@@ -120,9 +120,10 @@ def _numbers(table: CsvTable) -> list[int | None]:
         text = row.text(column)
         with faults.noted():
             if not (text.isascii() and text.isdigit() and 0 < int(text[:9]) <= _HIGHEST and len(text) < 9):
-                raise row.fail(f"{shown(text)} is not the number of a reading", remedy)
+                raise row.fail("{text} is not the number of a reading", remedy, text=shown(text))
             if int(text) in lines:
-                raise row.fail(f"reading {int(text)} stands in line {lines[int(text)]} too", "leave one of them out")
+                what = "reading {number} stands in line {earlier} too"
+                raise row.fail(what, "leave one of them out", number=int(text), earlier=lines[int(text)])
             lines[int(text)] = row.line
     faults.refuse()
     return list(lines)
@@ -173,11 +174,12 @@ def _std(table: CsvTable, row: Row, value: Column) -> float | None:
     if column is None:
         return None
     if column.dimension != value.dimension:
-        raise row.fail(f"'{column.name}' does not fit '{value.name}'", f"write it as 'std_{value.unit}'")
+        what = "'{column}' does not fit '{value}'"
+        raise row.fail(what, "write it as 'std_{unit}'", column=column.name, value=value.name, unit=value.unit)
     std = row.quantity(column)
     if std < FINEST:
         remedy = "a standard deviation is at least 0.1 nm or 0.1 nrad; leave it empty to take the set-up's noise"
-        raise row.fail(f"{column.name} is {row.text(column)}", remedy)
+        raise row.fail("{column} is {text}", remedy, column=column.name, text=row.text(column))
     return std
 
 
@@ -195,9 +197,9 @@ def read_times(rows: Sequence[Row], column: Column | None) -> list[float | None]
         kind, seconds = _time(row, column)
         first, kinds = seconds if first is None else first, kinds | {kind}
         if len(kinds) > 1:
-            raise row.fail(f"time {row.text(column)!r} is written unlike those above", _REMEDY)
+            raise row.fail("time {text!r} is written unlike those above", _REMEDY, text=row.text(column))
         if last is not None and seconds < last:
-            raise row.fail(f"time {row.text(column)!r} is before that of the line above", _REMEDY)
+            raise row.fail("time {text!r} is before that of the line above", _REMEDY, text=row.text(column))
         last = seconds
         found.append(seconds - first)
     return found
@@ -216,9 +218,9 @@ def _time(row: Row, column: Column) -> tuple[str, float]:
     try:
         moment = datetime.fromisoformat(text)
     except ValueError:
-        raise row.fail(f"time {text[:40]!r} is no time", _REMEDY) from None
+        raise row.fail("time {text!r} is no time", _REMEDY, text=text[:40]) from None
     if _DAY.fullmatch(text):  # all readings of a day at once, and no drift between them
-        raise row.fail(f"time {text!r} is a day without a time of day", _REMEDY)
+        raise row.fail("time {text!r} is a day without a time of day", _REMEDY, text=text)
     if moment.tzinfo is None:
         return "date", moment.replace(tzinfo=UTC).timestamp()
     return "date with zone", moment.timestamp()

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Literal
 
 from axiscal.exceptions import ReadingError
+from axiscal.language.spoken import counted, later, listed, put, said
 from axiscal.measurement.readers.text import content, refuse_many
 from axiscal.measurement.reading import LARGEST
 from axiscal.units import from_unit
@@ -62,9 +63,9 @@ class Row:
     line: int
     cells: Mapping[str, str]
 
-    def fail(self, what: str, remedy: str) -> ReadingError:
+    def fail(self, what: str, remedy: str, **values: object) -> ReadingError:
         """Return the error that places a fault in this line."""
-        return ReadingError(what, remedy, self.file, self.line)
+        return ReadingError(what, remedy, self.file, self.line, **values)
 
     def text(self, column: Column) -> str:
         """Return a cell as written."""
@@ -73,21 +74,21 @@ class Row:
     def quantity(self, column: Column) -> float:
         """Return a cell as a number of a machine in SI units; raises ReadingError."""
         if column.unit is None:
-            remedy = f"write it as '{column.stem}_mm' or '{column.stem}_deg'"
-            raise self.fail(f"column '{column.name}' has no unit", remedy)
+            remedy = "write it as '{stem}_mm' or '{stem}_deg'"
+            raise self.fail("column '{column}' has no unit", remedy, column=column.name, stem=column.stem)
         text = self.text(column)
         value = from_unit(float(text), column.unit) if _NUMBER.fullmatch(text) else math.nan
         if abs(value) < LARGEST:
             return value
         what, remedy = _why_not(text)
-        raise self.fail(f"{column.name} {what}", remedy)
+        raise self.fail(what, remedy, column=column.name, text=_quote(text), better=text.replace(",", "."))
 
     def only_filled(self, columns: Sequence[Column]) -> Column | None:
         """Return the one column of several that is filled here, None if all are empty; raises ReadingError for two."""
         filled = [column for column in columns if self.text(column)]
         if len(filled) > 1:
-            names = " and ".join(f"'{column.name}'" for column in filled)
-            raise self.fail(f"{names} are both filled", "fill exactly one of them in each line")
+            names = listed(said(" and "), [f"'{column.name}'" for column in filled])
+            raise self.fail("{names} are both filled", "fill exactly one of them in each line", names=names)
         return filled[0] if filled else None
 
 
@@ -110,8 +111,10 @@ class CsvTable:
         if len(found) == 1:
             return found[0]
         if found:
-            raise self.fail(f"columns '{found[0].name}' and '{found[1].name}' say the same", "keep one of them")
-        raise self.fail(f"there is no column '{example}'", f"name it in the header; found: {self.header}")
+            what = "columns '{name}' and '{other}' say the same"
+            raise self.fail(what, "keep one of them", name=found[0].name, other=found[1].name)
+        remedy = "name it in the header; found: {known}"
+        raise self.fail("there is no column '{example}'", remedy, example=example, known=self.header)
 
     def needed(self, layout: Mapping[str, tuple[str, ...]], *names: str) -> tuple[Column, ...]:
         """Return the columns that names such as `target_mm` are examples of, in whatever units.
@@ -121,9 +124,9 @@ class CsvTable:
         self.allow(layout)
         return tuple(self.one_of(_column(name).stem, name) for name in names)
 
-    def fail(self, what: str, remedy: str) -> ReadingError:
+    def fail(self, what: str, remedy: str, **values: object) -> ReadingError:
         """Return the error that places a fault in the header."""
-        return ReadingError(what, remedy, self.file, self.line)
+        return ReadingError(what, remedy, self.file, self.line, **values)
 
     @property
     def header(self) -> str:
@@ -140,18 +143,19 @@ class CsvTable:
     def _unknown(self, column: Column, layout: Mapping[str, tuple[str, ...]]) -> ReadingError:
         spelt = {stem: [f"{stem}_{unit}" for unit in units] or [stem] for stem, units in layout.items()}
         if layout.get(column.stem):
-            fault = "has no unit" if column.unit is None else "has a unit of the wrong kind"
-            return self.fail(f"column '{column.name}' {fault}", "it can be " + ", ".join(spelt[column.stem]))
+            what = "column '{column}' has a unit of the wrong kind" if column.unit else "column '{column}' has no unit"
+            return self.fail(what, "it can be {known}", column=column.name, known=", ".join(spelt[column.stem]))
         stem, _, unit = column.name.rpartition("_")
         if layout.get(stem) and unit.lower() in {"in", "inch", "inches"}:
-            return self.fail(
-                f"column '{column.name}' is in inches", f"inches are not read here; write {spelt[stem][0]}"
-            )
+            remedy = "inches are not read here; write {example}"
+            return self.fail("column '{column}' is in inches", remedy, column=column.name, example=spelt[stem][0])
         known = [name for names in spelt.values() for name in names]
         near = [name for name in known if name.lower() == column.name.lower()]
         near = near or difflib.get_close_matches(column.name, known, n=1)
-        choice = f"did you mean '{near[0]}'" if near else "known are " + ", ".join(names[0] for names in spelt.values())
-        return self.fail(f"column '{column.name}' is not known", f"{choice}; take out what is not needed")
+        first = near[0] if near else ", ".join(names[0] for names in spelt.values())
+        remedy = "did you mean '{known}'; take out what is not needed"
+        remedy = remedy if near else "known are {known}; take out what is not needed"
+        return self.fail("column '{column}' is not known", remedy, column=column.name, known=first)
 
 
 def read_table(path: str | Path) -> CsvTable:
@@ -183,9 +187,8 @@ def _decode(data: bytes, file: str) -> str:
         return data.decode("utf-8")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise ReadingError(
-            "byte 0x{data:02x} is not UTF-8", "save it as CSV UTF-8", file, line, data=data[error.start]
-        ) from None
+        remedy = "save it as CSV UTF-8"
+        raise ReadingError("byte 0x{data:02x} is not UTF-8", remedy, file, line, data=data[error.start]) from None
 
 
 def _cells(file: str, number: int, line: str) -> list[str]:
@@ -194,9 +197,8 @@ def _cells(file: str, number: int, line: str) -> list[str]:
             return [cell.strip() for cell in line.split(",")]
         return [cell.strip() for cell in next(csv.reader([line], strict=True))]
     except csv.Error as error:
-        raise ReadingError(
-            "the line is not CSV: {error}", "close every quote and cell", file, number, error=error
-        ) from None
+        remedy = "close every quote and cell"
+        raise ReadingError("the line is not CSV: {error}", remedy, file, number, error=error) from None
 
 
 def _columns(file: str, number: int, line: str) -> tuple[Column, ...]:
@@ -220,13 +222,11 @@ def _row(file: str, number: int, line: str, columns: tuple[Column, ...]) -> Row:
     cells = _cells(file, number, line)
     if len(cells) != len(columns):
         remedy = "write one cell for each column, and a decimal point in numbers: 1.5, not 1,5"
-        what = f"the line has {_count(cells, 'cell')}, the header {_count(columns, 'column')}"
-        raise ReadingError("{fault}: {text}", remedy, file, number, fault=what, text=_quote(line))
+        had = counted("the line has {count} cell", "the line has {count} cells", len(cells))
+        wanted = counted("the header {count} column", "the header {count} columns", len(columns))
+        what = put("{had}, {wanted}: {text}", had=had, wanted=wanted, text=_quote(line))
+        raise ReadingError(what, remedy, file, number)
     return Row(file, number, {column.name: cell for column, cell in zip(columns, cells, strict=True)})
-
-
-def _count(things: Sequence[object], noun: str) -> str:
-    return f"{len(things)} {noun}{'' if len(things) == 1 else 's'}"
 
 
 def _quote(text: str) -> str:
@@ -237,14 +237,16 @@ def _quote(text: str) -> str:
 def _why_not(text: str) -> tuple[str, str]:
     """Return what is wrong with a cell that is no number of a machine, and what would be right."""
     if not text:
-        return "is empty", "write the number that was read, or take out the line"
+        return later("{column} is empty"), later("write the number that was read, or take out the line")
     if _NUMBER.fullmatch(text) and math.isfinite(float(text)):
-        return f"{_quote(text)} is too large for a machine", "write the number that was read, in the unit of the header"
+        remedy = later("write the number that was read, in the unit of the header")
+        return later("{column} {text} is too large for a machine"), remedy
     if _NOT_FINITE.fullmatch(text) or _NUMBER.fullmatch(text):
-        return f"{_quote(text)} is not finite", "write the number that was read, or take out the line"
+        return later("{column} {text} is not finite"), later("write the number that was read, or take out the line")
     if _NUMBER.fullmatch(text.replace(",", ".")):
-        return f"{_quote(text)} has a decimal comma", f"write a decimal point: {text.replace(',', '.')}"
-    return f"{_quote(text)} is not a number", "write digits with a decimal point; the unit stands in the header"
+        return later("{column} {text} has a decimal comma"), later("write a decimal point: {better}")
+    remedy = later("write digits with a decimal point; the unit stands in the header")
+    return later("{column} {text} is not a number"), remedy
 
 
 def csv_text(rows: Iterable[Sequence[str]]) -> str:

@@ -120,18 +120,20 @@ def _reading(file: TextFile, table: CsvTable, row: Row) -> RawReading:
         raise row.fail(fault.what, fault.remedy) from None
     read: Literal["angle", "length"] = "angle" if error.angular else "length"
     if dimension != read:
-        raise row.fail(f"{error.canonical} is not given in {unit}", "give lengths in um, angles in urad or arcsec")
+        remedy = "give lengths in um, angles in urad or arcsec"
+        raise row.fail("{error} is not given in {unit}", remedy, error=error.canonical, unit=unit)
     if error.axis != cells["axis"]:
-        raise row.fail(f"{error.canonical} is not an error of axis {cells['axis']!r}", "name the axis that moved")
+        remedy = "name the axis that moved"
+        raise row.fail("{error} is not an error of axis {axis!r}", remedy, error=error.canonical, axis=cells["axis"])
     side = cells.get("direction", "")
     if side not in _SIGNS:
-        raise row.fail(f"direction {side!r} is not known", "write +, - or nothing")
+        raise row.fail("direction {side!r} is not known", "write +, - or nothing", side=side)
     target = from_unit(file.number(cells["target"], "target", row.line), "deg" if error.axis[0] in "ABC" else "mm")
     std = cells.get("u_std", "")
     spread = from_unit(file.number(std, "u_std", row.line), unit) if std else None
     if spread is not None and spread < FINEST:
         remedy = "a standard deviation is at least 0.1 nm or 0.1 nrad; leave it empty otherwise"
-        raise row.fail(f"u_std is {std}", remedy)
+        raise row.fail("u_std is {std}", remedy, std=std)
     value = from_unit(file.number(cells["value"], "value", row.line), unit)
     approach = {error.axis: _SIGNS[side]} if _SIGNS[side] else {}
     return RawReading("", {error.axis: target}, approach, value, spread, read, row.line, error=error.canonical)
@@ -187,8 +189,8 @@ def _head(file: TextFile) -> _Head:
             continue
         key = found[1].lower()
         if key not in _KEYS or key in said:
-            what = f"{key!r} is said twice" if key in said else f"{key!r} is not known"
-            raise file.fail(what, f"known are {', '.join(_KEYS)}; a remark goes without =", number)
+            what = "{key!r} is said twice" if key in said else "{key!r} is not known"
+            raise file.fail(what, "known are {known}; a remark goes without =", number, key=key, known=", ".join(_KEYS))
         said[key], lines[key] = found[2], number
     try:
         key = "base"
@@ -199,7 +201,8 @@ def _head(file: TextFile) -> _Head:
         raise file.fail(fault.what, fault.remedy, lines[key]) from None
     for key, value, example in (("base", base, "100 mm"), ("division", division, "0.02 mm/m")):
         if value is not None and value <= 0:
-            raise file.fail(f"{key} = {said[key]} is not above zero", f"write it as # {key} = {example}", lines[key])
+            what, remedy = "{key} = {text} is not above zero", "write it as # {key} = {example}"
+            raise file.fail(what, remedy, lines[key], key=key, text=said[key], example=example)
     return _Head(said.get("setup", ""), base, division)
 
 
@@ -225,11 +228,12 @@ def _columns(table: CsvTable, head: _Head) -> tuple[Column, list[_Way], Column |
         elif stem in _PASSES and unit in _UNITS:
             ways.append(_Way(column, unit, stem == "forward"))
         else:
-            remedy = f"columns are X_mm, forward_um/m, back_um/m and time; units of readings {', '.join(_UNITS)}"
-            raise table.fail(f"column {column.name!r} is not known", remedy)
+            remedy = "columns are X_mm, forward_um/m, back_um/m and time; units of readings {known}"
+            raise table.fail("column {column!r} is not known", remedy, column=column.name, known=", ".join(_UNITS))
     if station is None or not ways:
-        missing = "stations, such as X_mm" if station is None else "readings, such as forward_um/m"
-        raise table.fail(f"there is no column of {missing}", f"name it in the header; found: {table.header}")
+        what = "there is no column of readings, such as forward_um/m"
+        what = "there is no column of stations, such as X_mm" if station is None else what
+        raise table.fail(what, "name it in the header; found: {known}", known=table.header)
     if len({way.onward for way in ways}) < len(ways):
         raise table.fail("a way is named twice", "give one column forward, and one back")
     if head.division is None and any(way.unit == "div" for way in ways):

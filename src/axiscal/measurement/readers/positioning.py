@@ -46,8 +46,10 @@ def positioning_rows(table: CsvTable) -> PositioningRows:
     for row in table.rows:
         key = (row.quantity(target), read_direction(row, direction), read_run(row, run))
         if key in seen:
-            where = f"target {row.text(target)}, direction {row.text(direction)}, run {key[2]}"
-            raise row.fail(f"{where} was read in line {seen[key]} already", "give each reading its own run number")
+            remedy = "give each reading its own run number"
+            what = "target {target}, direction {direction}, run {run} was read in line {earlier} already"
+            at = {"target": row.text(target), "direction": row.text(direction), "run": key[2]}
+            raise row.fail(what, remedy, **at, earlier=seen[key])
         seen[key] = row.line
         rows.append(PositioningRow(*key, row.quantity(deviation), row.line))
     return PositioningRows(table.file, rotary, tuple(rows))
@@ -56,8 +58,9 @@ def positioning_rows(table: CsvTable) -> PositioningRows:
 def _is_rotary(table: CsvTable, target: Column, deviation: Column) -> bool:
     kinds = {column.dimension for column in (target, deviation)}
     if len(kinds) > 1:
+        what = "'{target}' and '{deviation}' mix a length and an angle"
         remedy = "use target_mm with deviation_um, or target_deg with deviation_arcsec"
-        raise table.fail(f"'{target.name}' and '{deviation.name}' mix a length and an angle", remedy)
+        raise table.fail(what, remedy, target=target.name, deviation=deviation.name)
     return kinds == {"angle"}
 
 
@@ -67,7 +70,7 @@ def read_direction(row: Row, column: Column) -> int:
     text = row.text(column)
     if text not in signs:
         remedy = "write + for the approach in the positive direction, - for the negative one"
-        raise row.fail(f"direction {text!r} is not known", remedy)
+        raise row.fail("direction {text!r} is not known", remedy, text=text)
     return signs[text]
 
 
@@ -75,5 +78,5 @@ def read_run(row: Row, column: Column) -> int:
     """Return the number of a run; raises ReadingError."""
     text = row.text(column)
     if not re.fullmatch(r"[0-9]{1,9}", text):
-        raise row.fail(f"run {text!r} is not a whole number", "number the runs 1, 2, 3, ...")
+        raise row.fail("run {text!r} is not a whole number", "number the runs 1, 2, 3, ...", text=text)
     return int(text)

@@ -30,8 +30,8 @@ def rtl_positioning(file: TextFile) -> PositioningRows:
     for line, text in _deviations(file, sections):
         run, index, row = _row(file, line, text, targets, one_way)
         if (run, index) in rows:
-            what = f"run {run} has target {index} already, in line {rows[run, index].line}"
-            raise file.fail(what, "keep one of the two", line)
+            what = "run {run} has target {index} already, in line {earlier}"
+            raise file.fail(what, "keep one of the two", line, run=run, index=index, earlier=rows[run, index].line)
         rows[run, index] = row
     if not rows:
         raise file.fail("there are no deviations", _SHORTENED)
@@ -71,7 +71,8 @@ def _targets(file: TextFile, sections: dict[str, list[tuple[int, str]]]) -> tupl
     if not targets:
         raise file.fail("there are no targets", _SHORTENED, lines[0][0] if lines else None)
     if stated is not None and stated[1] != str(len(targets)):
-        raise file.fail(f"{stated[1]} targets are announced, and there are {len(targets)}", _SHORTENED, stated[0])
+        what = "{stated} targets are announced, and there are {count}"
+        raise file.fail(what, _SHORTENED, stated[0], stated=stated[1], count=len(targets))
     if len(set(targets)) < len(targets):
         raise file.fail("a target is named twice", "name each once", lines[0][0])
     return targets, one_way
@@ -87,12 +88,11 @@ def _deviations(file: TextFile, sections: dict[str, list[tuple[int, str]]]) -> l
 def _row(file: TextFile, line: int, text: str, targets: list[float], one_way: bool) -> tuple[int, int, PositioningRow]:
     words = text.split()
     if len(words) != 3 or not (words[0].isdecimal() and words[1].isdecimal()):
-        raise file.fail(f"{text[:40]!r} is not run, target and deviation", _SHORTENED, line)
+        raise file.fail("{text!r} is not run, target and deviation", _SHORTENED, line, text=text[:40])
     run, index = int(words[0]), int(words[1])
     if run < 1 or not 1 <= index <= len(targets):
-        raise file.fail(
-            f"target {index} of run {run} is not there: targets go from 1 to {len(targets)}", _SHORTENED, line
-        )
+        what = "target {index} of run {run} is not there: targets go from 1 to {count}"
+        raise file.fail(what, _SHORTENED, line, index=index, run=run, count=len(targets))
     up = one_way or run % 2 == 1
     deviation = from_unit(file.number(words[2], "deviation", line), "um")
     number = run if one_way else (run + 1) // 2

@@ -26,9 +26,9 @@ class TextFile:
     name: str
     lines: tuple[str, ...]
 
-    def fail(self, what: str, remedy: str, line: int | None = None) -> ReadingError:
+    def fail(self, what: str, remedy: str, line: int | None = None, **values: object) -> ReadingError:
         """Return the error that places a fault in a line, counted from 1."""
-        return ReadingError(what, remedy, self.name, line)
+        return ReadingError(what, remedy, self.name, line, **values)
 
     def number(self, text: str, what: str, line: int) -> float:
         """Return a number of a machine; raises ReadingError."""
@@ -40,8 +40,10 @@ class TextFile:
             return value
         shown = text if len(text) <= 40 else text[:37] + "..."
         if math.isfinite(value):
-            raise self.fail(f"{what} {shown!r} is too large for a machine", "write the number that was read", line)
-        raise self.fail(f"{what} {shown!r} is not a finite number", "write digits with a decimal point", line)
+            remedy = "write the number that was read"
+            raise self.fail("{name} {shown!r} is too large for a machine", remedy, line, name=what, shown=shown)
+        remedy = "write digits with a decimal point"
+        raise self.fail("{name} {shown!r} is not a finite number", remedy, line, name=what, shown=shown)
 
     def numbers(self, texts: Sequence[str], what: str, line: int) -> list[float]:
         """Return finite numbers; raises ReadingError."""
@@ -59,7 +61,7 @@ def content(path: str | Path) -> bytes:
         remedy = "check the name and the permissions"
         raise ReadingError("the file cannot be read: {reason}", remedy, str(path), reason=reason) from None
     except ValueError:
-        raise ReadingError(f"{str(path)!r} is not a file name", "give the name of a file") from None
+        raise ReadingError("{path!r} is not a file name", "give the name of a file", path=str(path)) from None
 
 
 def read_text(path: str | Path) -> TextFile:

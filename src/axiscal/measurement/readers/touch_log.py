@@ -94,13 +94,14 @@ class _LogReader:
             self._ended(int(found[1]), line)
         else:
             shown = text if len(text) <= 60 else text[:57] + "..."
-            raise self._fail(f"{shown!r} is no line of a log", "Give the file as the control wrote it", line)
+            remedy = "Give the file as the control wrote it"
+            raise self._fail("{shown!r} is no line of a log", remedy, line, shown=shown)
 
     def _begun(self, code: str, line: int) -> None:
         self._unended()
         if self._codes and code != self._codes[0]:
-            what = f"here begins the log of plan {code}, and above stands that of plan {self._codes[0]}"
-            raise self._fail(what, "Give the log of each plan by itself", line)
+            what = "here begins the log of plan {code}, and above stands that of plan {other}"
+            raise self._fail(what, "Give the log of each plan by itself", line, code=code, other=self._codes[0])
         self._codes.append(code)
         self._run = set()
 
@@ -113,8 +114,9 @@ class _LogReader:
     def _ended(self, count: int, line: int) -> None:
         taken = len(self._in_run(line))
         if taken != count:
-            what = f"the run that ends here took {count} readings, and {taken} of them stand in the log"
-            raise self._fail(what, "Lines are missing: give the file as the control wrote it", line)
+            what = "the run that ends here took {count} readings, and {taken} of them stand in the log"
+            remedy = "Lines are missing: give the file as the control wrote it"
+            raise self._fail(what, remedy, line, count=count, taken=taken)
         self._run = None
 
     def _unended(self) -> None:
@@ -122,5 +124,5 @@ class _LogReader:
             self._said.append("a run did not come to its end")
         self._run = None
 
-    def _fail(self, what: str, remedy: str, line: int | None = None) -> ReadingError:
-        return ReadingError(what, remedy, self._file, line)
+    def _fail(self, what: str, remedy: str, line: int | None = None, **values: object) -> ReadingError:
+        return ReadingError(what, remedy, self._file, line, **values)

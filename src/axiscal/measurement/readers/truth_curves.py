@@ -51,30 +51,31 @@ def _name(row: Row, column: Column) -> ErrorName:
 def _point(table: CsvTable, row: Row, name: ErrorName, before: list[tuple[float, float]]) -> tuple[float, float]:
     position, value = row.only_filled(table.all_of("position")), row.only_filled(table.all_of("value"))
     if value is None:
-        raise row.fail(f"{name.canonical} has no value here", "write the value of the error, or take out the line")
+        remedy = "write the value of the error, or take out the line"
+        raise row.fail("{name} has no value here", remedy, name=name.canonical)
     _fits(row, value, name, "angle" if name.angular else "length")
     if position is None:
         return _constant(row, name, before), row.quantity(value)
     _fits(row, position, name, "angle" if name.axis[0] in "ABC" else "length")
     at = row.quantity(position)
     if before and at <= before[-1][0]:
-        what = f"position {row.text(position)} of {name.canonical} does not lie beyond the one before it"
-        raise row.fail(what, "sort the positions of each error and give each once")
+        what = "position {text} of {name} does not lie beyond the one before it"
+        remedy = "sort the positions of each error and give each once"
+        raise row.fail(what, remedy, text=row.text(position), name=name.canonical)
     return at, row.quantity(value)
 
 
 def _constant(row: Row, name: ErrorName, before: list[tuple[float, float]]) -> float:
     """Return the position of a constant, which is given only once."""
     if name.kind == "motion" or before:
-        what = f"{name.canonical} has no position here"
-        raise row.fail(what, "write the position; only a constant, given in one line, goes without")
+        remedy = "write the position; only a constant, given in one line, goes without"
+        raise row.fail("{name} has no position here", remedy, name=name.canonical)
     return 0.0
 
 
 def _fits(row: Row, column: Column, name: ErrorName, dimension: str) -> None:
     if column.dimension != dimension:
-        units = "mm or um" if dimension == "length" else "deg, urad or arcsec"
-        remedy = (
-            f"the {column.stem} of {name.canonical} is {'a length' if dimension == 'length' else 'an angle'}: {units}"
-        )
-        raise row.fail(f"'{column.name}' does not fit {name.canonical}", remedy)
+        remedy = "the {stem} of {name} is an angle: deg, urad or arcsec"
+        remedy = "the {stem} of {name} is a length: mm or um" if dimension == "length" else remedy
+        what = "'{column}' does not fit {name}"
+        raise row.fail(what, remedy, column=column.name, name=name.canonical, stem=column.stem)

@@ -76,15 +76,25 @@ def refuse_unless_boxed(observation: Observation, setup: int) -> None:
     mounted = observation.setups[setup]
     chart = _chart(observation, setup)
     free = _free(chart)
-    what = f'no proof for readings anywhere: "{mounted.name}" is read on a chart'
     if len(free) > _MANY:
+        what = (
+            'no proof for readings anywhere: "{setup}" is read on a chart of {count} coordinates without steps, more '
+            "than {most}"
+        )
         remedy = "Write a raster for some of them, or leave --prove out: then the bound holds for the candidates"
-        raise PlanError(f"{what} of {len(free)} coordinates without steps, more than {_MANY}", remedy)
+        raise PlanError(what, remedy, setup=mounted.name, count=len(free), most=_MANY)
     remedy = "Leave --prove out, then the bound holds for the candidates"
     if observation.errors.planes:
-        raise PlanError(f"{what}, and {observation.errors.planes[0].name} is an error of two axes together", remedy)
+        what = (
+            'no proof for readings anywhere: "{setup}" is read on a chart, and {error} is an error of two axes together'
+        )
+        raise PlanError(what, remedy, setup=mounted.name, error=observation.errors.planes[0].name)
     if free and not all(_matches(observation, setup, part) for part in _slices(chart)[:1]):
-        raise PlanError(f"{what} along which what it sees is no sum of a few waves", remedy)
+        what = (
+            'no proof for readings anywhere: "{setup}" is read on a chart along which what it sees is no sum of a few '
+            "waves"
+        )
+        raise PlanError(what, remedy, setup=mounted.name)
 
 
 def largest_on_chart(

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.exceptions import PlanError
+from axiscal.language.spoken import listed, said
 from axiscal.measurement.breaks import breaks_along
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.setup import Setup
@@ -69,22 +70,22 @@ def _degree(observation: Observation, setup: int) -> int:
         if all(_holds(observation, setup, side, degree) for side in sides(observation, setup)):
             return degree
     mounted = observation.setups[setup]
-    what = f'no proof for readings anywhere: with "{mounted.name}" errors do not simply add up axis by axis'
+    what = 'no proof for readings anywhere: with "{setup}" errors do not simply add up axis by axis ({why})'
     remedy = "Leave --prove out, then the bound holds for the candidates; or let it move one linear axis only"
-    raise PlanError(f"{what} ({_why(observation, mounted)})", remedy)
+    raise PlanError(what, remedy, setup=mounted.name, why=_why(observation, mounted))
 
 
 def _why(observation: Observation, mounted: Setup) -> str:
     machine = observation.machine
     turning = [machine.axes[k].name for k in mounted.moves if machine.axes[k].rotary]
     if turning:
-        return f"{' and '.join(turning)} {'turns' if len(turning) == 1 else 'turn'}"
+        return said("{axes} turns" if len(turning) == 1 else "{axes} turn", axes=listed(said(" and "), turning))
     if mounted.standing:
-        return f"a {mounted.instrument} looks another way at every place"
+        return said("a {instrument} looks another way at every place", instrument=mounted.instrument)
     together = [plane.name for plane in observation.errors.planes if set(plane.axes) <= set(mounted.moves)]
     if together and not any(term.angular for term in observation.errors.terms):
-        return f"two of its axes act together, {' and '.join(together)}"
-    return "rotations act through lever arms"
+        return said("two of its axes act together, {errors}", errors=listed(said(" and "), together))
+    return said("rotations act through lever arms")
 
 
 def _holds(observation: Observation, setup: int, side: Array, degree: int) -> bool:

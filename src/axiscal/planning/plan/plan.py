@@ -121,15 +121,15 @@ def make_plan(
 
 def _refuse(task: Task, limits: Limits) -> None:
     if limits == Limits():
-        remedy = "Say how many readings, which accuracy or how much time"
-        raise PlanError("nothing would ever end this plan", remedy)
+        raise PlanError("nothing would ever end this plan", "Say how many readings, which accuracy or how much time")
     if not len(task.lattice):
         raise PlanError("there is no place where a reading may be taken", "Allow an axis to move, or add a set-up")
     times = clock(task)
     first = float((times.mounting + times.reading)[np.unique(task.lattice.setups)].min())
     if limits.budget is not None and limits.budget < first:
-        what = f"{limits.budget / 60:.3g} min is less than the {first / 60:.3g} min that the first reading takes"
-        raise PlanError(what, "Allow more time, or give a set-up that is mounted faster")
+        what = "{given:.3g} min is less than the {needed:.3g} min that the first reading takes"
+        remedy = "Allow more time, or give a set-up that is mounted faster"
+        raise PlanError(what, remedy, given=limits.budget / 60, needed=first / 60)
 
 
 def _together(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setups, work: float) -> Trial:

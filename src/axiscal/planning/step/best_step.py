@@ -16,6 +16,7 @@ import numpy as np
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.exceptions import PlanError
+from axiscal.language.spoken import later
 from axiscal.measurement.free_plane import EXACT, on_free_plane, plane_pieces, plane_poses
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Places
@@ -35,8 +36,8 @@ _LOOKED_AT = 400
 _LAST, _NEARLY = 2, 0.999
 """Readings of a set-up that go on to exact lines, with this share of the best gain: others are on lower hills."""
 _NONE = (
-    "this set-up's readings are no polynomials of two coordinates",
-    "Let it move two linear axes, without a raster, and read one number",
+    later("this set-up's readings are no polynomials of two coordinates"),
+    later("Let it move two linear axes, without a raster, and read one number"),
 )
 
 

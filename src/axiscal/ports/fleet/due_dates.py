@@ -26,6 +26,7 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import SisterRecord, TypePrior
 from axiscal.exceptions import AxiscalError, InputError, PlanError, RecordError, TableError, TargetError
+from axiscal.language.spoken import listed, put
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
@@ -134,8 +135,9 @@ def due_dates(files: Iterable[Path], today: date, wanted: Wanted = Wanted(), tol
         except AxiscalError as fault:
             left.append(_left(record, fault))
     if not known:
-        whys = "; ".join(f"{each.file}: {each.left_out}" for each in left)
-        raise RecordError("No record can be read" + (f": {whys}" if whys else ""), "Name records of measured machines")
+        whys = listed("; ", [put("{file}: {why}", file=each.file, why=each.left_out) for each in left])
+        what = "No record can be read: {whys}" if left else "No record can be read"
+        raise RecordError(what, "Name records of measured machines", whys=whys)
     histories = _histories([record for record in records if record.digest in known])
     learnt = aging([pair for history in histories for pair in _pairs(history, known, left, wanted.taught)])
     machines, faults = list[DueMachine](), list[InputError]()
@@ -144,7 +146,8 @@ def due_dates(files: Iterable[Path], today: date, wanted: Wanted = Wanted(), tol
             machines.append(_due(last, known[last.digest], learnt, today, wanted, told))
         except (TargetError, TableError) as fault:
             faults.append(fault)
-            left.append(replace(_left(last, fault), left_out=f"{fault.what}; {fault.remedy}"))
+            why = put("{what}; {remedy}", what=fault.what, remedy=fault.remedy)
+            left.append(replace(_left(last, fault), left_out=why))
     if not machines:
         raise faults[0]
     order = sorted(machines, key=lambda machine: (machine.due or date.max, machine.name))
@@ -210,11 +213,8 @@ def _due(
     own, tolerance = _own_target(known), wanted.tolerance
     target = own if wanted.target is None else wanted.target
     if target is None and tolerance is None:
-        raise TargetError(
-            "the campaign asks for no RMS and no U that could be kept",
-            'Say one for all machines: --target "4 um"; `axiscal due --tolerance "20 um"` asks for the worst alone',
-            record.file,
-        )
+        remedy = 'Say one for all machines: --target "4 um"; `axiscal due --tolerance "20 um"` asks for the worst alone'
+        raise TargetError("the campaign asks for no RMS and no U that could be kept", remedy, record.file)
     last = moment(record.begun).date()
     machine = WornMachine(known, learnt, record.renewed, wanted.tables, wanted.taught)
     passed = None if target is None else _first_day(lambda day: machine.rms(day * _DAY) > target)

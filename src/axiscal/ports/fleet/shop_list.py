@@ -239,9 +239,9 @@ def brought(folder: Path, source: Path) -> Brought:
                 return Brought(each.file, "went on", len(texts) - shared)
         if there:
             first = shared_events(chains, there[0].chains) + 1
-            what = f"It and its copy {there[0].file} have each gone on by themselves from event {first}"
+            what = "It and its copy {other} have each gone on by themselves from event {first}"
             remedy = "Nothing was changed; go on with one of them, and keep the other under its name beside it"
-            raise RecordError(what, remedy, record.path)
+            raise RecordError(what, remedy, record.path, other=there[0].file, first=first)
         file = _free(folder / source.name, campaign)
         Record.made(file, [text.row for text in texts]).close()
         return Brought(file, "new", len(texts))

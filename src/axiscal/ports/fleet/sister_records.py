@@ -20,6 +20,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inference.data_equation import DataEquation, data_equation
 from axiscal.estimation.type_prior import SisterRecord, carried_over
 from axiscal.exceptions import AxiscalError, InputError, RecordError, UnreachableError
+from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -76,10 +77,12 @@ def read_records(files: Iterable[Path]) -> tuple[list[MachineRecord], list[Siste
             left.append(SisterRecord(file.name, "", 0, fault.what))
             continue
         except OSError as fault:
-            left.append(SisterRecord(file.name, "", 0, f"it cannot be read: {fault.strerror or fault}"))
+            left.append(
+                SisterRecord(file.name, "", 0, said("it cannot be read: {reason}", reason=fault.strerror or fault))
+            )
             continue
         if record.digest in found:
-            why = f"it is the same as {found[record.digest].file.name}"
+            why = said("it is the same as {other}", other=found[record.digest].file.name)
             left.append(SisterRecord(file.name, record.digest, len(record.readings), why))
         else:
             found[record.digest] = record
@@ -220,8 +223,8 @@ def equation_of(record: MachineRecord, errors: ErrorModel) -> DataEquation:
     plain = replace(record.description, prior_text="", sisters=None, doubt=None)
     known = concluded(Case(plain), record.readings)
     if known.agreement.withheld:
-        what = f"its readings contradict each other (p = {known.agreement.p:.1g})"
-        raise RecordError(what, "Look at its report", record.file)
+        what = "its readings contradict each other (p = {p:.1g})"
+        raise RecordError(what, "Look at its report", record.file, p=known.agreement.p)
     own = known.case.errors
     across, root = carried_over(errors, own), own.prior_root()
     new = [term.columns for term in own.terms if term.name not in across.known]

@@ -15,6 +15,7 @@ from axiscal.estimation.inference.data_equation import DataEquation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior
 from axiscal.exceptions import RecordError, TargetError
+from axiscal.language.spoken import listed, put
 from axiscal.machine.description import Machine, machine_from_text
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.plan.plan import Plan
@@ -135,14 +136,16 @@ def _of_name(records: list[MachineRecord], named: str) -> list[MachineRecord]:
     found = [record for record in records if record.description.machine.name == named]
     if records and not found:
         others = ", ".join(sorted({shown(record.description.machine.name) for record in records}))
-        raise RecordError(f"None of the records is of a machine {shown(named)}", f"There are records of: {others}")
+        remedy = "There are records of: {others}"
+        raise RecordError("None of the records is of a machine {named}", remedy, named=shown(named), others=others)
     return found
 
 
 def _nothing(records: Iterable[SisterRecord]) -> RecordError:
-    whys = "; ".join(f"{record.file}: {record.left_out}" for record in records if record.left_out)
-    what = f"No record teaches anything of this type: {whys}" if whys else "There are no records to learn from"
-    return RecordError(what, "Name records of measured machines of this type")
+    left = [put("{file}: {why}", file=record.file, why=record.left_out) for record in records if record.left_out]
+    whys = listed("; ", left)
+    what = "No record teaches anything of this type: {whys}" if whys else "There are no records to learn from"
+    return RecordError(what, "Name records of measured machines of this type", whys=whys)
 
 
 def campaign_with_sisters(

@@ -92,11 +92,11 @@ def started(found: Configured, changed: Configuration, offered: Export, machine:
         while session.read([_GAIN]) < (1.0,):
             if time.monotonic() > end:
                 (code,) = session.read([_FAULT])
-                raise ControlError(f"the correction did not come, fault {code:.0f}", "Do not load it")
+                raise ControlError("the correction did not come, fault {code:.0f}", "Do not load it", code=code)
             time.sleep(0.1)
         _refuse_others(session, found, offered, machine)
         if session.errors:
-            raise ControlError(f"LinuxCNC says {session.errors[0]!r}", "Do not load it")
+            raise ControlError("LinuxCNC says {message!r}", "Do not load it", message=session.errors[0])
     what = (
         "the patched files themselves" if own else "a configuration of these axes with simulated drives, not your HAL"
     )
@@ -147,7 +147,6 @@ def _refuse_others(session: Session, found: Configured, offered: Export, machine
         low, high = np.sort(either[:, k]) * scale
         for joint in own[axis.name].joints:
             if not low - _AWAY - 0.1 * (high - low) <= added[joint] <= high + _AWAY + 0.1 * (high - low):
-                what = (
-                    f"joint {joint} of {axis.name} is moved by {added[joint]:.6f}, {low:.6f} to {high:.6f} was foretold"
-                )
-                raise ControlError(what, "Do not load it: this is a defect of axiscal, please report it")
+                what = "joint {joint} of {axis} is moved by {moved:.6f}, {low:.6f} to {high:.6f} was foretold"
+                remedy = "Do not load it: this is a defect of axiscal, please report it"
+                raise ControlError(what, remedy, joint=joint, axis=axis.name, moved=added[joint], low=low, high=high)

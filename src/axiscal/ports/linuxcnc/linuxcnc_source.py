@@ -93,7 +93,8 @@ class LinuxcncMachine:
         end = time.monotonic() + _COMING
         while gains and min(self._session.read(gains)) < 1.0:
             if time.monotonic() > end:
-                raise ControlError("the correction did not come", f"Look at the pin {_WHOLE}.fault-code")
+                remedy = "Look at the pin {component}.fault-code"
+                raise ControlError("the correction did not come", remedy, component=_WHOLE)
             time.sleep(0.05)
 
     @property
@@ -170,5 +171,6 @@ class LinuxcncSource:
 
 def _letter(axis: Axis) -> str:
     if axis.name not in _ORDER:
-        raise SourceError(f"LinuxCNC has no axis {axis.name}", f"Its axes are {', '.join(_ORDER)}")
+        remedy = "Its axes are {known}"
+        raise SourceError("LinuxCNC has no axis {axis}", remedy, axis=axis.name, known=", ".join(_ORDER))
     return axis.name

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from urllib.parse import parse_qs, unquote, urlsplit
 
 from axiscal.exceptions import RecordError
+from axiscal.language.spoken import said
 
 VARIABLE = "AXISCAL_STORE"
 """The variable of the environment that names the store."""
@@ -47,8 +48,10 @@ def store_address(text: str | None, environment: Mapping[str, str] = os.environ)
     """Return the address that is given, or the one in the environment; raises RecordError."""
     text = text or environment.get(VARIABLE, "")
     if not text:
-        raise RecordError("No store is named", f"Put its address into {VARIABLE}, or give --store: {_FORM}")
-    no_address = RecordError(f"{_hidden(text)} is no address of a store", f"Write it as {_FORM}; {_IN_PASSWORDS}")
+        remedy = "Put its address into {variable}, or give --store: {form}"
+        raise RecordError("No store is named", remedy, variable=VARIABLE, form=_FORM)
+    what = "{text} is no address of a store"
+    no_address = RecordError(what, "Write it as {form}; {how}", text=_hidden(text), form=_FORM, how=said(_IN_PASSWORDS))
     try:
         parts = urlsplit(text)
         asked = parse_qs(parts.query, strict_parsing=bool(parts.query))
@@ -64,7 +67,8 @@ def store_address(text: str | None, environment: Mapping[str, str] = os.environ)
     host = unquote(options.pop("host", parts.hostname or environment.get("PGHOST", "localhost")))
     if options or sslmode not in _MODES:
         wrong = next(iter(options), f"sslmode={sslmode}")
-        raise RecordError(f'"{wrong}" in the address of the store is not known', "Use host, port and sslmode alone")
+        remedy = "Use host, port and sslmode alone"
+        raise RecordError('"{wrong}" in the address of the store is not known', remedy, wrong=wrong)
     user = unquote(parts.username or environment.get("PGUSER", "") or getpass.getuser())
     password = unquote(parts.password) if parts.password is not None else environment.get("PGPASSWORD")
     socket = host if host.startswith("/") else ""

@@ -14,6 +14,7 @@ from typing import Any, Literal
 
 from axiscal.document import shown
 from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
+from axiscal.language.spoken import later
 from axiscal.numerics.remembered import Memo
 from axiscal.ports.postgres.address import StoreAddress, store_address
 
@@ -22,13 +23,16 @@ _PATIENCE = 15.0
 _LOCK = 4000
 """Milliseconds for which another writer is waited for."""
 _SENTENCES = {
-    "28P01": ("The store does not take this password", "Put the right one into PGPASSWORD"),
-    "28000": ("The store does not let this user in", "Ask whoever keeps it for an account"),
-    "3D000": ("The server has no such database", "Make one with createdb, then: axiscal sync --prepare"),
-    "42501": ("This user may not do that in the store", "Ask for the role axiscal_measurer; to read, axiscal_reader"),
-    "42P01": ("The database is no store yet", "Prepare it once, as its owner: axiscal sync --prepare"),
-    "3F000": ("The database is no store yet", "Prepare it once, as its owner: axiscal sync --prepare"),
-    "55P03": ("Another program holds this campaign and is writing", "Wait, then give the command again"),
+    "28P01": (later("The store does not take this password"), later("Put the right one into PGPASSWORD")),
+    "28000": (later("The store does not let this user in"), later("Ask whoever keeps it for an account")),
+    "3D000": (later("The server has no such database"), later("Make one with createdb, then: axiscal sync --prepare")),
+    "42501": (
+        later("This user may not do that in the store"),
+        later("Ask for the role axiscal_measurer; to read, axiscal_reader"),
+    ),
+    "42P01": (later("The database is no store yet"), later("Prepare it once, as its owner: axiscal sync --prepare")),
+    "3F000": (later("The database is no store yet"), later("Prepare it once, as its owner: axiscal sync --prepare")),
+    "55P03": (later("Another program holds this campaign and is writing"), later("Wait, then give the command again")),
 }
 """What is said for the states of SQL that a person can do something about."""
 _UNIQUE, _GONE = "23505", ("57P01", "57P02", "57P03", "08")
@@ -128,28 +132,23 @@ class Database:
             yield
         except UnicodeEncodeError as failure:
             self.close()
-            what = f"{shown(failure.object)} has a letter that is none"
-            raise RecordError(what, "Give the campaign a name without it", self._named) from None
+            what, remedy = "{text} has a letter that is none", "Give the campaign a name without it"
+            raise RecordError(what, remedy, self._named, text=shown(failure.object)) from None
         except _network_failures() as failure:
             found = failure.args[0] if failure.args else ""
             state = str(found.get("C", "")) if isinstance(found, dict) else ""
             if not state or state.startswith(_GONE):
                 self.close()
-                raise UnreachableError(
-                    f"The store does not answer: {_words(failure)}",
-                    "Look whether server and network are there, then give the command again; what was kept is kept",
-                    self._named,
-                ) from failure
+                what = "The store does not answer: {reason}"
+                remedy = "Look whether server and network are there, then give the command again; what was kept is kept"
+                raise UnreachableError(what, remedy, self._named, reason=_words(failure)) from failure
             if state == _UNIQUE:
-                raise OvertakenError(
-                    "Another process has written to this record in the meantime",
-                    "Look at it with `axiscal status`, then give the command again",
-                    self._named,
-                ) from failure
-            what, remedy = _SENTENCES.get(
-                state, (f"The store refuses it: {_words(failure)}", "Ask whoever keeps the store")
-            )
-            raise RecordError(what, remedy, self._named) from failure
+                what = "Another process has written to this record in the meantime"
+                remedy = "Look at it with `axiscal status`, then give the command again"
+                raise OvertakenError(what, remedy, self._named) from failure
+            other = later("The store refuses it: {reason}"), later("Ask whoever keeps the store")
+            words = _SENTENCES.get(state, other)
+            raise RecordError(words[0], words[1], self._named, reason=_words(failure)) from failure
         except BaseException:  # Ctrl-C: the answer that is still to come is not one to the next question
             self.close()
             raise
@@ -157,8 +156,9 @@ class Database:
 
 def not_known(failure: RecordError) -> RecordError:
     """Return the error of a server that went away before it confirmed an entry."""
-    what = f"{failure.what}, and whether the last entry is kept is not known"
-    return RecordError(what, "Look at it, then give the command again if it is not there", failure.file)
+    what = "{fault}, and whether the last entry is kept is not known"
+    remedy = "Look at it, then give the command again if it is not there"
+    return RecordError(what, remedy, failure.file, fault=failure.what)
 
 
 def lock_number(held: str) -> int:

@@ -178,8 +178,9 @@ class ServerLog(EventLog):
             for number, text in self._new():
                 self._take(number, text)
         except DamageError as error:
+            what = "The campaign in the store is damaged: {reason}"
             remedy = "Tell whoever keeps the store, to restore it from a backup; nothing was changed"
-            raise RecordError(f"The campaign in the store is damaged: {error}", remedy, self.path) from error
+            raise RecordError(what, remedy, self.path, reason=error) from error
 
     def _new(self) -> list[tuple[int, ChainedText]]:
         """Return the events behind those that are known, and the last one that is."""
@@ -279,7 +280,8 @@ def _only(name: str, found: Sequence[Entry]) -> Entry:
         raise RecordError("The store has no such campaign", "Look at its name, or send it there: axiscal sync", path)
     if len(found) > 1:
         ids = ", ".join(entry.id[:_SHOWN] for entry in found)
-        raise RecordError(f"The store has {len(found)} campaigns of this name", f"Name one by its id: {ids}", path)
+        remedy = "Name one by its id: {known}"
+        raise RecordError("The store has {found} campaigns of this name", remedy, path, found=len(found), known=ids)
     return found[0]
 
 

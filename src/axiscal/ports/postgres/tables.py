@@ -137,12 +137,13 @@ def refuse_other(database: Database) -> None:
     """Raise RecordError for a database that is no store, or one of another axiscal."""
     form = _form(database)
     if form < FORM:
-        what = f"This store was made by an earlier axiscal (form {form}; this one needs {FORM})"
+        what = "This store was made by an earlier axiscal (form {form}; this one needs {known})"
         remedy = "Prepare it once more, as its owner: axiscal sync --prepare; what it holds stays"
-        raise RecordError(what, remedy, database.address.shown)
+        raise RecordError(what, remedy, database.address.shown, form=form, known=FORM)
     if form > FORM:
-        what = f"This store was made by a newer axiscal (form {form}; this one knows {FORM})"
-        raise RecordError(what, "Install the newer version; nothing was changed", database.address.shown)
+        what = "This store was made by a newer axiscal (form {form}; this one knows {known})"
+        remedy = "Install the newer version; nothing was changed"
+        raise RecordError(what, remedy, database.address.shown, form=form, known=FORM)
 
 
 def _make(database: Database, script: str, *tables: str) -> None:

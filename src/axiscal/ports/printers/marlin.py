@@ -77,8 +77,9 @@ def _built(text: str, machine: Machine) -> Mesh | None:
         return None
     wide, high = (max(node[side] for node in nodes) + 1 for side in (0, 1))
     if len(nodes) < wide * high or min(wide, high) < 2:
-        what = f"the mesh of {wide} x {high} points has {len(nodes)} values"
-        raise TableError(what, "give the whole answer to M503, or send M420 S1 first")
+        what = "the mesh of {wide} x {high} points has {count} values"
+        remedy = "give the whole answer to M503, or send M420 S1 first"
+        raise TableError(what, remedy, wide=wide, high=high, count=len(nodes))
     x, y, _ = plane_axes(machine)
     across, along = (np.linspace(*machine.axes[axis].travel, count) for axis, count in ((x, wide), (y, high)))
     return Mesh(across, along, np.zeros((high, wide)))
@@ -139,7 +140,8 @@ def read(text: str, built: Mesh | None, machine: Machine) -> Loaded:
             play = {axis: share * float(from_unit(v, "mm")) for axis, v in values.items() if axis != "S"}
         elif command == "M421" and heights is not None:
             if not values.keys() >= set("IJZ"):
-                raise TableError(f"{line[:40]!r} says no height of a point", "write it as in M421 I0 J0 Z0.05")
+                remedy = "write it as in M421 I0 J0 Z0.05"
+                raise TableError("{text!r} says no height of a point", remedy, text=line[:40])
             heights[int(values["J"]), int(values["I"])] = values["Z"]
     meshes = () if built is None or heights is None else (Mesh(built.x, built.y, from_unit(heights, "mm")),)
     return Loaded(lookups(machine, play), meshes, skew)

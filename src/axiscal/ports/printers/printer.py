@@ -20,6 +20,7 @@ from typing import Any
 
 from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import SourceError
+from axiscal.language.spoken import later, said
 from axiscal.units import from_unit, to_unit
 
 TIMEOUT = 60.0
@@ -64,8 +65,9 @@ class PrinterSource:
         codes += [f"G1 X{at['X']:.3f} Y{at['Y']:.3f} F{_TRAVEL}", "M400"]
         height = self._printer.probed(codes)
         if not abs(height) <= _FARTHEST:
-            what = f"the probe met something {height:.3f} mm off the bed's zero"
-            raise SourceError(what, f"Look at the probe and its offset; beyond {_FARTHEST:g} mm nothing is believed")
+            what = "the probe met something {height:.3f} mm off the bed's zero"
+            remedy = "Look at the probe and its offset; beyond {most:g} mm nothing is believed"
+            raise SourceError(what, remedy, height=height, most=_FARTHEST)
         return Answer(-float(from_unit(height, "mm")), live=True)
 
     def close(self) -> None:
@@ -76,8 +78,8 @@ class PrinterSource:
         setup, names = request.setup, {axis.name for axis in request.axes}
         upright = abs(setup.direction[2]) > 1 - 1e-9 and setup.direction[2] > 0
         if setup.instrument != "probe" or not upright or not {"X", "Y"} <= names:
-            what = f"a printer cannot take the readings of the set-up {setup.name}"
-            raise SourceError(what, 'It probes its bed: instrument = "probe", direction = "z", moves = ["X", "Y"]')
+            remedy = 'It probes its bed: instrument = "probe", direction = "z", moves = ["X", "Y"]'
+            raise SourceError("a printer cannot take the readings of the set-up {setup}", remedy, setup=setup.name)
 
 
 def reached(kind: str, host: str) -> PrinterSource:
@@ -88,14 +90,13 @@ def reached(kind: str, host: str) -> PrinterSource:
 class Printer(ABC):
     """A printer behind its web server.  host : name or address, with :PORT where it is another than usual"""
 
-    _again = "Mend it, then go on with --resume"
+    _again = later("Mend it, then go on with --resume")
     """What is to be done after a fault."""
 
     def __init__(self, host: str) -> None:
         if not _HOST.fullmatch(host):
-            raise SourceError(
-                f"{host[:60]!r} is no name of a printer", "Write moonraker:voron.local or duet:192.168.1.7"
-            )
+            remedy = "Write moonraker:voron.local or duet:192.168.1.7"
+            raise SourceError("{text!r} is no name of a printer", remedy, text=host[:60])
         self._host = host
 
     @abstractmethod
@@ -125,7 +126,12 @@ class Printer(ABC):
     def _done(self, path: str, code: int, data: bytes) -> bytes:
         if code >= _REFUSED:
             said = data[:2000].decode(errors="replace")
-            raise self._failed(f"refused {path} ({code}): {' '.join(said.split())[:200]}")
+            raise self._failed(
+                "the printer {host} refused {path} ({code}): {message}",
+                path=path,
+                code=code,
+                message=" ".join(said.split())[:200],
+            )
         return data
 
     def _answered(
@@ -142,9 +148,13 @@ class Printer(ABC):
         try:
             code, data = _exchanged(urllib.request.Request(url, body, headers, method=method))
         except (OSError, ValueError, http.client.HTTPException) as fault:
-            raise self._failed(f"does not answer {path}: {' '.join(str(fault).split())[:200]}") from None
+            raise self._failed(
+                "the printer {host} does not answer {path}: {reason}",
+                path=path,
+                reason=" ".join(str(fault).split())[:200],
+            ) from None
         if len(data) > _MOST:
-            raise self._failed(f"answers {path} with more than {_MOST} bytes")
+            raise self._failed("the printer {host} answers {path} with more than {most} bytes", path=path, most=_MOST)
         return code, data
 
     def _document(self, path: str, query: dict[str, str] | None = None) -> dict[str, Any]:
@@ -153,18 +163,20 @@ class Printer(ABC):
         except (ValueError, RecursionError):
             found = None
         if not isinstance(found, dict):
-            raise self._failed(f"answers {path} with something that is no JSON object")
+            raise self._failed("the printer {host} answers {path} with something that is no JSON object", path=path)
         return found
 
-    def _failed(self, what: str) -> SourceError:
-        return SourceError(f"the printer {self._host} {what}", self._again)
+    def _failed(self, what: str, **values: object) -> SourceError:
+        return self._not_ready(what, said(self._again), **values)
 
-    def _not_ready(self, what: str, remedy: str) -> SourceError:
-        return SourceError(f"the printer {self._host} {what}", remedy)
+    def _not_ready(self, what: str, remedy: str, **values: object) -> SourceError:
+        return SourceError(what, remedy, None, None, host=self._host, **values)
 
     def _height(self, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise self._failed(f"answers {value!r} where the height of the bed was expected")
+            raise self._failed(
+                "the printer {host} answers {value!r} where the height of the bed was expected", value=value
+            )
         return float(value)
 
 
@@ -176,19 +188,20 @@ class Moonraker(Printer):
         self.refuse_busy()
         found = self._status("toolhead", "bed_mesh", "axiscal")
         if not set("xyz") <= set(str(found_at(found, "toolhead", "homed_axes") or "")):
-            raise self._not_ready("is not homed", "Send G28 first")
+            raise self._not_ready("the printer {host} is not homed", "Send G28 first")
         if found_at(found, "bed_mesh", "profile_name"):
-            raise self._not_ready("has a bed mesh in force", "Send BED_MESH_CLEAR first")
+            raise self._not_ready("the printer {host} has a bed mesh in force", "Send BED_MESH_CLEAR first")
         if found_at(found, "axiscal", "active"):
-            raise self._not_ready("has its whole correction in force", "Send AXISCAL ENABLE=0 first")
+            raise self._not_ready("the printer {host} has its whole correction in force", "Send AXISCAL ENABLE=0 first")
 
     def refuse_busy(self) -> None:
         """Raise SourceError where it is not ready, or prints."""
         found = self._status("webhooks", "print_stats")
         if found_at(found, "webhooks", "state") != "ready":
-            raise self._not_ready(f"is {found_at(found, 'webhooks', 'state')!r}, not ready", "Restart it")
+            what = "the printer {host} is {state!r}, not ready"
+            raise self._not_ready(what, "Restart it", state=found_at(found, "webhooks", "state"))
         if found_at(found, "print_stats", "state") in ("printing", "paused"):
-            raise self._not_ready("prints", "Wait until it has ended")
+            raise self._not_ready("the printer {host} prints", "Wait until it has ended")
 
     def probed(self, codes: list[str]) -> float:
         """Send the lines and PROBE; `last_z_result` is where it met the bed."""
@@ -202,7 +215,7 @@ class Moonraker(Printer):
         found = self._document("/printer/objects/query", dict.fromkeys(objects, ""))
         status = found_at(found, "result", "status")
         if not isinstance(status, dict):
-            raise self._failed("answers no status")
+            raise self._failed("the printer {host} answers no status")
         return status
 
 
@@ -219,15 +232,16 @@ class Duet(Printer):
         axes = found_at(found, "move", "axes")
         homed = [axis.get("homed") for axis in axes if isinstance(axis, dict)] if isinstance(axes, list) else []
         if len(homed) < 3 or not all(each is True for each in homed[:3]):
-            raise self._not_ready("is not homed", "Send G28 first")
+            raise self._not_ready("the printer {host} is not homed", "Send G28 first")
         if _compensation(found) != "none":
-            raise self._not_ready("has a height map in force", "Send G29 S2 first")
+            raise self._not_ready("the printer {host} has a height map in force", "Send G29 S2 first")
 
     def refuse_busy(self) -> dict[str, Any]:
         """Return its object model; raises SourceError where it does anything."""
         found = self._model()
         if found_at(found, "state", "status") != "idle":
-            raise self._not_ready(f"is {found_at(found, 'state', 'status')!r}, not idle", "Wait, or end what it does")
+            what = "the printer {host} is {state!r}, not idle"
+            raise self._not_ready(what, "Wait, or end what it does", state=found_at(found, "state", "status"))
         return found
 
     def compensation(self) -> str:
@@ -249,7 +263,7 @@ class Duet(Printer):
             self._run(code)
         found = _FOUND.search(said := self._run("G30 S-1", wait=True))
         if found is None:
-            raise self._failed(f"answers {said.strip()[:200]!r} to G30 S-1")
+            raise self._failed("the printer {host} answers {message!r} to G30 S-1", message=said.strip()[:200])
         return self._height(float(found[1]))
 
     def _run(self, code: str, wait: bool = False) -> str:
@@ -258,7 +272,9 @@ class Duet(Printer):
 
     def _sound(self, code: str, said: str) -> str:
         if (amiss := _AMISS.search(said)) is not None:
-            raise self._failed(f"answers {amiss[1].strip()[:200]!r} to {code}")
+            raise self._failed(
+                "the printer {host} answers {message!r} to {code}", message=amiss[1].strip()[:200], code=code
+            )
         return said
 
     def _reply(self, code: str, wait: bool) -> str:

@@ -19,6 +19,7 @@ import numpy as np
 
 from axiscal.document import shown
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import later
 from axiscal.ports.printers.klipper import plain_profile
 from axiscal.ports.printers.printer import Duet, Moonraker, found_at
 
@@ -46,10 +47,12 @@ def loader_at(where: str, controller: str) -> MoonrakerLoader | DuetLoader:
     """
     kind, _, host = where.partition(":")
     if kind not in _LOADERS:
-        raise TableError(f"{where[:60]!r} is no printer", "Write --load moonraker:voron.local or duet:192.168.1.7")
+        remedy = "Write --load moonraker:voron.local or duet:192.168.1.7"
+        raise TableError("{text!r} is no printer", remedy, text=where[:60])
     made = _LOADERS[kind]
     if controller.casefold() != made.controller:
-        raise TableError(f"{kind} takes no files of {shown(controller)}", f"Export with --to {made.controller}")
+        what, remedy = "{kind} takes no files of {controller}", "Export with --to {needed}"
+        raise TableError(what, remedy, kind=kind, controller=shown(controller), needed=made.controller)
     return made(host.strip())
 
 
@@ -62,8 +65,8 @@ class _Loader:
     def taken(self, files: Mapping[str, str]) -> str:
         """Return the text that the printer takes; raises TableError where an export does not hold it."""
         if self._file not in files:
-            what = f"the printer takes {self._file}, which this export does not hold"
-            raise TableError(what, "Leave --load out; the README of the export says how its files are used")
+            remedy = "Leave --load out; the README of the export says how its files are used"
+            raise TableError("the printer takes {needed}, which this export does not hold", remedy, needed=self._file)
         return files[self._file]
 
 
@@ -71,7 +74,7 @@ class MoonrakerLoader(_Loader, Moonraker):
     """Klipper reads a profile from a file that printer.cfg includes, when it is started again."""
 
     controller, _file = "klipper", "bed_mesh.cfg"
-    _again = "Mend it, then give the command again"
+    _again = later("Mend it, then give the command again")
 
     def load(self, mesh: str, name: str) -> str:
         """Keep the file that is there, write the profile, start Klipper again, load and compare; raises SourceError."""
@@ -80,8 +83,9 @@ class MoonrakerLoader(_Loader, Moonraker):
         kept = "" if old in (None, sent) else self._beside(old or b"")
         self._upload(_CONFIG, sent)
         if not _reads(self._ask("/server/files/config/printer.cfg").decode(errors="replace")):
-            what = f"has {_CONFIG} now, and its printer.cfg does not read it"
-            raise self._not_ready(what, f"Write the line [include {_CONFIG}] at the top of printer.cfg, then again")
+            what = "the printer {host} has {config} now, and its printer.cfg does not read it"
+            remedy = "Write the line [include {config}] at the top of printer.cfg, then again"
+            raise self._not_ready(what, remedy, config=_CONFIG)
         self.refuse_busy()  # somebody may have started a print since, which a restart would end
         self._ask("/printer/restart", body=b"")
         self._wait_until_ready()
@@ -90,7 +94,8 @@ class MoonrakerLoader(_Loader, Moonraker):
         if found_at(found, "bed_mesh", "profile_name") != name or not _alike(
             found_at(found, "bed_mesh", "probed_matrix"), mesh
         ):
-            raise self._not_ready(f"does not hold the profile {name} as it was sent", "Look at its console")
+            what = "the printer {host} does not hold the profile {name} as it was sent"
+            raise self._not_ready(what, "Look at its console", name=name)
         return f"{_CONFIG} is in the printer, and its profile {name} is in force{kept}. It has to be homed again."
 
     def _kept(self, file: str) -> bytes | None:
@@ -101,7 +106,7 @@ class MoonrakerLoader(_Loader, Moonraker):
         """Keep what was there under a name that no [include *.cfg] reads, and say so; raises SourceError."""
         self._upload(file := f"axiscal_mesh_{_digest(old)}.bak", old)
         if self._kept(file) != old:
-            raise self._not_ready(f"did not keep {file}", "Look at its disk")
+            raise self._not_ready("the printer {host} did not keep {kept}", "Look at its disk", kept=file)
         return f"; the one that was there is {file}"
 
     def _upload(self, file: str, text: bytes) -> None:
@@ -118,8 +123,9 @@ class MoonrakerLoader(_Loader, Moonraker):
         end = time.monotonic() + _RESTART
         while (state := self._state()) != "ready":
             if state in ("error", "shutdown") or time.monotonic() > end:
-                what = f"is {state!r} after it was started again"
-                raise self._not_ready(what, f"Take [include {_CONFIG}] out of printer.cfg, and look at its log")
+                what = "the printer {host} is {state!r} after it was started again"
+                remedy = "Take [include {config}] out of printer.cfg, and look at its log"
+                raise self._not_ready(what, remedy, state=state, config=_CONFIG)
             time.sleep(_POLL)
 
     def _state(self) -> object:
@@ -134,7 +140,7 @@ class DuetLoader(_Loader, Duet):
     """RepRapFirmware reads `0:/sys/heightmap.csv` at G29 S1."""
 
     controller, _file = "reprapfirmware", "heightmap.csv"
-    _again = "Mend it, then give the command again"
+    _again = later("Mend it, then give the command again")
 
     def load(self, mesh: str, name: str) -> str:
         """Keep the map that is there, write the new one, load it and compare; raises SourceError."""
@@ -143,7 +149,8 @@ class DuetLoader(_Loader, Duet):
         kept = "" if old in (None, sent) else self._beside(old or b"")
         self._put(_MAP, sent)
         if self._kept(_MAP) != sent:
-            raise self._not_ready(f"does not hold {_MAP} as it was sent", "Look at its card")
+            remedy = "Look at its card"
+            raise self._not_ready("the printer {host} does not hold {kept} as it was sent", remedy, kept=_MAP)
         self.refuse_busy()  # somebody may have started a print since
         if self.compensation() == "mesh":
             self._switch("G29 S2", "none")  # else that of before would be taken for the new one
@@ -156,7 +163,8 @@ class DuetLoader(_Loader, Duet):
         end = time.monotonic() + _SWITCHED
         while (found := self.compensation()) != kind:
             if time.monotonic() > end:
-                raise self._not_ready(f"says its compensation is {found!r} after {code}", "Look at its console")
+                what = "the printer {host} says its compensation is {found!r} after {code}"
+                raise self._not_ready(what, "Look at its console", found=found, code=code)
             time.sleep(_POLL)
             if self._alone:
                 self._sound(code, self._ask("/rr_reply").decode(errors="replace"))
@@ -171,7 +179,7 @@ class DuetLoader(_Loader, Duet):
         """Keep the map that was there under another name, and say so; raises SourceError."""
         self._put(file := f"0:/sys/heightmap_before_axiscal_{_digest(old)}.csv", old)
         if self._kept(file) != old:
-            raise self._not_ready(f"did not keep {file}", "Look at its card")
+            raise self._not_ready("the printer {host} did not keep {kept}", "Look at its card", kept=file)
         return f"; the one that was there is {file}"
 
     def _put(self, file: str, text: bytes) -> None:
@@ -180,7 +188,7 @@ class DuetLoader(_Loader, Duet):
             return
         said = self._ask("/rr_upload", {"name": file, "crc32": _digest(text)}, body=text)
         if found_at(_document(said), "err") != 0:
-            raise self._not_ready(f"did not take {file}", "Look at its card")
+            raise self._not_ready("the printer {host} did not take {kept}", "Look at its card", kept=file)
 
 
 def _reads(config: str) -> bool:

@@ -46,8 +46,9 @@ class RepRapFirmware(MapFormat):
         found = content_of(estimate, options, options.mesh or (None if estimate.grid else int(_USUAL**0.5)))
         for mesh in found.meshes:
             if mesh.added.size > _MOST or len(mesh.x) > _MOST_ALONG_X:
-                what = f"a Duet takes {_MOST} points, {_MOST_ALONG_X} along x, and this map has"
-                raise TableError(f"{what} {len(mesh.x)} x {len(mesh.y)}", "export with --mesh 21")
+                what = "a Duet takes {most} points, {along} along x, and this map has {wide} x {high}"
+                wide, high, along = len(mesh.x), len(mesh.y), _MOST_ALONG_X
+                raise TableError(what, "export with --mesh 21", most=_MOST, along=along, wide=wide, high=high)
         return found
 
     def write(self, content: Loaded, machine: Machine, options: ExportOptions) -> Written:

@@ -109,18 +109,20 @@ def _result(client: Client, future: Future, question: WorkItem, address: str) ->
     except KilledWorker:
         return given_up(question)
     except ModuleNotFoundError as fault:
-        what = f"a worker of {address} lacks {fault.name}"
-        raise SchedulerError(what, "Install the same axiscal wherever a worker runs") from None
+        what, remedy = "a worker of {address} lacks {module}", "Install the same axiscal wherever a worker runs"
+        raise SchedulerError(what, remedy, address=address, module=fault.name) from None
     except (OSError, CancelledError):
         raise _gone(address) from None
     if isinstance(found, str):
-        what = f"a worker of {address} has axiscal {found}, and this is {versions()['axiscal']}"
-        raise SchedulerError(what, "Install the same axiscal wherever a worker runs")
+        what = "a worker of {address} has axiscal {found}, and this is {own}"
+        remedy = "Install the same axiscal wherever a worker runs"
+        raise SchedulerError(what, remedy, address=address, found=found, own=versions()["axiscal"])
     return Done(*found)
 
 
 def _gone(address: str) -> SchedulerError:
-    return SchedulerError(f"the scheduler at {address} went away", "Start it again, then go on with --resume")
+    remedy = "Start it again, then go on with --resume"
+    return SchedulerError("the scheduler at {address} went away", remedy, address=address)
 
 
 @contextmanager
@@ -134,19 +136,21 @@ def _connected(address: str, certificates: Certificates) -> Iterator[Client]:
         raise SchedulerError("Dask is not installed, which --scheduler needs", remedy) from None
     if not _ADDRESS.fullmatch(address):
         remedy = "Write one such as tcp://192.168.1.5:8786 or tls://HOST:8786"
-        raise SchedulerError(f"{shown(address)} is no address of a scheduler", remedy)
-    start = "start one by: dask scheduler --host HOST; and on each computer that works: dask worker --nthreads 1"
+        raise SchedulerError("{text} is no address of a scheduler", remedy, text=shown(address))
     try:
         client = Client(address, security=_security(Security, address, certificates), timeout=_CONNECT, name="axiscal")
     except (OSError, TimeoutError):
-        remedy = f"See whether it runs and the address is right, or {start} {address}"
-        raise SchedulerError(f"no scheduler answers at {address}", remedy) from None
+        remedy = (
+            "See whether it runs and the address is right, or start one by: dask scheduler --host HOST; and on each "
+            "computer that works: dask worker --nthreads 1 {address}"
+        )
+        raise SchedulerError("no scheduler answers at {address}", remedy, address=address) from None
     try:
         try:
             client.wait_for_workers(1, timeout=_WORKERS)
         except TimeoutError:
-            remedy = f"On each computer that is to work: dask worker --nthreads 1 {address}"
-            raise SchedulerError(f"the scheduler at {address} has no worker", remedy) from None
+            remedy = "On each computer that is to work: dask worker --nthreads 1 {address}"
+            raise SchedulerError("the scheduler at {address} has no worker", remedy, address=address) from None
         yield client
     finally:
         client.close(timeout=_LOOK)
@@ -157,8 +161,7 @@ def _security(security: Any, address: str, certificates: Certificates) -> Any:
         return None
     files = certificates.authority, certificates.certificate, certificates.key
     if None in files:
-        remedy = "Give --tls-ca, --tls-cert and --tls-key"
-        raise SchedulerError(f"{address} needs certificates", remedy)
+        raise SchedulerError("{address} needs certificates", "Give --tls-ca, --tls-cert and --tls-key", address=address)
     for file in files:
         if file is not None and not file.is_file():
             raise SchedulerError("there is no such file of a certificate", "Give the path of a PEM file", file)

@@ -17,9 +17,10 @@ import numpy as np
 
 from axiscal.document import meant, shown
 from axiscal.exceptions import StudyError
+from axiscal.language.spoken import said
 
 _QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(\S.*)?")
-_REMEDY = 'Write { between = ["0.3 um", "3 um"], scale = "log" } or { of = ["0.3 um", "1 um"] }'
+_REMEDY = 'Write {{ between = ["0.3 um", "3 um"], scale = "log" }} or {{ of = ["0.3 um", "1 um"] }}'
 _DIGITS = 6
 """Of a drawn number: more than anybody states."""
 
@@ -41,8 +42,8 @@ def parts_of(path: str) -> tuple[PathPart, ...]:
         found.append(PathPart(part["name"].strip(), part["which"]))
         at = part.end()
     if at < len(path) or not found or path.endswith("."):
-        what = f"{shown(path)} is no path of a key"
-        raise StudyError(what, 'Write paths such as "target.rms", "setups[*].noise" or "errors.EXX.std"')
+        remedy = 'Write paths such as "target.rms", "setups[*].noise" or "errors.EXX.std"'
+        raise StudyError("{text} is no path of a key", remedy, text=shown(path))
     return tuple(found)
 
 
@@ -70,7 +71,8 @@ def _below(tables: list[Any], way: Iterable[PathPart], path: str) -> list[Any]:
     for table in tables:
         if not isinstance(table, dict):
             hint = "Say which, as in setups[*].noise" if isinstance(table, list) else "Shorten the path"
-            raise StudyError(f'{shown(path)}: what stands before ".{path.rpartition(".")[2]}" is no table', hint)
+            what = '{text}: what stands before ".{part}" is no table'
+            raise StudyError(what, hint, text=shown(path), part=path.rpartition(".")[2])
     return tables
 
 
@@ -78,13 +80,16 @@ def _value(table: Any, name: str, path: str) -> Any:
     if isinstance(table, dict) and name in table:
         return table[name]
     known = list(table) if isinstance(table, dict) else []
-    remedy = meant(name, known, f"There are {', '.join(known)}" if known else "Shorten the path")
-    raise StudyError(f'{shown(path)}: there is no "{name}"', remedy)
+    remedy = meant(
+        name, known, said("There are {known}", known=", ".join(known)) if known else said("Shorten the path")
+    )
+    raise StudyError('{text}: there is no "{name}"', remedy, text=shown(path), name=name)
 
 
 def _indices(entries: Any, part: PathPart, path: str) -> list[int]:
     if not isinstance(entries, list):
-        raise StudyError(f'{shown(path)}: "{part.name}" is no list', f"Write {part.name} without brackets")
+        remedy = "Write {part} without brackets"
+        raise StudyError('{text}: "{part}" is no list', remedy, text=shown(path), part=part.name)
     if part.which == _ALL:
         return list(range(len(entries)))
     which = part.which or ""
@@ -93,8 +98,10 @@ def _indices(entries: Any, part: PathPart, path: str) -> list[int]:
     names = [str(each.get("name", "")) for each in entries if isinstance(each, dict)]
     if which in names:
         return [names.index(which)]
-    remedy = meant(which, names, f"Write [*], or one of [1] to [{len(entries)}], or its name", quoted="[{}]")
-    raise StudyError(f'{shown(path)}: there is no "{which}" in {part.name}', remedy)
+    remedy = meant(
+        which, names, said("Write [*], or one of [1] to [{count}], or its name", count=len(entries)), quoted="[{}]"
+    )
+    raise StudyError('{text}: there is no "{name}" in {part}', remedy, text=shown(path), name=which, part=part.name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,28 +137,29 @@ class Drawn:
 def drawn_key(key: str, table: Any) -> Drawn:
     """Return how a key is drawn; raises StudyError for a table that does not say it."""
     if not isinstance(table, Mapping) or ("of" in table) == ("between" in table):
-        raise StudyError(f"{shown(table)} does not say what to draw", _REMEDY)
+        raise StudyError("{text} does not say what to draw", _REMEDY, text=shown(table))
     if unknown := sorted(table.keys() - {"of", "between", "scale"}):
-        raise StudyError(f'unknown key "{unknown[0]}"', _REMEDY)
+        raise StudyError('unknown key "{key}"', _REMEDY, key=unknown[0])
     if "of" in table:
         if not isinstance(table["of"], list) or not table["of"]:
-            raise StudyError(f"{shown(table['of'])} is no list of values", _REMEDY)
+            raise StudyError("{text} is no list of values", _REMEDY, text=shown(table["of"]))
         return Drawn(key, values=tuple(table["of"]))
     scale = table.get("scale", "linear")
     if scale not in ("linear", "log"):
-        raise StudyError(f"scale = {shown(scale)} is not possible here", 'Write "linear" or "log"')
+        raise StudyError("scale = {text} is not possible here", 'Write "linear" or "log"', text=shown(scale))
     return _between(key, table["between"], scale == "log")
 
 
 def _between(key: str, ends: Any, in_log: bool) -> Drawn:
     if not isinstance(ends, list) or len(ends) != 2:
-        raise StudyError(f"{shown(ends)} is no pair of ends", _REMEDY)
+        raise StudyError("{text} is no pair of ends", _REMEDY, text=shown(ends))
     (low, unit), (high, other) = (_split(end) for end in ends)
     if unit != other:
-        raise StudyError(f"{shown(ends)} are not in one unit", "Give both ends in the same unit")
+        raise StudyError("{text} are not in one unit", "Give both ends in the same unit", text=shown(ends))
     if not low < high or (in_log and low <= 0):
-        what = f"{shown(ends)} does not increase" if not low < high else f"{shown(ends)} begins at nothing or below"
-        raise StudyError(what, "Give the lower end first" + (", above zero" if in_log else ""))
+        what = "{text} does not increase" if not low < high else "{text} begins at nothing or below"
+        remedy = "Give the lower end first, above zero" if in_log else "Give the lower end first"
+        raise StudyError(what, remedy, text=shown(ends))
     whole = all(isinstance(end, int) for end in ends) and not in_log
     return Drawn(key, low, high, unit, in_log, whole)
 
@@ -161,4 +169,4 @@ def _split(end: Any) -> tuple[float, str]:
         return float(end), ""
     if isinstance(end, str) and (found := _QUANTITY.fullmatch(end)):
         return float(found[1]), (found[2] or "").strip()
-    raise StudyError(f"{shown(end)} is neither a number nor a quantity", _REMEDY)
+    raise StudyError("{text} is neither a number nor a quantity", _REMEDY, text=shown(end))

@@ -355,7 +355,8 @@ def _enough(case: Case, drawing: Callable[[int], Places], limits: Limits) -> tup
         short, enough = enough, min(2 * enough, most)
     if not ended(enough):
         if limits.readings is None:
-            raise StudyError(f"{_MOST} such readings do not reach the target", "Let a plan choose, or widen the target")
+            remedy = "Let a plan choose, or widen the target"
+            raise StudyError("{most} such readings do not reach the target", remedy, most=_MOST)
         return ordered(enough)
     while enough - short > 1:
         middle = (short + enough) // 2
@@ -363,5 +364,6 @@ def _enough(case: Case, drawing: Callable[[int], Places], limits: Limits) -> tup
     places = ordered(enough)
     over = limits.budget is not None and elapsed(case, Timed(), places) > limits.budget
     if over and short == 0:
-        raise StudyError(f"{(limits.budget or math.nan) / 60:.3g} min is too short for one reading", "Allow more time")
+        what = "{minutes:.3g} min is too short for one reading"
+        raise StudyError(what, "Allow more time", minutes=(limits.budget or math.nan) / 60)
     return ordered(short) if over else places

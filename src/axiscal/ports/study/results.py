@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 
 from axiscal.document.durable import Closing, HeldError, alone, write_whole
 from axiscal.exceptions import StudyError
+from axiscal.language.spoken import said
 from axiscal.ports.study.study_case import FIGURES, Done, Engine, Solve, WorkItem, canonical, key_of
 from axiscal.ports.study.study_file import Study
 
@@ -74,8 +75,9 @@ class Results(Closing):
             what = "The study, its campaign or its machine has been changed since these results were begun"
             raise StudyError(what, "Take the changes back, or name another --out", self.path)
         if (first := by.get("axiscal")) != versions.get("axiscal"):
-            what = f"These results were begun with axiscal {first}, and this is {versions.get('axiscal')}"
-            raise StudyError(what, "Go on with that version, or name another --out", self.path)
+            what = "These results were begun with axiscal {first}, and this is {own}"
+            remedy = "Go on with that version, or name another --out"
+            raise StudyError(what, remedy, self.path, first=first, own=versions.get("axiscal"))
 
     def _said_at_its_beginning(self, rows: list[tuple[object, ...]]) -> tuple[object, Mapping[str, object]]:
         """Return the digest of the study and the versions of the programs; raises StudyError."""
@@ -113,21 +115,21 @@ class Results(Closing):
     def _done(self, key: object, found: object, error: object, digest: object) -> Done:
         match key, found, error:
             case (str(), None | str(), str()) if digest != _digest(key, found, error):
-                what = f"The result of the case {key!r:.60} is not the one that was kept: somebody or a disk changed it"
-                raise StudyError(what, self._taken_out(digest), self.path)
+                what = "The result of the case {key!r:.60} is not the one that was kept: somebody or a disk changed it"
+                raise StudyError(what, self._taken_out(digest), self.path, key=key)
             case (str(), None, str()):
                 return Done(key, None, error)
             case (str(), str(), str()) if isinstance(result := _read(found), dict):
                 if all(map(_is_figure, result.values())):
                     return Done(key, result, error)
-        raise StudyError(f"The result of the case {key!r:.60} cannot be read", _DAMAGED, self.path)
+        raise StudyError("The result of the case {key!r:.60} cannot be read", _DAMAGED, self.path, key=key)
 
     def _taken_out(self, digest: object) -> str:
         """Return how a row is taken out by its digest, so that its case is worked on again."""
         if not isinstance(digest, str) or not digest.isalnum():
-            return _DAMAGED
+            return said(_DAMAGED)
         command = f"""sqlite3 {shlex.quote(str(self.path))} "DELETE FROM cases WHERE digest = '{digest}'\""""
-        return f"Take it out by `{command}`; --resume works on that case again"
+        return said("Take it out by `{command}`; --resume works on that case again", command=command)
 
     @contextmanager
     def _said(self) -> Iterator[None]:
@@ -136,9 +138,9 @@ class Results(Closing):
             yield
         except (sqlite3.Error, UnicodeDecodeError) as fault:  # sqlite3 may quote what is there in its own words
             if isinstance(fault, sqlite3.OperationalError):
-                what, remedy = f"The results cannot be written: {fault}", "See the room and the rights on the disk"
-                raise StudyError(what, f"{remedy}, then go on with --resume", self.path) from None
-            raise StudyError(f"The results cannot be read: {fault}", _DAMAGED, self.path) from None
+                remedy = "See the room and the rights on the disk, then go on with --resume"
+                raise StudyError("The results cannot be written: {reason}", remedy, self.path, reason=fault) from None
+            raise StudyError("The results cannot be read: {reason}", _DAMAGED, self.path, reason=fault) from None
 
     def close(self) -> None:
         """Close the database, and let others work in its folder."""

@@ -17,6 +17,7 @@ from axiscal.description.campaign_schema import MOST_READINGS, CampaignTable
 from axiscal.document import Document, meant, read_model, shown
 from axiscal.document.toml_text import toml_document
 from axiscal.exceptions import InputError, StudyError
+from axiscal.language.spoken import later, put, said
 from axiscal.machine.machine_schema import MachineFile
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.ports.study.key_paths import Drawn, changed, drawn_key, parts_of
@@ -59,7 +60,7 @@ class StudyFile(_KnownKeys):
 SETUPS, TIMES = "setups", "prior.times"
 """Keys with a meaning of their own: which set-ups are used, and how many times the true std is stated."""
 _FIXED = ("machine", "prior", "sisters")
-_STOP = 'Write "target", { readings = 30 } or { budget = "90 min" }'
+_STOP = later('Write "target", {{ readings = 30 }} or {{ budget = "90 min" }}')
 _MOST_TIMES = 1000.0
 """Nobody's tolerances are wrong by more."""
 MOST_CASES = 10_000_000
@@ -170,8 +171,8 @@ def read_study(path: str | Path) -> Study:
     _refuse_twice(study, document)
     _try_values(study, document)
     if study.count > MOST_CASES:
-        what = f"these are {study.count:,} cases, more than {MOST_CASES:,}"
-        raise document.fault(StudyError(what, "Give fewer values, draws or machines"), "grid")
+        what, remedy = "these are {count:,} cases, more than {most:,}", "Give fewer values, draws or machines"
+        raise document.fault(StudyError(what, remedy, count=study.count, most=MOST_CASES), "grid")
     return study
 
 
@@ -179,41 +180,41 @@ def _document_of(key: str) -> str:
     """Return which file a key stands in; raises StudyError for one that stands in none."""
     first = parts_of(key)[0].name
     if first in _FIXED:
-        what = f'"{first}" cannot vary within a study'
-        raise StudyError(what, "Make a study of each; prior.times says how many times the true std is stated")
+        remedy = "Make a study of each; prior.times says how many times the true std is stated"
+        raise StudyError('"{key}" cannot vary within a study', remedy, key=first)
     if first in CampaignTable.model_fields:
         return "campaign"
     if first in MachineFile.model_fields:
         return "machine"
-    remedy = meant(
-        first,
-        [*CampaignTable.model_fields, *MachineFile.model_fields],
-        'Write paths such as "target.rms" or "errors.EXX.std"',
-    )
-    raise StudyError(f'there is no key "{first}" in campaign.toml or machine.toml', remedy)
+    otherwise = said('Write paths such as "target.rms" or "errors.EXX.std"')
+    remedy = meant(first, [*CampaignTable.model_fields, *MachineFile.model_fields], otherwise)
+    raise StudyError('there is no key "{key}" in campaign.toml or machine.toml', remedy, key=first)
+
+
+def _refused(document: Document, what: str, remedy: str = _STOP, **values: object) -> InputError:
+    return document.fault(StudyError(what, remedy, None, None, **values), "study", "stop")
 
 
 def _stop(given: str | dict[str, Any], described: CampaignDescription, document: Document) -> Stop:
-    def fault(what: str, remedy: str = _STOP) -> InputError:
-        return document.fault(StudyError(what, remedy), "study", "stop")
-
     if given == "target":
         if described.target.empty:
-            raise fault("the campaign has no target to stop at", "Give it one, or write stop = { readings = 30 }")
+            raise _refused(
+                document, "the campaign has no target to stop at", "Give it one, or write stop = { readings = 30 }"
+            )
         return Stop()
     if not isinstance(given, dict) or len(given) != 1 or not given.keys() <= {"readings", "budget"}:
-        raise fault(f"{shown(given)} is not possible here")
+        raise _refused(document, "{text} is not possible here", text=shown(given))
     if "budget" in given:
         try:
             seconds = parse_quantity(str(given["budget"]), "time")
         except InputError as wrong:
-            raise fault(wrong.what, wrong.remedy) from None
+            raise _refused(document, wrong.what, wrong.remedy) from None
         if seconds <= 0:
-            raise fault(f"{shown(given['budget'])} is no time to measure in")
+            raise _refused(document, "{text} is no time to measure in", text=shown(given["budget"]))
         return Stop(budget=seconds)
     count = given["readings"]
     if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= MOST_READINGS:
-        raise fault(f"{shown(count)} is no number of readings")
+        raise _refused(document, "{text} is no number of readings", text=shown(count))
     return Stop(readings=count)
 
 
@@ -221,7 +222,7 @@ def _kept(names: list[str], document: Document) -> tuple[str, ...]:
     for index, name in enumerate(names):
         if name not in FIGURES:
             remedy = meant(name, FIGURES)
-            fault = StudyError(f"{shown(name)} is nothing that can be kept", remedy)
+            fault = StudyError("{name} is nothing that can be kept", remedy, name=shown(name))
             raise document.fault(fault, "results", "keep", index)
     return tuple(name for name in FIGURES if name in names)
 
@@ -231,7 +232,8 @@ def _random(table: dict[str, Any], document: Document) -> tuple[int, tuple[Drawn
         return 1, ()
     draws = table.get("draws")
     if not isinstance(draws, int) or isinstance(draws, bool) or draws < 1:
-        fault = StudyError(f"draws = {shown(draws)} is no number of draws", "Write a whole number, such as draws = 100")
+        remedy = "Write a whole number, such as draws = 100"
+        fault = StudyError("draws = {text} is no number of draws", remedy, text=shown(draws))
         raise document.fault(fault, "random", "draws")
     found = list[Drawn]()
     for key, how in table.items():
@@ -247,7 +249,7 @@ def _values(key: str, values: list[Any], document: Document) -> tuple[Any, ...]:
         raise document.fault(StudyError("there is no value", "Give at least one"), "grid", key)
     for index, value in enumerate(values):
         if value in values[:index]:
-            fault = StudyError(f"{shown(value)} is there twice", "Give each value once")
+            fault = StudyError("{text} is there twice", "Give each value once", text=shown(value))
             raise document.fault(fault, "grid", key, index)
     return tuple(values)
 
@@ -286,22 +288,22 @@ def _fault_of(study: Study, choices: Mapping[str, Any]) -> InputError | None:
 
 
 def _of_study(wrong: InputError, key: str, value: Any) -> InputError:
-    own = isinstance(wrong, StudyError)
-    return StudyError(wrong.what if own else f"{key} = {shown(value)}: {wrong.what}", wrong.remedy)
+    what = put("{key} = {text}: {fault}", key=key, text=shown(value), fault=wrong.what)
+    return StudyError(wrong.what if isinstance(wrong, StudyError) else what, wrong.remedy)
 
 
 def _try(study: Study, choices: Mapping[str, Any]) -> None:
     used = choices.get(SETUPS, "all")
     if used != "all":
         if not isinstance(used, list) or not used:
-            remedy = 'Write "all", or a list of names of set-ups'
-            raise StudyError(f"{shown(used)} names no set-ups", remedy)
+            raise StudyError("{text} names no set-ups", 'Write "all", or a list of names of set-ups', text=shown(used))
         for name in used:
             study.described.setup(name)
     times = choices.get(TIMES, 1.0)
     if not isinstance(times, int | float) or isinstance(times, bool) or not 1 / _MOST_TIMES <= times <= _MOST_TIMES:
-        remedy = f"Write a number from {1 / _MOST_TIMES:g} to {_MOST_TIMES:g}; 1 states what is true"
-        raise StudyError(f"{shown(times)} is no factor of the stated std", remedy)
+        what = "{text} is no factor of the stated std"
+        remedy = "Write a number from {least:g} to {most:g}; 1 states what is true"
+        raise StudyError(what, remedy, text=shown(times), least=1 / _MOST_TIMES, most=_MOST_TIMES)
     variant = study.variant(choices, 0)
     names = variant.names
     campaign_from_texts(variant.campaign, names[0], variant.machine, names[1], prior_text=variant.prior)

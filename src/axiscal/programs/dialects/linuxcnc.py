@@ -5,6 +5,7 @@ that in force a new one would move the axes by tens of millimetres. A feed is th
 where these stay.
 """
 
+from axiscal.language.spoken import later
 from axiscal.programs.dialect import Dialect, Log
 
 
@@ -50,7 +51,7 @@ LINUXCNC = Dialect(
     tip_move="G1 {to} F{feed}",
     tip_decimals=6,
     tip_tables=("CA", "CB"),
-    tip_tables_said="xyzac- and xyzbc-trt-kins are for w-C'-A'- and w-C'-B'-",
+    tip_tables_said=later("xyzac- and xyzbc-trt-kins are for w-C'-A'- and w-C'-B'-; choose another control"),
     tip_needs=("IN TOUCH - TOOL POINT ON THE WORKPIECE BY M428", "NEEDS G54 AND G92 AT ZERO"),
     tip_notes=(
         "M428 must switch to the kinematics of the swivelling table and M429 back to identity, as in LinuxCNC's own "

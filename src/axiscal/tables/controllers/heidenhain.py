@@ -63,7 +63,8 @@ class Layout:
             shown = f"{round(values[head], decimals) + 0.0:.{decimals}f}"
             start = edge if left else edge - len(shown)
             if start < len(line) + bool(line):
-                raise TableError(f"the columns of the template are too narrow for {shown}", f"widen them up to {head}")
+                what = "the columns of the template are too narrow for {shown}"
+                raise TableError(what, "widen them up to {head}", shown=shown, head=head)
             line = line.ljust(start) + shown
         return line
 
@@ -114,17 +115,18 @@ def read_layout(text: str, file: str) -> Layout:
         raise TableError("this is not a .COM table", _EXPECTED, file)
     heads = tuple(lines[1].split())
     if "AXISPOS" not in heads or "BACKLASH" not in heads or len(set(heads)) < len(heads):
-        raise TableError(f"the column heads are {lines[1].strip()[:60]!r}", _EXPECTED, file, 2)
+        raise TableError("the column heads are {text!r}", _EXPECTED, file, 2, text=lines[1].strip()[:60])
     for number, line in enumerate(lines[2:-1], 3):
         if len(line.split()) != len(heads) or not all(re.fullmatch(_NUMBER, word) for word in line.split()):
-            raise TableError(f"{line.strip()[:60]!r} does not fit the column heads", _EXPECTED, file, number)
+            raise TableError("{text!r} does not fit the column heads", _EXPECTED, file, number, text=line.strip()[:60])
     begun, ended = ([m.span()[side] for m in re.finditer(r"\S+", lines[2])] for side in (0, 1))
     above = [match.start() for match in re.finditer(r"\S+", lines[1])]
     edges = tuple((b, True) if a == b else (e, False) for a, b, e in zip(above, begun, ended, strict=True))
     words = dict(zip(heads, lines[2].split(), strict=True))
     decimals = max(len(word.partition(".")[2]) for head, word in words.items() if head != "NR")
     if decimals < 3:
-        raise TableError(f"the values have {decimals} decimals", "save a table with values to 0.001 mm or finer", file)
+        remedy = "save a table with values to 0.001 mm or finer"
+        raise TableError("the values have {decimals} decimals", remedy, file, decimals=decimals)
     return Layout(lines[0], lines[1], heads, edges, lines[-1], decimals)
 
 

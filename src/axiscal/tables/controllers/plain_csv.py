@@ -68,7 +68,8 @@ def parse(text: str, file: str = "table.csv") -> CompensationTable:
     axis, *found = source.needed(_LAYOUT, "axis", "position_mm", "forward_mm", "reverse_mm", "std_mm")
     names = {row.text(axis) for row in source.rows}
     if len(names) > 1:
-        raise TableError(f"the file holds the axes {', '.join(sorted(names))}", "write one file for each axis", file)
+        remedy = "write one file for each axis"
+        raise TableError("the file holds the axes {known}", remedy, file, known=", ".join(sorted(names)))
     over = {row.text(column) for column in source.all_of("over") for row in source.rows}
     if len(over) > 1:
         raise TableError("the file holds several tables", "write one file for each", file)

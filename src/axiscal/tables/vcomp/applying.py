@@ -31,7 +31,8 @@ def component_control(file: VcompFile, machine: Machine) -> Control:
     """Return what the component adds to the joints; raises TableError when its axes are not those of the machine."""
     names = [axis.name for axis in machine.axes]
     if [axis.name for axis in file.axes] != names:
-        raise TableError(f"the file has axes {' '.join(a.name for a in file.axes)}", f"{' '.join(names)} are expected")
+        what, remedy = "the file has axes {found}", "{names} are expected"
+        raise TableError(what, remedy, found=" ".join(a.name for a in file.axes), names=" ".join(names))
     units = ["deg" if axis.rotary else {"mm": "mm", "inch": "in"}[file.unit] for axis in file.axes]
 
     def added(poses: Array, approaches: Array) -> Array:

@@ -42,7 +42,7 @@ def read(text: str, name: str = "axiscal.vcomp", with_bed: bool = False) -> Vcom
     tool = lines.numbers(3, "tool")
     count = lines.one("axes")
     if not (count.isdigit() and 3 <= int(count) <= AXES):
-        raise lines.refusal(f"there are 3 to {AXES} axes")
+        raise lines.refusal("there are 3 to {most} axes", most=AXES)
     axes = tuple(_axis(lines) for _ in range(int(count)))
     if sum(not axis.rotary for axis in axes) != 3:
         raise lines.refusal("three axes have to be linear")
@@ -61,7 +61,7 @@ def read_among(files: Sequence[OldFile], with_bed: bool = False) -> tuple[VcompF
     own = [file for file in files if file.name.lower().endswith(".vcomp")]
     if not own:
         names = ", ".join(dict.fromkeys(file.name for file in files))
-        raise TableError(f"{names} is no file of the whole correction", "give axiscal.vcomp")
+        raise TableError("{names} is no file of the whole correction", "give axiscal.vcomp", names=names)
     return tuple(read(file.text, file.name, with_bed) for file in own)
 
 
@@ -78,30 +78,30 @@ class _Lines:
         self.number, line = next(self.rest, (self.number + 1, ""))
         word, _, behind = line.partition(" ") if key else ("", "", line)
         if word != key or not behind:
-            raise self.refusal(f"a line {key} is expected" if key else "a line of numbers is expected")
+            raise self.refusal("a line {key} is expected" if key else "a line of numbers is expected", key=key)
         return behind
 
     def exactly(self, line: str) -> None:
         key, _, behind = line.partition(" ")
         if self.after(key) != behind:
-            raise self.refusal(f"this is no file of the form {line}")
+            raise self.refusal("this is no file of the form {form}", form=line)
 
     def one(self, key: str) -> str:
         word = self.after(key)
         if " " in word or len(word) > _LONGEST:
-            raise self.refusal(f"{key} has one word")
+            raise self.refusal("{key} has one word", key=key)
         return word
 
     def matched(self, key: str, pattern: re.Pattern[str]) -> Sequence[str]:
         found = pattern.fullmatch(self.after(key))
         if found is None:
-            raise self.refusal(f"the line {key} is not in its form")
+            raise self.refusal("the line {key} is not in its form", key=key)
         return found.groups()
 
     def numbers(self, count: int, key: str = "") -> Array:
         words = self.after(key).split(" ")
         if len(words) != count:
-            raise self.refusal(f"{count} numbers are expected")
+            raise self.refusal("{count} numbers are expected", count=count)
         return np.array([self.number_of(word) for word in words])
 
     def number_of(self, word: str) -> float:
@@ -110,8 +110,8 @@ class _Lines:
             raise self.refusal("a word is not a finite number")
         return value
 
-    def refusal(self, what: str) -> TableError:
-        return TableError(what, _AGAIN, self.name, self.number)
+    def refusal(self, what: str, **values: object) -> TableError:
+        return TableError(what, _AGAIN, self.name, self.number, **values)
 
 
 def _numbered(text: str, name: str) -> Iterator[tuple[int, str]]:
@@ -127,7 +127,7 @@ def _axis(lines: _Lines) -> VcompAxis:
         raise lines.refusal("a rotary axis has no tilt of its travel")
     count, cyclic, reverses, seconds = lines.matched("knots", _KNOTS)
     if not 2 <= int(count) <= KNOTS:
-        raise lines.refusal(f"an axis has 2 to {KNOTS} knots")
+        raise lines.refusal("an axis has 2 to {most} knots", most=KNOTS)
     time = lines.number_of(seconds)
     if not _SECONDS[0] <= time <= _SECONDS[1]:
         raise lines.refusal("a reversal takes 1 ms to 10 s")

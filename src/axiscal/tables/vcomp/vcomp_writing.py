@@ -124,9 +124,10 @@ def _line(numbers: Array | Sequence[float], key: str = "") -> str:
 
 def _refuse_axis(axis: Axis, joints: Sequence[int]) -> None:
     if len(axis.name) != 1:
-        raise TableError(f"LinuxCNC has no axis {axis.name}", "Its axes are X Y Z A B C U V W")
+        raise TableError("LinuxCNC has no axis {axis}", "Its axes are X Y Z A B C U V W", axis=axis.name)
     if len(joints) > 2:
-        raise TableError(f"{axis.name} has {len(joints)} joints", "The component takes two for an axis")
+        remedy = "The component takes two for an axis"
+        raise TableError("{axis} has {count} joints", remedy, axis=axis.name, count=len(joints))
 
 
 def _knots(axis: Axis, own: Sequence[ErrorFunction]) -> Array:
@@ -134,8 +135,9 @@ def _knots(axis: Axis, own: Sequence[ErrorFunction]) -> Array:
     both = np.sort(np.concatenate([np.array(axis.travel), *(f.basis.knots for f in own if f.kind != "location")]))
     knots = both[np.r_[True, np.diff(both) > _APART * axis.length]]
     if len(knots) > KNOTS:
-        what = f"the curves of {axis.name} have {len(knots)} knots together, the component holds {KNOTS}"
-        raise TableError(what, "describe them with fewer, or with the same knots, and evaluate the readings again")
+        what = "the curves of {axis} have {count} knots together, the component holds {most}"
+        remedy = "describe them with fewer, or with the same knots, and evaluate the readings again"
+        raise TableError(what, remedy, axis=axis.name, count=len(knots), most=KNOTS)
     return knots
 
 
@@ -173,8 +175,6 @@ def joints_of(machine_joints: Mapping[str, tuple[int, ...]], axes: Sequence[Axis
     numbers = sorted(number for axis in axes for number in machine_joints[axis.name])
     if numbers != list(range(len(numbers))):
         known = ", ".join(f"{axis.name}={n}" for axis in axes for n in machine_joints[axis.name])
-        raise TableError(
-            f"the numbers of the joints ({known}) have a gap",
-            "The component corrects the whole chain: describe every joint of the machine, and number them from 0",
-        )
+        remedy = "The component corrects the whole chain: describe every joint of the machine, and number them from 0"
+        raise TableError("the numbers of the joints ({known}) have a gap", remedy, known=known)
     return machine_joints

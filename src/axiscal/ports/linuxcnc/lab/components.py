@@ -35,7 +35,8 @@ def add_modules(work: Path, sources: Mapping[str, str], apart: bool) -> None:
     name = next(Path(name).stem for name in sources if name.endswith(".comp"))
     if not apart:
         if not (MODULES / f"{name}.so").exists():
-            raise ControlError(f"the component {name} is not installed here", f"sudo halcompile --install {name}.comp")
+            remedy = "sudo halcompile --install {name}.comp"
+            raise ControlError("the component {name} is not installed here", remedy, name=name)
         return
     shutil.copytree(MODULES, work / _OWN)
     (work / _OWN / f"{name}.so").write_bytes(compiled(*(part for pair in sorted(sources.items()) for part in pair)))
@@ -64,5 +65,6 @@ def compiled(*names_and_texts: str) -> bytes:
         run = subprocess.run(words, cwd=folder, env=kept, capture_output=True, text=True, check=False)
         made = Path(folder, source).with_suffix(".so")
         if run.returncode or not made.exists():
-            raise ControlError(f"halcompile refused {source}:\n{run.stderr[-2000:]}", _REMEDY)
+            what = "halcompile refused {source}:\n{output}"
+            raise ControlError(what, _REMEDY, source=source, output=run.stderr[-2000:])
         return made.read_bytes()

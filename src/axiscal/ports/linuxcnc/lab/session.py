@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from axiscal.exceptions import ControlError
+from axiscal.language.spoken import put
 from axiscal.ports.linuxcnc.lab.components import MODULES, add_modules, can_compile, mounted
 from axiscal.ports.linuxcnc.lab.configuration import Joint, Settings, files, motors
 
@@ -124,8 +125,9 @@ class Session:
             with suppress(TimeoutError):
                 return listener.accept()[0]
             if self._process.poll() is not None:
-                raise ControlError(f"LinuxCNC ended before it was ready:\n{_log(self._work)}", _LOOK)
-        raise ControlError(f"LinuxCNC was not ready in {_START:g} s:\n{_log(self._work)}", _LOOK)
+                raise ControlError("LinuxCNC ended before it was ready:\n{log}", _LOOK, log=_log(self._work))
+        what = "LinuxCNC was not ready in {seconds:g} s:\n{log}"
+        raise ControlError(what, _LOOK, seconds=_START, log=_log(self._work))
 
     def _ask(self, message: object) -> dict[str, Any]:
         self._line.sendall((json.dumps(message) + "\n").encode())
@@ -138,15 +140,14 @@ class Session:
             try:
                 part = self._line.recv(1 << 20)
             except TimeoutError:
-                raise ControlError(
-                    f"LinuxCNC did not finish in {self._timeout:g} s", "Move less far, or faster"
-                ) from None
+                remedy = "Move less far, or faster"
+                raise ControlError("LinuxCNC did not finish in {seconds:g} s", remedy, seconds=self._timeout) from None
             if not part:
-                raise ControlError(f"LinuxCNC ended without an answer:\n{_log(self._work)}", _LOOK)
+                raise ControlError("LinuxCNC ended without an answer:\n{log}", _LOOK, log=_log(self._work))
             received += part
         result: dict[str, Any] = json.loads(received)
         if result["failure"]:
-            raise ControlError(str(result["failure"]), "Keep to the limits of the machine")
+            raise ControlError(put("{message}", message=result["failure"]), "Keep to the limits of the machine")
         return result
 
 
@@ -230,7 +231,8 @@ def _wait_for_others(seconds: float) -> None:
     end = time.monotonic() + seconds
     while others := _running():
         if time.monotonic() > end:
-            raise ControlError(f"a LinuxCNC runs on this machine ({others}) and cannot be kept apart", "Stop it first")
+            what = "a LinuxCNC runs on this machine ({others}) and cannot be kept apart"
+            raise ControlError(what, "Stop it first", others=others)
         time.sleep(0.2)
 
 

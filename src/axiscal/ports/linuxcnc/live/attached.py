@@ -121,16 +121,19 @@ class LiveSource:
         for feed in (step.fast, step.slow):
             answer = self._line.line(f"G38.3 {_joined(step.words(step.into))} F{feed}")
             if not answer["tripped"]:
-                what = f"at touch {step.touch} of reading {step.reading} the probe met nothing"
-                raise SourceError(what, f"Look where the ball stands: it is looked for within {_FAR:g} mm")
+                what = "at touch {touch} of reading {reading} the probe met nothing"
+                remedy = "Look where the ball stands: it is looked for within {most:g} mm"
+                raise SourceError(what, remedy, touch=step.touch, reading=step.reading, most=_FAR)
             status = self._line.status()
             hit = way.met(answer["probed"], status)
             if (far := float(np.linalg.norm(hit - expected))) > from_unit(_FAR, "mm"):
-                what = f"touch {step.touch} of reading {step.reading} met something {1e3 * far:.1f} mm from where"
-                raise SourceError(f"{what} the ball is stated", "Look what stands there, and at the place of the ball")
+                what = "touch {touch} of reading {reading} met something {far:.1f} mm from where the ball is stated"
+                remedy = "Look what stands there, and at the place of the ball"
+                raise SourceError(what, remedy, touch=step.touch, reading=step.reading, far=1e3 * far)
             if self._line.line(f"G53 G1 {_back(step, status)} F{step.fast}")["probe"]:
-                what = f"after touch {step.touch} of reading {step.reading} the stylus stays closed"
-                raise SourceError(what, "Free it by hand, and look at the probe")
+                what = "after touch {touch} of reading {reading} the stylus stays closed"
+                remedy = "Free it by hand, and look at the probe"
+                raise SourceError(what, remedy, touch=step.touch, reading=step.reading)
         self._line.line(f"G53 G1 {_joined(step.words(step.beside))} F{step.travel}")
         return hit
 
@@ -153,15 +156,17 @@ class LiveSource:
         if answer == "go":
             self._singly = False
         elif answer:
-            raise SourceError(f"the first run was ended by {answer[:20]!r}", "Give the command again when it is clear")
+            remedy = "Give the command again when it is clear"
+            raise SourceError("the first run was ended by {answer!r}", remedy, answer=answer[:20])
 
     def _refuse_untouched(self) -> None:
         sys.stderr.write(f"Press the stylus once by hand and let it go, within {_BY_HAND:g} s.\n")
         sys.stderr.flush()
         lacking = self._line.watched(_BY_HAND)
         if lacking:
-            seen = "is closed before it was touched" if lacking == "closed" else "was not seen to close and open again"
-            raise SourceError(f"the probe {seen}", "Look at its wire, its battery and motion.probe-input")
+            what = "the probe was not seen to close and open again"
+            what = "the probe is closed before it was touched" if lacking == "closed" else what
+            raise SourceError(what, "Look at its wire, its battery and motion.probe-input")
 
     def _refuse_strayed(self, status: dict[str, Any]) -> None:
         """Raise SourceError where somebody has moved an axis since the last reading."""
@@ -169,16 +174,16 @@ class LiveSource:
             here = status["position"][axis.name] / status["angular" if axis.rotary else "scale"]
             if abs(here - float(left)) > _STRAYED:
                 unit = "deg" if axis.rotary else "mm"
-                what = f"{axis.name} stands at {here:.3f} {unit} and not at {left:f}, where the last reading left it"
-                raise SourceError(what, "Nothing has moved since. Look at the machine")
+                what = "{axis} stands at {here:.3f} {unit} and not at {left:f}, where the last reading left it"
+                remedy = "Nothing has moved since. Look at the machine"
+                raise SourceError(what, remedy, axis=axis.name, here=here, unit=unit, left=left)
 
     @staticmethod
     def _refuse_other_instrument(setup: Setup) -> None:
         if setup.instrument != "sphere":
-            what = f"{shown(setup.name)} is of instrument {setup.instrument}, and a probe in the spindle reads spheres"
-            raise SourceError(
-                what, 'Let a campaign that LinuxCNC reads by itself have set-ups of instrument = "sphere"'
-            )
+            what = "{setup} is of instrument {instrument}, and a probe in the spindle reads spheres"
+            remedy = 'Let a campaign that LinuxCNC reads by itself have set-ups of instrument = "sphere"'
+            raise SourceError(what, remedy, setup=shown(setup.name), instrument=setup.instrument)
 
 
 class _WayToBall:

@@ -49,9 +49,8 @@ def command(host: str) -> tuple[str, ...]:
     if not host:
         return _PYTHON
     if not _HOST.fullmatch(host):
-        raise SourceError(
-            f"{host[:60]!r} is no name of a computer", "Write linuxcnc-live:mill.local or user@mill.local"
-        )
+        remedy = "Write linuxcnc-live:mill.local or user@mill.local"
+        raise SourceError("{text!r} is no name of a computer", remedy, text=host[:60])
     return (
         "ssh",
         "-o",
@@ -77,9 +76,8 @@ class Connection:
                 words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True
             )
         except OSError as error:
-            raise SourceError(
-                f"{words[0]} cannot be started: {error.strerror}", "Install it, or start it here"
-            ) from None
+            what = "{word} cannot be started: {reason}"
+            raise SourceError(what, "Install it, or start it here", word=words[0], reason=error.strerror) from None
         self._listener = threading.Thread(target=self._listen, daemon=True)
         self._listener.start()
         try:
@@ -140,21 +138,20 @@ class Connection:
             with contextlib.suppress(Empty):
                 line = self._lines.get(timeout=0.1)
             if line is None and time.monotonic() > end:
-                raise SourceError(f"LinuxCNC has not answered within {seconds:g} s", _AGAIN)
+                raise SourceError("LinuxCNC has not answered within {seconds:g} s", _AGAIN, seconds=seconds)
         try:
             answer = json.loads(line) if line else None
         except ValueError:
-            raise SourceError(f"what answers in LinuxCNC's place says {line[:80]!r}", _AGAIN) from None
+            raise SourceError("what answers in LinuxCNC's place says {text!r}", _AGAIN, text=line[:80]) from None
         if not isinstance(answer, dict):
             raise self._lost()
         if "failure" in answer:
-            raise SourceError(f"LinuxCNC: {answer['failure']}", _AGAIN)
+            raise SourceError("LinuxCNC: {message}", _AGAIN, message=answer["failure"])
         return answer
 
     def _lost(self) -> SourceError:
-        return SourceError(
-            f"the line to LinuxCNC was cut; its move is to be stopped there within {_SILENCE:g} s", _AGAIN
-        )
+        what = "the line to LinuxCNC was cut; its move is to be stopped there within {seconds:g} s"
+        return SourceError(what, _AGAIN, seconds=_SILENCE)
 
     def _listen(self) -> None:
         with contextlib.suppress(OSError, ValueError):

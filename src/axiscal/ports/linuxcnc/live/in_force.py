@@ -58,32 +58,30 @@ class InForce:
 
     def _refuse_other_file(self, joints: str, status: dict[str, Any]) -> None:
         if status["checksum"] is None:
-            raise SourceError(
-                "axiscal-vcomp is not loaded in LinuxCNC", "Put the exported files in, and start it again"
-            )
+            remedy = "Put the exported files in, and start it again"
+            raise SourceError("axiscal-vcomp is not loaded in LinuxCNC", remedy)
         if int(status["checksum"], 0) != self.checksum:
             what = "axiscal-vcomp holds another file than the one that was exported (axiscal-vcomp.checksum)"
             raise SourceError(what, "Put the exported files in, and start LinuxCNC again")
         if not status["whole"]:
-            what = "axiscal-vcomp.active is not true, and the correction is to be in force"
-            raise SourceError(what, _SWITCH_ON)
+            raise SourceError("axiscal-vcomp.active is not true, and the correction is to be in force", _SWITCH_ON)
         if joints:
-            what = f"COMP_FILE or BACKLASH of joint {joints} is in force beside axiscal-vcomp"
-            raise SourceError(what, "Take it out of the INI file")
+            what = "COMP_FILE or BACKLASH of joint {joints} is in force beside axiscal-vcomp"
+            raise SourceError(what, "Take it out of the INI file", joints=joints)
 
     def _refuse_other_tables(self, status: dict[str, Any]) -> None:
         lacking = [name for name, digest in self.tables.items() if digest not in status["tables"]]
         if lacking:
-            what = f"no joint has {', '.join(lacking)} as its COMP_FILE, as it was exported"
-            raise SourceError(what, "Put the exported files in, and start LinuxCNC again")
+            what = "no joint has {lacking} as its COMP_FILE, as it was exported"
+            raise SourceError(what, "Put the exported files in, and start LinuxCNC again", lacking=", ".join(lacking))
         if status["whole"]:
             raise SourceError("axiscal-vcomp.active is true beside the tables", _SWITCH_OFF)
 
 
 def _refuse_any(joints: str, status: dict[str, Any]) -> None:
     if joints:
-        what = f"COMP_FILE or BACKLASH of joint {joints} is in force, and the campaign is measured without"
-        raise SourceError(what, "Take it out of the INI file, or name its files in compensation_active")
+        what = "COMP_FILE or BACKLASH of joint {joints} is in force, and the campaign is measured without"
+        raise SourceError(what, "Take it out of the INI file, or name its files in compensation_active", joints=joints)
     if status["whole"]:
         what = "axiscal-vcomp.active is true, and the campaign is measured without a compensation"
         raise SourceError(what, _SWITCH_OFF)

@@ -88,17 +88,19 @@ def write(tables: Sequence[CompensationTable], wiring: Wiring) -> str:
 
 
 def _refuse_what_it_cannot_hold(table: CompensationTable, wiring: Wiring) -> None:
-    name = f"{table.axis} over {table.over}"
     if len(table.positions) > POINTS:
-        raise TableError(f"the table of {name} has {len(table.positions)} points, a lincurve holds {POINTS}", _FITS)
+        what, count = (
+            "the table of {axis} over {over} has {count} points, a lincurve holds {most}",
+            len(table.positions),
+        )
+        raise TableError(what, _FITS, axis=table.axis, over=table.over, count=count, most=POINTS)
     for axis in (table.axis, table.over):
         if axis not in wiring.joints or len(axis) != 1:
-            raise TableError(
-                f"{axis} has no joint in LinuxCNC", f"Give its number; known are {', '.join(wiring.joints)}"
-            )
+            remedy = "Give its number; known are {known}"
+            raise TableError("{axis} has no joint in LinuxCNC", remedy, axis=axis, known=", ".join(wiring.joints))
 
 
-_FITS = f"{POINTS} points fit: set them further apart"
+_FITS = "{most} points fit: set them further apart"
 
 
 def _name(table: CompensationTable) -> str:
@@ -236,7 +238,8 @@ class Hal:
         elif command == "net":
             self.nets.setdefault(rest[0], []).extend(word for word in rest[1:] if word not in _ARROWS)
         else:
-            raise TableError(f"line {line}: HAL does not know {' '.join(words)!r}", "this is a defect of axiscal")
+            remedy = "this is a defect of axiscal"
+            raise TableError("line {number}: HAL does not know {text!r}", remedy, number=line, text=" ".join(words))
 
     def _spread(self, pins: dict[str, Array], signals: dict[str, Array]) -> None:
         """Give the value of a pin that has one to its signal and to the other pins of it."""

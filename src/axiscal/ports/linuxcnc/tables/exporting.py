@@ -171,7 +171,8 @@ def _through(hal: Hal, machine: Machine, wiring: cross.Wiring, shown: Array, mot
         labels = wiring.labels(axis.name).values()
         each = np.stack([signals.get(f"axiscal-{label}-motor", motors[k]) for label in labels])
         if not np.all(each == each[0]):
-            raise TableError(f"the joints of {axis.name} would not go together", "this is a defect of axiscal")
+            remedy = "this is a defect of axiscal"
+            raise TableError("the joints of {axis} would not go together", remedy, axis=axis.name)
         driven[k] = each[0]
     return driven
 
@@ -272,7 +273,8 @@ def _axis(file: OldFile, machine: Machine, joints: Mapping[str, Sequence[int]]) 
     for word in re.split(r"[^A-Za-z0-9]+", file.stem):
         if word.casefold() in names:
             return names[word.casefold()]
-    raise TableError("nothing says which axis this table is for", f"write --on-top-of X={file.name}", file.name)
+    remedy = "write --on-top-of X={path}"
+    raise TableError("nothing says which axis this table is for", remedy, file.name, path=file.name)
 
 
 def _table(file: OldFile, axis: str, machine: Machine, machine_unit: str) -> list[Lookup]:
@@ -287,9 +289,8 @@ def _table(file: OldFile, axis: str, machine: Machine, machine_unit: str) -> lis
 def _parsed(file: OldFile, file_type: int) -> LinuxcncTable:
     kept = parse(file.text, file_type=file_type)
     if not all(np.all(np.abs(column) < _LARGEST) for column in (kept.nominal, kept.forward, kept.reverse)):
-        raise TableError(
-            "it has a number that is too large for a machine", "give the file as the control loads it", file.name
-        )
+        remedy = "give the file as the control loads it"
+        raise TableError("it has a number that is too large for a machine", remedy, file.name)
     return kept
 
 
@@ -316,13 +317,15 @@ def _curves(file: OldFile, machine: Machine, unit: str) -> list[Lookup]:
     found: dict[tuple[str, str], dict[str, dict[int, float]]] = {}
     for moved, over, side, number, value in _CURVE.findall(file.text):
         if not _NUMBER.fullmatch(value):
-            raise TableError(f"{value[:40]!r} is no number of a curve", "give the HAL file as it is", file.name)
+            remedy = "give the HAL file as it is"
+            raise TableError("{text!r} is no number of a curve", remedy, file.name, text=value[:40])
         found.setdefault((moved.upper(), over.upper()), {"x": {}, "y": {}})[side][int(number)] = float(value)
     lookups = []
     for (moved, over), sides in found.items():
         x, y = (np.array([sides[side][i] for i in sorted(sides[side])]) for side in "xy")
         if len(x) != len(y) or np.any(np.diff(x) <= 0):
-            raise TableError(f"the curve of {moved} over {over} is not whole", "give the HAL file as it is", file.name)
+            remedy = "give the HAL file as it is"
+            raise TableError("the curve of {moved} over {over} is not whole", remedy, file.name, moved=moved, over=over)
         at, added = _inside(x, machine.axis(over).rotary, unit), _inside(y, machine.axis(moved).rotary, unit)
         lookups.append(Lookup(moved, over, at, added))
     return lookups

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import listed, said
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.numerics.rigid import about
@@ -30,7 +31,7 @@ _TABLE = 2
 """The table C turns about z."""
 _ASK = (
     'the xyzac- and xyzbc-trt-kins of LinuxCNC 2.9 turn against ISO 841: write direction = "reversed", or "iso" where '
-    "the pin conventional-directions is set,"
+    "the pin conventional-directions is set, in [axes.{first}]"
 )
 _HEAD = "# Made by axiscal: where the rotary axes lie; in place of your own lines for these pins."
 
@@ -60,12 +61,11 @@ def swivel_of(machine: Machine) -> str:
     rotary = [axis.name for axis in machine.axes if axis.rotary and axis.workpiece_side]
     built = sorted(axis.name for axis in machine.axes)
     if rotary not in (["C", "A"], ["C", "B"]) or built != sorted(["C", rotary[1], "X", "Y", "Z"]):
-        raise TableError(f"{machine.chain} has no table C on a swivel A or B", "leave --pivots out")
+        raise TableError("{chain} has no table C on a swivel A or B", "leave --pivots out", chain=machine.chain)
     against = [axis.name for axis in machine.axes if axis.reversed and not axis.rotary]
     if against:
-        raise TableError(
-            f"{' and '.join(against)} counts against ISO 841", "these kinematics cannot: leave --pivots out"
-        )
+        remedy = "these kinematics cannot: leave --pivots out"
+        raise TableError("{axes} counts against ISO 841", remedy, axes=listed(said(" and "), against))
     return rotary[1]
 
 
@@ -78,11 +78,12 @@ def conventional(machine: Machine) -> bool:
     rotary = {axis.name: axis.counting for axis in machine.axes if axis.rotary}
     unsaid = [name for name, counting in rotary.items() if counting is None]
     if unsaid:
-        what = f"machine.toml does not say which way {' and '.join(unsaid)} count{'s' if len(unsaid) == 1 else ''}"
-        raise TableError(what, f"{_ASK} in [axes.{unsaid[0]}]")
+        what = "machine.toml does not say which way {axes} count"
+        what = what if len(unsaid) > 1 else "machine.toml does not say which way {axes} counts"
+        raise TableError(what, _ASK, axes=listed(said(" and "), unsaid), first=unsaid[0])
     if len(set(rotary.values())) > 1:
-        what = f"{' and '.join(rotary)} count in different ways, and these kinematics know one for both"
-        raise TableError(what, "leave --pivots out, or state both alike")
+        what = "{axes} count in different ways, and these kinematics know one for both"
+        raise TableError(what, "leave --pivots out, or state both alike", axes=listed(said(" and "), list(rotary)))
     return "iso" in rotary.values()
 
 

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import either_of
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables.reader import ROWS, LinuxcncTable, correction, parse
 from axiscal.tables.table import CompensationTable
@@ -38,15 +39,18 @@ def verify(text: str, table: CompensationTable, unit: str | None = None) -> floa
     parsed = parse(text)
     finite = bool(np.all(np.isfinite([parsed.nominal, parsed.forward, parsed.reverse])))
     if parsed.errors or parsed.unread is not None or not finite or len(parsed.nominal) != len(table.positions):
-        trouble = "; ".join(parsed.errors) or f"it keeps {len(parsed.nominal)} of {len(table.positions)} rows"
-        trouble = trouble if finite else "it holds numbers that are not finite"
-        raise TableError(f"LinuxCNC would not read the table of {table.axis} as meant: {trouble}", _REPORT)
+        what = "LinuxCNC would not read the table of {axis} as meant: it keeps {kept} of {count} rows"
+        what = "LinuxCNC would not read the table of {axis} as meant: {reason}" if parsed.errors else what
+        if not finite:
+            what = "LinuxCNC would not read the table of {axis} as meant: it holds numbers that are not finite"
+        kept, count, reason = len(parsed.nominal), len(table.positions), "; ".join(parsed.errors)
+        raise TableError(what, _REPORT, axis=table.axis, kept=kept, count=count, reason=reason)
     points = np.union1d(parsed.nominal, to_unit(table.positions, unit))
     points = np.r_[points, np.nextafter(points, -np.inf)]
     worst = max(float(np.max(np.abs(_left(parsed, table, points, side, unit)))) for side in (1, -1))
     if not worst <= resolution(table, unit):
-        what = f"LinuxCNC would leave {table.shown(worst)} of the deviation of {table.axis} with this file"
-        raise TableError(what, _REPORT)
+        what = "LinuxCNC would leave {left} of the deviation of {axis} with this file"
+        raise TableError(what, _REPORT, left=table.shown(worst), axis=table.axis)
     return worst
 
 
@@ -70,9 +74,8 @@ def _machine_unit(table: CompensationTable, unit: str | None) -> str:
     known = ("deg",) if table.rotary else ("mm", "in")
     unit = unit or known[0]
     if unit not in known:
-        raise TableError(
-            f"{table.axis} has no table in {unit!r}", f"the unit of the machine can be {' or '.join(known)}"
-        )
+        what, remedy = "{axis} has no table in {unit!r}", "the unit of the machine can be {known}"
+        raise TableError(what, remedy, axis=table.axis, unit=unit, known=either_of(known))
     return unit
 
 
@@ -86,21 +89,24 @@ def _refuse_what_it_cannot_hold(table: CompensationTable) -> None:
     span = float(table.positions[-1] - table.positions[0])
     if n > ROWS:
         fits = format_quantity(math.ceil(span / (ROWS - 1) * 1e6) / 1e6, table.unit)
-        remedy = f"{ROWS} points fit: over this travel one every {fits} or wider"
-        raise TableError(f"the table of {table.axis} has {n} points, a LinuxCNC COMP_FILE holds {ROWS}", remedy)
+        what = "the table of {axis} has {count} points, a LinuxCNC COMP_FILE holds {most}"
+        remedy = "{most} points fit: over this travel one every {fits} or wider"
+        raise TableError(what, remedy, axis=table.axis, count=n, most=ROWS, fits=fits)
     for values in (table.forward, table.reverse):
         slopes = np.abs(np.diff(values)) / np.diff(table.positions)
         if np.any(slopes > STEEPEST):
             where = format_quantity(float(table.positions[int(np.argmax(slopes))]), table.unit)
-            what = f"the deviation of {table.axis} after {where} changes by more than {STEEPEST:.0%} of the way"
-            raise TableError(what, "LinuxCNC cannot follow that; check the units of the readings")
+            what = "the deviation of {axis} after {where} changes by more than {most:.0%} of the way"
+            remedy = "LinuxCNC cannot follow that; check the units of the readings"
+            raise TableError(what, remedy, axis=table.axis, where=where, most=STEEPEST)
 
 
 def _refuse_equal_positions(table: CompensationTable, nominal: Array, unit: str) -> None:
     equal = np.flatnonzero(np.diff(nominal) <= 0)
     if equal.size:
-        what = f"two points of {table.axis} at {nominal[equal[0]]:.6f} {unit} are one in the six decimals of the file"
-        raise TableError(what, f"set the points at least {1e-6:.6f} {unit} apart")
+        what = "two points of {axis} at {position:.6f} {unit} are one in the six decimals of the file"
+        remedy = "set the points at least {step:.6f} {unit} apart"
+        raise TableError(what, remedy, axis=table.axis, position=nominal[equal[0]], unit=unit, step=1e-6)
 
 
 def notes(

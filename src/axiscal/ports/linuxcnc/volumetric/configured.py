@@ -20,7 +20,6 @@ from axiscal.units import format_quantity, from_unit
 
 _APART = 1e-6
 """m: pivots nearer than a micrometre are one."""
-_SWITCH = "direction = {} in machine.toml, and evaluate the readings again"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +52,7 @@ def configured(path: Path) -> Configured:
         if name.startswith("LIB:") or not name.endswith(".hal"):
             continue  # LinuxCNC's own, or programs: nothing in them is changed
         if Path(name).name != name:
-            raise named.fail(f"{name} lies in another folder", "put it beside the INI file")
+            raise named.fail("{name} lies in another folder", "put it beside the INI file", name=name)
         files[name] = _text(path.parent / name)
     return Configured(ini, machine_of(ini), files)
 
@@ -64,15 +63,14 @@ def _text(path: Path) -> str:
     try:
         return path.read_bytes().decode()
     except UnicodeDecodeError as fault:
-        raise TableError(f"byte {fault.start} is no UTF-8", "save the file as UTF-8", path) from None
+        raise TableError("byte {place} is no UTF-8", "save the file as UTF-8", path, place=fault.start) from None
 
 
 def options_of(found: Configured, machine: Machine, options: ExportOptions) -> ExportOptions:
     """Return options with the unit and the joints of the INI file; raises TableError where these were given as well."""
     if any(axis.unit == "rad" for axis in found.machine.axes):
-        raise TableError(
-            "ANGULAR_UNITS are radians, and the component counts degrees", "set them to degree", found.ini.path
-        )
+        remedy = "set them to degree"
+        raise TableError("ANGULAR_UNITS are radians, and the component counts degrees", remedy, found.ini.path)
     if options.numbers:
         raise TableError("--ini says which joints are whose", "leave --number and --coordinates out")
     return replace(options, unit=found.machine.build.unit, numbers={a.letter: a.joints for a in found.machine.axes})
@@ -82,15 +80,19 @@ def agreeing(found: Configured, machine: Machine) -> tuple[str, ...]:
     """Return what to mind; raises TableError where INI file and machine.toml describe different machines."""
     own, described = {axis.letter: axis for axis in found.machine.axes}, {axis.name: axis for axis in machine.axes}
     if set(own) != set(described):
-        what = f"the INI file has axes {' '.join(sorted(own))}, machine.toml {' '.join(sorted(described))}"
-        raise TableError(what, "the component corrects the whole chain: describe all of them", found.ini.path)
+        what = "the INI file has axes {own}, machine.toml {described}"
+        remedy = "the component corrects the whole chain: describe all of them"
+        raise TableError(what, remedy, found.ini.path, own=" ".join(sorted(own)), described=" ".join(sorted(described)))
     build, notes = found.machine.build, list[str]()
     for name, axis in described.items():
         against = name in build.reversed
         if build.sure and axis.rotary and against != axis.reversed:
-            way = "against" if against else "by"
-            what = f"{build.kinematics} turns {name} {way} ISO 841, and machine.toml says the other way"
-            raise TableError(what, f"write {_SWITCH.format('reversed' if against else 'iso')}", found.ini.path)
+            what = "{kinematics} turns {axis} by ISO 841, and machine.toml says the other way"
+            if against:
+                what = "{kinematics} turns {axis} against ISO 841, and machine.toml says the other way"
+            remedy = "write direction = {way} in machine.toml, and evaluate the readings again"
+            kinematics, way = build.kinematics, "reversed" if against else "iso"
+            raise TableError(what, remedy, found.ini.path, kinematics=kinematics, axis=name, way=way)
         notes += _beyond(own[name], axis.travel, axis.unit, axis.cyclic)
         if build.sure and axis.rotary and name in build.origins:
             notes += _elsewhere(name, [float(from_unit(v, build.unit)) for v in build.origins[name]], axis.origin)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import said
 
 FILE, HAL_FILE = "axiscal.vcomp", "axiscal-volumetric.hal"
 STATEMENT = "Never run on real drives or on a realtime kernel. It is no safety function."
@@ -75,9 +76,8 @@ def patched(ini: str, files: Mapping[str, str], joints: Sequence[int]) -> Config
     """
     for name in files:
         if not _NAME.fullmatch(name):
-            raise TableError(
-                f"{name[:60]!r} is no name that a script can copy", "rename the file: letters, digits, . _ -"
-            )
+            remedy = "rename the file: letters, digits, . _ -"
+            raise TableError("{name!r} is no name that a script can copy", remedy, name=name[:60])
     found = Configuration(ini, dict(files))
     thread = _functions(found)
     for name in found.texts():
@@ -104,7 +104,8 @@ def _functions(found: Configuration) -> str:
         lines = []
         for number, line in enumerate(found.files[name].split("\n"), 1):
             if "axiscal_vcomp" in line or "axiscal-vcomp" in line:
-                raise TableError("the component is in this configuration already", f"run {UNDO} first", name, number)
+                remedy = "run {command} first"
+                raise TableError("the component is in this configuration already", remedy, name, number, command=UNDO)
             if not (function := _FUNCTION.fullmatch(line)):
                 lines.append(line)
             elif function[1] == "motion-command-handler":
@@ -128,7 +129,8 @@ def _read_nets(found: Configuration, name: str) -> None:
     for number, line in enumerate(found.files[name].split("\n"), 1):
         words = line.partition("#")[0].split()
         if _OLD_WORDS.match(line) and any(word.startswith(("joint.", "motion.")) for word in words):
-            raise TableError(f"{words[0]} joins pins of motion here", f"write it as net, or {_BY_HAND}", name, number)
+            what = "{word} joins pins of motion here"
+            raise TableError(what, "write it as net, or {how}", name, number, word=words[0], how=said(_BY_HAND))
         if words[:1] == ["net"] and len(words) > 2:
             found.nets |= {pin: words[1] for pin in words[2:] if pin not in _ARROWS}
 
@@ -143,7 +145,7 @@ def _exchange(found: Configuration, pin: str, other: str) -> None:
             lines[at[0]] = word.sub(other, lines[at[0]])
             found.files[name] = "\n".join(lines)
             return
-    raise TableError(f"no net line of the HAL files joins {pin}", _BY_HAND, found.ini)
+    raise TableError("no net line of the HAL files joins {pin}", _BY_HAND, found.ini, pin=pin)
 
 
 def _ini(found: Configuration) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.controllers.fanuc.pitch import (
@@ -86,11 +87,14 @@ def _table(estimate: Estimate, name: str, plan: PitchParameters) -> Compensation
     low, high = estimate.box[axis]
     needed = plan.covering(low, high)
     if plan.first > needed[0] or plan.last < needed[1]:
-        shown = " to ".join(
-            format_quantity(float(value), "deg" if plan.rotary else "mm") for value in plan.positions[[0, -1]]
+        unit = "deg" if plan.rotary else "mm"
+        first, last = (format_quantity(float(value), unit) for value in plan.positions[[0, -1]])
+        what, shown = (
+            "the points of {name} reach from {shown}, the volume goes beyond",
+            said("{low} to {high}", low=first, high=last),
         )
-        what = f"the points of {name} reach from {shown}, the volume goes beyond"
-        raise TableError(what, f"3621 = {needed[0]} and 3622 = {needed[1]} would cover it")
+        remedy = "3621 = {first} and 3622 = {second} would cover it"
+        raise TableError(what, remedy, name=name, shown=shown, first=needed[0], second=needed[1])
     return own_table(estimate, axis, plan.positions)
 
 
@@ -199,8 +203,9 @@ def _entries(axis: str, deviation: Array, plan: PitchParameters) -> Array:
     worst = int(np.max(np.abs(entries)))
     if worst > LARGEST:
         needed = int(np.ceil(worst * plan.magnification / LARGEST))
-        what = f"{axis} needs an increment of {worst}, an entry holds {LARGEST}"
-        raise TableError(what, f"magnification 3623 = {needed} would fit, or a shorter interval 3624")
+        what = "{axis} needs an increment of {worst}, an entry holds {most}"
+        remedy = "magnification 3623 = {needed} would fit, or a shorter interval 3624"
+        raise TableError(what, remedy, axis=axis, worst=worst, most=LARGEST, needed=needed)
     return entries
 
 
@@ -248,7 +253,7 @@ def read(
 def _sums(records: Records, points: range, plan: PitchParameters) -> Array:
     rows = [FIRST_DATA + n for n in (points[1:] if plan.turn else points)]
     if missing := next((row for row in rows if 0 not in records.get(row, {})), None):
-        raise TableError(f"there is no row N{missing}", EXPECTED)
+        raise TableError("there is no row N{row}", EXPECTED, row=missing)
     steps = np.array([float(records[row][0]) for row in rows])
     sums = np.concatenate([np.zeros(1), np.cumsum(steps)])
     added: Array = (sums - sums[plan.origin]) * plan.step

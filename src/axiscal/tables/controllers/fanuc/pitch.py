@@ -10,11 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import later
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 
-EXPECTED = (
+EXPECTED = later(
     "punch parameters and pitch data from the control: records like N10000P0; between % and %, with N3620 to N3624 for "
     "each axis as N3620A1P100A2P200;"
 )
@@ -135,15 +136,17 @@ def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParamete
     missing = [key for key, value in zip(_NEEDED, values, strict=True) if value is None]
     if missing:
         shown = ", ".join(map(str, missing))
-        raise TableError(f"there are no parameters {shown} for {name} (axis {number})", EXPECTED, file)
+        what = "there are no parameters {shown} for {name} (axis {number})"
+        raise TableError(what, EXPECTED, file, shown=shown, name=name, number=number)
     reference, first, last, magnification, interval = (value or "0" for value in values)
     _refuse_long(name, (reference, first, last, magnification), file)
     width = float(interval) * DETECTION[axis.rotary] * (1e3 if "." in interval else 1.0)
     if width <= 0:
         return None
     if width > _WIDEST:
-        what = f"the interval {interval[:20]} of {name} (axis {number}) is longer than any travel"
-        raise TableError(what, "parameter 3624 is in mm or deg where it has a point", file)
+        what = "the interval {interval} of {name} (axis {number}) is longer than any travel"
+        remedy = "parameter 3624 is in mm or deg where it has a point"
+        raise TableError(what, remedy, file, interval=interval[:20], name=name, number=number)
     negative = _second_set(records, file, name, number)
     downwards = _bit(records.get(DIRECTION, {}).get(number, "0"), _BACKWARDS)
     kind = negative, downwards, axis.rotary, axis.cyclic
@@ -161,7 +164,8 @@ def _second_set(records: Records, file: str, name: str, number: int) -> int | No
     if first == 0 or not _bit(records.get(BOTH, {}).get(number, "1"), 0):
         return None
     if number not in records.get(APART, {}):
-        raise TableError(f"{name} (axis {number}) has parameter 3626 without 3627", EXPECTED, file)
+        what = "{name} (axis {number}) has parameter 3626 without 3627"
+        raise TableError(what, EXPECTED, file, name=name, number=number)
     return first
 
 
@@ -169,8 +173,9 @@ def _refuse_long(name: str, values: Iterable[str], file: str) -> None:
     """Raise TableError for a number that no point has: as many points would not fit into a memory."""
     long = next((value for value in values if len(value.lstrip("+-0")) > _DIGITS), None)
     if long is not None:
-        what = f"{name} has the number {long[:20]} in its parameters 3620 to 3623 or 3626"
-        raise TableError(what, f"points and magnification have {_DIGITS} digits at most", file)
+        what = "{name} has the number {text} in its parameters 3620 to 3623 or 3626"
+        remedy = "points and magnification have {most} digits at most"
+        raise TableError(what, remedy, file, name=name, text=long[:20], most=_DIGITS)
 
 
 def _bit(value: str, place: int) -> bool:
@@ -179,8 +184,9 @@ def _bit(value: str, place: int) -> bool:
 
 def _refuse_order(name: str, plan: PitchParameters, file: str) -> None:
     if not plan.begin <= plan.reference <= plan.last or plan.first == plan.last:
-        what = f"{name} has points {plan.first} to {plan.last} and the reference point {plan.reference}"
-        raise TableError(what, "the reference point lies between the others", file)
+        what = "{name} has points {first} to {last} and the reference point {reference}"
+        remedy = "the reference point lies between the others"
+        raise TableError(what, remedy, file, name=name, first=plan.first, last=plan.last, reference=plan.reference)
 
 
 def _refuse_part_of_a_turn(name: str, plan: PitchParameters, file: str) -> None:
@@ -188,9 +194,9 @@ def _refuse_part_of_a_turn(name: str, plan: PitchParameters, file: str) -> None:
     first, last = plan.covering(0.0, math.tau)
     whole = abs((last - first) * plan.interval - math.tau) < DETECTION[True]
     if plan.turn and not (whole and (plan.first, plan.last) == (first, last)):
-        what = f"{name} is a whole turn and has points {plan.first} to {plan.last}"
-        remedy = f"3621 = 3620 = {first} and 3622 = {last} hold a turn, with an interval that divides 360 deg"
-        raise TableError(what, remedy, file)
+        what = "{name} is a whole turn and has points {first} to {last}"
+        remedy = "3621 = 3620 = {low} and 3622 = {high} hold a turn, with an interval that divides 360 deg"
+        raise TableError(what, remedy, file, name=name, first=plan.first, last=plan.last, low=first, high=last)
 
 
 def _refuse_shared_points(plans: Mapping[str, PitchParameters], file: str) -> None:
@@ -198,8 +204,9 @@ def _refuse_shared_points(plans: Mapping[str, PitchParameters], file: str) -> No
     for name, plan in plans.items():
         for number in (number for points in plan.numbers for number in points):
             if number in owner:
-                what = f"point {number} belongs to {owner[number]} and to {name}"
-                raise TableError(what, "give each set points of its own: 3620 to 3622 and 3626", file)
+                what = "point {number} belongs to {other} and to {name}"
+                remedy = "give each set points of its own: 3620 to 3622 and 3626"
+                raise TableError(what, remedy, file, number=number, other=owner[number], name=name)
             owner[number] = name
 
 
@@ -215,7 +222,7 @@ def read_records(text: str, file: str) -> Records:
             continue
         match = _RECORD.fullmatch(plain)
         if match is None:
-            raise TableError(f"{plain[:40]!r} is not a record", EXPECTED, file, number)
+            raise TableError("{text!r} is not a record", EXPECTED, file, number, text=plain[:40])
         found.setdefault(int(match[1]), {}).update({int(a or 0): v for a, v in _VALUE.findall(match[3])})
     return found
 
@@ -242,6 +249,6 @@ def replace_values(text: str, wanted: Mapping[tuple[int, int], int], file: str) 
 
     filled = _RECORD.sub(replaced, text)
     if missing := sorted(wanted.keys() - seen):
-        more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
-        raise TableError(f"there is no row N{missing[0][0]}{more}", EXPECTED, file)
+        what = "there is no row N{row} and {more} more" if len(missing) > 1 else "there is no row N{row}"
+        raise TableError(what, EXPECTED, file, row=missing[0][0], more=len(missing) - 1)
     return filled

@@ -143,7 +143,8 @@ def nominal(machine: Machine) -> dict[str, SampledError]:
 def _refuse_names(found: Mapping[str, SampledError]) -> None:
     for name in found:
         if not NAMES.fullmatch(name):
-            raise TableError(f"{name} is not an error that the ISG kernel knows", "it has axes X Y Z A B C only")
+            remedy = "it has axes X Y Z A B C only"
+            raise TableError("{name} is not an error that the ISG kernel knows", remedy, name=name)
 
 
 def _notes(machine: Machine, found: Mapping[str, SampledError], name: str, flip: bool) -> tuple[str, ...]:

@@ -78,7 +78,8 @@ def _take_block(rows: list[list[str]], machine: Machine, found: dict[str, Sample
         if name in arguments:
             continue
         if not NAMES.fullmatch(name) or name in found:
-            raise TableError(f"the kernel would refuse the column {name[:20]!r}", "this is a defect of axiscal")
+            remedy = "this is a defect of axiscal"
+            raise TableError("the kernel would refuse the column {name!r}", remedy, name=name[:20])
         found[name] = _sampled(name, at, _inside(name, np.asarray(table[:, column])))
 
 
@@ -89,12 +90,14 @@ def _sampled(name: str, at: Mapping[str, Array], values: Array) -> SampledError:
     own = parse_error_name(name).axis
     others = [axis for axis in at if axis != own]
     if own not in at or len(others) > 1:
-        raise TableError(f"{name} over {', '.join(at)} is not read", "give it over its own axis and one other")
+        remedy = "give it over its own axis and one other"
+        raise TableError("{name} over {axes} is not read", remedy, name=name, axes=", ".join(at))
     (positions, inner), (across, outer) = (np.unique(at[axis], return_inverse=True) for axis in (own, others[0]))
     grid = np.full((len(across), len(positions)), np.nan)
     grid[outer, inner] = values
     if len(values) != grid.size or np.any(np.isnan(grid)):
-        raise TableError(f"{name} is not there at every pair of {others[0]} and {own}", "give the whole grid")
+        what = "{name} is not there at every pair of {other} and {own}"
+        raise TableError(what, "give the whole grid", name=name, other=others[0], own=own)
     return SampledError(positions, grid, others[0], across)
 
 
@@ -119,7 +122,7 @@ def read_etalon(text: str, machine: Machine) -> dict[str, SampledError]:
     for match in _GRID.finditer(text):
         name, value, grid = match.groups()
         if text[end : match.start()].strip() or not NAMES.fullmatch(name) or name in found:
-            raise TableError(f"the kernel would refuse {match[0][:30]!r}", "this is a defect of axiscal")
+            raise TableError("the kernel would refuse {text!r}", "this is a defect of axiscal", text=match[0][:30])
         end = match.end()
         if value is not None:
             found[name] = SampledError(np.zeros(1), _inside(name, np.array([float(value)])))

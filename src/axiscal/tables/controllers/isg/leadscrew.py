@@ -33,7 +33,7 @@ def write(table: CompensationTable, number: int, cyclic: bool) -> str:
     at, forward, reverse = (_whole(values, position) for values in (table.positions, table.forward, table.reverse))
     steps = np.diff(at)
     if np.ptp(steps):
-        raise TableError(f"the points of {table.axis} are not evenly spaced", "leave the spacing to axiscal")
+        raise TableError("the points of {axis} are not evenly spaced", "leave the spacing to axiscal", axis=table.axis)
     keys = {"interval": steps[0], "kw_startpos": at[0], "kw_nr_max": len(at), "unit": 1, "bilateral": 1}
     lines = [f"kopf.log_achs_nr {number}", f"kopf.log_achs_name {table.axis}"]
     lines += [f"kw.ssfk.{key} {value}" for key, value in {**keys, "modulo": int(cyclic)}.items()]
@@ -48,17 +48,18 @@ def read(text: str, machine: Machine) -> list[Lookup]:
     for line in text.splitlines():
         found = _LINE.fullmatch(line)
         if found is None or (found[4] is not None and found[4] not in sides):
-            raise TableError(f"the kernel would not know {line[:40]!r}", "this is a defect of axiscal")
+            raise TableError("the kernel would not know {text!r}", "this is a defect of axiscal", text=line[:40])
         if found[4] is None:
             keys[found[2]] = found[5]
         else:
             sides[found[4]][int(found[3])] = int(found[5])
     needed = ("log_achs_name", "kw_nr_max", "kw_startpos", "interval")
     if missing := [key for key in needed if key not in keys]:
-        raise TableError(f"the list says no kw.ssfk.{missing[0]}", "give it as the kernel loads it")
+        raise TableError("the list says no kw.ssfk.{missing}", "give it as the kernel loads it", missing=missing[0])
     count = int(keys["kw_nr_max"])
     if any(set(values) != set(range(len(values))) or len(values) != count for values in sides.values()):
-        raise TableError(f"the list has not its {count} entries on both sides", "give it as the kernel loads it")
+        remedy = "give it as the kernel loads it"
+        raise TableError("the list has not its {count} entries on both sides", remedy, count=count)
     axis = machine.axis(keys["log_achs_name"])
     scale = unit(axis.unit)
     at: Array = scale * (int(keys["kw_startpos"]) + int(keys["interval"]) * np.arange(count, dtype=float))

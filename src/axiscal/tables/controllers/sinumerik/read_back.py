@@ -33,8 +33,8 @@ def read(
     """
     lookups, products = read_all(texts, names, machine, flip, encoder)
     if products:
-        what = f"a CEC table of {products[0].first.axis} is multiplied by another one"
-        raise TableError(what, "leave MULT_BY_TABLE at 0")
+        what = "a CEC table of {axis} is multiplied by another one"
+        raise TableError(what, "leave MULT_BY_TABLE at 0", axis=products[0].first.axis)
     return lookups
 
 
@@ -51,7 +51,8 @@ def read_all(
                 continue
             found = _VALUE.fullmatch(line)
             if found is None:
-                raise TableError(f"SINUMERIK would not understand {line[:60]!r}", "this is a defect of axiscal")
+                remedy = "this is a defect of axiscal"
+                raise TableError("SINUMERIK would not understand {text!r}", remedy, text=line[:60])
             _, kind, key, first, second, third, value = found.groups()
             if kind == "ENC_COMP" and encoder not in (None, int(first)):
                 continue
@@ -66,8 +67,8 @@ def read_all(
         if first is not None and second is not None:
             products.append(Product(first, second, 1.0 if flip else -1.0))
         elif times and first is not None:
-            what = f"a CEC table of {first.axis} is multiplied by table {times}, which is not there"
-            raise TableError(what, "give all the tables that belong together")
+            what = "a CEC table of {axis} is multiplied by table {times}, which is not there"
+            raise TableError(what, "give all the tables that belong together", axis=first.axis, times=times)
     return [lookup for lookup in found_all.values() if lookup is not None], products
 
 
@@ -82,10 +83,12 @@ def _understood(
         return None
     count = (high - low) / step + 1
     if count > _MOST_POINTS:
-        raise TableError(f"the table of {moved} has {count:g} points between its ends", "write a larger STEP")
+        remedy = "write a larger STEP"
+        raise TableError("the table of {moved} has {count:g} points between its ends", remedy, moved=moved, count=count)
     entries = [_number(values.get(f"#{i}", "0")) for i in range(round(count))]
     if abs(count - round(count)) > 1e-6 or _number(values.get(f"#{round(count)}", "0")):
-        raise TableError(f"the table of {moved} has {count:g} points between its ends", "this is a defect of axiscal")
+        remedy = "this is a defect of axiscal"
+        raise TableError("the table of {moved} has {count:g} points between its ends", remedy, moved=moved, count=count)
     units = [machine.axis(name).unit for name in (over, moved)]
     positions: Array = from_unit(np.array([low + step * i for i in range(len(entries))]), units[0])
     sign = 1.0 if flip and not enc else -1.0
@@ -96,7 +99,7 @@ def _understood(
 def _number(text: str) -> float:
     """Return a finite number; raises TableError."""
     if not _NUMBER.fullmatch(text):
-        raise TableError(f"{text[:40]!r} is no number", "write digits with a decimal point")
+        raise TableError("{text!r} is no number", "write digits with a decimal point", text=text[:40])
     return float(text)
 
 

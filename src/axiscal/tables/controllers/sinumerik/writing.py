@@ -62,11 +62,13 @@ def blocks_of(
     twins = [block for product in together for block in _twins(product)]
     blocks = (*apart, *(TableBlock(table, table.forward, 0) for table in over), *twins)
     if len(blocks) > TABLES:
-        raise TableError(f"{len(blocks)} CEC tables are needed, {TABLES} fit", "leave axes out of the description")
+        remedy = "leave axes out of the description"
+        raise TableError("{count} CEC tables are needed, {most} fit", remedy, count=len(blocks), most=TABLES)
     for block in blocks:
         if len(block.values) > POINTS:
-            what = f"the CEC table of {block.table.axis} has {len(block.values)} points, MD18342 allows {POINTS}"
-            raise TableError(what, f"take --points {POINTS} or less")
+            what = "the CEC table of {axis} has {count} points, MD18342 allows {most}"
+            remedy = "take --points {most} or less"
+            raise TableError(what, remedy, axis=block.table.axis, count=len(block.values), most=POINTS)
     return blocks
 
 
@@ -127,7 +129,8 @@ def _span(table: CompensationTable) -> list[tuple[str, str]]:
     shown = np.round(np.asarray(to_unit(table.positions, table.unit)), 3) + 0.0
     step = np.round(shown[1] - shown[0], 3)
     if np.max(np.abs(np.diff(shown) - step)) > 2e-3 * len(shown):
-        raise TableError(f"the points of {table.axis} are not evenly spaced", "SINUMERIK has one distance for a table")
+        remedy = "SINUMERIK has one distance for a table"
+        raise TableError("the points of {axis} are not evenly spaced", remedy, axis=table.axis)
     modulo = int(table.rotary and abs(shown[-1] - shown[0] - 360) < 1e-6)
     last = shown[0] + step * (len(shown) - 1)
     return [("STEP", f"{step:.3f}"), ("MIN", f"{shown[0]:.3f}"), ("MAX", f"{last:.3f}"), ("IS_MODULO", str(modulo))]
