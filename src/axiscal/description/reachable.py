@@ -17,6 +17,7 @@ from axiscal.measurement.charts.box import Sight
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.charts.held import Balls, Held
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.touched import cycle_of, touches
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
 from axiscal.units import format_quantity
@@ -48,6 +49,29 @@ def refuse_unreachable(machine: Machine, setup: Setup) -> None:
         )
 
 
+def refuse_untouchable(machine: Machine, setup: Setup) -> None:
+    """Raise DescriptionError for a ball without turning axes whose touches leave the travels, as far as sizes are said.
+
+    Where rotary axes turn a program says in which poses they do.
+    """
+    sized = setup.artefact is not None and setup.artefact.diameter is not None and machine.stylus > 0
+    each = setup.chart.each if isinstance(setup.chart, Balls) and sized and not setup.three_touches else ()
+    for number, part in enumerate(each if setup.instrument == "sphere" else ()):
+        if part.size > 0:
+            return
+        pose = part.poses(np.zeros((1, 0)))[0]
+        stops = [
+            stop for touch in touches(machine, pose, cycle_of(machine, setup)) for stop in (*touch.way, touch.beside)
+        ]
+        low, high = np.array([axis.travel for axis in machine.axes]).T
+        short = np.maximum(low - stops, stops - high)
+        axis = machine.axes[int(short.max(axis=0).argmax())]
+        if short.max() > 0:
+            lack, where = format_quantity(float(short.max()), axis.unit, 3), _where(setup, part, number)
+            remedy = f"It lacks {lack} of {axis.name}: put it nearer to the middle of the travels"
+            raise DescriptionError(f"the probe has no room to touch {where} from all sides", remedy)
+
+
 def _where(setup: Setup, part: Chart, number: int) -> str:
     if isinstance(part, Held) and setup.artefact is not None:
         return f"ball {setup.artefact.balls[setup.balls[number]].name} of {setup.artefact.name}"
@@ -58,7 +82,9 @@ def _nearest(machine: Machine, part: Chart) -> str:
     """Say what is lacking at the place that leaves the travels least."""
     ends = [part.bounds(k) for k in range(part.size)]
     unit = even_points(_LOOKED_AT, part.size)
-    poses = part.poses(np.column_stack([e.low + (e.high - e.low) * s for e, s in zip(ends, unit.T, strict=True)]))
+    poses = part.poses(
+        np.column_stack([unit[:, :0], *(e.low + (e.high - e.low) * s for e, s in zip(ends, unit.T, strict=True))])
+    )
     if np.isnan(poses).any(axis=1).all():
         slides = " and ".join(machine.axes[k].name for k in linear_axes(machine))
         return f"{slides} alone never carry the tool point so far aside: place it where they do"
