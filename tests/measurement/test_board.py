@@ -8,16 +8,20 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
+from axiscal.estimation.accepting import acceptance
+from axiscal.estimation.agreement_words import mistake_words
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.exceptions import DescriptionError
+from axiscal.exceptions import InputError
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.owners import Owned
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.rigid import rotation
+from axiscal.record.accepted import put_right
+from axiscal.record.events import Mounted
 
 MACHINE = """
 chain = "w-b-X-Y-Z-t"
@@ -73,7 +77,7 @@ def described(text: str) -> CampaignDescription:
 
 
 class Touched:
-    """A board touched in five placements, made up here: unknowns are three angles, 12 of the balls, 30 of placements."""
+    """A board touched in five placements, made up here: three angles, 12 of balls, 30 of placements, a strain."""
 
     def __init__(self) -> None:
         self.stds = np.array([1e-4] * 3 + [3e-4] * 12 + ([1e-3] * 3 + [5e-3] * 3) * 5 + [0.5e-6])
@@ -92,7 +96,7 @@ class Touched:
             stated = put @ self.balls[ball] + [x / 1e3, y / 1e3, HEIGHT]
             scaled = (1 + unknown[-1]) * shape[ball]
             stands = rotation(tilt[None])[0] @ put @ (scaled + own[ball]) - put @ shape[ball] + shift
-            _, along, up = stated + [0, 0, TOOL]
+            _, along, up = stated + np.array([0, 0, TOOL])
             swung = np.array([-c * along + b * up, -a * up, 0.0])
             found.append(swung - stands)
         return np.array(found)
@@ -119,6 +123,7 @@ def estimated(description: CampaignDescription, values: Array) -> Estimation:
     return concluded(Case(description), readings)
 
 
+@pytest.mark.long
 def test_least_squares_of_scipy_find_the_same_angles_and_know_them_as_well() -> None:
     touched, rng = Touched(), np.random.default_rng(4)
     truth = rng.standard_normal(len(touched.stds)) * touched.stds
@@ -132,3 +137,78 @@ def test_least_squares_of_scipy_find_the_same_angles_and_know_them_as_well() -> 
     np.testing.assert_allclose(np.sqrt(np.diagonal(belief.covariance))[columns], spread[:3], rtol=2e-3)
     assert spread[0] < 3e-6
     assert np.all(np.abs(mean[:3] - truth[:3]) < 4 * spread[:3])
+
+
+def test_a_board_that_is_put_down_again_is_the_same_board_at_another_place() -> None:
+    setups = described(board()).setups
+    owned = Owned.by(setups)
+    assert len(owned.unknowns) == 12 + 1 + 5 * 6
+    assert {each.owner for each in owned.unknowns if each.name == "one_x"} == {"board"}
+    assert len({each.owner for each in owned.unknowns if each.name == "place_x"}) == 5
+    assert setups[3].artefact is not None
+    np.testing.assert_allclose(setups[3].artefact.points[0], [0.45 + 0.11, 0.25 - 0.12, -0.22], atol=1e-12)
+
+
+@pytest.mark.parametrize("number", [0, 3])
+def test_columns_and_second_derivatives_are_those_of_where_balls_stand(number: int) -> None:
+    (setup,) = described(board()).setups[number : number + 1]
+    assert setup.artefact is not None
+    balls, step = np.arange(4), 1e-4
+    names = [unknown.name for unknown in setup.unknowns]
+
+    def stands(**own: float) -> Array:
+        assert setup.artefact is not None
+        return setup.artefact.moved(own, balls)
+
+    for one in names:
+        slope = (stands(**{one: step}) - stands(**{one: -step})) / (2 * step)
+        np.testing.assert_allclose(setup.artefact.moves(one, balls), slope, atol=1e-8)
+        for other in set(names) - {one}:
+            signs = [(a, b) for a in (step, -step) for b in (step, -step)]
+            bend = sum(np.sign(a * b) * stands(**{one: a, other: b}) for a, b in signs) / (4 * step**2)
+            np.testing.assert_allclose(setup.artefact.bends(one, other, balls), bend, atol=1e-6)
+        twice = (stands(**{one: step}) + stands(**{one: -step}) - 2 * stands()) / step**2
+        np.testing.assert_allclose(setup.artefact.bends(one, one, balls), twice, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (board().replace('"300 mm", "200 mm"', '"300 mm", "150 mm"', 1), r"no pose reaches ball \w+ of board .*of Y"),
+        (
+            board().replace('"150 mm", "150 mm"', '"150 mm", "135 mm"', 1),
+            "no room to touch ball two of board.* of Y",
+        ),
+        (board().replace('calibrated = "0.3 mm"', ""), "here none turns.*on a board that is turned"),
+        (board().replace('"0.3 mm"', "0.3"), "calibrated"),
+        (board({"one": (0, 0, 0)}), "not in a line: their turn is open"),
+        (board({name: (x, 0, 0) for name, (x, _, _) in BALLS.items() if name != "four"}), "not in a line"),
+        (board().replace('artefact = "board"\n', "", 1), "at says where an artefact is put down"),
+        (board().replace('"90 deg"', '"900 deg"'), "more than a turn"),
+    ],
+)
+def test_what_is_amiss_with_a_board_is_said(text: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        described(text)
+
+
+def moved(values: Array, first: int, last: int, by: Array) -> Array:
+    """Return values as if the board had moved before the first of these readings."""
+    return np.concatenate([values[:first], values[first:last] - by, values[last:]])
+
+
+@pytest.mark.long
+def test_a_board_that_moves_between_two_touches_is_named() -> None:
+    touched, rng = Touched(), np.random.default_rng(7)
+    truth = 0.3 * rng.standard_normal(len(touched.stds)) * touched.stds
+    values = touched.values(truth) + NOISE * rng.standard_normal((len(touched.order), 3))
+    assert not estimated(described(board()), values).agreement.contradicts
+    known = estimated(described(board()), moved(values, 18, 24, np.array([40e-6, -25e-6, 0.0])))
+    (named,) = known.agreement.explained
+    assert (named.mistake, named.setups, named.reading) == ("jump", (1,), 18)
+    assert mistake_words(named, known).startswith('"board" moved in "2" before reading 19')
+    right = put_right(known.readings, acceptance(named, known))
+    description = with_mounted(known.stated.description, [Mounted("2", acceptance(named, known).name, "")])
+    again = concluded(Case(description), right)
+    assert not again.agreement.contradicts
+    assert abs(again.knowledge.belief.mean[0] - truth[0]) < 4 * 3e-6

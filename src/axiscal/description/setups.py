@@ -164,8 +164,9 @@ class _Reader:
         return replace(setup, lacks=lack)
 
     def _mountings(self, site: Site | None) -> int:
-        """Return how many times the usual time of mounting is needed: a sphere is put up ball by ball."""
-        return len(site.balls) if site is not None and site.contact == "retracted" else 1
+        """Return how many times the usual time of mounting is needed: spheres are put up one by one, or on a board."""
+        apart = site is not None and site.artefact is not None and site.artefact.calibrated is None
+        return len(site.balls) if site is not None and apart and site.contact == "retracted" else 1
 
     def _direction(self, usual: Instrument, site: Site | None) -> Vector:
         if site is None or site.direction is None:
