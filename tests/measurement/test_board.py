@@ -119,7 +119,8 @@ def estimated(description: CampaignDescription, values: Array) -> Estimation:
     for setup in description.setups:
         for pose in spread(description.machine, (setup,), 400).poses.tolist() * ROUNDS:
             value, *others = next(at)
-            readings.append(Reading(setup.name, tuple(pose), (0, 0, 0), value, others=tuple(others)))
+            one = Reading(setup.name, tuple(pose), (0, 0, 0), value, others=tuple(others), number=len(readings) + 1)
+            readings.append(one)
     return concluded(Case(description), readings)
 
 

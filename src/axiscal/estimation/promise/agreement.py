@@ -39,7 +39,7 @@ BAD_SHARE = 0.01
 """Assumption: one of a hundred readings is bad."""
 MOST_BAD = 0.2
 """Where more than a fifth seem bad it is the model that is."""
-_SEVERAL = 3
+SEVERAL = 3
 """One or two bad readings are bad readings, of however few."""
 _PRIOR = 0.01
 """Assumption: one campaign in a hundred has such a mistake."""
@@ -129,7 +129,7 @@ def agreement(
     numbers = len(problem.values) / count
     largest = count * chi_square_tail(numbers, float(np.max(z**2)) * numbers)
     p = min(1.0, 2 * min(float(found.weights @ np.array(tails)), largest))
-    if left_out >= _SEVERAL and left_out > MOST_BAD * (count + left_out):
+    if left_out >= SEVERAL and left_out > MOST_BAD * (count + left_out):
         p = min(p, binomial_tail(left_out, count + left_out, BAD_SHARE))
     named = tuple(_explained(problem, found, turned)) if p < CONTRADICTS else ()
     against = named[0].axes if named else ()
