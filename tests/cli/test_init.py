@@ -16,7 +16,7 @@ from axiscal.cli import app
 from axiscal.description.campaign import campaign_from_texts, read_campaign
 from axiscal.description.campaign_schema import campaign_schema, machine_schema
 from axiscal.description.first_campaign import OFFERED
-from axiscal.description.first_files import Beginning, first_files, of_builtin
+from axiscal.description.first_files import Beginning, first_files, of_builtin, with_travels
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import builtin_names, load_machine
@@ -91,8 +91,8 @@ def test_every_instrument_that_is_offered_can_be_had(tmp_path: Path) -> None:
 
 
 def test_spheres_are_offered_where_an_axis_turns(tmp_path: Path) -> None:
-    """Whoever turns nothing sees nothing by them; the others get balls at which every rotary axis can turn far."""
-    assert written(tmp_path / "mill", "three-axis-mill", "sphere") == 1
+    """One axis sees nothing by them; whoever turns something gets balls at which every rotary axis can turn far."""
+    assert written(tmp_path / "mill", "one-axis", "sphere") == 1
     assert written(tmp_path, "dmu60", "sphere") == 0
     assert '\ntool_length = "100 um" ' in (tmp_path / "campaign.toml").read_text()
     campaign = read_campaign(tmp_path / "campaign.toml")
@@ -103,6 +103,15 @@ def test_spheres_are_offered_where_an_axis_turns(tmp_path: Path) -> None:
     for k, axis in enumerate(campaign.machine.axes):
         if axis.rotary:
             assert np.ptp(poses[:, k]) > 0.5 * axis.length
+
+
+def test_a_board_that_is_turned_is_offered_where_no_axis_does(tmp_path: Path) -> None:
+    assert written(tmp_path, "three-axis-mill", "sphere") == 0
+    campaign = read_campaign(tmp_path / "campaign.toml")
+    assert campaign.target.budget == 1800.0
+    assert len({setup.artefact.standing for setup in campaign.setups if setup.artefact}) == len(campaign.setups) == 5
+    with pytest.raises(DescriptionError, match="Nothing of sphere can be offered"):
+        first_files(with_travels(of_builtin("three-axis-mill"), {"X": 80.0}), ["sphere"], "20 um")
 
 
 def test_spheres_stand_about_the_middle_where_no_table_turns_and_a_stylus_that_is_said_stays(tmp_path: Path) -> None:

@@ -222,7 +222,7 @@ def test_where_hardly_anything_of_an_arc_is_reached_another_one_is_named() -> No
 
 
 def test_on_a_machine_without_rotary_axes_a_ball_would_be_one_pose() -> None:
-    with pytest.raises(DescriptionError, match="it would be one pose"):
+    with pytest.raises(DescriptionError, match="it is one pose"):
         described(SPHERES.replace("-80 mm", "-200 mm") + TOUCHED, "three-axis-mill")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -98,10 +98,10 @@ class Bench:
 
 
 @contextmanager
-def running() -> Iterator[Bench]:
-    """Yield a running LinuxCNC with the spheres."""
-    settings = Settings(hal(), sources={"axiscal_balls.comp": BALLS})
-    with WatchedSession(joints(), settings, timeout=240) as session:
+def running(text: str | None = None, machine: Sequence[Joint] | None = None) -> Iterator[Bench]:
+    """Yield a running LinuxCNC with the spheres.  text, machine : HAL and joints of another one than XYZAC"""
+    settings = Settings(text or hal(), sources={"axiscal_balls.comp": BALLS})
+    with WatchedSession(machine or joints(), settings, timeout=240) as session:
         yield Bench(session)
 
 

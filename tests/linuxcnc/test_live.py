@@ -84,14 +84,14 @@ def description(readings: int = 2) -> CampaignDescription:
 def opened(bench: Bench, machine: Machine | None = None, begun: bool = True, answers: str = "go") -> LiveSource:
     line = Connection(bench.words())
     reader = LiveSource(line, machine or description().machine, InForce(), asked=lambda _: answers)
-    reader._tried = begun
+    reader._placed = "spheres" if begun else ""
     return reader
 
 
 def untried(line: Connection, machine: Machine) -> LiveSource:
     """Return what reads without the trial above the ball."""
     reader = LiveSource(line, machine, InForce())
-    reader._tried = True
+    reader._placed = "spheres"
     return reader
 
 

@@ -264,11 +264,14 @@ def with_mounted(description: CampaignDescription, mounted: Sequence[Mounted]) -
     """Return a campaign with its set-ups as they were mounted anew behind them.
 
     Unknowns of a set-up alone begin as stated, whatever is known of the other one: zero, slope, station, drift of the
-    zero. Quantities of an artefact, a bar or a tool stay one.
+    zero. Quantities of an artefact, a bar or a tool stay one; but where an artefact stood before a jump is its own.
     Raises DescriptionError where there is no such set-up.
     """
     for each in mounted:
-        anew = replace(description.setup(each.setup), name=each.name)
+        setup = description.setup(each.setup)
+        stood = setup.artefact.standing if setup.artefact and not each.branch else None
+        moved = (replace(one, owner=each.name) if one.owner == stood else one for one in setup.unknowns)
+        anew = replace(setup, name=each.name, unknowns=tuple(moved))
         description = replace(description, setups=(*description.setups, anew))
     return description
 

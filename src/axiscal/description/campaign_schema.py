@@ -130,6 +130,7 @@ Cone = Annotated[float, _sized("angle", math.pi, later("Give an angle above 0 an
 Calibrated = Annotated[float, _sized("length", 1.0, later("Give a std above zero"))]
 Placed = Annotated[float, _sized("length", 1.0, later("Give how far it may stand from there, above zero"))]
 Turned = Annotated[float, _sized("angle", 1.0, later("Give a small angle above zero"))]
+Turn = Annotated[float, QuantityOf("angle", -math.tau, math.tau, later("this is more than a turn"), _ONE, "90 deg")]
 Diameter = Annotated[float, _sized("length", 1.0, later("Give that of a ball"))]
 Warmth = Annotated[float, _not_negative("temperature_difference")]
 Growth = Annotated[float, _not_negative("expansion")]
@@ -240,6 +241,8 @@ class SetupTable(Table):
     warm: bool = Field(False, examples=["true"])
     artefact: str | None = Field(None, examples=['"three spheres"'])
     ball: str | list[str] | None = Field(None, examples=['["low", "high"]'])
+    at: Spot | None = Field(None, examples=['["300 mm", "200 mm", "0 mm"]'])
+    turn: Turn | None = Field(None, examples=['"90 deg"'])
     mounted: int = Field(1, ge=1, examples=["2"])
     reach: dict[str, list[QuantityText]] = Field(default={}, examples=['{ X = ["150 mm", "450 mm"] }'])
     along: list[Spot] | None = Field(None, examples=['[["0 mm", "0 mm", "0 mm"], […]]'])

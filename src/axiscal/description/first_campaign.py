@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
 
@@ -27,16 +28,17 @@ machine = "{machine}"
 U = "{target}"                   # 95 %, of the tool point, over {over}
 readings = 150
 {counted}
-# budget = "3 h"                 # of machine time
+{budget}of machine time
 {volume}
 """
 _IN_SPACE = {
+    "budget": '# budget = "3 h"                 # ',
     "controls": '# controls = ["linuxcnc"]     ',
     "over": "all travel",
     "counted": '# directions = ["z"]           # only these count: the height of a bed; in space where nothing is said',
     "volume": '# volume = { X = ["50 mm", "550 mm"] }   # where the work is done',
 }
-_BED = {
+_BED = _IN_SPACE | {
     "controls": 'controls = ["klipper", "marlin", "reprapfirmware"]',
     "over": "the bed",
     "counted": 'directions = ["z"]               # only the height counts; nothing else of the printer has to be known',
@@ -124,6 +126,30 @@ raster = {{ {raster} }}
 approach = "both"                # of the rotary axes: reversal shows with both only
 # noise = "1 um"                 # standard deviation of one reading; docs/campaign.md says the usual one
 """
+_BOARD = """
+[programs]
+clearance = "{clearance}"         # over the balls, where the probe goes from ball to ball
+
+[[artefacts]]
+name = "board"                   # balls on a board that is put down and turned: their places need not be known
+balls = {{ {balls} }}   # CHECK: their middles, as built
+calibrated = "0.3 mm"            # how well; from a certificate such as "1 um", and it shows how long a metre is, too
+diameter = "25 mm"               # CHECK: of each
+placed = "1 mm"                  # how well it is put down where the set-ups say
+turned = "5 mrad"
+"""
+_PLACEMENT = """
+[[setups]]
+name = "board, placement {number}"
+instrument = "sphere"
+artefact = "board"
+at = [{at}]   # CHECK: where the board's own zero stands
+turn = "{turn} deg"                # counter-clockwise from above
+setup_time = "2 min"
+retract = "25 mm"
+"""
+_ROOM, _FEWEST = 30e-3, 25e-3
+"""m beside a ball, for its touches and to put it down by eye; and half the side of a board that is worth turning."""
 _TURNED, _SWUNG = "15 deg", "5 deg"
 """Rasters of a rotary axis that makes a whole turn, and of one that does not: angles that a person can follow."""
 
@@ -142,7 +168,11 @@ def first_campaign(machine: Machine, source: str, instruments: Sequence[str], ta
     Raises DescriptionError where a machine has no linear axis that an instrument could be read along.
     """
     about = {**_BED, "volume": _over_bed(machine)} if list(instruments) == ["probe"] else _IN_SPACE
-    tool = _TOOL if "sphere" in instruments and any(axis.rotary for axis in machine.axes) else ""
+    turns = any(axis.rotary for axis in machine.axes)
+    about = (
+        about if turns or list(instruments) != ["sphere"] else about | {"budget": 'budget = "30 min"                # '}
+    )
+    tool = _TOOL if "sphere" in instruments and turns else ""
     head = _HEAD.format(name=machine.name, machine=source, target=target, active=active, tool=tool, **about)
     setups = [text for name in instruments for text in OFFERED[name](machine)]
     if not setups:
@@ -213,6 +243,7 @@ def _spheres(machine: Machine) -> Iterator[str]:
     """Yield three spheres about the middle of what the tool reaches, at different radii and heights."""
     rotary = [axis for axis in machine.axes if axis.rotary]
     if not rotary:
+        yield from _board(machine)
         return
     middle = np.array([[0.0 if axis.rotary else float(np.mean(axis.travel)) for axis in machine.axes]])
     reach = min(axis.length for axis in _linear(machine)) / 6
@@ -224,6 +255,30 @@ def _spheres(machine: Machine) -> Iterator[str]:
     balls = ", ".join(f"{name} = [{_place(centre + reach * np.array(each))}]" for name, each in shares.items())
     raster = ", ".join(f'{axis.name} = "{_TURNED if axis.cyclic else _SWUNG}"' for axis in rotary)
     yield _SPHERES.format(balls=balls, raster=raster)
+
+
+def _board(machine: Machine) -> Iterator[str]:
+    """Yield four balls at the corners of a board, and five placements that turn it and take it over the travels."""
+    axes = {axis.name: axis for axis in machine.axes}
+    if not {"X", "Y", "Z"} <= set(axes):
+        return
+    x, y, z = (axes[name].length / 2 for name in "XYZ")
+    half = (min(x, y) - _ROOM) / math.sqrt(2.0)
+    if half < _FEWEST:
+        return
+    corners = {"one": (-1, -1, 0.0), "two": (1, -1, 1.0), "three": (1, 1, 1 / 6), "four": (-1, 1, 5 / 6)}
+    lift = min(half, max(2 * z - 2 * _ROOM, 0.0))
+    scaled = {name: np.array(each) * [half, half, lift] for name, each in corners.items()}
+    balls = ", ".join(f"{name} = [{_place(each)}]" for name, each in scaled.items())
+    clear = format_quantity(axes["Z"].travel[1] - axes["Z"].overrun, "mm", 6)
+    yield _BOARD.format(balls=balls, clearance=f"Z={clear}")
+    middle = np.array(
+        [[axis.travel[0] + _ROOM / 3 if axis.name == "Z" else sum(axis.travel) / 2 for axis in machine.axes]]
+    )
+    centre, aside = frames(machine, middle).tcp[0], np.array([x, y, 0.0]) - [half + _ROOM, half + _ROOM, 0.0]
+    placed = (((0, 0), 45), ((0, 0), 135), ((-1, -1), 0), ((1, 1), 90), ((1, -1), 180))
+    for number, (way, turn) in enumerate(placed, start=1):
+        yield _PLACEMENT.format(number=number, at=_place(centre + aside * [*way, 0]), turn=turn)
 
 
 def _probes(machine: Machine) -> Iterator[str]:

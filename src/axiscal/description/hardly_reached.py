@@ -34,7 +34,7 @@ def _of_setup(machine: Machine, setup: Setup) -> Iterator[str]:
     chart, artefact = setup.chart, setup.artefact
     each = chart.each if isinstance(chart, Balls) else (chart,) if isinstance(chart, Held) else ()
     for part, ball in zip(each, setup.balls, strict=False):
-        low, high = np.array([part.bounds(k)[:2] for k in range(part.size)]).T
+        low, high = np.array([part.bounds(k)[:2] for k in range(part.size)]).reshape(-1, 2).T
         places = low + (high - low) * even_points(_TRIED, part.size).reshape(_TRIED, part.size)
         taken = places[part.feasible(part.poses(places))]
         share = len(taken) / _TRIED

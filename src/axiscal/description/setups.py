@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from axiscal.description.campaign_schema import SetupTable
-from axiscal.description.reachable import refuse_short_stroke, refuse_unreachable
+from axiscal.description.reachable import refuse_short_stroke, refuse_unreachable, refuse_untouchable
 from axiscal.description.sights import lack_of, refuse_no_sight, seen, stations_of
 from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader
 from axiscal.description.stated_type_b import dense, drift_of, material_of, stated_of
@@ -149,6 +149,7 @@ class _Reader:
         setup = replace(setup, three_touches=table.touches is not None)
         with self._at("artefact" if site.artefact else "length" if site.length else "along"):
             refuse_unreachable(self._machine, setup)
+            refuse_untouchable(self._machine, setup)
         if setup.contact != "held":
             return setup
         with self._at("length" if site.length else "instrument"):
@@ -164,8 +165,9 @@ class _Reader:
         return replace(setup, lacks=lack)
 
     def _mountings(self, site: Site | None) -> int:
-        """Return how many times the usual time of mounting is needed: a sphere is put up ball by ball."""
-        return len(site.balls) if site is not None and site.contact == "retracted" else 1
+        """Return how many times the usual time of mounting is needed: spheres are put up one by one, or on a board."""
+        apart = site is not None and site.artefact is not None and site.artefact.calibrated is None
+        return len(site.balls) if site is not None and apart and site.contact == "retracted" else 1
 
     def _direction(self, usual: Instrument, site: Site | None) -> Vector:
         if site is None or site.direction is None:

@@ -107,6 +107,11 @@ class SiteReader:
             what = "three touches are those of a sphere, and meet no side and its opposite: there is no mean of both"
             with self._at("touches"):
                 raise DescriptionError(what, "Take sides out, or touches")
+        for key in ("at", "turn"):
+            if getattr(table, key) is not None and table.artefact is None:
+                with self._at(key):
+                    what = "{key} says where an artefact is put down, and this set-up reads none"
+                    raise DescriptionError(what, 'Give artefact = "board", too', key=key)
         for key in ("plane", "arc", "turning", "stroke"):
             if getattr(table, key) is not None and table.length is None and table.instrument != "rtest":
                 with self._at(key):
@@ -274,7 +279,7 @@ class SiteReader:
         artefact, balls = self._artefact()
         turning = self._turned_by_moves(default_all=True)
         with self._at("artefact"):
-            self._refuse_no_turn(turning)
+            self._refuse_no_turn(turning, artefact)
         steps = tuple(self._step(self._machine.axes[k].name, "angle") for k in turning)
         self._refuse_one_place(turning, steps)
         park, room = self._park(set(turning)), self._room(artefact)
@@ -285,16 +290,21 @@ class SiteReader:
             Held(room, np.array(artefact.balls[i].place), free, artefact.cone, turning, park, steps, back)
             for i in balls
         )
-        chart: Chart = each[0] if len(each) == 1 else Balls(each)
+        chart: Chart = each[0] if len(each) == 1 and turning else Balls(each)
         size = (Unknown(RADIUS, OPEN_RADIUS, artefact.name),) if self._table.touches else ()
         unknowns = (*unknowns_at(artefact, balls), *size, *self._tool)
         moves = tuple(sorted({*turning, *linear_axes(self._machine)}))
         return Site(chart, moves, tuple(park), contact, unknowns, artefact, balls)
 
-    def _refuse_no_turn(self, turning: tuple[int, ...]) -> None:
-        if not turning:
-            what = "a ball is read in many poses of the rotary axes, and here none turns: it would be one pose"
-            remedy = "A laser or a ball bar is meant; several balls of a plate need rotary axes too"
+    def _refuse_no_turn(self, turning: tuple[int, ...], artefact: Artefact) -> None:
+        if not turning and artefact.calibrated is None:
+            what = (
+                "a ball that stands alone is read in many poses of the rotary axes, and here none turns: it is one pose"
+            )
+            remedy = (
+                "Put three or more on a board that is turned, with how well their places are known: "
+                'calibrated = "0.3 mm"'
+            )
             raise DescriptionError(what, remedy)
 
     def _artefact(self) -> tuple[Artefact, tuple[int, ...]]:
@@ -306,10 +316,11 @@ class SiteReader:
                     name, self._artefacts, said("Known are {known}; add it under [[artefacts]]", known=known)
                 )
                 raise DescriptionError("there is no artefact {artefact}", remedy, artefact=shown(name))
-            artefact = replace(self._artefacts[name], mounted=self._table.mounted)
-            if not artefact.balls:
+            if not self._artefacts[name].balls:
                 remedy = 'Add balls = {{ one = ["0 mm", …] }}'
                 raise DescriptionError("{name} has no ball to be read", remedy, name=shown(name))
+        table = self._table
+        artefact = self._artefacts[name].put(table.at or (0.0, 0.0, 0.0), table.turn or 0.0, table.mounted)
         names = [ball.name for ball in artefact.balls]
         wanted = self._table.ball if self._table.ball is not None else names
         wanted = [wanted] if isinstance(wanted, str) else wanted

@@ -43,6 +43,11 @@ def mistake_words(each: Explained, known: Estimation) -> str:
     setups = known.stated.description.setups
     names = [setups[index].name for index in each.setups]
     if each.mistake == "jump":
+        if (artefact := setups[each.setups[0]].artefact) is not None:
+            what = (
+                '"{artefact}" moved in "{setup}" before {reading}. Fix it, and take readings before and after it again'
+            )
+            return said(what, artefact=artefact.name, setup=names[0], reading=known.name_of(each.reading))
         what = 'the zero of "{setup}" jumped before {reading}. Take readings before and after it again'
         return said(what, setup=names[0], reading=known.name_of(each.reading))
     if each.mistake == "sign":

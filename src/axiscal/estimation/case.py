@@ -123,8 +123,8 @@ class Case:
     @property
     def bends(self) -> bool:
         """Whether only readings can tell where a set-up stands or how it is turned: they are not linear in that."""
-        pairs = ((setup, {unknown.name for unknown in setup.unknowns}) for setup in self.description.setups)
-        return any(_located_by(setup, names) is not None for setup, names in pairs)
+        pairs = [(setup, {unknown.name for unknown in setup.unknowns}) for setup in self.description.setups]
+        return any(_located_by(setup, names) is not None or names & {*TURNS} for setup, names in pairs)
 
     def located(self, mean: Array) -> Case | None:
         """Return the case about the stations of distances and the turns of trackers as found; None if these stay."""

@@ -48,6 +48,14 @@ class BentReadings:
         """Return the readings linearised about a point (k,) of errors and unknowns."""
         return seen(self._about(point), self.readings)
 
+    def rows(self, point: Array) -> Array:
+        """Return the rows about a point, (m, k): they change with where a station or tracker is found alone."""
+        return self._still if self.case.located(point) is None else self.at(point).rows
+
+    @cached_property
+    def _still(self) -> Array:
+        return seen(self.case.observation, self.readings).rows
+
     def _about(self, point: Array) -> Observation:
         located = self.case.located(point) or self.case
         return replace(self.case.observation, setups=located.description.setups, about=About(point))
@@ -105,7 +113,7 @@ def polished(problem: BentReadings, start: Array) -> Optimum:
     left = problem.left(point)
     cost, damping = _cost(z, left), _FIRST
     for _ in range(_STEPS):
-        slopes = (problem.at(point).rows @ problem.root) / np.sqrt(problem.variances)[:, None]
+        slopes = (problem.rows(point) @ problem.root) / np.sqrt(problem.variances)[:, None]
         normal = np.eye(len(z)) + slopes.T @ slopes
         pull = slopes.T @ left - z
         while True:

@@ -152,7 +152,7 @@ def _reversals(machine: Machine) -> set[str]:
 
 def _raster(chart: Chart, choices: Array) -> Chosen:
     values = [chart.bounds(number).values for number in range(chart.size)]
-    grid = np.stack([g.ravel() for g in np.meshgrid(*values, indexing="ij")], axis=1)
+    grid = np.stack([g.ravel() for g in np.meshgrid(*values, indexing="ij")], axis=1) if values else np.zeros((1, 0))
     return _taken(chart, np.repeat(grid, len(choices), axis=0), np.tile(choices, (len(grid), 1)))
 
 

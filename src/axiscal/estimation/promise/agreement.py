@@ -6,9 +6,9 @@ result prints twice the smaller of both. It is at most the binomial probability 
 fifth of the readings is left out. Below 0.001 the readings contradict. A mistake does one of these:
 - It turns y into y' = T y: values with the wrong sign or in another unit, two set-ups swapped, places shifted by one.
 - It turns K into that of a machine with an axis that counts the other way.
-- It adds a column b of standard deviation s.
+- It adds columns B of standard deviation s: a zero that jumps, or in all directions what stands on the table and moved.
 
-    gain = ½ (yᵀK⁻¹y − y'ᵀK⁻¹y') + log |det T|     or     ½ (bᵀK⁻¹y)²/(bᵀK⁻¹b + s⁻²) − ½ log(1 + s² bᵀK⁻¹b)
+    gain = ½ (yᵀK⁻¹y − y'ᵀK⁻¹y') + log |det T|     or     ½ gᵀ(F + s⁻²)⁻¹g − ½ log |1 + s² F|,  g = BᵀK⁻¹y, F = BᵀK⁻¹B
 
 The answer names a mistake with odds above 20 : 1, its prior of 1 % over all its places included. Exceptions: another
 one is 20 times as likely, or the readings do not agree with it either.
@@ -39,7 +39,7 @@ BAD_SHARE = 0.01
 """Assumption: one of a hundred readings is bad."""
 MOST_BAD = 0.2
 """Where more than a fifth seem bad it is the model that is."""
-_SEVERAL = 3
+SEVERAL = 3
 """One or two bad readings are bad readings, of however few."""
 _PRIOR = 0.01
 """Assumption: one campaign in a hundred has such a mistake."""
@@ -129,7 +129,7 @@ def agreement(
     numbers = len(problem.values) / count
     largest = count * chi_square_tail(numbers, float(np.max(z**2)) * numbers)
     p = min(1.0, 2 * min(float(found.weights @ np.array(tails)), largest))
-    if left_out >= _SEVERAL and left_out > MOST_BAD * (count + left_out):
+    if left_out >= SEVERAL and left_out > MOST_BAD * (count + left_out):
         p = min(p, binomial_tail(left_out, count + left_out, BAD_SHARE))
     named = tuple(_explained(problem, found, turned)) if p < CONTRADICTS else ()
     against = named[0].axes if named else ()
@@ -177,19 +177,34 @@ def _jumps(problem: Problem, found: Weighed) -> Iterator[_Tried]:
         readings = np.unique(problem.reading[mine])[1:]
         if not len(readings):
             continue
-        columns = (mine[:, None] & (problem.reading[:, None] >= readings)) / problem.noise[:, None]
-        columns = columns * float(np.median(problem.noise[mine]))
+        ways = _ways(problem, mine) / problem.noise * float(np.median(problem.noise[mine]))
+        columns = (problem.reading >= readings[:, None])[:, None] * ways
+        alone = np.eye(len(ways))
         gains = np.empty((len(found.given), len(readings)))
         squares = np.empty_like(gains)
         for draw, given in enumerate(found.given):
-            weighted = given.precision(columns)
-            fisher = np.sum(columns * weighted, axis=0)
-            squares[draw] = (weighted.T @ problem.values) ** 2 / (fisher + _JUMP**-2)
-            gains[draw] = 0.5 * (squares[draw] - np.log1p(_JUMP**2 * fisher))
+            weighted = given.precision(columns.reshape(-1, len(mine)).T).T.reshape(columns.shape)
+            fisher, pulled = columns @ weighted.transpose(0, 2, 1), weighted @ problem.values
+            solved = np.linalg.solve(fisher + _JUMP**-2 * alone, pulled[:, :, None])[:, :, 0]
+            squares[draw] = np.sum(pulled * solved, axis=1)
+            gains[draw] = 0.5 * (squares[draw] - np.linalg.slogdet(alone + _JUMP**2 * fisher)[1])
         odds = _log_odds(found, gains)
         best = int(np.argmax(odds))
         named = Explained("jump", float(odds[best] - np.log(len(readings))), (int(setup),), int(readings[best]))
         yield _Tried(named, gains[:, best], squares[:, best])
+
+
+def _ways(problem: Problem, mine: NDArray[np.bool_]) -> Array:
+    """Return what a jump of each kind adds to the numbers of a set-up, one at most, (k, m).
+
+    A zero adds the same to all. What is read in three directions may move by all that its mounting alone leaves open.
+    """
+    if _numbers(problem.reading[mine]) == 1 or not problem.unknowns:
+        return mine[None].astype(float)
+    seen = problem.rows[:, -problem.unknowns :].T * problem.noise
+    largest = np.abs(seen).max(axis=1)
+    own = (largest > 0) & (np.abs(seen[:, ~mine]).max(axis=1, initial=0.0) == 0)
+    return np.asarray(seen[own] / largest[own, None]) if own.any() else mine[None].astype(float)
 
 
 def _turned(problem: Problem, found: Weighed) -> Iterator[_Tried]:

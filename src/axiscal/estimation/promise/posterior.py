@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from axiscal.description.causes import BAD
 from axiscal.description.sizes import Kind
-from axiscal.estimation.promise.agreement import BAD_SHARE, MOST_BAD, Agreement, Turned, agreement
+from axiscal.estimation.promise.agreement import BAD_SHARE, MOST_BAD, SEVERAL, Agreement, Turned, agreement
 from axiscal.estimation.promise.draws import Weighed, draws, mode, redrawn, weighed
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
 from axiscal.estimation.promise.spaces import Given, parts_of, turned
@@ -108,6 +108,13 @@ def posterior(
         if highest <= 0 or len(bad) + len(worst) > MOST_BAD * count:
             break
         bad |= {i: left[i] for i in worst}
+    if moved := _moved_in(problem, bad):
+        together = problem.only(~np.isin(problem.reading, [*never]))
+        whole = sized(together)
+        each = _as_stated(together, whole, _left_out(together, whole))
+        named = agreement(together, whole, np.array([one.z for one in each.values()])).explained
+        if any(one.mistake == "jump" and one.setups[0] in moved for one in named):
+            bad, mine, found, left = {}, together, whole, each
     moments = _moments(mine, found)
     sizes = _sizes(mine, found)
     if details := [index for index in bad if _may_be_a_detail(problem, index, bad[index])]:
@@ -121,6 +128,13 @@ def posterior(
     agreed = agreement(mine, found, z, count - len(left), ((axes, other.only(kept)) for axes, other in turned))
     known = dict(zip(problem.cells, moments.cells.tolist(), strict=True))
     return Posterior(moments.mean, moments.covariance, known, sizes, found.effective, bad, agreed, left)
+
+
+def _moved_in(problem: Problem, bad: Iterable[int]) -> set[int]:
+    """Return the set-ups read in several directions with several bad readings: what stands there may have moved."""
+    rows = [np.flatnonzero(problem.reading == index) for index in bad]
+    each = [int(problem.setup[row[0]]) for row in rows if len(row) > 1]
+    return {setup for setup in each if each.count(setup) >= SEVERAL}
 
 
 def sized(problem: Problem) -> Weighed:

@@ -127,6 +127,7 @@ class Problem:
     size_at : (p,) number of the θ of each column, −1 for none; curves : the columns whose prior has a length
     roots : of blocks of answered columns whose prior has none: where it begins, and F (q, q)
     answered : number of the columns that are answered, the last ones; mean : (answered,) before any reading
+    unknowns : number of those of set-ups, the last of these
     cells : (term, cell) of the columns of rests, from column `first_cell` on
     held : (m, h) over the noise, what else one standard deviation of a cause does: it moves no mean and teaches no size
     """
@@ -142,6 +143,7 @@ class Problem:
     curves: tuple[Bent, ...]
     roots: tuple[tuple[int, Array], ...]
     answered: int
+    unknowns: int
     mean: Array
     cells: tuple[tuple[int, int], ...]
     first_cell: int
@@ -219,7 +221,8 @@ def problem(
     values = (values - found.rows[:, :answered] @ mean) / noise
     at = np.concatenate([*size_at, rest_size, own_size]).astype(np.intp)
     return Problem(
-        rows, values, noise, reading, setups, groups, sizes, at, curves, roots, answered, mean, tuple(cells), start,
+        rows, values, noise, reading, setups, groups, sizes, at, curves, roots, answered,
+        len(observation.unknowns), mean, tuple(cells), start,
         tuple(first_cell_roots), held / noise[:, None],
     )  # fmt: skip
 

@@ -184,6 +184,10 @@ def _thinned(task: Task) -> Places:
     return task.lattice.within(np.arange(0, len(task.lattice), step))
 
 
+_PLACING = 4
+"""Balls of a plate that are read first: three say how it lies, and one more says something."""
+
+
 class _Group(NamedTuple):
     """Candidates that find out the same thing first.  columns : of the unknowns that make it up"""
 
@@ -207,14 +211,16 @@ def openings(scores: Scores, setups: Sequence[int], readings: int) -> list[int]:
 def _groups(scores: Scores, setup: int) -> Iterator[_Group]:
     mounted, lattice = scores.state.observation.setups[setup], scores.pool.lattice
     mine, columns = np.flatnonzero(lattice.setups == setup), scores.state.observation.unknowns_of(setup)
-    if mounted.artefact is None or len(mounted.balls) < 2 or mounted.artefact.calibrated is not None:
+    if mounted.artefact is None or len(mounted.balls) < 2:
         if len(columns) and len(mine):
             yield _Group(mine, columns)
         return
     at = mounted.artefact.nearest(frames(scores.state.observation.machine, lattice.poses[mine]).tcp, mounted.balls)
-    for ball in mounted.balls:
+    together = mounted.artefact.calibrated is not None
+    for ball in mounted.balls[:: max(1, len(mounted.balls) // _PLACING)] if together else mounted.balls:
+        own = "turn" if together else mounted.artefact.balls[ball].name
         if np.any(at == ball):
-            yield _Group(mine[at == ball], columns[_of_ball(mounted, mounted.artefact.balls[ball].name)])
+            yield _Group(mine[at == ball], columns[_of_ball(mounted, own)])
 
 
 def _of_ball(setup: Setup, ball: str) -> NDArray[np.bool_]:

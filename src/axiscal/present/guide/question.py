@@ -229,7 +229,7 @@ def mount_sentence(question: Question) -> str:
     setup, reads = question.setup, reads_text(question.setup)
     if setup.artefact is not None:
         with_artefact = "set up {artefact}, and mount the instrument ({instrument}); it reads {reads}"
-        mounted = said(with_artefact, artefact=setup.artefact.name, instrument=said(setup.instrument), reads=reads)
+        mounted = said(with_artefact, artefact=setup.artefact.standing, instrument=said(setup.instrument), reads=reads)
     else:
         mounted = said(
             "mount the instrument ({instrument}); it reads {reads}", instrument=said(setup.instrument), reads=reads

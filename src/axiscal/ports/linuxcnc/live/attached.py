@@ -25,7 +25,7 @@ from axiscal.programs.cycles import SphereCycle
 from axiscal.programs.groups import Group, groups
 from axiscal.programs.program import clearance_of
 from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget, exact, target
-from axiscal.programs.steps import Clearance, Move, Step, Touched, to_the_start, way_to
+from axiscal.programs.steps import Clearance, Move, Step, Touched, cleared, moves, to_the_start, way_to
 from axiscal.units import from_unit
 
 _DECIMALS = 6
@@ -59,7 +59,7 @@ class LiveSource:
     ) -> None:
         self._line, self._machine, self._in_force = connection, machine, in_force
         self._asked = asked or _at_the_terminal
-        self._tried, self._singly = False, True
+        self._placed, self._singly = "", True
         self._standing: tuple[str, Decimals] | None = None
         try:
             refuse(connection.status(), machine, in_force)
@@ -88,12 +88,18 @@ class LiveSource:
 
     def _read(self, request: Request) -> Answer:
         self._refuse_other_instrument(request.setup)
+        way, artefact = _WayToBall(self._machine, request), request.setup.artefact
+        anew = artefact is not None and artefact.standing != self._placed
+        if anew and self._placed and self._standing and artefact:
+            self._go(way.off(self._standing[1]))
+            self._standing, self._singly = None, True
+            self._confirm(f"Put it down: {artefact.standing}. Enter goes on, stop ends: ")
         status = self._line.status()
         refuse(status, self._machine, self._in_force)
         self._refuse_strayed(status)
-        way = _WayToBall(self._machine, request)
-        if not self._tried:
+        if anew and artefact:
             self._try(way)
+            self._placed = artefact.standing
         self._go(way.to(self._standing))
         hits = [self._touch(step, way) for step in self._between(way.touches())]
         self._in_force.refuse(self._line.status())  # what somebody switched meanwhile has spoilt the touches
@@ -149,7 +155,6 @@ class LiveSource:
                 self._line.line(f"G53 G1 {_joined(step.words(step.beside))} F{_slowed(step.travel, _SLOWER)}")
             else:
                 self._go([step], slow=_SLOWER)
-        self._tried = True
 
     def _confirm(self, text: str) -> None:
         answer = self._asked(text).strip().lower() if self._singly else ""
@@ -212,6 +217,10 @@ class _WayToBall:
         steps = list[Step](to_the_start(start, self._scales, self._groups, self._clearance))
         steps += way_to(self.target, start, self._scales, self._groups, self._clearance, first=True)
         return steps
+
+    def off(self, standing: Decimals) -> list[Step]:
+        """Return the way from where the axes stand to where they are clear."""
+        return list(moves(standing, cleared(standing, self._clearance), self._scales, self._groups))
 
     def touches(self) -> Iterator[Step]:
         """Yield the touches, with the moves between them."""

@@ -1,0 +1,215 @@
+"""Balls on a board that is put down again and turned: what it leaves open is the same board, and another place."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
+from axiscal.estimation.accepting import acceptance
+from axiscal.estimation.agreement_words import mistake_words
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import Estimation
+from axiscal.exceptions import InputError
+from axiscal.measurement.candidates import spread
+from axiscal.measurement.owners import Owned
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.numerics.rigid import rotation
+from axiscal.record.accepted import put_right
+from axiscal.record.events import Mounted
+
+MACHINE = """
+chain = "w-b-X-Y-Z-t"
+[tool]
+length = "80 mm"
+stylus = "6 mm"
+[axes.X]
+travel = ["0 mm", "600 mm"]
+[axes.Y]
+travel = ["0 mm", "400 mm"]
+[axes.Z]
+travel = ["-150 mm", "0 mm"]
+[errors]
+C0Y = { std = "100 urad" }
+B0Z = { std = "100 urad" }
+A0Z = { std = "100 urad" }
+"""
+BALLS = {"one": (-120, -110, 0), "two": (120, -120, 60), "three": (115, 120, 10), "four": (-120, 120, 50)}
+PLACED = ((300, 200, 45), (300, 200, 135), (150, 150, 0), (450, 250, 90), (450, 150, 180))
+BOARD = """
+machine = "router.toml"
+usual = "off"
+sure = "exactly"
+scales = "stated"
+[[artefacts]]
+name = "board"
+balls = {{ {balls} }}
+calibrated = "0.3 mm"
+diameter = "25 mm"
+turned = "5 mrad"
+"""
+PLACEMENT = """
+[[setups]]
+name = "{number}"
+instrument = "sphere"
+artefact = "board"
+at = ["{x} mm", "{y} mm", "-220 mm"]
+turn = "{turn} deg"
+retract = "25 mm"
+"""
+NOISE, HEIGHT, TOOL = 1.5e-6, -0.22, 0.08
+ROUNDS = 3
+
+
+def board(balls: dict[str, tuple[int, int, int]] = BALLS) -> str:
+    said = ", ".join(f'{name} = ["{x} mm", "{y} mm", "{z} mm"]' for name, (x, y, z) in balls.items())
+    placements = [PLACEMENT.format(number=n, x=x, y=y, turn=turn) for n, (x, y, turn) in enumerate(PLACED, start=1)]
+    return BOARD.format(balls=said) + "".join(placements)
+
+
+def described(text: str) -> CampaignDescription:
+    return campaign_from_texts(text, "campaign.toml", MACHINE, "router.toml", target_needed=False)
+
+
+class Touched:
+    """A board touched in five placements, made up here: three angles, 12 of balls, 30 of placements, a strain."""
+
+    def __init__(self) -> None:
+        self.stds = np.array([1e-4] * 3 + [3e-4] * 12 + ([1e-3] * 3 + [5e-3] * 3) * 5 + [0.5e-6])
+        self.balls = np.array(list(BALLS.values())) / 1e3
+        self.order = [(p, b) for p in range(5) for _ in range(ROUNDS) for b in range(4)]
+
+    def values(self, unknown: Array) -> Array:
+        """Return the found places of the balls less what the machine says, (readings, 3)."""
+        (c, b, a), own = unknown[:3], unknown[3:15].reshape(4, 3)
+        shape = self.balls - self.balls.mean(axis=0)
+        found = []
+        for place, ball in self.order:
+            x, y, turn = PLACED[place]
+            shift, tilt = unknown[15 + 6 * place : 18 + 6 * place], unknown[18 + 6 * place : 21 + 6 * place]
+            put = rotation(np.array([[0.0, 0.0, math.radians(turn)]]))[0]
+            stated = put @ self.balls[ball] + [x / 1e3, y / 1e3, HEIGHT]
+            scaled = (1 + unknown[-1]) * shape[ball]
+            stands = rotation(tilt[None])[0] @ put @ (scaled + own[ball]) - put @ shape[ball] + shift
+            _, along, up = stated + np.array([0, 0, TOOL])
+            swung = np.array([-c * along + b * up, -a * up, 0.0])
+            found.append(swung - stands)
+        return np.array(found)
+
+    def fitted(self, values: Array) -> tuple[Array, Array]:
+        """Return what least squares say, and its standard deviations."""
+
+        def left(scaled: Array) -> Array:
+            return np.concatenate([((values - self.values(scaled * self.stds)) / NOISE).ravel(), scaled])
+
+        solved = least_squares(left, np.zeros(len(self.stds)), x_scale="jac", xtol=1e-14, ftol=1e-14, gtol=1e-14)
+        spread = np.sqrt(np.diagonal(np.linalg.inv(solved.jac.T @ solved.jac)))
+        return solved.x * self.stds, spread * self.stds
+
+
+def estimated(description: CampaignDescription, values: Array) -> Estimation:
+    """Return the estimate of readings taken ball after ball, three times in each placement."""
+    readings = []
+    at = iter(values.tolist())
+    for setup in description.setups:
+        for pose in spread(description.machine, (setup,), 400).poses.tolist() * ROUNDS:
+            value, *others = next(at)
+            one = Reading(setup.name, tuple(pose), (0, 0, 0), value, others=tuple(others), number=len(readings) + 1)
+            readings.append(one)
+    return concluded(Case(description), readings)
+
+
+@pytest.mark.long
+def test_least_squares_of_scipy_find_the_same_angles_and_know_them_as_well() -> None:
+    touched, rng = Touched(), np.random.default_rng(4)
+    truth = rng.standard_normal(len(touched.stds)) * touched.stds
+    values = touched.values(truth) + NOISE * rng.standard_normal((len(touched.order), 3))
+    mean, spread = touched.fitted(values)
+    known = estimated(described(board()), values)
+    names = [term.name for term in known.case.errors.terms]
+    columns = [known.case.errors.terms[names.index(name)].columns.start for name in ("C0Y", "B0Z", "A0Z")]
+    belief = known.knowledge.belief
+    np.testing.assert_allclose(belief.mean[columns], mean[:3], atol=5e-8)
+    np.testing.assert_allclose(np.sqrt(np.diagonal(belief.covariance))[columns], spread[:3], rtol=2e-3)
+    assert spread[0] < 3e-6
+    assert np.all(np.abs(mean[:3] - truth[:3]) < 4 * spread[:3])
+
+
+def test_a_board_that_is_put_down_again_is_the_same_board_at_another_place() -> None:
+    setups = described(board()).setups
+    owned = Owned.by(setups)
+    assert len(owned.unknowns) == 12 + 1 + 5 * 6
+    assert {each.owner for each in owned.unknowns if each.name == "one_x"} == {"board"}
+    assert len({each.owner for each in owned.unknowns if each.name == "place_x"}) == 5
+    assert setups[3].artefact is not None
+    np.testing.assert_allclose(setups[3].artefact.points[0], [0.45 + 0.11, 0.25 - 0.12, -0.22], atol=1e-12)
+
+
+@pytest.mark.parametrize("number", [0, 3])
+def test_columns_and_second_derivatives_are_those_of_where_balls_stand(number: int) -> None:
+    (setup,) = described(board()).setups[number : number + 1]
+    assert setup.artefact is not None
+    balls, step = np.arange(4), 1e-4
+    names = [unknown.name for unknown in setup.unknowns]
+
+    def stands(**own: float) -> Array:
+        assert setup.artefact is not None
+        return setup.artefact.moved(own, balls)
+
+    for one in names:
+        slope = (stands(**{one: step}) - stands(**{one: -step})) / (2 * step)
+        np.testing.assert_allclose(setup.artefact.moves(one, balls), slope, atol=1e-8)
+        for other in set(names) - {one}:
+            signs = [(a, b) for a in (step, -step) for b in (step, -step)]
+            bend = sum(np.sign(a * b) * stands(**{one: a, other: b}) for a, b in signs) / (4 * step**2)
+            np.testing.assert_allclose(setup.artefact.bends(one, other, balls), bend, atol=1e-6)
+        twice = (stands(**{one: step}) + stands(**{one: -step}) - 2 * stands()) / step**2
+        np.testing.assert_allclose(setup.artefact.bends(one, one, balls), twice, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (board().replace('"300 mm", "200 mm"', '"300 mm", "150 mm"', 1), r"no pose reaches ball \w+ of board .*of Y"),
+        (
+            board().replace('"150 mm", "150 mm"', '"150 mm", "135 mm"', 1),
+            "no room to touch ball two of board.* of Y",
+        ),
+        (board().replace('calibrated = "0.3 mm"', ""), "here none turns.*on a board that is turned"),
+        (board().replace('"0.3 mm"', "0.3"), "calibrated"),
+        (board({"one": (0, 0, 0)}), "not in a line: their turn is open"),
+        (board({name: (x, 0, 0) for name, (x, _, _) in BALLS.items() if name != "four"}), "not in a line"),
+        (board().replace('artefact = "board"\n', "", 1), "at says where an artefact is put down"),
+        (board().replace('"90 deg"', '"900 deg"'), "more than a turn"),
+    ],
+)
+def test_what_is_amiss_with_a_board_is_said(text: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        described(text)
+
+
+def moved(values: Array, first: int, last: int, by: Array) -> Array:
+    """Return values as if the board had moved before the first of these readings."""
+    return np.concatenate([values[:first], values[first:last] - by, values[last:]])
+
+
+@pytest.mark.long
+def test_a_board_that_moves_between_two_touches_is_named() -> None:
+    touched, rng = Touched(), np.random.default_rng(7)
+    truth = 0.3 * rng.standard_normal(len(touched.stds)) * touched.stds
+    values = touched.values(truth) + NOISE * rng.standard_normal((len(touched.order), 3))
+    assert not estimated(described(board()), values).agreement.contradicts
+    known = estimated(described(board()), moved(values, 18, 24, np.array([40e-6, -25e-6, 0.0])))
+    (named,) = known.agreement.explained
+    assert (named.mistake, named.setups, named.reading) == ("jump", (1,), 18)
+    assert mistake_words(named, known).startswith('"board" moved in "2" before reading 19')
+    right = put_right(known.readings, acceptance(named, known))
+    description = with_mounted(known.stated.description, [Mounted("2", acceptance(named, known).name, "")])
+    again = concluded(Case(description), right)
+    assert not again.agreement.contradicts
+    assert abs(again.knowledge.belief.mean[0] - truth[0]) < 4 * 3e-6
