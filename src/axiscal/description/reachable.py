@@ -67,9 +67,8 @@ def _nearest(machine: Machine, part: Chart) -> str:
     best = int(np.nan_to_num(short.max(axis=1), nan=np.inf).argmin())
     axis = int(short[best].argmax())
     if short[best, axis] <= 0:
-        return (
-            "The tool is against a stem, or in what is to be kept out, in every pose: look at free, cone and keep_out"
-        )
+        what = "against a stem, in what is to be kept out, or without room to draw back and to touch the ball all round"
+        return f"In every pose the tool is {what}: look at free, cone, keep_out, retract and the travels"
     lack = format_quantity(float(short[best, axis] * (high - low)[axis]), machine.axes[axis].unit, 3)
     at = [k for k, each in enumerate(machine.axes) if each.rotary]
     said = " and ".join(f"{machine.axes[k].name} at {math.degrees(poses[best, k]):.0f} deg" for k in at)

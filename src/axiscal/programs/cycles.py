@@ -9,7 +9,7 @@ from decimal import Decimal
 import numpy as np
 
 from axiscal.document import shown
-from axiscal.exceptions import ProgramError
+from axiscal.exceptions import ProgramError, TravelError
 from axiscal.machine.description import Machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
@@ -51,13 +51,13 @@ class SphereCycle:
         yield from moves(standing, target.position, self._scales, [group])
 
     def _written(self, pose: Array, target: ReadingTarget) -> Decimals:
-        """Return a pose in the numbers of the program, the rotary axes as they stand; raises ProgramError."""
+        """Return a pose in the numbers of the program, the rotary axes as they stand; raises TravelError."""
         numbers = []
         for k, (scale, value) in enumerate(zip(self._scales, pose.tolist(), strict=True)):
             number = target.position[k] if scale.axis.rotary else scale.nearest(value)
             if number is None:
                 what = f"reading {target.number} of {shown(self._setup.name)}: touching leaves the travel of"
-                raise ProgramError(f"{what} {scale.axis.name}", "Put the sphere nearer to the middle of the travels")
+                raise TravelError(f"{what} {scale.axis.name}", "Put the sphere nearer to the middle of the travels")
             numbers.append(number)
         return tuple(numbers)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 
 from axiscal.document import shown
-from axiscal.exceptions import ProgramError
+from axiscal.exceptions import ProgramError, TravelError
 from axiscal.machine.axis import Axis
 from axiscal.machine.driving import near
 from axiscal.units import format_quantity, to_unit
@@ -112,7 +112,7 @@ def target(
     pose: Sequence[float],
     approach: Sequence[int],
 ) -> ReadingTarget:
-    """Return a reading in the numbers of a program; raises ProgramError for one outside the travel, or without room."""
+    """Return a reading in the numbers of a program; raises TravelError for one outside the travel, or without room."""
     label = f"reading {number} of the set-up {shown(setup)}"
     if not len(pose) == len(approach) == len(scales) or any(side not in (-1, 0, 1) for side in approach):
         raise ProgramError(f"{label} does not fit the machine's {len(scales)} axes", "Plan it for this machine")
@@ -126,7 +126,7 @@ def _placed(scale: AxisScale, label: str, value: float, side: int) -> tuple[Deci
     number = scale.nearest(value)
     if number is None:
         what = f"{label}: {scale.axis.name} = {format_quantity(value, scale.unit, 9)} is outside the travel"
-        raise ProgramError(what, f"Plan within {scale.low} to {scale.high} {scale.unit}; a raster may lead beyond it")
+        raise TravelError(what, f"Plan within {scale.low} to {scale.high} {scale.unit}; a raster may lead beyond it")
     if side == 0:
         return number, number
     sided = _sided(scale, number, side)
@@ -149,11 +149,11 @@ def _sided(scale: AxisScale, number: Decimal, side: int) -> tuple[Decimal, Decim
     return None
 
 
-def _no_room(scale: AxisScale, label: str, number: Decimal, side: int) -> ProgramError:
+def _no_room(scale: AxisScale, label: str, number: Decimal, side: int) -> TravelError:
     sign, end = ("+", scale.low) if side > 0 else ("-", scale.high)
     overrun = format_quantity(scale.axis.overrun, scale.unit, 3)
     what = (
         f"{label} is to be approached with {scale.axis.name}{sign} at {scale.axis.name} = {number} {scale.unit}, and "
         f"the travel, which ends at {end} {scale.unit}, leaves less than the overrun of {overrun} to come from there"
     )
-    return ProgramError(what, "Plan it further inside or from the other side, or give the axis a smaller overrun")
+    return TravelError(what, "Plan it further inside or from the other side, or give the axis a smaller overrun")
