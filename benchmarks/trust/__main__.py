@@ -172,9 +172,13 @@ moves at most, in units of the printed σ: median and worst of {trials} machines
 
 _TABLES = """
 ## Tables on carried curves
-A mill whose error motions are measured curves of other machines, with details finer than the knots, read at 60 planned
-places. *U*: as README.txt beside the tables promises for 95 % of the volume, the median. *Inside*: share of the volume.
-*Kept*: machines of which 95 % of the volume is inside. *95 % over U*: what 95 % keep, as a share of U.
+A mill whose error motions are measured curves of other machines, with details finer than the knots, after 60 readings
+that fill the volume.
+
+- *U*: what README.txt beside the tables promises for 95 % of the volume, the median.
+- *Inside*: share of the volume. *Kept*: machines of which 95 % of the volume is inside.
+- *95 % over U*: what 95 % of the volume keep, as a share of U.
+
 (`make trust PART=tables MACHINES=40`)
 
 | tables | model | machines | U | inside | kept | 95 % over U: median | worst | withheld |

@@ -1,7 +1,7 @@
 """Whether tables keep their promise on machines whose errors are measured curves, with details finer than the knots.
 
 Every error motion of a mill is a measured curve of another machine: a part of it, as often turned round and upside
-down, stretched to the travel, of the stated size give or take a third.
+down, stretched to the travel. Its RMS about its mean is that of the prior, give or take a third.
 """
 
 from __future__ import annotations
@@ -12,26 +12,22 @@ from functools import cache
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.machine import load_machine
 from axiscal.machine.description import Machine
-from axiscal.measurement.place import Place
 from axiscal.measurement.readers.truth_curves import TruthCurve
-from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.planning.next_readings import placed
-from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Thoroughness, proposed
 from axiscal.tables import registry
 from axiscal.tables.effect import left_by
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.offer import spread_poses
 from benchmarks.trust.curves import CASES
 from benchmarks.trust.kept import Keeping, Trial
-from benchmarks.trust.virtual import READINGS, SETUPS
+from benchmarks.trust.virtual import READINGS, SETUPS, read_evenly
 
 MACHINE = "three-axis-mill"
 CONTROLS = ("linuxcnc", "linuxcnc-volumetric")
@@ -54,10 +50,9 @@ def _alike(positions: Array, values: Array) -> Array:
 
 
 def carried_over(machine: Machine, rng: np.random.Generator) -> dict[str, TruthCurve]:
-    """Return a curve for each error of a machine; constants are drawn from the prior."""
+    """Return a curve for each error of a machine, in the mean of the prior's size; constants are drawn from it."""
     found = {}
-    for entry in machine.errors:
-        size, axis = entry.std * float(np.exp(_ALIKE * rng.standard_normal())), machine.axis(entry.axis)
+    for entry, function in zip(machine.errors, ErrorModel(machine).functions, strict=True):
         if entry.kind != "motion":
             found[entry.name] = TruthCurve(np.zeros(1), np.array([entry.std * rng.standard_normal()]))
             continue
@@ -65,17 +60,24 @@ def carried_over(machine: Machine, rng: np.random.Generator) -> dict[str, TruthC
         width = rng.uniform(_PART, 1.0)
         at = rng.uniform(0.0, 1.0 - width) + width * np.linspace(0.0, 1.0, _POINTS)[:: int(rng.choice([1, -1]))]
         _, part = _alike(np.linspace(0.0, 1.0, _POINTS), np.interp(at, positions, values))
-        found[entry.name] = TruthCurve(np.linspace(*axis.travel, _POINTS), size * float(rng.choice([1, -1])) * part)
+        along = np.linspace(*machine.axis(entry.axis).travel, _POINTS)
+        size = _about_its_mean(function.rows(along), function.covariance) * float(
+            np.exp(_ALIKE * rng.standard_normal() - _ALIKE**2)
+        )
+        found[entry.name] = TruthCurve(along, size * float(rng.choice([1, -1])) * part)
     return found
 
 
+def _about_its_mean(rows: Array, covariance: Array) -> float:
+    """Return the RMS of curves of a covariance about their own mean.  rows : (n, k)"""
+    about = rows - rows.mean(axis=0)
+    return float(np.sqrt(np.mean(np.sum((about @ covariance) * about, axis=1))))
+
+
 @cache
-def _planned(model: str) -> tuple[Case, tuple[Place, ...]]:
-    head, machine = _BARE if model == "bare" else "", load_machine(MACHINE)
-    text = f'machine = "{MACHINE}"\n{head}[target]\nreadings = {READINGS[MACHINE]}\n{SETUPS[MACHINE]}'
-    case = Case(campaign_from_texts(text, "campaign.toml", machine.text, MACHINE))
-    made = proposed(case, Limits(READINGS[MACHINE]), Thoroughness(500), bounded=False).plan
-    return case, tuple(placed(case, made))
+def _case(model: str) -> Case:
+    text = f'machine = "{MACHINE}"\n{_BARE if model == "bare" else ""}[target]\nreadings = 1\n{SETUPS[MACHINE]}'
+    return Case(campaign_from_texts(text, "campaign.toml", load_machine(MACHINE).text, MACHINE))
 
 
 def kept_promise(trial: Trial) -> dict[str, float]:
@@ -84,15 +86,10 @@ def kept_promise(trial: Trial) -> dict[str, float]:
     trial : model and seed
     """
     model, seed = trial
-    case, places = _planned(model)
-    setups, rng = {setup.name: setup for setup in case.description.setups}, np.random.default_rng((seed, 17))
-    curves = carried_over(case.description.machine, rng)
-    truth = Simulator(case.description.machine, case.description.setups).with_curves(curves, seed)
-    readings = [
-        Reading(at.setup, at.pose, at.approach, truth.read(setups[at.setup], at.pose, at.approach, rng), number=n)
-        for n, at in enumerate(places, start=1)
-    ]
-    known = concluded(case, tuple(readings))
+    case, rng = _case(model), np.random.default_rng((seed, 17))
+    machine, setups = case.description.machine, case.description.setups
+    truth = Simulator(machine, setups).with_curves(carried_over(machine, rng), seed)
+    known = concluded(case, tuple(read_evenly(case, truth, rng, READINGS[MACHINE])))
     estimate, factor = known.estimate(), expanded_uncertainty(known).factor(known.accuracy.rms)
     poses, sides = spread_poses(estimate)
     found = {"withheld": float(known.agreement.withheld)}

@@ -59,10 +59,9 @@ def verify(
 ) -> None:
     """Check a compensated machine at places not read before.
 
-    It says pass, fail or undecided. First it plans: each table at its ends and where it corrects most, then where the
-    machine should be worst, and best. Read these places without the tables and with them; then give both files. A
-    reading decides only with its uncertainty (ISO 14253-1). A table that is missing or has the wrong sign fails; tables
-    not checked are named.
+    It says pass, fail or undecided. First it plans. Read these places without the tables and with them; then give both
+    files. A reading decides only with its uncertainty (ISO 14253-1). A table that is missing or has the wrong sign
+    fails; tables not checked are named.
 
     \b
     Examples:
