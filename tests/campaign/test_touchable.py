@@ -16,10 +16,12 @@ from axiscal.cli.progress import shown_progress
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import DescriptionError, SourceError
 from axiscal.measurement.candidates import chart_candidates
+from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import cycle_of, sides
 from axiscal.ports.linuxcnc.live import InForce, LiveSource
 from axiscal.ports.linuxcnc.live.attached import _WayToBall
+from axiscal.programs import dialect, programs
 from tests.generators.touching_machines import CHAINS, Control, described
 
 FEW, MANY = 10, 60
@@ -84,6 +86,15 @@ def test_every_candidate_is_touched(chain: int) -> None:
 @pytest.mark.parametrize("chain", range(len(CHAINS)), ids=CHAINS)
 def test_every_candidate_of_many_machines_is_touched(chain: int) -> None:
     assert touched(range(FEW + chain, MANY, len(CHAINS))) >= 30
+
+
+@pytest.mark.parametrize("control", ["linuxcnc", "heidenhain"])
+def test_programs_with_a_log_touch_every_candidate(control: str) -> None:
+    for campaign in filter(None, map(known, range(len(CHAINS)))):
+        (setup,), requests = campaign.setups, wanted(campaign, 12)
+        places = [Place(setup.name, request.pose, request.approach) for request in requests]
+        (program,) = programs(campaign.machine, campaign.setups, places, dialect(control), log=True)
+        assert len(program.readings) == len(places)
 
 
 def test_a_machine_that_shows_inches_is_read_alike() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import typer
 
@@ -117,41 +117,39 @@ _PROBES = {"linuxcnc-live": "sphere", "moonraker": "probe"}
 
 def _read_live(check: Check, source: str, places: Places, files: tuple[Path, Path], loaded: Path | None) -> str:
     """Let a machine read what is missing, without the tables or with them; returns what is to be done next."""
-    bare, compensated = (_reader(check, source, loaded, active) for active in (False, True))
-    before, after = check.sheets(places, *files)
-    person = own_hand().person
+    person, (before, after) = own_hand().person, check.sheets(places, *files)
+    (bare, held), (compensated, in_force) = (_opening(check, source, loaded, active) for active in (False, True))
     if not before.complete():
-        before.fill(bare.opened, _tell_read, Taken(person, source, bare.files))
+        before.fill(bare, _tell_read, Taken(person, source, held))
         if not after.complete():
             return (
                 f"{before.file} holds the readings as found. Load the exported files and switch them on, then give the "
                 f"same command again: it reads as left, into {after.file}."
             )
     if not after.complete():
-        after.fill(compensated.opened, _tell_read, Taken(person, source, compensated.files))
+        after.fill(compensated, _tell_read, Taken(person, source, in_force))
     return ""
 
 
-class _Reader(NamedTuple):
-    """opened : attaches to the machine; files : SHA-256 of what that then says it holds, by name"""
+def _opening(
+    check: Check, source: str, loaded: Path | None, active: bool
+) -> tuple[Callable[[], Source], Mapping[str, str]]:
+    """Return what attaches to a machine, with the tables or without, and SHA-256 of the files that it then says it has.
 
-    opened: Callable[[], Source]
-    files: Mapping[str, str]
-
-
-def _reader(check: Check, source: str, loaded: Path | None, active: bool) -> _Reader:
-    """Return what reads with the tables, or without them; raises TableError for a folder that holds none."""
+    Raises TableError for a folder that holds no tables.
+    """
     kind, _, host = source.partition(":")
+    tables = loaded if active else None
     if kind == "moonraker":
         from axiscal.ports.printers.printer import Exported, Moonraker, PrinterSource
 
-        exported = Exported.of(loaded) if active and loaded is not None else None
-        return _Reader(lambda: PrinterSource(Moonraker(host, exported)), exported.files if exported else {})
+        exported = None if tables is None else Exported.of(tables)
+        return lambda: PrinterSource(Moonraker(host, exported)), {} if exported is None else exported.files
     from axiscal.ports.linuxcnc.live import InForce, attached_to
 
-    stated = InForce(active or bool(check.description.compensation_active))
-    in_force = InForce.of(loaded) if active and loaded is not None else stated
-    return _Reader(lambda: attached_to(host, check.description.machine, in_force), in_force.files)
+    any_of = InForce(active or bool(check.description.compensation_active))
+    in_force = any_of if tables is None else InForce.of(tables)
+    return lambda: attached_to(host, check.description.machine, in_force), in_force.files
 
 
 def _tell_read(file: Path, read: int, of: int) -> None:
