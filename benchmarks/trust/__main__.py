@@ -36,6 +36,7 @@ from benchmarks.trust.iso_tests import iso_rows
 from benchmarks.trust.kept import Keeping
 from benchmarks.trust.measured import ENOUGH, Outcomes, iso_outcome, outcomes
 from benchmarks.trust.sources import version
+from benchmarks.trust.tables import table_rows
 from benchmarks.trust.virtual import READINGS, Coverage, Moved, covered, gross
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "evidence" / "trust.md"
@@ -169,6 +170,22 @@ moves at most, in units of the printed σ: median and worst of {trials} machines
 """
 
 
+_TABLES = """
+## Tables on carried curves
+A mill whose error motions are measured curves of other machines, with details finer than the knots, after 60 readings
+that fill the volume.
+
+- *U*: what README.txt beside the tables promises for 95 % of the volume, the median.
+- *Inside*: share of the volume. *Kept*: machines of which 95 % of the volume is inside.
+- *95 % over U*: what 95 % of the volume keep, as a share of U.
+
+(`make trust PART=tables MACHINES=40`)
+
+| tables | model | machines | U | inside | kept | 95 % over U: median | worst | withheld |
+|---|---|---|---|---|---|---|---|---|
+"""
+
+
 def _virtual_row(found: Coverage) -> str:
     wrong = {1.0: "right", 3.0: "× 3"}.get(found.wrong, "÷ 3")
     share = f"{found.curves:.1%} ± {found.error:.1%}"
@@ -283,6 +300,13 @@ def _beds(_: argparse.Namespace) -> Iterator[str]:
     yield from bed_rows(every)
 
 
+def _tables(args: argparse.Namespace) -> Iterator[str]:
+    if not DATA.is_dir():
+        return
+    yield _TABLES.strip("\n")
+    yield from table_rows(args.attacked, _keeping(args, "tables", "tables.py", "virtual.py", "curves.py"))
+
+
 def _defaults(_: argparse.Namespace) -> Iterator[str]:
     if not available():
         return
@@ -300,6 +324,7 @@ PARTS: dict[str, Callable[[argparse.Namespace], Iterator[str]]] = {
     "display": _displays,
     "attacks": _attacks,
     "foreign": _foreign,
+    "tables": _tables,
 }
 
 

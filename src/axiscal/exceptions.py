@@ -198,6 +198,10 @@ class ProgramError(InputError):
     """A measuring program that cannot be written: it would leave the travel, or the control has no words for it."""
 
 
+class TravelError(ProgramError):
+    """A reading that the axes cannot be brought to, or cannot touch, within their travels."""
+
+
 class PortError(InputError):
     """What an installed package brings cannot be used."""
 

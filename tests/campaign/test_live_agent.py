@@ -199,6 +199,15 @@ def stopped(control: Control, **changes: Any) -> None:
     control.other(**changes)
 
 
+def test_a_touch_goes_to_places_of_the_machine_with_inches_and_shifts_in_force(agent: Any, control: Control) -> None:
+    """G20 and G92 are the owner's: moves are made in mm, and a touch ends where it was meant."""
+    agent.stat.linear_units, agent.stat.g92_offset = 1 / 25.4, (1.0, *(0.0,) * 8)  # inches
+    agent.line("G38.3 X5 F600")
+    assert "G21 G90 G94 G38.3 X-20.400000 F600" in control.given
+    agent.line("G53 G1 X5 F600")
+    assert any(code.startswith("G21 G90 G94 G53 G1") and "X5.000000" in code for code in control.given)
+
+
 @pytest.mark.parametrize("code", ["G53 G1 X5 F600", "G38.3 X5 F600"])
 def test_a_stop_at_the_machine_is_no_move_that_is_done(agent: Any, control: Control, code: str) -> None:
     control.during = lambda: stopped(control)
@@ -301,8 +310,8 @@ def test_the_trial_above_the_ball_goes_at_a_quarter_of_every_feed() -> None:
     reader._line, reader._machine, reader._asked = line, campaign.machine, lambda _: "go"
     reader._singly = True
     way = _WayToBall(campaign.machine, Request(1, setup, campaign.machine.axes, place.pose, place.approach))
-    reader._try(way)
-    steps = [*way.above(20e-3).to(None), *way.above(20e-3).touches()]
+    steps = way.trial()
+    reader._try(steps)
     feeds = [int(code.rpartition("F")[2]) for code in lines]
     expected = list[int]()
     for step in steps:

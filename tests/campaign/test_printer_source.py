@@ -7,14 +7,14 @@ import re
 import threading
 import urllib.parse
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, TypeVar
 
 import pytest
 
 from axiscal.campaign.sources import open_source
-from axiscal.campaign.sources.source import Answer, Request
+from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import SourceError
 from axiscal.machine.description import load_machine
 from axiscal.measurement.setup import Setup
@@ -45,10 +45,11 @@ class Server(ThreadingHTTPServer):
             "toolhead": {"homed_axes": "xyz"},
             "bed_mesh": {"profile_name": ""},
             "axiscal": {},
+            "gcode_move": {"position": [1.0, 2.0, 5.0, 9.0], "gcode_position": [1.0, 2.0, 5.0, 0.0]},
         }
         self.duet: dict[str, Any] = {
             "state": {"status": "idle"},
-            "move": {"axes": [{"homed": True}] * 3, "compensation": {"type": "none"}},
+            "move": {"axes": [{"homed": True}] * 3, "compensation": {"type": "none"}, "workplaceNumber": 1},
         }
 
     def execute(self, code: str) -> str:
@@ -92,9 +93,13 @@ class Handler(BaseHTTPRequestHandler):
         if self.server.lost:
             self.connection.close()
         elif path == "/printer/gcode/script":
-            for code in urllib.parse.parse_qs(query)["script"][0].split("\n"):
-                self.server.execute(code)
-            self._say('{"result": "ok"}')
+            try:
+                for code in urllib.parse.parse_qs(query)["script"][0].split("\n"):
+                    self.server.execute(code)
+            except RefusedError as refused:
+                self.send_error(400, str(refused))
+            else:
+                self._say('{"result": "ok"}')
         elif path == "/machine/code":
             self._say(self.server.execute(body))
         else:
@@ -171,8 +176,10 @@ NOT_READY = [
     ("moonraker", ("toolhead", "homed_axes"), "xy", "is not homed"),
     ("moonraker", ("bed_mesh", "profile_name"), "default", "has a bed mesh in force"),
     ("moonraker", ("axiscal", "active"), True, "has its whole correction in force"),
+    ("moonraker", ("gcode_move", "gcode_position"), [0.0, 2.0, 5.0, 0.0], "has its coordinates shifted"),
     ("duet", ("state", "status"), "processing", "not idle"),
     ("duet", ("move", "axes"), [{"homed": True}, {"homed": False}, {"homed": True}], "is not homed"),
+    ("duet", ("move", "axes"), [{"homed": True, "workplaceOffsets": [0, 1.5]}] * 3, "has its coordinates shifted"),
     ("duet", ("move", "compensation"), {"type": "mesh"}, "has a height map in force"),
 ]
 
@@ -203,22 +210,60 @@ def test_a_probe_that_meets_something_else_ends_the_run(printer: Server, monkeyp
         source.read(request(10, 10))
 
 
-@pytest.mark.parametrize("alone", [False, True])
-def test_a_line_that_a_duet_does_not_execute_ends_the_run(
-    printer: Server, monkeypatch: pytest.MonkeyPatch, alone: bool
+class RefusedError(Exception):
+    """A line that Klipper does not execute."""
+
+
+OUT_OF_RANGE = {
+    "moonraker": "Move out of range: 10.000 10.000 5.000 [0.000]",
+    "duet": "Error: G0/G1: target position outside machine limits\n",
+}
+
+
+@pytest.mark.parametrize(("kind", "alone"), [("moonraker", False), ("duet", False), ("duet", True)])
+def test_a_point_that_a_printer_does_not_reach_is_skipped(
+    printer: Server, monkeypatch: pytest.MonkeyPatch, kind: str, alone: bool
 ) -> None:
     printer.alone = alone
-    source = opened("duet", printer)
+    source = opened(kind, printer)
     told, execute = list[str](), printer.execute
 
     def refusing(code: str) -> str:
         told.append(code)
-        return "Error: G0/G1: target position outside machine limits\n" if code.startswith("G1 X") else execute(code)
+        if not code.startswith("G1 X"):
+            return execute(code)
+        if kind == "moonraker":
+            raise RefusedError(OUT_OF_RANGE[kind])
+        return OUT_OF_RANGE[kind]
 
     monkeypatch.setattr(printer, "execute", refusing)
-    with pytest.raises(SourceError, match="target position outside machine limits' to G1 X"):
-        source.read(request(10, 10))
-    assert "G30 S-1" not in told
+    answer = source.read(request(10, 10))
+    assert isinstance(answer, Skip)
+    assert "out of range" in answer.reason or "outside machine limits" in answer.reason
+    assert not {"G30 S-1", "PROBE"} & set(told)
+
+
+@pytest.mark.parametrize("kind", ["moonraker", "duet"])
+def test_an_answer_of_a_byte_now_and_then_is_not_waited_for(
+    printer: Server, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    """Each byte comes in time; all of them would take an hour."""
+    monkeypatch.setattr("axiscal.ports.printers.printer.TIMEOUT", 0.2)
+    gone = threading.Event()
+
+    def dripping(handler: Handler, text: str) -> None:
+        handler.send_response(200)
+        handler.end_headers()
+        for byte in text.encode() * 1000:
+            if gone.wait(0.05):
+                return
+            with suppress(OSError):
+                handler.wfile.write(bytes([byte]))
+
+    monkeypatch.setattr(Handler, "_say", dripping)
+    with pytest.raises(SourceError, match=r"has not come within 0\.2 s"):
+        opened(kind, printer)
+    gone.set()
 
 
 def test_a_duet_that_says_nothing_of_a_height(printer: Server, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,6 +28,7 @@ from axiscal.measurement.readers.bed_map import mesh as saved_mesh
 from axiscal.measurement.readers.text import TextFile
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal.ports.printers.printer import Exported, Moonraker, PrinterSource
 from axiscal.ports.printers.printer_loader import loader_at
 from axiscal.tables.surface import mesh_of_nodes
 from tests.controls.fetched import python
@@ -40,6 +41,8 @@ _TURN, _STEPS = {"x": 128.0, "y": 128.0, "z": 8.0}, 200 * 16
 """mm of a turn of each motor, and its steps."""
 _SECONDS = 40.0
 _OLD = "axiscal_mesh.cfg"
+_AS_LEFT = 0.01
+"""mm: a micro-controller that is a program here sees its bed as late as a busy computer lets it."""
 _PLACES = np.array([[8.0, 8.0, 1.0], [70.0, 15.0, 2.0], [60.0, 70.0, 1.0]])
 """mm, near each other: a source goes slowly"""
 
@@ -147,9 +150,20 @@ def loaded(printer: Printer, mesh: str) -> tuple[Array, Array]:
         printer.told("G1 Z2")
     printer.told("AXISCAL ENABLE=0")
     found = added(printer)[:, 2]
+    left, bed = as_left(printer, mesh), np.array([height(x, y) for x, y, _ in _PLACES])
+    assert np.abs(np.diff(left) - np.diff(bed - found)).max() < _AS_LEFT
     printer.told("BED_MESH_CLEAR")
     text = TextFile(_OLD, tuple(mesh.splitlines()))
     return found, 1e3 * mesh_of_nodes(saved_mesh(text)).at(*_PLACES[:, :2].T * 1e-3)
+
+
+def as_left(printer: Printer, mesh: str) -> Array:
+    """Return how high the bed is with the mesh in force, (n,) mm."""
+    with pytest.raises(SourceError, match="has a bed mesh in force"):
+        open_source(f"moonraker:{printer.host}", None)  # type: ignore[arg-type]
+    source = PrinterSource(Moonraker(printer.host, Exported(mesh, None, {})))
+    found = [source.read(_request(x, y)) for x, y, _ in _PLACES]
+    return np.array([-1e3 * each.value for each in found if isinstance(each, Answer)])
 
 
 def added(printer: Printer) -> Array:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.judgement import Judgement
 from axiscal.present.check_answer import check_answer, check_text
 
 
 def said_of(judgement: Judgement) -> str:
     """Return the words for a judgement."""
-    return check_text(check_answer(judgement, 1))
+    return check_text(check_answer(judgement, 1, 1e-6, Taken()))

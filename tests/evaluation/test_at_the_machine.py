@@ -12,10 +12,10 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.simulated import SimulatedSource
-from axiscal.campaign.sources.source import Answer, Request, Source
+from axiscal.campaign.sources.source import Answer, Request, Skip, Source
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.evaluation.acceptance.at_the_machine import Sheet
+from axiscal.evaluation.acceptance.at_the_machine import Sheet, Taken
 from axiscal.evaluation.acceptance.check import Check, requests
 from axiscal.exceptions import SourceError, TableError
 from axiscal.measurement.place import Places
@@ -102,6 +102,7 @@ def test_a_check_is_read_in_two_commands_and_goes_on_where_it_was_cut(
     record: Path, check: Check, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     machine = Machine(check, monkeypatch)
+    monkeypatch.setenv("AXISCAL_PERSON", "Anna")
     found, left = tmp_path / "found.csv", tmp_path / "left.csv"
     words = ["verify", str(record), "--to", CONTROL, "--source", "linuxcnc-live:mill.local", "--tolerance", "20 um"]
     words += ["--found", str(found), "--left", str(left), "--points", "8"]
@@ -118,11 +119,38 @@ def test_a_check_is_read_in_two_commands_and_goes_on_where_it_was_cut(
     assert machine.asked[9:] == [(True, n) for n in range(1, 9)]
     assert judged["verdict"] == "pass"
     assert judged["tables_loaded"]
+    assert (judged["decision"], judged["person"], judged["source"]) == ("conform", "Anna", "linuxcnc-live:mill.local")
+    assert judged["in_force"] == {}  # the command named no folder that LinuxCNC was to hold
+    assert 0 < judged["U_um"] < judged["guard_band_um"] * 1.3
     assert run(words) == 0
     assert "PASS" in capsys.readouterr().out
     assert len(machine.asked) == 17
     assert run([*words[:-1], "6"]) == 1
     assert "other" in capsys.readouterr().err
+
+
+def test_who_read_and_what_was_in_force_is_kept_for_the_readings_as_they_were_taken(tmp_path: Path) -> None:
+    file, taken = tmp_path / "left.csv", Taken("Anna", "linuxcnc-live", {"axiscal.vcomp": "0123"})
+    file.write_text("as read")
+    taken.write(file)
+    assert Taken.of(file) == taken
+    file.write_text("as typed")
+    assert Taken.of(file) == Taken()
+    file.with_name("left.taken.json").write_text("[1]")
+    assert Taken.of(file) == Taken()
+
+
+def test_a_place_that_a_machine_does_not_reach_is_said(check: Check, tmp_path: Path) -> None:
+    class Source:
+        def read(self, _: Request) -> Skip:
+            return Skip("touching leaves the travel of Y")
+
+        def close(self) -> None:
+            pass
+
+    sheet = Sheet(tmp_path / "found.csv", check.description, requests(check.description, check.planned(4)))
+    with pytest.raises(SourceError, match=r"leaves the travel of Y.*another number of --points"):
+        sheet.fill(Source, lambda *_: None, Taken())
 
 
 def test_the_standard_deviation_of_a_reading_is_kept_in_the_file(check: Check, tmp_path: Path) -> None:
@@ -140,7 +168,7 @@ def test_the_standard_deviation_of_a_reading_is_kept_in_the_file(check: Check, t
 
     file = tmp_path / "found.csv"
     for some in (2, 4):
-        Sheet(file, check.description, wanted[:some]).fill(Source, lambda *_: None)
+        Sheet(file, check.description, wanted[:some]).fill(Source, lambda *_: None, Taken())
         assert file.read_text().splitlines()[0].endswith("std_um") == (some == 4)
     held = Sheet(file, check.description, wanted).held()
     assert [each.std for each in held] == [None, None, *map(pytest.approx, stds[2:])]
@@ -194,6 +222,7 @@ def test_what_is_to_be_in_force_is_what_was_exported(check: Check, tmp_path: Pat
         (tmp_path / name).write_text(text)
     wanted = InForce.of(tmp_path)
     assert wanted.checksum is not None
+    assert wanted.files == {"axiscal.vcomp": hashlib.sha256((tmp_path / "axiscal.vcomp").read_bytes()).hexdigest()}
     there = READY | {"whole": True, "checksum": str(wanted.checksum)}
     wanted.refuse(there)
     wanted.refuse(there | {"checksum": hex(wanted.checksum)})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import pytest
 
 from tests.golden.__main__ import EXPECTED
-from tests.golden.given import names
+from tests.golden.given import CAMPAIGNS, names
 from tests.golden.surfaces import Shown, differing, written_screens
 
 
@@ -32,3 +33,41 @@ def test_a_screen_shows_the_rows_of_the_result(campaign: str) -> None:
 
 def test_most_campaigns_write_results_on_a_screen_in_both_languages() -> None:
     assert sum(len(list(written(campaign))) for campaign in names()) >= 2 * 20
+
+
+_PROMISED = re.compile(r"With the files for (\S+) U = (\S+) um is to be expected")
+
+
+def promised(campaign: str) -> Iterator[tuple[str, str, float]]:
+    """Yield where it is said which U is to be expected with the files of a control, the control, and U, um."""
+    folder = EXPECTED / campaign
+    for path in (*folder.rglob("README.txt"), *folder.glob("screens.txt")):
+        for control, size in _PROMISED.findall(path.read_text(encoding="utf-8")):
+            yield path.name, control, float(size)
+    for path in folder.rglob("result.json"):
+        for table in json.loads(path.read_text(encoding="utf-8"))["tables"]:
+            if "U_um" in table:
+                yield path.name, table["controller"], table["U_um"]
+    lines = (CAMPAIGNS / campaign / "commands.txt").read_text(encoding="utf-8").splitlines()
+    commands = [line for line in lines if not line.startswith("#")]
+    for path in folder.glob("*-verify.json"):
+        control = commands[int(path.name[:2]) - 1].partition("--to ")[2].partition(" ")[0]
+        yield "verify", control, json.loads(path.read_text(encoding="utf-8"))["expected_um"]
+
+
+@pytest.mark.parametrize(
+    ("campaign", "control", "places"),
+    [
+        ("xyzac", "linuxcnc", {"README.txt", "screens.txt", "result.json", "verify"}),
+        ("vcomp", "linuxcnc-volumetric", {"README.txt", "screens.txt", "verify"}),
+        ("controllers", "linuxcnc", {"README.txt", "screens.txt", "result.json"}),
+        ("plane_map", "sinumerik", {"README.txt", "screens.txt"}),
+        ("printer", "klipper", {"README.txt", "screens.txt"}),
+    ],
+)
+def test_the_same_uncertainty_stands_wherever_files_are_spoken_of(
+    campaign: str, control: str, places: set[str]
+) -> None:
+    found = [(place, size) for place, of, size in promised(campaign) if of == control]
+    assert {place for place, _ in found} == places
+    assert len({f"{size:.3g}" for _, size in found}) == 1

@@ -178,7 +178,7 @@ def test_columns_and_second_derivatives_are_those_of_where_balls_stand(number: i
         (board().replace('"300 mm", "200 mm"', '"300 mm", "150 mm"', 1), r"no pose reaches ball \w+ of board .*of Y"),
         (
             board().replace('"150 mm", "150 mm"', '"150 mm", "135 mm"', 1),
-            "no room to touch ball two of board.* of Y",
+            "no pose reaches ball two of board.* it lacks .* of Y",
         ),
         (board().replace('calibrated = "0.3 mm"', ""), "here none turns.*on a board that is turned"),
         (board().replace('"0.3 mm"', "0.3"), "calibrated"),

@@ -31,6 +31,12 @@ def tell_progress(text: str) -> None:
         tell(text)
 
 
+def rewrite(text: str) -> None:
+    """Write a line to stderr in the place of the one that stands there."""
+    sys.stderr.write(f"\r{text}")
+    sys.stderr.flush()
+
+
 def complain(text: str) -> None:
     """Write one paragraph to stderr: what went wrong, where, and what to do."""
     one_line = " ".join(text.split())

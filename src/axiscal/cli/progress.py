@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.milestones import Milestone
-from axiscal.cli.printing import tell
+from axiscal.cli.printing import rewrite, tell
 from axiscal.cli.texts import accuracy_text
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
@@ -25,17 +26,19 @@ from axiscal.units import to_unit
 
 @contextmanager
 def shown_progress(target: Target) -> Iterator[Callable[[Milestone], None]]:
-    """Yield what is to be told of every reading: a line that changes on a terminal, elsewhere nothing."""
-    if not sys.stderr.isatty():
-        with listening(None):
-            yield lambda milestone: None
-        return
-    from rich.console import Console
-    from rich.live import Live
-    from rich.text import Text
+    """Yield what is to be told of every reading: a line that changes on a terminal, elsewhere nothing.
 
-    with listening(None), Live(console=Console(stderr=True), refresh_per_second=8, redirect_stdout=False) as live:
-        yield lambda milestone: live.update(Text(progress_line(milestone, target)))
+    Nothing is written between two readings: what a source asks whoever stands at the machine stands alone.
+    """
+    with listening(None):
+        if not sys.stderr.isatty():
+            yield lambda milestone: None
+            return
+        width = shutil.get_terminal_size().columns - 1
+        try:
+            yield lambda milestone: rewrite(progress_line(milestone, target)[:width].ljust(width))
+        finally:
+            rewrite("\n")
 
 
 def progress_line(milestone: Milestone, target: Target) -> str:

@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from axiscal.cli.printing import rewrite
 from axiscal.language.spoken import put, said, speaking
 from axiscal.numerics.stages import Stage, listening
 from axiscal.present.whose_language import chosen
@@ -72,13 +73,11 @@ class StageLine:
 
     def _rewrite(self, line: str) -> None:
         self._line, before = line, self._line
-        sys.stderr.write(f"\r{line.ljust(len(before))}")
-        sys.stderr.flush()
+        rewrite(line.ljust(len(before)))
 
     def _wipe(self) -> None:
         if self._line:
-            sys.stderr.write(f"\r{' ' * len(self._line)}\r")
-            sys.stderr.flush()
+            rewrite(f"{' ' * len(self._line)}\r")
             self._line = ""
 
 

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources import Source
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document, tell_progress
 from axiscal.document.durable import write_whole
+from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.check import Check
 from axiscal.measurement.place import Places
 from axiscal.present.check_answer import check_answer, check_text, plan_lines, plan_rows
+from axiscal.record.signing import own_hand
 
 
 def verify(
@@ -41,22 +45,23 @@ def verify(
         str | None,
         typer.Option(
             metavar="SOURCE",
-            help="Read without a person: sim:SEED, truth:FILE, linuxcnc:SEED; or by linuxcnc-live:HOST into FOUND and "
-            "LEFT.",
+            help="Read without a person: sim:SEED, truth:FILE, linuxcnc:SEED; or by linuxcnc-live:HOST or "
+            "moonraker:HOST into FOUND and LEFT.",
         ),
     ] = None,
     loaded: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="With linuxcnc-live: the exported folder, for LinuxCNC is to hold its files."),
+        typer.Option(
+            metavar="DIR", help="With a machine that runs: the exported folder, whose files are to be in force."
+        ),
     ] = None,
     json: Json = False,
 ) -> None:
     """Check a compensated machine at places not read before.
 
-    It says pass, fail or undecided. First it plans: each table at its ends and where it corrects most, then where the
-    machine should be worst, and best. Read these places without the tables and with them; then give both files. A
-    reading decides only with its uncertainty (ISO 14253-1). A table that is missing or has the wrong sign fails; tables
-    not checked are named.
+    It says pass, fail or undecided. First it plans. Read these places without the tables and with them; then give both
+    files. A reading decides only with its uncertainty (ISO 14253-1). A table that is missing or has the wrong sign
+    fails; tables not checked are named.
 
     \b
     Examples:
@@ -70,56 +75,81 @@ def verify(
         raise typer.BadParameter("give --found and --left together, or neither to get a plan")
     if found is not None and left is not None and found.absolute() == left.absolute():
         raise typer.BadParameter("--found and --left are one file, and without and with the tables are two")
-    kind, _, host = (source or "").partition(":")
-    live = kind == "linuxcnc-live"
+    kind, live = (source or "").partition(":")[0], (source or "").partition(":")[0] in _PROBES
     if live and (found is None or plan is not None):
-        raise typer.BadParameter("linuxcnc-live reads into two files: give --found and --left, and no --plan")
+        raise typer.BadParameter(f"{kind} reads into two files: give --found and --left, and no --plan")
     if loaded is not None and not live:
-        raise typer.BadParameter("--loaded is for --source linuxcnc-live")
+        raise typer.BadParameter(f"--loaded is for --source {' and '.join(_PROBES)}")
+    if kind == "moonraker" and loaded is None:
+        raise typer.BadParameter(
+            "moonraker reads as left with the exported files in force: name their folder, --loaded"
+        )
     if found is not None and not live and (plan is not None or source is not None):
         raise typer.BadParameter("--plan and --source are for new readings, --found and --left for readings taken")
     with Campaign.open(record, write=False) as campaign:
         check = Check.of(campaign, to)
     if found is not None or source is not None:
         check.allowed(tolerance)  # before anything is touched
-    if live and found is not None and left is not None:
-        places = check.planned(points, "sphere", check.allowed(tolerance))
-        to_do = _read_live(check, host, places, (found, left), loaded)
+    if live and source is not None and found is not None and left is not None:
+        places = check.planned(points, _PROBES[kind], check.allowed(tolerance))
+        to_do = _read_live(check, source, places, (found, left), loaded)
         if to_do:
             _say_next(to_do, json)
             return
     if found is not None and left is not None:
-        readings = check.read(found, left)
+        readings, taken = check.read(found, left), Taken.of(left)
     elif source is not None:
         readings = check.asked(source, check.planned(points, tolerance=check.allowed(tolerance)))
+        taken = Taken(own_hand().person, source, check.digests)
     else:
         _plan(check, check.planned(points, tolerance=check.tightest(tolerance)), plan, json)
         return
-    answer = check_answer(check.judged(readings, tolerance), len(readings[0]))
+    answer = check_answer(check.judged(readings, tolerance), len(readings[0]), check.promised, taken)
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
     else:
         say(check_text(answer))
 
 
-def _read_live(check: Check, host: str, places: Places, files: tuple[Path, Path], loaded: Path | None) -> str:
-    """Let LinuxCNC read what is missing, without the tables or with them; returns what is to be done next."""
-    from axiscal.ports.linuxcnc.live import InForce, attached_to
+_PROBES = {"linuxcnc-live": "sphere", "moonraker": "probe"}
+"""Machines that run and read by themselves, with the instrument that they have."""
 
-    machine = check.description.machine
-    with_tables = InForce(True) if loaded is None else InForce.of(loaded)
-    before, after = check.sheets(places, *files)
+
+def _read_live(check: Check, source: str, places: Places, files: tuple[Path, Path], loaded: Path | None) -> str:
+    """Let a machine read what is missing, without the tables or with them; returns what is to be done next."""
+    person, (before, after) = own_hand().person, check.sheets(places, *files)
+    (bare, held), (compensated, in_force) = (_opening(check, source, loaded, active) for active in (False, True))
     if not before.complete():
-        found = InForce(bool(check.description.compensation_active))
-        before.fill(lambda: attached_to(host, machine, found), _tell_read)
+        before.fill(bare, _tell_read, Taken(person, source, held))
         if not after.complete():
             return (
                 f"{before.file} holds the readings as found. Load the exported files and switch them on, then give the "
                 f"same command again: it reads as left, into {after.file}."
             )
     if not after.complete():
-        after.fill(lambda: attached_to(host, machine, with_tables), _tell_read)
+        after.fill(compensated, _tell_read, Taken(person, source, in_force))
     return ""
+
+
+def _opening(
+    check: Check, source: str, loaded: Path | None, active: bool
+) -> tuple[Callable[[], Source], Mapping[str, str]]:
+    """Return what attaches to a machine, with the tables or without, and SHA-256 of the files that it then says it has.
+
+    Raises TableError for a folder that holds no tables.
+    """
+    kind, _, host = source.partition(":")
+    tables = loaded if active else None
+    if kind == "moonraker":
+        from axiscal.ports.printers.printer import Exported, Moonraker, PrinterSource
+
+        exported = None if tables is None else Exported.of(tables)
+        return lambda: PrinterSource(Moonraker(host, exported)), {} if exported is None else exported.files
+    from axiscal.ports.linuxcnc.live import InForce, attached_to
+
+    any_of = InForce(active or bool(check.description.compensation_active))
+    in_force = any_of if tables is None else InForce.of(tables)
+    return lambda: attached_to(host, check.description.machine, in_force), in_force.files
 
 
 def _tell_read(file: Path, read: int, of: int) -> None:

@@ -18,7 +18,6 @@ from axiscal.measurement.charts.box import Sight
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.charts.held import Balls, Held
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.touched import cycle_of, touches
 from axiscal.numerics import Array
 from axiscal.numerics.spread import even_points
 from axiscal.units import format_quantity
@@ -54,32 +53,6 @@ def refuse_unreachable(machine: Machine, setup: Setup) -> None:
         raise DescriptionError(what, _nearest(machine, part), setup=setup.name)
 
 
-def refuse_untouchable(machine: Machine, setup: Setup) -> None:
-    """Raise DescriptionError for a ball without turning axes whose touches leave the travels, as far as sizes are said.
-
-    Where rotary axes turn a program says in which poses they do.
-    """
-    artefact, chart = setup.artefact, setup.chart
-    if artefact is None or artefact.diameter is None or machine.stylus <= 0 or not isinstance(chart, Balls):
-        return
-    for number, part in enumerate(chart.each if setup.instrument == "sphere" and not setup.three_touches else ()):
-        if part.size > 0:
-            return
-        pose = part.poses(np.zeros((1, 0)))[0]
-        stops = [
-            stop for touch in touches(machine, pose, cycle_of(machine, setup)) for stop in (*touch.way, touch.beside)
-        ]
-        low, high = np.array([axis.travel for axis in machine.axes]).T
-        short = np.maximum(low - stops, stops - high)
-        axis = machine.axes[int(short.max(axis=0).argmax())]
-        if short.max() > 0:
-            what = "the probe has no room to touch ball {ball} of {artefact} from all sides"
-            remedy = "It lacks {lack} of {axis}: put it nearer to the middle of the travels"
-            at = {"ball": artefact.balls[setup.balls[number]].name, "artefact": artefact.name}
-            lack = format_quantity(float(short.max()), axis.unit, 3)
-            raise DescriptionError(what, remedy, None, None, lack=lack, axis=axis.name, **at)
-
-
 def _nearest(machine: Machine, part: Chart) -> str:
     """Say what is lacking at the place that leaves the travels least."""
     ends = [part.bounds(k) for k in range(part.size)]
@@ -91,12 +64,15 @@ def _nearest(machine: Machine, part: Chart) -> str:
         slides = listed(said(" and "), [machine.axes[k].name for k in linear_axes(machine)])
         return said("{axes} alone never carry the tool point so far aside: place it where they do", axes=slides)
     low, high = np.array([axis.travel for axis in machine.axes]).T
-    short = np.maximum(low - poses, poses - high) / (high - low)
+    touching = part.touching if isinstance(part, Held) else None
+    gone = poses[None] if touching is None else np.concatenate([poses[None], touching(poses)])
+    short = (np.maximum(low - gone, gone - high) / (high - low)).max(axis=0)
     best = int(np.nan_to_num(short.max(axis=1), nan=np.inf).argmin())
     axis = int(short[best].argmax())
     if short[best, axis] <= 0:
         what = (
-            "The tool is against a stem, or in what is to be kept out, in every pose: look at free, cone and keep_out"
+            "In every pose the tool is against a stem, in what is to be kept out, or without room to draw back: look at "
+            "free, cone, keep_out, retract and the travels"
         )
         return said(what)
     lack = format_quantity(float(short[best, axis] * (high - low)[axis]), machine.axes[axis].unit, 3)

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from axiscal.description.campaign_schema import SetupTable
-from axiscal.description.reachable import refuse_short_stroke, refuse_unreachable, refuse_untouchable
+from axiscal.description.reachable import refuse_short_stroke, refuse_unreachable
 from axiscal.description.sights import lack_of, refuse_no_sight, seen, stations_of
-from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader
+from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader, evened
 from axiscal.description.stated_type_b import dense, drift_of, material_of, stated_of
 from axiscal.description.target import coordinate
 from axiscal.description.vectors import WAYS, At, unit_vector
@@ -142,14 +142,11 @@ class _Reader:
         table = self._table
         refuse_no_sight(table, self._at)
         stroke = STROKE if table.stroke is None else table.stroke
-        usual = setup.instrument == "sphere" and table.touches is None
-        evened = usual if table.sides is None else table.sides == "mean"
         setup = replace(setup, chart=site.chart, artefact=site.artefact, balls=site.balls, contact=site.contact)
-        setup = replace(setup, retract=table.retract or RETRACT, mean_sides=evened, length=site.length)
+        setup = replace(setup, retract=table.retract or RETRACT, mean_sides=evened(table), length=site.length)
         setup = replace(setup, three_touches=table.touches is not None)
         with self._at("artefact" if site.artefact else "length" if site.length else "along"):
             refuse_unreachable(self._machine, setup)
-            refuse_untouchable(self._machine, setup)
         if setup.contact != "held":
             return setup
         with self._at("length" if site.length else "instrument"):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -28,6 +29,7 @@ from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.instruments.nest import RADIUS
 from axiscal.measurement.owners import unknowns_at
 from axiscal.measurement.setup import Contact, Unknown, Vector
+from axiscal.measurement.touched import Cycle, gone_to
 from axiscal.numerics import Array
 from axiscal.units import format_quantity, parse_quantity
 
@@ -59,6 +61,11 @@ class Site:
     station: Vector | None = None
     direction: Vector | None = None
     length: float | None = None
+
+
+def evened(table: SetupTable) -> bool:
+    """Return whether readings are the mean of coming from both sides: spheres touched all round are unless said."""
+    return table.sides == "mean" or (table.sides is None and table.instrument == "sphere" and table.touches is None)
 
 
 class SiteReader:
@@ -285,9 +292,9 @@ class SiteReader:
         park, room = self._park(set(turning)), self._room(artefact)
         contact: Contact = "held" if self._table.instrument == "rtest" else "retracted"
         back = 0.0 if contact == "held" else self._table.retract or RETRACT
-        free = np.array(artefact.free)
+        free, touching = np.array(artefact.free), (back, self._coming(), self._touching(artefact))
         each = tuple(
-            Held(room, np.array(artefact.balls[i].place), free, artefact.cone, turning, park, steps, back)
+            Held(room, np.array(artefact.balls[i].place), free, artefact.cone, turning, park, steps, *touching)
             for i in balls
         )
         chart: Chart = each[0] if len(each) == 1 and turning else Balls(each)
@@ -295,6 +302,17 @@ class SiteReader:
         unknowns = (*unknowns_at(artefact, balls), *size, *self._tool)
         moves = tuple(sorted({*turning, *linear_axes(self._machine)}))
         return Site(chart, moves, tuple(park), contact, unknowns, artefact, balls)
+
+    def _coming(self) -> Array:
+        """Return how far the linear axes go to come from a side, (q,) m; nothing where both sides are evened."""
+        return np.array([0.0 if axis.rotary or evened(self._table) else axis.overrun for axis in self._machine.axes])
+
+    def _touching(self, artefact: Artefact) -> Callable[[Array], Array] | None:
+        """Return where the axes go to touch a ball from all sides; None where they do not, or a size is not known."""
+        all_round, size = self._table.instrument == "sphere" and self._table.touches is None, artefact.diameter
+        if not all_round or size is None or self._machine.stylus <= 0:
+            return None
+        return partial(gone_to, self._machine, Cycle((size + self._machine.stylus) / 2))
 
     def _refuse_no_turn(self, turning: tuple[int, ...], artefact: Artefact) -> None:
         if not turning and artefact.calibrated is None:

@@ -101,28 +101,44 @@ def stated(setup: Setup, machine: Machine, pose: Array) -> Array:
     return place
 
 
+_SIDES = np.array([(0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (0, 0, 1)], dtype=np.float64)
+"""From where a sphere is met, in its touch frame: the pole, four sides across the stem, the pole again."""
+
+
 def touches(machine: Machine, pose: Array, cycle: Cycle) -> tuple[SideTouch, ...]:
     """Return the touches of the sphere that the tip is at in a pose (q,); NaN where the linear axes do not reach."""
-    at = frames(machine, pose[None])
-    centre, stem = at.tcp[0], at.stem[0]
-    off = cycle.radius + cycle.clear
-    top = centre + off * stem
+    centre, frame = frames(machine, pose[None]).tcp[0], touch_frames(machine, pose[None])[0]
     found = []
-    for side in sides(machine, pose):
-        across = side @ stem < 0.5  # a side is across the stem or along it
-        over = [top, top + off * side] if across else [top]
-        stops = [*over, centre + off * side, centre + (cycle.radius - cycle.past) * side]
-        stops.append(stops[-2] + cycle.back * side)
-        poses = tip_at(machine, np.tile(pose, (len(stops), 1)), np.array(stops))
-        *way, beside, into, backed = poses
-        found.append(SideTouch(side, tuple(way), beside, into, backed - beside))
+    for side in _SIDES:
+        stops = centre + _stops(cycle, side) @ frame
+        *way, beside, into, backed = tip_at(machine, np.tile(pose, (len(stops), 1)), stops)
+        found.append(SideTouch(side @ frame + 0.0, tuple(way), beside, into, backed - beside))
     return tuple(found)
+
+
+def gone_to(machine: Machine, cycle: Cycle, poses: Array) -> Array:
+    """Return where the axes go as they touch spheres, (stops, m, q); NaN where the linear axes do not reach.
+
+    poses : (m, q) with the tip at the centres.  The axes follow the tip evenly: p + e leads to t + J⁻¹ e.
+    """
+    at, stops = frames(machine, poses).tcp, np.concatenate([_stops(cycle, side) for side in _SIDES])
+    ways = [tip_at(machine, poses, at + way) - poses for way in np.swapaxes(touch_frames(machine, poses), 0, 1)]
+    gone: Array = poses + np.tensordot(stops, np.array(ways), axes=1)
+    return gone
+
+
+def _stops(cycle: Cycle, side: Array) -> Array:
+    """Return the stops of a touch from the centre, (k, 3) m, touch frame: its way, beside, into, and off again."""
+    off = cycle.radius + cycle.clear
+    top = np.array([0.0, 0.0, off])
+    way = [top] if side[2] else [top, top + off * side]
+    return np.array([*way, off * side, (cycle.radius - cycle.past) * side, (off + cycle.back) * side])
 
 
 def sides(machine: Machine, pose: Array) -> Array:
     """Return from where the sphere is met: the pole, four sides across the stem, the pole again, (6, 3)."""
-    first, second, stem = touch_frames(machine, pose[None])[0]
-    return np.array([stem, first, second, -first, -second, stem]) + 0.0
+    met: Array = _SIDES @ touch_frames(machine, pose[None])[0] + 0.0
+    return met
 
 
 def centred(hits: Array, sides: Array, radius: float) -> Sphere:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
 from pydantic import Field
 
 from axiscal.answers.answer import AnswerDocument, TablesChecked
+from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.check import Check
 from axiscal.evaluation.acceptance.datums import GUARD
 from axiscal.evaluation.acceptance.judgement import Judgement, Verdict
@@ -23,6 +24,14 @@ _NEAR = 0.3
 
 _ROUNDING = 1e-6
 """A figure below a picometre, in um."""
+
+
+Decision = Literal["conform", "not conform", "neither"]
+_DECISIONS: Mapping[Verdict, Decision] = {"pass": "conform", "fail": "not conform", "undecided": "neither"}
+_COVERAGE = 2.0
+"""k of the uncertainty that is stated beside a decision, as certificates do."""
+_DIGITS = 12
+"""Hex digits of a checksum that are shown: the document has them all."""
 
 
 class CheckedValue(AnswerDocument):
@@ -54,12 +63,21 @@ class SetupOff(AnswerDocument):
 class CheckAnswer(AnswerDocument):
     """What a check says; fields as of `evaluation.acceptance.judgement.Judgement`.
 
+    decision : what the as-left readings prove of the tolerance, by ISO 14253-1; U_um : largest of theirs, k = 2
+    person, source, in_force : as of `evaluation.acceptance.at_the_machine.Taken`
+    expected_um : U over the volume with the tables loaded
     places : how many were read, each without the tables and with them
     found_rms_um, left_rms_um : over the places, in space where a reading has three values
     """
 
     kind: Literal["axiscal-verify/1"] = Field("axiscal-verify/1", alias="schema")
     verdict: Verdict
+    decision: Decision
+    U_um: float
+    person: str
+    source: str
+    in_force: Mapping[str, str]
+    expected_um: float
     tolerance_um: float
     guard_band_um: float
     places: int
@@ -96,13 +114,22 @@ class CheckAnswer(AnswerDocument):
         )
 
 
-def check_answer(judgement: Judgement, places: int) -> CheckAnswer:
-    """Return what was judged as a document.  places : that were read each way"""
+def check_answer(judgement: Judgement, places: int, promised: float, taken: Taken) -> CheckAnswer:
+    """Return what was judged as a document.
+
+    places : that were read each way; promised : U with the tables, m; taken : of the as-left readings
+    """
     figures = (judgement.found, judgement.left, judgement.std)
     found, left, std = (plain(to_unit(values, "um")) for values in figures)
     rows = zip(found.tolist(), left.tolist(), std.tolist(), strict=True)
     return CheckAnswer(
         verdict=judgement.verdict,
+        decision=_DECISIONS[judgement.proved],
+        U_um=_COVERAGE * float(std.max()),
+        person=taken.person,
+        source=taken.source,
+        in_force=taken.files,
+        expected_um=to_unit(promised, "um"),
         tolerance_um=to_unit(judgement.tolerance, "um"),
         guard_band_um=GUARD * float(std.max()),
         places=places,
@@ -188,9 +215,20 @@ def check_text(answer: CheckAnswer) -> str:
     found = [value.found_um for value in answer.readings]
     left = [value.left_um for value in answer.readings]
     verdict = f"{answer.verdict.upper()} at {tolerance}, guard band {guard}{_holds_for(answer)}: {_why(answer)}."
-    return "\n".join(
-        [verdict, f"As found: {_sizes(found)}", f"As left:  {_sizes(left)}", _agreement(answer), *_warnings(answer)]
-    )
+    sizes = [f"As found: {_sizes(found)}", f"As left:  {_sizes(left)}"]
+    return "\n".join([verdict, *sizes, *_as_left(answer), _agreement(answer), *_warnings(answer)])
+
+
+def _as_left(answer: CheckAnswer) -> list[str]:
+    """Say what the as-left readings prove, by whom they were read, and which files were in force."""
+    u, promised = f"{answer.U_um:.3g} um", f"{answer.expected_um:.3g} um"
+    names = ", ".join(f"{name} (SHA-256 {digest[:_DIGITS]})" for name, digest in answer.in_force.items())
+    return [
+        f"By ISO 14253-1 as left: {answer.decision}. A reading has U = {u} (k = 2); U = {promised} (95 %) is to be "
+        "expected over the volume.",
+        f"Read by {answer.person or 'nobody that is known'} from {answer.source or 'files'}. In force by the control: "
+        f"{names or 'not known'}.",
+    ]
 
 
 def _sizes(values: Sequence[float]) -> str:

@@ -9,7 +9,7 @@ from decimal import Decimal
 import numpy as np
 
 from axiscal.document import shown
-from axiscal.exceptions import ProgramError
+from axiscal.exceptions import ProgramError, TravelError
 from axiscal.machine.description import Machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
@@ -52,14 +52,14 @@ class SphereCycle:
         yield from moves(standing, target.position, self._scales, [group])
 
     def _written(self, pose: Array, target: ReadingTarget) -> Decimals:
-        """Return a pose in the numbers of the program, the rotary axes as they stand; raises ProgramError."""
+        """Return a pose in the numbers of the program, the rotary axes as they stand; raises TravelError."""
         numbers = []
         for k, (scale, value) in enumerate(zip(self._scales, pose.tolist(), strict=True)):
             number = target.position[k] if scale.axis.rotary else scale.nearest(value)
             if number is None:
                 what = "reading {number} of {setup}: touching leaves the travel of {axis}"
                 remedy, setup = "Put the sphere nearer to the middle of the travels", shown(self._setup.name)
-                raise ProgramError(what, remedy, number=target.number, setup=setup, axis=scale.axis.name)
+                raise TravelError(what, remedy, number=target.number, setup=setup, axis=scale.axis.name)
             numbers.append(number)
         return tuple(numbers)
 

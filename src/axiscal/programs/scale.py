@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 
 from axiscal.document import shown
-from axiscal.exceptions import ProgramError
+from axiscal.exceptions import ProgramError, TravelError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.driving import near
@@ -117,7 +117,7 @@ def target(
     pose: Sequence[float],
     approach: Sequence[int],
 ) -> ReadingTarget:
-    """Return a reading in the numbers of a program; raises ProgramError for one outside the travel, or without room."""
+    """Return a reading in the numbers of a program; raises TravelError for one outside the travel, or without room."""
     label = said("reading {number} of the set-up {setup}", number=number, setup=shown(setup))
     if not len(pose) == len(approach) == len(scales) or any(side not in (-1, 0, 1) for side in approach):
         remedy = "Plan it for this machine"
@@ -134,7 +134,7 @@ def _placed(scale: AxisScale, label: str, value: float, side: int) -> tuple[Deci
         what, place = "{label}: {axis} = {place} is outside the travel", format_quantity(value, scale.unit, 9)
         remedy = "Plan within {travel}; a raster may lead beyond it"
         travel = said("{low} to {high}", low=scale.low, high=f"{scale.high} {scale.unit}")
-        raise ProgramError(what, remedy, label=label, axis=scale.axis.name, place=place, travel=travel)
+        raise TravelError(what, remedy, label=label, axis=scale.axis.name, place=place, travel=travel)
     if side == 0:
         return number, number
     sided = _sided(scale, number, side)
@@ -157,7 +157,7 @@ def _sided(scale: AxisScale, number: Decimal, side: int) -> tuple[Decimal, Decim
     return None
 
 
-def _no_room(scale: AxisScale, label: str, number: Decimal, side: int) -> ProgramError:
+def _no_room(scale: AxisScale, label: str, number: Decimal, side: int) -> TravelError:
     sign, end = ("+", scale.low) if side > 0 else ("-", scale.high)
     overrun = format_quantity(scale.axis.overrun, scale.unit, 3)
     what = (
@@ -166,4 +166,4 @@ def _no_room(scale: AxisScale, label: str, number: Decimal, side: int) -> Progra
     )
     remedy = "Plan it further inside or from the other side, or give the axis a smaller overrun"
     at = {"side": f"{scale.axis.name}{sign}", "axis": scale.axis.name, "number": number, "unit": scale.unit, "end": end}
-    return ProgramError(what, remedy, None, None, label=label, overrun=overrun, **at)
+    return TravelError(what, remedy, None, None, label=label, overrun=overrun, **at)

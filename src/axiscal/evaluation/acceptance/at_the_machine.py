@@ -6,18 +6,20 @@ files hold already is not read again.
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from axiscal.campaign.sources import Answer, Request, Source
+from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document.durable import write_whole
-from axiscal.exceptions import InputError, ReadingError
+from axiscal.exceptions import InputError, ReadingError, SourceError
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.csv_readings import filled_sheet, read_readings
 from axiscal.measurement.reading import Reading
@@ -26,6 +28,43 @@ _SAME = 1e-7
 """m or rad: rounding of a place that was written down."""
 Watch = Callable[[Path, int, int], None]
 """Is told the file, how many readings it holds, and how many it is to hold."""
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """By whom readings were taken, and with what in force.
+
+    person : who gave the command, "" where nobody knows; source : what read
+    files : SHA-256 of each file that the control itself said was in force, by its name
+    """
+
+    person: str = ""
+    source: str = ""
+    files: Mapping[str, str] = field(default_factory=dict)
+
+    def write(self, file: Path) -> None:
+        """Keep it beside a file of readings, with what that holds; raises OSError."""
+        kept = asdict(self) | {"schema": "axiscal-taken/1", "readings": _digest(file)}
+        write_whole(_beside(file), (json.dumps(kept, indent=1) + "\n").encode())
+
+    @classmethod
+    def of(cls, file: Path) -> Taken:
+        """Return what is kept beside a file of readings, nothing where that was typed or has been changed since."""
+        try:
+            kept = json.loads(_beside(file).read_bytes())
+            if kept.pop("schema") == "axiscal-taken/1" and kept.pop("readings") == _digest(file):
+                return cls(str(kept["person"]), str(kept["source"]), dict(kept["files"]))
+        except (OSError, ValueError, TypeError, KeyError, AttributeError):
+            pass
+        return cls()
+
+
+def _beside(file: Path) -> Path:
+    return file.with_name(f"{file.stem}.taken.json")
+
+
+def _digest(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +98,7 @@ class Sheet:
         """Whether it holds all of its readings."""
         return len(self.held()) == len(self.wanted)
 
-    def fill(self, opened: Callable[[], Source], watch: Watch) -> None:
+    def fill(self, opened: Callable[[], Source], watch: Watch, taken: Taken) -> None:
         """Read what is missing; raises ReadingError before that, SourceError with how many readings are kept."""
         readings = list(self.held())
         if not os.access(self.file.absolute().parent, os.W_OK | os.X_OK):
@@ -68,10 +107,14 @@ class Sheet:
         try:
             for request in self.wanted[len(readings) :]:
                 answer = source.read(request)
-                assert isinstance(answer, Answer)  # a machine that runs reads, or ends the run
+                if isinstance(answer, Skip):
+                    raise SourceError(
+                        "{reason}", "Name another number of --points, and other files", reason=answer.reason
+                    )
                 at = (request.setup.name, request.pose, request.approach)
                 readings.append(Reading(*at, answer.value, answer.std, others=answer.others))
                 write_whole(self.file, filled_sheet(self.description.machine.axes, readings).encode())
+                taken.write(self.file)
                 watch(self.file, len(readings), len(self.wanted))
         except InputError as failure:
             kept = "{remedy}. {count} of {wanted} readings are kept in {path}; go on with the same command"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import hashlib
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from axiscal.campaign.sources import Request
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
-from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.acceptance.as_found_and_left import as_found_and_left, of_machine
 from axiscal.evaluation.acceptance.at_the_machine import Sheet
@@ -35,6 +36,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.stages import stage
+from axiscal.planning.overrun import with_room
 from axiscal.tables import registry
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.offer import Export
@@ -65,6 +67,17 @@ class Check:
         estimate = estimation.estimate()
         tables = registry.export(estimate, controller, ExportOptions())
         return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)
+
+    @property
+    def promised(self) -> float:
+        """U over the volume that is to be expected with the tables loaded, m."""
+        known = self.estimation
+        return expanded_uncertainty(known).factor(known.accuracy.rms) * self.tables.expected
+
+    @property
+    def digests(self) -> dict[str, str]:
+        """SHA-256 of the files of the tables, by name."""
+        return {name: hashlib.sha256(text.encode()).hexdigest() for name, text in self.tables.files.items()}
 
     @stage("places to check")
     def planned(self, count: int | None = None, by: str = "", tolerance: float = 0.0) -> Places:
@@ -162,9 +175,13 @@ class Check:
 
     def sheets(self, places: Places, found: Path, left: Path) -> tuple[Sheet, Sheet]:
         """Return the files that a machine that runs fills, without the tables and with them."""
-        wanted = requests(self.description, places)
+        wanted = [self._with_room(each) for each in requests(self.description, places)]
         before, after = (Sheet(file, self.description, wanted) for file in (found, left))
         return before, after
+
+    def _with_room(self, wanted: Request) -> Request:
+        pose, approach = with_room(self.estimation.case.errors, wanted.setup, wanted.pose, wanted.approach)
+        return replace(wanted, pose=pose, approach=approach)
 
     def read(self, found: Path, left: Path) -> FoundAndLeft:
         """Return the readings of two files; raises ReadingError."""

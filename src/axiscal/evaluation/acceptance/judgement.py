@@ -30,6 +30,7 @@ class Judgement:
     shares : how much of each table the readings show; idle : axes that were not moved through their volume, or along
         which nothing was read
     tools : set-ups that are judged with the tool where the readings put it
+    proved : what as-left deviations alone prove of the tolerance (ISO 14253-1), whatever the tables do
     """
 
     verdict: Verdict
@@ -46,6 +47,7 @@ class Judgement:
     shares: tuple[Share, ...] = ()
     idle: tuple[str, ...] = ()
     tools: tuple[str, ...] = ()
+    proved: Verdict = "undecided"
 
     @property
     def loaded(self) -> bool:

@@ -239,7 +239,7 @@ def judge(
     change = _Change.of(datums, before, after, expected(estimate, setups, places, None)[0] - mean)
     free, spread = datums.free, datums.spread + np.diag(after.noise**2)
     std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(raw[1].values, after.noise, tolerance)
-    decided = verdict(free @ after.values, std, tolerance)
+    decided = proved = verdict(free @ after.values, std, tolerance)
     still, each = _still(left), _shares(estimate, setups, places, datums, (before, after), parts)
     if any(share.checked and not share.works for share in each):
         decided = "fail"
@@ -260,6 +260,7 @@ def judge(
         each,
         idle_axes(estimate, places.poses[of], directions),
         datums.tools,
+        proved,
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,8 @@ class Held(SmoothChart):
     point : (3,) the ball, m, workpiece frame; free : (3,) where it is free; cone : rad, that the tool keeps within
     turning : indices of the rotary axes; park : (q,); steps : (turning,) rad, 0 continuous
     back : m, by which the tool must be able to draw back along itself, from where it comes to the ball
+    overrun : (q,) m, by which the axes must be able to go on from there either way, for they come from a side
+    touching : poses (m, q) -> where the axes go to touch the ball, (stops, m, q); None where nobody says
     """
 
     room: Room
@@ -33,6 +36,8 @@ class Held(SmoothChart):
     park: Array
     steps: tuple[float, ...]
     back: float = 0.0
+    overrun: Array | float = 0.0
+    touching: Callable[[Array], Array] | None = None
 
     @property
     def size(self) -> int:
@@ -51,13 +56,20 @@ class Held(SmoothChart):
         return tip_at(self.room.machine, turned, np.broadcast_to(self.point, (len(places), 3)))
 
     def feasible(self, poses: Array) -> NDArray[np.bool_]:
-        """Return which poses are in travel, with the tool on the free side of the ball and nothing in the way."""
-        found = self.room.holds(poses)
+        """Return which poses are in travel, on the free side of the ball, with room to come to it and to touch it."""
+        machine, found = self.room.machine, self.room.holds(poses)
         if found.any():
-            found[found] = within_cone(frames(self.room.machine, poses[found]).stem, self.free, self.cone)
+            found[found] = within_cone(frames(machine, poses[found]).stem, self.free, self.cone)
         if self.back > 0 and found.any():
-            found[found] = self.room.holds(drawn_back(self.room.machine, poses[found], self.back))
+            drawn = drawn_back(machine, poses[found], self.back)
+            found[found] = self.room.holds(drawn) & self._all_in_travel([drawn - self.overrun, drawn + self.overrun])
+        if self.touching is not None and found.any():
+            found[found] = self._all_in_travel(self.touching(poses[found]))
         return found
+
+    def _all_in_travel(self, poses: Iterable[Array]) -> NDArray[np.bool_]:
+        within: NDArray[np.bool_] = np.all([self.room.in_travel(each) for each in poses], axis=0)
+        return within
 
     def swing(self, start: Array, stop: Array) -> Swing:
         """Return what bounds a straight way: the tool point stands."""

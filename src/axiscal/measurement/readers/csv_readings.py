@@ -236,12 +236,13 @@ def blank_sheet(setups: Sequence[Setup], axes: Sequence[Axis], places: Places, v
 
 
 def filled_sheet(axes: Sequence[Axis], readings: Sequence[Reading]) -> str:
-    """Return the text of the file of readings that have three values each, to a picometre.
+    """Return the text of a file of readings that have one value each, or three, to a picometre.
 
     The file has a column for standard deviations if a reading states one; it is empty for the others.
     """
     own = any(reading.std is not None for reading in readings)
-    rows = [[*_head(axes), *(f"value_{c}_um" for c in "xyz"), *(["std_um"] if own else [])]]
+    named = [f"value_{c}_um" for c in "xyz"] if any(reading.others for reading in readings) else ["value_um"]
+    rows = [[*_head(axes), *named, *(["std_um"] if own else [])]]
     for reading in readings:
         numbers = [*reading.values, *([reading.std] if own else [])]
         texts = ("" if each is None else f"{to_unit(each, 'um'):.6f}" for each in numbers)

@@ -32,6 +32,8 @@ _HEADER = """
 """Klipper looks for these lines, the line break before them too (configfile.py, AUTOSAVE_HEADER)."""
 _SIDE = 1000.0
 """mm; the skew depends on the ratios of the lengths alone."""
+_SAME = 1e-6
+"""mm: rounding of a height that is written with six decimals."""
 _MESH, _SKEW = "bed_mesh.cfg", "skew.gcode"
 _SAVED_SKEW = re.compile(r"^(?:#\*# )?(xy|xz|yz)_skew\s*=\s*(\S+)", re.MULTILINE)
 _PLANE = re.compile(r"(XY|XZ|YZ)=([\d.]+),([\d.]+),([\d.]+)")
@@ -110,6 +112,17 @@ def write_mesh(mesh: Mesh, name: str) -> str:
 def plain_profile(saved: str) -> str:
     """Return a saved block as a file that printer.cfg may include."""
     return saved.removeprefix(_HEADER).replace(f"\n{_SAVED}", "\n").removeprefix(_SAVED)
+
+
+def holds_heights(held: object, mesh: str) -> bool:
+    """Return whether a printer's matrix has the heights of a profile as it was written."""
+    rows = [line.partition("\t")[2] for line in mesh.splitlines() if "\t" in line]
+    wanted = np.array([[float(each) for each in row.split(",")] for row in rows])
+    try:
+        matrix = np.array(held, dtype=float)
+    except (TypeError, ValueError):
+        return False
+    return matrix.shape == wanted.shape and bool(np.all(np.abs(matrix - wanted) <= _SAME))
 
 
 def write_skew(skew: Skew, name: str) -> str:

@@ -85,7 +85,7 @@ class Correction:
         lines = Lines(text)
         if lines.after("axiscal-vcomp") != ["1"]:
             raise ValueError("it has another form")
-        self.campaign = lines.after("campaign")[0]
+        self.campaign, self.checksum = lines.after("campaign")[0], text.split()[-1]
         if lines.after("units") != ["mm"]:
             raise ValueError("a printer counts in mm")
         self.limit, self.tool = lines.numbers("limits")[0], lines.numbers("tool")
@@ -156,7 +156,8 @@ class Axiscal:
 
     def get_status(self, eventtime: float) -> dict[str, Any]:
         """Return what macros and Moonraker see."""
-        return {"active": self.enabled, "campaign": self.correction.campaign, "limit": self.correction.limit}
+        held = self.correction
+        return {"active": self.enabled, "campaign": held.campaign, "checksum": held.checksum, "limit": held.limit}
 
     def get_position(self) -> list[float]:
         """Return the commanded place whose correction leads to where the motors are."""

@@ -7,20 +7,26 @@ RepRapFirmware's against a small server that speaks it.
 
 from __future__ import annotations
 
+import hashlib
 import http.client
 import json
 import math
 import re
+import threading
 import time
 import urllib.error
 import urllib.parse
 import urllib.request
 from abc import ABC, abstractmethod
-from typing import Any
+from collections.abc import Mapping
+from pathlib import Path
+from queue import Empty, Queue
+from typing import Any, NamedTuple
 
 from axiscal.campaign.sources.source import Answer, Request, Skip
-from axiscal.exceptions import SourceError
+from axiscal.exceptions import InputError, SourceError, TableError, TravelError
 from axiscal.language.spoken import later, said
+from axiscal.ports.printers.klipper import holds_heights
 from axiscal.units import from_unit, to_unit
 
 TIMEOUT = 60.0
@@ -28,6 +34,11 @@ TIMEOUT = 60.0
 _HOST = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9.-]{0,251}[A-Za-z0-9])?(?::[0-9]{1,5})?")
 _MOST = 2_000_000
 """Bytes of an answer; an object model has a hundred thousand."""
+_SAME = 1e-6
+"""mm: rounding of a position that is shown twice."""
+_THERE = ("toolhead", "position"), ("gcode_move", "gcode_position")
+"""Where Klipper's motors are, and where they are said to be: apart by what is in force."""
+_SHIFTED = later("the printer {host} has its coordinates shifted, as by G92 or G10")
 _REFUSED, _ABSENT = 300, 404
 """Codes of HTTP from here on say that a request was not done, and this one that there is no such file."""
 _CLEAR, _LIFT, _TRAVEL = 5.0, 600, 3000
@@ -37,6 +48,8 @@ _FARTHEST = 5.0
 _FOUND = re.compile(r"[Ss]topped at height (-?\d+(?:\.\d+)?) ?mm")
 _AMISS = re.compile(r"^\s*Error:?\s*(.+)$", re.MULTILINE)
 """How RepRapFirmware begins the reply to a line that it did not execute."""
+_BEYOND = re.compile(r"Move out of range|outside machine limits|not reachable")
+"""How Klipper and RepRapFirmware refuse to go where their axes do not reach."""
 _POLL = 0.1
 """s between two looks for a reply."""
 
@@ -52,7 +65,10 @@ class PrinterSource:
         printer.refuse_unready()
 
     def read(self, request: Request) -> Answer | Skip:
-        """Go over the point, from the side of the request, and probe; raises SourceError."""
+        """Go over the point, from the side of the request, and probe; a point that it cannot go to is skipped.
+
+        Raises SourceError.
+        """
         self._refuse_others(request)
         self._printer.refuse_unready()  # somebody may have started a print since
         at = {axis.name: float(to_unit(value, "mm")) for axis, value in zip(request.axes, request.pose, strict=True)}
@@ -63,7 +79,10 @@ class PrinterSource:
         if any(side[name] for name in "XY"):
             codes.append(f"G1 X{beside['X']:.3f} Y{beside['Y']:.3f} F{_TRAVEL}")
         codes += [f"G1 X{at['X']:.3f} Y{at['Y']:.3f} F{_TRAVEL}", "M400"]
-        height = self._printer.probed(codes)
+        try:
+            height = self._printer.probed(codes)
+        except TravelError as impossible:
+            return Skip(impossible.what)
         if not abs(height) <= _FARTHEST:
             what = "the probe met something {height:.3f} mm off the bed's zero"
             remedy = "Look at the probe and its offset; beyond {most:g} mm nothing is believed"
@@ -85,6 +104,28 @@ class PrinterSource:
 def reached(kind: str, host: str) -> PrinterSource:
     """Return the printer behind a web server; raises SourceError.  kind : of `open_source`"""
     return PrinterSource({"moonraker": Moonraker, "duet": Duet}[kind](host))
+
+
+class Exported(NamedTuple):
+    """What an export has for a Klipper that is read as left: a mesh, or the checksum of the whole correction.
+
+    files : its SHA-256 by its name
+    """
+
+    mesh: str | None
+    checksum: str | None
+    files: Mapping[str, str]
+
+    @classmethod
+    def of(cls, folder: Path) -> Exported:
+        """Return that of the files in a folder; raises TableError, OSError."""
+        for name in ("axiscal.vcomp", "bed_mesh.cfg"):
+            if (folder / name).is_file():
+                data = (folder / name).read_bytes()
+                text, files = data.decode(errors="replace"), {name: hashlib.sha256(data).hexdigest()}
+                return cls(None, text.split()[-1], files) if name == "axiscal.vcomp" else cls(text, None, files)
+        what = "it holds neither a mesh nor a whole correction for Klipper"
+        raise TableError(what, "Name the folder that axiscal export --to klipper has written", folder)
 
 
 class Printer(ABC):
@@ -166,8 +207,9 @@ class Printer(ABC):
             raise self._failed("the printer {host} answers {path} with something that is no JSON object", path=path)
         return found
 
-    def _failed(self, what: str, **values: object) -> SourceError:
-        return self._not_ready(what, said(self._again), **values)
+    def _failed(self, what: str, **values: object) -> InputError:
+        failure = self._not_ready(what, said(self._again), **values)
+        return TravelError(failure.what, failure.remedy) if _BEYOND.search(failure.what) else failure
 
     def _not_ready(self, what: str, remedy: str, **values: object) -> SourceError:
         return SourceError(what, remedy, None, None, host=self._host, **values)
@@ -181,18 +223,43 @@ class Printer(ABC):
 
 
 class Moonraker(Printer):
-    """Klipper behind Moonraker: `/printer/gcode/script` answers when the lines are done."""
+    """Klipper behind Moonraker: `/printer/gcode/script` answers when the lines are done.
+
+    exported : what is to be in force while it probes; None for nothing
+    """
+
+    def __init__(self, host: str, exported: Exported | None = None) -> None:
+        super().__init__(host)
+        self._exported = exported
 
     def refuse_unready(self) -> None:
         """Ask for state, homing, mesh and the whole correction."""
         self.refuse_busy()
-        found = self._status("toolhead", "bed_mesh", "axiscal")
+        found = self._status("toolhead", "bed_mesh", "axiscal", "gcode_move")
         if not set("xyz") <= set(str(found_at(found, "toolhead", "homed_axes") or "")):
             raise self._not_ready("the printer {host} is not homed", "Send G28 first")
-        if found_at(found, "bed_mesh", "profile_name"):
+        self._refuse_other(found)
+        there, asked = (found_at(found, "gcode_move", key) or () for key in ("position", "gcode_position"))
+        if any(abs(a - b) > _SAME for a, b in zip(there[:3], asked[:3], strict=False)):
+            raise self._not_ready(_SHIFTED, "Send SET_GCODE_OFFSET X=0 Y=0 Z=0 and G28 first")
+
+    def _refuse_other(self, found: dict[str, Any]) -> None:
+        """Raise SourceError where anything else is in force than is to be."""
+        profile, whole = found_at(found, "bed_mesh", "profile_name"), found_at(found, "axiscal", "active")
+        mesh, checksum = (None, None) if self._exported is None else self._exported[:2]
+        if profile and mesh is None:
             raise self._not_ready("the printer {host} has a bed mesh in force", "Send BED_MESH_CLEAR first")
-        if found_at(found, "axiscal", "active"):
+        if whole and checksum is None:
             raise self._not_ready("the printer {host} has its whole correction in force", "Send AXISCAL ENABLE=0 first")
+        heights = found_at(found, "bed_mesh", "probed_matrix") if profile else None
+        if mesh is not None and not holds_heights(heights, mesh):
+            raise self._not_ready(
+                "the printer {host} does not have the exported mesh in force", "Send BED_MESH_PROFILE LOAD=NAME first"
+            )
+        held = found_at(found, "axiscal", "checksum") if whole else None
+        if checksum is not None and held != checksum:
+            what = "the printer {host} does not have the exported axiscal.vcomp in force"
+            raise self._not_ready(what, "Copy it and axiscal.py, start Klipper again, and send AXISCAL ENABLE=1")
 
     def refuse_busy(self) -> None:
         """Raise SourceError where it is not ready, or prints."""
@@ -204,9 +271,14 @@ class Moonraker(Printer):
             raise self._not_ready("the printer {host} prints", "Wait until it has ended")
 
     def probed(self, codes: list[str]) -> float:
-        """Send the lines and PROBE; `last_z_result` is where it met the bed."""
+        """Send the lines and PROBE; `last_z_result` is where it met the bed, before what is in force is added."""
         self._script("\n".join([*codes, "PROBE"]))
-        return self._height(found_at(self._status("probe"), "probe", "last_z_result"))
+        found = self._status("probe", "toolhead", "gcode_move")
+        height = self._height(found_at(found, "probe", "last_z_result"))
+        if self._exported is None:
+            return height
+        motors, asked = ((found_at(found, *key) or [None] * 3)[2] for key in _THERE)
+        return height - (self._height(motors) - self._height(asked))
 
     def _script(self, script: str) -> None:
         self._ask("/printer/gcode/script", {"script": script}, body=b"")
@@ -233,6 +305,9 @@ class Duet(Printer):
         homed = [axis.get("homed") for axis in axes if isinstance(axis, dict)] if isinstance(axes, list) else []
         if len(homed) < 3 or not all(each is True for each in homed[:3]):
             raise self._not_ready("the printer {host} is not homed", "Send G28 first")
+        place = found_at(found, "move", "workplaceNumber") or 0
+        if any((axis.get("workplaceOffsets") or [0] * (place + 1))[place] for axis in axes[:3]):
+            raise self._not_ready(_SHIFTED, "Send G10 L2 P{place} X0 Y0 Z0 first", place=place + 1)
         if _compensation(found) != "none":
             raise self._not_ready("the printer {host} has a height map in force", "Send G29 S2 first")
 
@@ -288,12 +363,28 @@ class Duet(Printer):
 
 
 def _exchanged(asked: urllib.request.Request) -> tuple[int, bytes]:
-    """Return the status of HTTP and what was said."""
+    """Return the status of HTTP and what was said; raises OSError also where that has not all come in time."""
+    answers = Queue[tuple[int, bytes] | Exception]()
+    threading.Thread(target=lambda: answers.put(_exchange(asked)), daemon=True).start()
     try:
-        with urllib.request.urlopen(asked, timeout=TIMEOUT) as answer:
+        found = answers.get(timeout=TIMEOUT)
+    except Empty:
+        raise TimeoutError(f"its answer has not come within {TIMEOUT:g} s") from None
+    if isinstance(found, Exception):
+        raise found
+    return found
+
+
+def _exchange(asked: urllib.request.Request) -> tuple[int, bytes] | Exception:
+    try:
+        try:
+            answer = urllib.request.urlopen(asked, timeout=TIMEOUT)
+        except urllib.error.HTTPError as refusal:
+            answer = refusal
+        with answer:
             return answer.status, answer.read(_MOST + 1)
-    except urllib.error.HTTPError as refusal:
-        return refusal.code, refusal.read(_MOST + 1)
+    except (OSError, ValueError, http.client.HTTPException) as fault:
+        return fault
 
 
 def _compensation(model: dict[str, Any]) -> str:

@@ -15,12 +15,10 @@ import zlib
 from collections.abc import Mapping
 from fnmatch import fnmatchcase
 
-import numpy as np
-
 from axiscal.document import shown
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import later
-from axiscal.ports.printers.klipper import plain_profile
+from axiscal.ports.printers.klipper import holds_heights, plain_profile
 from axiscal.ports.printers.printer import Duet, Moonraker, found_at
 
 _CONFIG = "axiscal_mesh.cfg"
@@ -34,8 +32,6 @@ _SWITCHED = 15.0
 """s for a Duet to read a map from its card, and for its object model to say so."""
 _POLL = 0.2
 """s between two looks whether it has."""
-_SAME = 1e-6
-"""mm: rounding of a height that is written with six decimals."""
 _BOUNDARY = "axiscal-8f2c61"
 """Between the parts of what is sent; in no file of ours."""
 
@@ -91,7 +87,7 @@ class MoonrakerLoader(_Loader, Moonraker):
         self._wait_until_ready()
         self._script(f"BED_MESH_PROFILE LOAD={name}")
         found = self._status("bed_mesh")
-        if found_at(found, "bed_mesh", "profile_name") != name or not _alike(
+        if found_at(found, "bed_mesh", "profile_name") != name or not holds_heights(
             found_at(found, "bed_mesh", "probed_matrix"), mesh
         ):
             what = "the printer {host} does not hold the profile {name} as it was sent"
@@ -206,17 +202,6 @@ def _document(data: bytes) -> object:
         return json.loads(data)
     except (ValueError, RecursionError):
         return None
-
-
-def _alike(held: object, mesh: str) -> bool:
-    """Whether a printer's matrix has the heights of a profile as it was written."""
-    rows = [line.partition("\t")[2] for line in mesh.splitlines() if "\t" in line]
-    wanted = np.array([[float(each) for each in row.split(",")] for row in rows])
-    try:
-        matrix = np.array(held, dtype=float)
-    except (TypeError, ValueError):
-        return False
-    return matrix.shape == wanted.shape and bool(np.all(np.abs(matrix - wanted) <= _SAME))
 
 
 _LOADERS: Mapping[str, type[MoonrakerLoader | DuetLoader]] = {"moonraker": MoonrakerLoader, "duet": DuetLoader}

@@ -21,6 +21,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.errors.model import ErrorFunction, ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
+from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.check import Check
 from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
@@ -79,7 +80,7 @@ def checked(campaign: Campaign, truth: VirtualMachine) -> TablesChecked | None:
     check = Check.of(campaign, CONTROL)
     places = check.planned(tolerance=check.allowed(None))
     judged = check.judged(check.read_on(truth, SEED, places), None)
-    return check_answer(judged, len(places)).summary
+    return check_answer(judged, len(places), check.promised, Taken()).summary
 
 
 def truth_check(estimation: Estimation, truth: VirtualMachine) -> TruthCheck:

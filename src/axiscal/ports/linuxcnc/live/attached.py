@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from axiscal.campaign.sources.source import Answer, Request
+from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.document import shown
-from axiscal.exceptions import InputError, SourceError
+from axiscal.exceptions import InputError, SourceError, TravelError
+from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.machine.inverse import drawn_back
 from axiscal.measurement.place import Place
@@ -40,6 +41,8 @@ _ABOVE = 20e-3
 """m over the ball, where everything is done once without touching."""
 _BY_HAND = 120.0
 """s in which somebody presses the stylus."""
+_SHORT = Decimal(1)
+"""mm: LinuxCNC refuses to look for a contact on a way of 0.25 mm."""
 _FAR = 3.0
 """mm from where a side is expected: a ball is set up nearer, and less than the 4 mm that a touch goes past."""
 
@@ -68,58 +71,78 @@ class LiveSource:
             self.close()
             raise
 
-    def read(self, request: Request) -> Answer:
-        """Go to the ball, touch it and return the three values; raises SourceError, and then the machine stands."""
+    def read(self, request: Request) -> Answer | Skip:
+        """Go to the ball, touch it and return the three values; a ball that no way leads to and round is skipped.
+
+        Raises SourceError, and then the machine stands.
+        """
         try:
             return self._read(request)
-        except SourceError:
+        except BaseException as failure:
             self._line.stop()
-            raise
-        except InputError as failure:
-            self._line.stop()
-            raise SourceError(failure.what, failure.remedy) from failure
-        except BaseException:
-            self._line.stop()
+            if isinstance(failure, InputError) and not isinstance(failure, SourceError):
+                raise SourceError(failure.what, failure.remedy) from failure
             raise
 
     def close(self) -> None:
         """Let go of LinuxCNC: it stands where it is."""
         self._line.close()
 
-    def _read(self, request: Request) -> Answer:
+    def _read(self, request: Request) -> Answer | Skip:
         self._refuse_other_instrument(request.setup)
-        way, artefact = _WayToBall(self._machine, request), request.setup.artefact
-        anew = artefact is not None and artefact.standing != self._placed
-        if anew and self._placed and self._standing and artefact:
-            self._go(way.off(self._standing[1]))
-            self._standing, self._singly = None, True
-            self._confirm(f"Put it down: {artefact.standing}. Enter goes on, stop ends: ")
-        status = self._line.status()
-        refuse(status, self._machine, self._in_force)
-        self._refuse_strayed(status)
-        if anew and artefact:
-            self._try(way)
-            self._placed = artefact.standing
-        self._go(way.to(self._standing))
-        hits = [self._touch(step, way) for step in self._between(way.touches())]
+        cycle_of(self._machine, request.setup)  # says what is not known of the ball
+        self._refuse_unfit()
+        placed = "" if request.setup.artefact is None else request.setup.artefact.standing
+        anew = placed != self._placed
+        try:
+            way = _WayToBall(self._machine, request)
+            to, touching = way.to(None if anew else self._standing), [*way.touches()]
+            trial = way.trial() if anew else []
+        except TravelError as impossible:  # nothing has moved
+            return Skip(impossible.what)
+        if anew and self._standing:
+            self._put_down(way.off(self._standing[1]), placed)
+        self._try(trial)
+        self._placed = placed
+        self._go(to)
+        hits = [self._touch(step, way) for step in self._between(way, touching)]
         self._in_force.refuse(self._line.status())  # what somebody switched meanwhile has spoilt the touches
         self._standing = request.setup.name, way.target.position
         value, *others = read_as(self._machine, request.setup, np.array(request.pose), hits)
         return Answer(value, others=tuple(others), live=True)
 
-    def _between(self, steps: Iterator[Step]) -> Iterator[Touched]:
-        """Make the moves and yield the touches."""
+    def _put_down(self, off: Sequence[Step], placed: str) -> None:
+        """Get out of the way, and wait until the artefact is put down at its next place."""
+        self._go(off)
+        self._standing, self._singly = None, True
+        self._confirm(said("Put it down: {artefact}. Enter goes on, stop ends: ", artefact=placed))
+        self._refuse_unfit()
+
+    def _between(self, way: _WayToBall, steps: Sequence[Step]) -> Iterator[Touched]:
+        """Make the moves and yield the touches.  A move beside the ball ends, and the run, where it meets anything."""
+        standing = list(way.target.position)
         for step in steps:
             if isinstance(step, Touched):
                 yield step
-            else:
-                self._go([step])
+                continue
+            assert isinstance(step, Move)
+            far = max(abs(standing[k] - value) for k, value in step.to.items())
+            answer = self._moved("G53 G1" if far < _SHORT else "G38.3", step)
+            if far >= _SHORT and answer["tripped"]:
+                what = "beside the ball of reading {number} the probe met something"
+                remedy = "Look where the ball stands: it is looked for within {most:g} mm"
+                raise SourceError(what, remedy, number=way.target.number, most=_FAR)
+            for k, value in step.to.items():
+                standing[k] = value
 
-    def _go(self, steps: Iterator[Step] | Sequence[Step], slow: int = 1) -> None:
+    def _go(self, steps: Sequence[Step], slow: int = 1) -> None:
         for step in steps:
             assert isinstance(step, Move)
-            words = " ".join(f"{self._machine.axes[k].name}{value:f}" for k, value in step.to.items())
-            self._line.line(f"G53 G1 {words} F{_slowed(min(step.feed, _FASTEST), slow)}")
+            self._moved("G53 G1", step, slow)
+
+    def _moved(self, kind: str, step: Move, slow: int = 1) -> dict[str, Any]:
+        words = " ".join(f"{self._machine.axes[k].name}{value:f}" for k, value in step.to.items())
+        return self._line.line(f"{kind} {words} F{_slowed(min(step.feed, _FASTEST), slow)}")
 
     def _touch(self, step: Touched, way: _WayToBall) -> Array:
         """Touch one side, fast and then slowly, and return the pose (q,) in which it was met."""
@@ -143,12 +166,11 @@ class LiveSource:
         self._line.line(f"G53 G1 {_joined(step.words(step.beside))} F{step.travel}")
         return hit
 
-    def _try(self, way: _WayToBall) -> None:
-        """Do the first reading once 20 mm above its ball, at a quarter of the feed, step by step with a person."""
-        above = way.above(_ABOVE)
-        said = "The first run goes 20 mm above the ball. Enter makes one step, go the rest of them, stop ends."
-        for number, step in enumerate((*above.to(None), *above.touches()), start=1):
-            self._confirm(f"{said} Step {number}: " if number == 1 else f"Step {number}: ")
+    def _try(self, trial: Sequence[Step]) -> None:
+        """Do the first reading once above its ball, at a quarter of the feed, step by step with a person."""
+        first = said("The first run goes 20 mm above the ball. Enter makes one step, go the rest of them, stop ends.")
+        for number, step in enumerate(trial, start=1):
+            self._confirm(f"{first} " * (number == 1) + said("Step {number}: ", number=number))
             if isinstance(step, Touched):
                 if self._line.line(f"G38.3 {_joined(step.words(step.into))} F{_slowed(step.fast, _SLOWER)}")["tripped"]:
                     raise SourceError("20 mm above the ball the probe met something", "Look what stands in the way")
@@ -173,8 +195,10 @@ class LiveSource:
             what = "the probe is closed before it was touched" if lacking == "closed" else what
             raise SourceError(what, "Look at its wire, its battery and motion.probe-input")
 
-    def _refuse_strayed(self, status: dict[str, Any]) -> None:
-        """Raise SourceError where somebody has moved an axis since the last reading."""
+    def _refuse_unfit(self) -> None:
+        """Raise SourceError where LinuxCNC cannot be led, or somebody has moved an axis since the last reading."""
+        status = self._line.status()
+        refuse(status, self._machine, self._in_force)
         for axis, left in zip(self._machine.axes, self._standing[1] if self._standing else (), strict=False):
             here = status["position"][axis.name] / status["angular" if axis.rotary else "scale"]
             if abs(here - float(left)) > _STRAYED:
@@ -192,7 +216,10 @@ class LiveSource:
 
 
 class _WayToBall:
-    """From where the axes stand to one reading, and its touches, in steps of the machine's own coordinates."""
+    """From where the axes stand to one reading, and its touches, in steps of the machine's own coordinates.
+
+    Raises TravelError where these leave the travels.
+    """
 
     def __init__(self, machine: Machine, request: Request, above: float = 0.0) -> None:
         self._machine, self._request = machine, request
@@ -200,14 +227,9 @@ class _WayToBall:
         self._scales = tuple(AxisScale.of(axis, _DECIMALS) for axis in machine.axes)
         self._groups: tuple[Group, ...] = groups(machine, setup.driving)
         self._clearance: Clearance | None = clearance_of(machine, self._scales, setup)
-        cycle_of(machine, setup)  # says what is not known of the ball
         self._pose = drawn_back(machine, np.array([request.pose]), above)[0] if above else np.array(request.pose)
         back = drawn_back(machine, np.array([request.pose]), setup.retract)[0]
         self.target: ReadingTarget = target(self._scales, setup.name, request.reading, back.tolist(), request.approach)
-
-    def above(self, height: float) -> _WayToBall:
-        """Return the same, higher over the ball.  height : m, along the tool"""
-        return _WayToBall(self._machine, self._request, height)
 
     def to(self, standing: tuple[str, Decimals] | None) -> list[Step]:
         """Return the way from where the axes stand, from anywhere if nobody knows."""
@@ -221,6 +243,11 @@ class _WayToBall:
     def off(self, standing: Decimals) -> list[Step]:
         """Return the way from where the axes stand to where they are clear."""
         return list(moves(standing, cleared(standing, self._clearance), self._scales, self._groups))
+
+    def trial(self) -> list[Step]:
+        """Return all of it 20 mm higher over the ball along the tool, from anywhere; raises TravelError."""
+        above = _WayToBall(self._machine, self._request, _ABOVE)
+        return [*above.to(None), *above.touches()]
 
     def touches(self) -> Iterator[Step]:
         """Yield the touches, with the moves between them."""
@@ -263,8 +290,8 @@ def _joined(words: Sequence[tuple[str, str]]) -> str:
 
 
 def _at_the_terminal(text: str) -> str:
-    """Ask on stderr and return the line that is typed; raises SourceError where nobody can answer."""
-    sys.stderr.write(text)
+    """Ask on a line of its own and return what is typed; raises SourceError where nobody can answer."""
+    sys.stderr.write("\n" * sys.stderr.isatty() + text)  # the line before shows how far the run is
     sys.stderr.flush()
     line = sys.stdin.readline()
     if not line:

@@ -19,25 +19,25 @@ _SWITCH_ON = "Set axiscal-vcomp.enable to 1 and wait a second"
 class InForce:
     """What is to compensate.
 
-    active : whether anything is; checksum : of the file that axiscal-vcomp is to hold, None for any
-    tables : SHA-256 of the COMP_FILEs that joints are to have, by name; none for any
+    active : whether anything is; checksum : of the file that axiscal-vcomp is to hold, None where it is to hold none
+    files : SHA-256 of that file, or of the COMP_FILEs that joints are to have, by name; none for any
     """
 
     active: bool = False
     checksum: int | None = None
-    tables: Mapping[str, str] = field(default_factory=dict)
+    files: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
     def of(cls, folder: Path) -> InForce:
         """Return that of the files in a folder, as `axiscal export` wrote them; raises TableError, OSError."""
         texts = {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.is_file()}
+        digests = {name: hashlib.sha256(text).hexdigest() for name, text in texts.items()}
         for name, text in texts.items():
             if name.endswith(".vcomp"):
                 whole = text.decode("ascii", "replace")
                 vcomp_reading.read(whole, str(folder / name))
-                return cls(True, int(whole.split()[-1], 16))
-        tables = {name: hashlib.sha256(text).hexdigest() for name, text in texts.items() if name.endswith(".comp")}
-        tables = {name: digest for name, digest in tables.items() if not name.startswith("axiscal")}
+                return cls(True, int(whole.split()[-1], 16), {name: digests[name]})
+        tables = {name: digests[name] for name in texts if name.endswith(".comp") and not name.startswith("axiscal")}
         if not tables:
             what, remedy = "it holds no file for LinuxCNC", "Name the folder that axiscal export has written"
             raise TableError(what, remedy, folder)
@@ -50,7 +50,7 @@ class InForce:
             _refuse_any(joints, status)
         elif self.checksum is not None:
             self._refuse_other_file(joints, status)
-        elif self.tables:
+        elif self.files:
             self._refuse_other_tables(status)
         elif not joints and not status["whole"]:
             what = "a compensation is to be in force, and neither COMP_FILE nor BACKLASH nor axiscal-vcomp.active is"
@@ -70,7 +70,7 @@ class InForce:
             raise SourceError(what, "Take it out of the INI file", joints=joints)
 
     def _refuse_other_tables(self, status: dict[str, Any]) -> None:
-        lacking = [name for name, digest in self.tables.items() if digest not in status["tables"]]
+        lacking = [name for name, digest in self.files.items() if digest not in status["tables"]]
         if lacking:
             what = "no joint has {lacking} as its COMP_FILE, as it was exported"
             raise SourceError(what, "Put the exported files in, and start LinuxCNC again", lacking=", ".join(lacking))

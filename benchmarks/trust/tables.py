@@ -1,0 +1,117 @@
+"""Whether tables keep their promise on machines whose errors are measured curves, with details finer than the knots.
+
+Every error motion of a mill is a measured curve of another machine: a part of it, as often turned round and upside
+down, stretched to the travel. Its RMS about its mean is that of the prior, give or take a third.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+
+import numpy as np
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import expanded_uncertainty
+from axiscal.machine import load_machine
+from axiscal.machine.description import Machine
+from axiscal.measurement.readers.truth_curves import TruthCurve
+from axiscal.measurement.simulation import Simulator
+from axiscal.numerics import Array
+from axiscal.tables import registry
+from axiscal.tables.effect import left_by
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.offer import spread_poses
+from benchmarks.trust.curves import CASES
+from benchmarks.trust.kept import Keeping, Trial
+from benchmarks.trust.virtual import READINGS, SETUPS, read_evenly
+
+MACHINE = "three-axis-mill"
+CONTROLS = ("linuxcnc", "linuxcnc-volumetric")
+MODELS = ("bare", "usual")
+_BARE = 'usual = "off"\nsure = "exactly"\n'
+_ALIKE, _PART, _POINTS = 1 / 3, 0.5, 2000
+"""Of the logarithm of sizes; the shortest part of a curve that is carried over; points of one that is carried over."""
+
+
+@cache
+def scans() -> tuple[Array, ...]:
+    """Return the measured curves, (2, n): positions from 0 to 1, and values of mean 0 and RMS 1."""
+    cases = (make() for make in CASES)
+    return tuple(_alike(case.places[:, 0], case.truth) for case in cases if case.places.shape[1] == 1)
+
+
+def _alike(positions: Array, values: Array) -> Array:
+    level = values - np.interp(np.linspace(positions[0], positions[-1], _POINTS), positions, values).mean()
+    return np.stack([(positions - positions[0]) / np.ptp(positions), level / level.std()])
+
+
+def carried_over(machine: Machine, rng: np.random.Generator) -> dict[str, TruthCurve]:
+    """Return a curve for each error of a machine, in the mean of the prior's size; constants are drawn from it."""
+    found = {}
+    for entry, function in zip(machine.errors, ErrorModel(machine).functions, strict=True):
+        if entry.kind != "motion":
+            found[entry.name] = TruthCurve(np.zeros(1), np.array([entry.std * rng.standard_normal()]))
+            continue
+        positions, values = scans()[int(rng.integers(len(scans())))]
+        width = rng.uniform(_PART, 1.0)
+        at = rng.uniform(0.0, 1.0 - width) + width * np.linspace(0.0, 1.0, _POINTS)[:: int(rng.choice([1, -1]))]
+        _, part = _alike(np.linspace(0.0, 1.0, _POINTS), np.interp(at, positions, values))
+        along = np.linspace(*machine.axis(entry.axis).travel, _POINTS)
+        size = _about_its_mean(function.rows(along), function.covariance) * float(
+            np.exp(_ALIKE * rng.standard_normal() - _ALIKE**2)
+        )
+        found[entry.name] = TruthCurve(along, size * float(rng.choice([1, -1])) * part)
+    return found
+
+
+def _about_its_mean(rows: Array, covariance: Array) -> float:
+    """Return the RMS of curves of a covariance about their own mean.  rows : (n, k)"""
+    about = rows - rows.mean(axis=0)
+    return float(np.sqrt(np.mean(np.sum((about @ covariance) * about, axis=1))))
+
+
+@cache
+def _case(model: str) -> Case:
+    text = f'machine = "{MACHINE}"\n{_BARE if model == "bare" else ""}[target]\nreadings = 1\n{SETUPS[MACHINE]}'
+    return Case(campaign_from_texts(text, "campaign.toml", load_machine(MACHINE).text, MACHINE))
+
+
+def kept_promise(trial: Trial) -> dict[str, float]:
+    """Return, of the tables of each control, the share of the volume inside U, and what 95 % keep over U.
+
+    trial : model and seed
+    """
+    model, seed = trial
+    case, rng = _case(model), np.random.default_rng((seed, 17))
+    machine, setups = case.description.machine, case.description.setups
+    truth = Simulator(machine, setups).with_curves(carried_over(machine, rng), seed)
+    known = concluded(case, tuple(read_evenly(case, truth, rng, READINGS[MACHINE])))
+    estimate, factor = known.estimate(), expanded_uncertainty(known).factor(known.accuracy.rms)
+    poses, sides = spread_poses(estimate)
+    found = {"withheld": float(known.agreement.withheld)}
+    for control in CONTROLS:
+        tables = registry.export(estimate, control, ExportOptions())
+        left = left_by(estimate.machine, truth.deviation, tables.control, poses, sides)
+        sizes = np.linalg.norm((left - left.mean(axis=0))[:, list(estimate.counted)], axis=1)
+        promised = factor * tables.expected
+        found[f"{control} inside"] = float(np.mean(sizes <= promised))
+        found[f"{control} over"] = float(np.quantile(sizes, 0.95)) / promised
+        found[f"{control} um"] = 1e6 * promised
+    return found
+
+
+def table_rows(machines: int, keeping: Keeping) -> Iterator[str]:
+    """Yield a line for each model and control."""
+    for model in MODELS:
+        found = keeping(kept_promise, [(model, seed) for seed in range(machines)])
+        said = [each for each in found if not each["withheld"]]
+        for control in CONTROLS:
+            figures = (np.array([each[f"{control} {name}"] for each in said]) for name in ("inside", "over", "um"))
+            inside, over, promised = figures
+            cells = f"{inside.mean():.1%} | {np.mean(over <= 1):.0%} | {np.median(over):.2f} | {over.max():.2f}"
+            withheld = 1 - len(said) / len(found)
+            yield f"| {control} | {model} | {len(found)} | {np.median(promised):.3g} µm | {cells} | {withheld:.0%} |"

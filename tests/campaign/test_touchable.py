@@ -1,0 +1,219 @@
+"""What is planned can be touched: on random machines, near the ends of their travels, by a control that goes there."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.sources.source import Answer, Request, Skip
+from axiscal.cli.progress import shown_progress
+from axiscal.description.campaign import CampaignDescription
+from axiscal.exceptions import DescriptionError, SourceError
+from axiscal.measurement.candidates import chart_candidates
+from axiscal.measurement.place import Place
+from axiscal.measurement.setup import Setup
+from axiscal.measurement.touched import cycle_of, sides
+from axiscal.ports.linuxcnc.live import InForce, LiveSource
+from axiscal.ports.linuxcnc.live.attached import _WayToBall
+from axiscal.programs import dialect, programs
+from tests.generators.touching_machines import CHAINS, Control, described
+
+FEW, MANY = 10, 60
+"""Seeds tried at once, and where there is time: on two machines of three both balls can be touched."""
+MOVED = np.array([0.4e-3, -0.3e-3, 0.2e-3])
+"""m: by how much a ball stands beside where it is stated."""
+
+
+def known(seed: int) -> CampaignDescription | None:
+    """Return a random campaign, None where one of its balls cannot be touched."""
+    try:
+        return described(seed)
+    except DescriptionError:
+        return None
+
+
+def balls(setup: Setup, moved: np.ndarray[Any, Any] = MOVED) -> list[np.ndarray[Any, Any]]:
+    assert setup.artefact is not None
+    return [np.array(ball.place) + moved for ball in setup.artefact.balls]
+
+
+def attached(campaign: CampaignDescription, control: Control, tried: bool = True) -> LiveSource:
+    line: Any = control
+    source = LiveSource(line, campaign.machine, InForce(), asked=lambda _: "go")
+    source._tried = tried
+    return source
+
+
+def made(campaign: CampaignDescription, **changes: Any) -> Control:
+    (setup,) = campaign.setups
+    radius = cycle_of(campaign.machine, setup).radius
+    return Control(campaign.machine, balls(setup), radius, **changes)
+
+
+def wanted(campaign: CampaignDescription, count: int) -> list[Request]:
+    (setup,) = campaign.setups
+    assert setup.chart is not None
+    poses, approaches = chart_candidates(campaign.machine, setup, setup.chart, count)
+    rows = zip(poses.tolist(), approaches.astype(int).tolist(), strict=True)
+    return [Request(n, setup, campaign.machine.axes, tuple(p), tuple(a)) for n, (p, a) in enumerate(rows, 1)]
+
+
+def touched(seeds: range) -> int:
+    """Read candidates of machines that can be touched; returns how many."""
+    count = 0
+    for campaign in filter(None, map(known, seeds)):
+        source = attached(campaign, made(campaign))
+        for request in wanted(campaign, 6):
+            answer = source.read(request)
+            assert isinstance(answer, Answer), (campaign.machine.chain, answer)
+            np.testing.assert_allclose((answer.value, *answer.others), -MOVED, atol=2e-8)
+            count += 1
+    return count
+
+
+@pytest.mark.parametrize("chain", range(len(CHAINS)), ids=CHAINS)
+def test_every_candidate_is_touched(chain: int) -> None:
+    assert touched(range(chain, FEW, len(CHAINS))) >= 6
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("chain", range(len(CHAINS)), ids=CHAINS)
+def test_every_candidate_of_many_machines_is_touched(chain: int) -> None:
+    assert touched(range(FEW + chain, MANY, len(CHAINS))) >= 30
+
+
+@pytest.mark.parametrize("control", ["linuxcnc", "heidenhain"])
+def test_programs_with_a_log_touch_every_candidate(control: str) -> None:
+    for campaign in filter(None, map(known, range(len(CHAINS)))):
+        (setup,), requests = campaign.setups, wanted(campaign, 12)
+        places = [Place(setup.name, request.pose, request.approach) for request in requests]
+        (program,) = programs(campaign.machine, campaign.setups, places, dialect(control), log=True)
+        assert len(program.readings) == len(places)
+
+
+def test_a_machine_that_shows_inches_is_read_alike() -> None:
+    campaign = described(1)
+    for request in wanted(campaign, 3):
+        answers = [attached(campaign, made(campaign, unit=unit)).read(request) for unit in (1.0, 1 / 25.4)]
+        values = [(each.value, *each.others) for each in answers if isinstance(each, Answer)]
+        np.testing.assert_allclose(values[0], values[1], atol=1e-9)
+
+
+def narrowed(campaign: CampaignDescription) -> CampaignDescription:
+    """Return the campaign on a machine whose X ends before some of the candidates; no plan of before knows it."""
+    at = campaign.machine.index("X")
+    end = float(np.quantile([request.pose[at] for request in wanted(campaign, 60)], 0.1))
+    axes = (replace(a, travel=(end, a.travel[1])) if k == at else a for k, a in enumerate(campaign.machine.axes))
+    return replace(campaign, machine=replace(campaign.machine, axes=tuple(axes)))
+
+
+def test_what_cannot_be_touched_is_skipped_before_anything_moves() -> None:
+    campaign = narrowed(described(1))
+    control = made(campaign)
+    source = attached(campaign, control)
+    for request in wanted(described(1), 12):
+        before = len(control.lines)
+        answer = source.read(request)
+        if isinstance(answer, Skip):
+            assert "X" in answer.reason
+            assert len(control.lines) == before
+    assert not control.stopped
+    skipped = [isinstance(source.read(request), Skip) for request in wanted(described(1), 12)]
+    assert any(skipped)
+    assert not all(skipped)
+
+
+def test_a_trial_above_the_ball_that_has_no_room_is_skipped_too() -> None:
+    campaign = described(8)
+    first = next(request for request in wanted(campaign, 60) if not tried(campaign, request))
+    control = made(campaign)
+    answer = attached(campaign, control, tried=False).read(first)
+    assert isinstance(answer, Skip)
+    assert control.lines == []
+
+
+def tried(campaign: CampaignDescription, request: Request) -> bool:
+    try:
+        return bool(_WayToBall(campaign.machine, request).trial())
+    except Exception:  # noqa: BLE001
+        return False
+
+
+@pytest.mark.long
+def test_a_campaign_goes_on_around_what_cannot_be_touched_and_asks_it_no_more(tmp_path: Path) -> None:
+    planned = described(1)
+    campaign = narrowed(planned)
+    with Campaign.create(tmp_path / "m.axiscal", planned) as begun:
+        source = attached(campaign, made(campaign))
+        asked = list[Request]()
+        read = source.read
+        source.read = lambda request: (asked.append(request), read(request))[1]  # type: ignore[method-assign]
+        begun.run(source, lambda _: None)
+        state = begun.state
+    assert len(state.readings) == 4
+    assert state.skipped
+    assert all("X" in gap.reason for gap in state.skipped)
+    poses = [request.pose for request in asked]
+    assert len(set(poses)) == len(poses)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [0, 4, 23])
+def test_a_whole_plan_is_touched(seed: int, tmp_path: Path) -> None:
+    campaign = described(seed)
+    with Campaign.create(tmp_path / "m.axiscal", campaign) as begun:
+        begun.run(attached(campaign, made(campaign)), lambda _: None)
+        assert len(begun.state.readings) == 4
+        assert begun.state.skipped == ()
+
+
+AMISS = {
+    "the probe met nothing": ("deaf", 0.0, 0.0),
+    "the probe is closed": ("stuck", 0.0, 0.0),
+    "from where the ball is stated": ("sound", 0.0, 3.5e-3),
+    "beside the ball of reading 2 the probe met something": ("sound", 5e-3, 0.0),
+}
+"""How the probe is, and m by which the plate was moved between two placements: to the first side, and up."""
+
+
+@pytest.mark.parametrize("why", AMISS)
+def test_what_a_person_has_to_look_at_ends_the_run_with_a_sentence(why: str) -> None:
+    campaign, (probe, aside, up) = described(15), AMISS[why]
+    control = made(campaign)
+    source, (first, second) = attached(campaign, control), wanted(campaign, 2)
+    assert isinstance(source.read(first), Answer)
+    pole, side, *_ = sides(campaign.machine, np.array(second.pose))
+    control.probe, control.balls = probe, control.balls + aside * side + up * pole
+    with pytest.raises(SourceError, match=why):
+        source.read(second)
+    assert control.stopped
+
+
+class Terminal(io.StringIO):
+    """A stderr that a person looks at."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_a_question_stands_alone_between_lines_of_progress(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The line of progress is not written again, and not on the question's line, until it has its answer."""
+    shown, campaign = Terminal(), described(1)
+    monkeypatch.setattr("sys.stderr", shown)
+    monkeypatch.setattr("sys.stdin", io.StringIO("go\n"))
+    line: Any = made(campaign)
+    source = LiveSource(line, campaign.machine, InForce())
+    request = next(request for request in wanted(campaign, 60) if tried(campaign, request))
+    monkeypatch.setattr("axiscal.cli.progress.progress_line", lambda *_: "reading 1: so far so good")
+    with shown_progress(campaign.target) as watch:
+        watch(None)  # type: ignore[arg-type]
+        assert isinstance(source.read(request), Answer)
+    (asked,) = [text for text in shown.getvalue().split("\n") if "Enter makes one step" in text]
+    assert asked.startswith("The first run goes")
+    assert "reading" not in asked
