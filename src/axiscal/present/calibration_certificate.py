@@ -1,7 +1,7 @@
 """The Digital Calibration Certificate: a summary as XML after PTB's schema DCC 3.3.0 with D-SI 2.2.
 
-It has no signature and no seal: the person responsible adds them. Facts that nobody said stand as "not stated". An
-unknown country is ZZ, a code that ISO 3166-1 leaves to users.
+Whoever has a key signs it (XAdES); a seal is for the laboratory to add. Facts that nobody said stand as "not stated".
+An unknown country is ZZ, a code that ISO 3166-1 leaves to users.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from axiscal.estimation.accuracy.expanded import BAND, LEVEL
 from axiscal.exceptions import ReadingError
 from axiscal.present.statement import in_space
 from axiscal.present.summary import CurveSummary, SetupUse, Summary
+from axiscal.record.signing import signed_xml
 
 DCC, SI = "https://ptb.de/dcc", "https://ptb.de/si"
 VERSION = "3.3.0"
@@ -31,28 +32,29 @@ _UNKNOWN_COUNTRY = "ZZ"
 
 
 def certificate(summary: Summary) -> bytes:
-    """Return the certificate as XML; raises SummaryError for a figure that is not finite."""
+    """Return the certificate as XML; raises SummaryError for a figure that is not finite, RecordError for a bad key."""
     ET.register_namespace("dcc", DCC)
     ET.register_namespace("si", SI)
     root = ET.Element(_dcc("digitalCalibrationCertificate"), schemaVersion=VERSION)
     _administration(root, summary)
     _results(_below(root, "measurementResults"), summary)
     ET.indent(root)
-    return b'<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(root, encoding="unicode").encode() + b"\n"
+    document = ET.tostring(root, encoding="unicode").encode()
+    return signed_xml(b'<?xml version="1.0" encoding="utf-8"?>\n' + document + b"\n", "Digital Calibration Certificate")
 
 
 def check_against(schema: Path, document: bytes, file: Path) -> None:
     """Raise ReadingError where a certificate is not as a schema wants it.  schema : dcc.xsd, its imports beside it"""
-    import xmlschema
+    from lxml import etree
 
     try:
-        checked = xmlschema.XMLSchema(str(schema), allow="local")
-        fault = next(checked.iter_errors(document.decode()), None)
-    except (xmlschema.XMLSchemaException, OSError, SyntaxError) as failure:
+        checked = etree.XMLSchema(file=str(schema))
+    except (etree.LxmlError, OSError) as failure:
         remedy = "Give PTB's dcc.xsd with what it imports in local files beside it"
         raise ReadingError(f"the schema cannot be used: {failure}", remedy, schema) from failure
-    if fault is not None:
-        what = f"{fault.path}: {fault.reason}"
+    if not checked.validate(etree.fromstring(document)):
+        fault = checked.error_log[0]
+        what = f"{fault.path}: {fault.message}"
         raise ReadingError(what, f"This schema may be another version than DCC {VERSION}", file)
 
 
