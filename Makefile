@@ -28,8 +28,8 @@ help:
 	@echo "make trust      measure how far the printed bands can be trusted, into docs/evidence/trust.md (PART=iso: only that section; PART=attacks MACHINES=100 of each, 20 unless said, MINUTES=30 at a time; ONLY='step; bump': shown, not written)"
 	@echo "make certify    certify numerics and uncertainties on thousands of random cases (PART=name: only that part; CASES=20000 of it; PART=gcode, PART=dialects, PART=plans and PART=simulator go on where they were ended)"
 	@echo "make controls   the exports in real controls: LinuxCNC, Klipper, Moonraker, RepRapFirmware; a row each (ONLY=klipper)"
-	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours, MINUTES=20 at a time; ROWS='8 9': only these; PYTHONS=...: other interpreters too)"
-	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run)"
+	@echo "make reliability  faults, kills, lost power, changed bits, bad files: one table of what was tried and lost (LONG=1: hours, MINUTES=20 at a time; ROWS='8 9': only these; DISK=/mnt/stick: on another disk; PYTHONS=...: other interpreters too)"
+	@echo "make fuzz       every reader on thousands of files that are changed at random (EXAMPLES=50000: the long run; SECONDS=600 of each kind; KIND=name)"
 	@echo "make fuzz-coverage  every reader on files that atheris changes so that other lines run (SECONDS=30 of each kind; KIND=name)"
 	@echo "make coverage   which lines and branches of readers and exporters their own tests run (a quarter of an hour)"
 	@echo "make mutants    the source changed by a word, and whether a test fails then (PLACES=100 of each room; SEED=2: other places; ROOM=numerics; SECONDS=20 of tests for each change; OWN=1: the room's own tests only; AGAIN=1: what survived, where tests were added)"
@@ -109,10 +109,10 @@ controls: .venv/dev.stamp .venv-controls/stamp
 	$(BIN)/python -m tests.controls $(ONLY:%=--only %)
 
 reliability: .venv/dev.stamp
-	$(BIN)/python -m tests.reliability $(if $(LONG),--long) $(if $(MINUTES),--minutes $(MINUTES)) $(ROWS:%=--row %) $(PYTHONS:%=--python %)
+	$(if $(DISK),AXISCAL_DISK=$(DISK)) $(BIN)/python -m tests.reliability $(if $(LONG),--long) $(if $(MINUTES),--minutes $(MINUTES)) $(ROWS:%=--row %) $(PYTHONS:%=--python %)
 
 fuzz: .venv/dev.stamp
-	$(BIN)/python -m tests.reliability.fuzz $(if $(EXAMPLES),--examples $(EXAMPLES)) $(if $(KIND),--kind $(KIND))
+	$(BIN)/python -m tests.reliability.fuzz $(if $(EXAMPLES),--examples $(EXAMPLES)) $(if $(SECONDS),--seconds $(SECONDS)) $(if $(KIND),--kind $(KIND))
 
 fuzz-coverage: .venv/dev.stamp .venv-fuzz/stamp
 	.venv-fuzz/bin/python -m tests.reliability.guided $(if $(SECONDS),--seconds $(SECONDS)) $(if $(KIND),--kind $(KIND))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -24,7 +25,7 @@ from tests.reliability import (
     set_faults,
     writers,
 )
-from tests.reliability.trial import Trial
+from tests.reliability.trial import DISK, Trial
 
 
 def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
@@ -73,7 +74,11 @@ def main(words: Sequence[str]) -> int:
             print("The same command goes on here.", flush=True)
             break
         find = partial(_dated, tried)
-        found = find() if args.again or not args.long else kept.get(f"{number} {args.python}", find)
+        found = (
+            find()
+            if args.again or not args.long
+            else kept.get(f"{number} {args.python}{os.environ.get(DISK, '')}", find)
+        )
         trial = Trial(**found)
         lost += trial.lost
         print(f"| {number + 1} | {trial.what} | {trial.tried:,} | {trial.lost:,} | {trial.detail} |", flush=True)

@@ -73,15 +73,17 @@ def main(words: Sequence[str]) -> int:
     """Fuzz every reader and print how often."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--examples", type=int, default=5000, help="files of each kind")
+    parser.add_argument("--seconds", type=float, default=0.0, help="of each kind; as many more files as they take")
     parser.add_argument("--kind", choices=[kind.name for kind in KINDS], help="only files of this kind")
     args = parser.parse_args(words)
-    examples = args.examples
     for kind in KINDS:
         if args.kind not in (None, kind.name):
             continue
-        begin = time.monotonic()
-        fuzzed(kind, examples)
-        sys.stdout.write(f"{kind.name}: {examples:,} files, no failure, {time.monotonic() - begin:.0f} s\n")
+        begin, read = time.monotonic(), 0
+        while read == 0 or time.monotonic() < begin + args.seconds:
+            fuzzed(kind, args.examples)
+            read += args.examples
+        sys.stdout.write(f"{kind.name}: {read:,} files, no failure, {time.monotonic() - begin:.0f} s\n")
         sys.stdout.flush()
     return 0
 

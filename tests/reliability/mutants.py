@@ -33,7 +33,7 @@ from tests.certify.kept import FOLDER, HOUSE, Kept, state_of_sources
 from tests.reliability import covering
 from tests.reliability.covering import Covered
 
-ROOMS = ("numerics", "estimation", "tables")
+ROOMS = ("numerics", "estimation", "tables", "record")
 PACKAGE = HOUSE / "src" / "axiscal"
 _APART = ("docs", "cli", "web", "scenarios", "benchmarks", "reliability", "certify")
 _LOADED = ("hypothesis", "mpmath", "scipy.linalg", "scipy.optimize", "threadpoolctl")

@@ -69,6 +69,11 @@ def _logged(path: Path) -> tuple[bytes, Log]:
                 log.acknowledged[-1] += len(batch)
     finally:
         module.write_at, module.sync, os.ftruncate = write_at, sync, cut
+    disk = bytearray(before)
+    for epoch in log.epochs:
+        for offset, content in epoch:
+            _apply(disk, offset, content)
+    assert disk == path.read_bytes(), "the disk was told more than was logged"
     return before, log
 
 

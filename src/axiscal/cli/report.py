@@ -32,8 +32,7 @@ def report(
     """Write the report of a campaign, finished or not.
 
     The report is a page that needs no network, a PDF, or a certificate. FILE.xml is a Digital Calibration Certificate
-    (DCC 3.3.0). It has neither signature nor seal: whoever is responsible adds them. --schema compares it with PTB's
-    schema, which you have to have.
+    (DCC 3.3.0). Your key, if any, signs it (XAdES). --schema compares it with PTB's schema, which you have to have.
 
     The page and the PDF are in the language that --language or AXISCAL_LANGUAGE names, else in that of campaign.toml
     ([report] language), else in English; the certificate is in English.
@@ -59,10 +58,11 @@ def _compared(target: Path, schema: Path | None) -> str:
     """Return what a certificate was compared with; raises ReadingError where it is not as its schema wants it."""
     if target.suffix.lower() != ".xml":
         return ""
+    signed = f"signed with {key_file()}" if key_file().exists() else "unsigned"
     if schema is None:
-        return " It was compared with no schema (--schema dcc.xsd), and is neither signed nor sealed."
+        return f" It was compared with no schema (--schema dcc.xsd), and is {signed}."
     check_against(schema, target.read_bytes(), target)
-    return f" It is as {schema} wants it, and neither signed nor sealed."
+    return f" It is as {schema} wants it, and {signed}."
 
 
 def _page(out: Path) -> Path:

@@ -71,8 +71,8 @@ def _nearest(machine: Machine, part: Chart) -> str:
     axis = int(short[best].argmax())
     if short[best, axis] <= 0:
         what = (
-            "In every pose the tool is against a stem, in what is to be kept out, or without room to draw back: look at "
-            "free, cone, keep_out, retract and the travels"
+            "In every pose the tool is against a stem, in what is to be kept out, or without room to draw back: look "
+            "at free, cone, keep_out, retract and the travels"
         )
         return said(what)
     lack = format_quantity(float(short[best, axis] * (high - low)[axis]), machine.axes[axis].unit, 3)

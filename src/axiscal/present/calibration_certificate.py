@@ -1,7 +1,7 @@
 """The Digital Calibration Certificate: a summary as XML after PTB's schema DCC 3.3.0 with D-SI 2.2.
 
-It has no signature and no seal: the person responsible adds them. Facts that nobody said stand as "not stated". An
-unknown country is ZZ, a code that ISO 3166-1 leaves to users. Its elements stand in `templates/certificate.xml`.
+Whoever has a key signs it (XAdES); a seal is for the laboratory to add. Facts that nobody said stand as "not stated".
+An unknown country is ZZ, a code that ISO 3166-1 leaves to users. Its elements stand in `templates/certificate.xml`.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.present.standalone import environment
 from axiscal.present.statement import in_space
 from axiscal.present.summary import Summary
+from axiscal.record.signing import signed_xml
 
 VERSION = "3.3.0"
 _UNITS = {
@@ -28,7 +29,7 @@ _UNKNOWN_COUNTRY = "ZZ"
 
 
 def certificate(summary: Summary) -> bytes:
-    """Return the certificate as XML; raises SummaryError for a figure that is not finite."""
+    """Return the certificate as XML; raises SummaryError for a figure that is not finite, RecordError for a bad key."""
     templates, told = environment("axiscal.present"), summary.particulars
     templates.filters |= {"plain": _plain, "si": _si, "figure": _figure, "half": lambda std: BAND * std}
     templates.globals |= {"unsaid": _UNSAID, "band": BAND, "level": LEVEL, "level_percent": f"{LEVEL:.0%}", "zip": zip}
@@ -42,22 +43,23 @@ def certificate(summary: Summary) -> bytes:
         curves=[*summary.curves, *summary.reversals],
         constants=[each for each in summary.constants if ": " not in each.name],
     )
-    return "".join(f"{line}\n" for line in text.splitlines() if line).encode()
+    document = "".join(f"{line}\n" for line in text.splitlines() if line).encode()
+    return signed_xml(document, "Digital Calibration Certificate")
 
 
 def check_against(schema: Path, document: bytes, file: Path) -> None:
     """Raise ReadingError where a certificate is not as a schema wants it.  schema : dcc.xsd, its imports beside it"""
-    import xmlschema
+    from lxml import etree
 
     try:
-        checked = xmlschema.XMLSchema(str(schema), allow="local")
-        fault = next(checked.iter_errors(document.decode()), None)
-    except (xmlschema.XMLSchemaException, OSError, SyntaxError) as failure:
+        checked = etree.XMLSchema(file=str(schema))
+    except (etree.LxmlError, OSError) as failure:
         remedy = "Give PTB's dcc.xsd with what it imports in local files beside it"
         raise ReadingError("the schema cannot be used: {reason}", remedy, schema, reason=failure) from failure
-    if fault is not None:
+    if not checked.validate(etree.fromstring(document)):
+        fault = checked.error_log[0]
         remedy = "This schema may be another version than DCC {version}"
-        raise ReadingError("{path}: {reason}", remedy, file, path=fault.path, reason=fault.reason, version=VERSION)
+        raise ReadingError("{path}: {reason}", remedy, file, path=fault.path, reason=fault.message, version=VERSION)
 
 
 def _plain(text: str) -> str:

@@ -1,9 +1,10 @@
 """Results as a set: whoever looks into their folder finds the earlier ones or the new ones, all of them, never some.
 
 New results are written into a folder beside, with a manifest as the last file, and waited for. The two folders change
-places in one step if the old one holds nothing else. If it holds other things as well, or is another disk, the old
-manifest goes first. Then one result after another takes its place, and the new manifest comes last. Without a manifest
-there is no set, and the next writer completes it.
+places in one step if the old one holds nothing else. Some disks know no such step (exFAT): a kill between two leaves
+the earlier set beside, and the next writer puts it back. If the old folder holds other things as well, or is another
+disk, the old manifest goes first. Then one result after another takes its place, and the new manifest comes last.
+Without a manifest there is no set, and the next writer completes it.
 """
 
 from __future__ import annotations
@@ -167,7 +168,11 @@ def _swap(staging: Path, folder: Path) -> None:
     if not exchanged(staging, folder):
         old = folder.parent / f".{folder.name}.{os.getpid()}.old"
         os.rename(folder, old)
-        os.rename(staging, folder)
+        try:
+            os.rename(staging, folder)
+        except OSError:
+            os.rename(old, folder)
+            raise
         staging = old
     sync_folder(folder.parent)
     shutil.rmtree(staging, ignore_errors=True)  # the earlier set; what stays of it goes at the next start

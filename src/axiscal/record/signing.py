@@ -3,10 +3,14 @@
     signature = Ed25519("axiscal-signature/1" newline JSON of document, person, computer and public key, keys in order)
 
 The key is a file of the user's that nobody else may read. Whoever has none writes the same, unsigned.
+
+Few readers of XML know Ed25519. So each XML document gets an ECDSA key of its own, which is forgotten afterwards, and
+the person's key certifies it (X.509, RFC 8410).
 """
 
 from __future__ import annotations
 
+import datetime
 import getpass
 import hashlib
 import json
@@ -19,7 +23,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from axiscal.exceptions import RecordError
 
 if TYPE_CHECKING:
-    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+    from cryptography import x509
+    from cryptography.hazmat.primitives.asymmetric.ec import EllipticCurvePublicKey
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
 
 PERSON, KEY = "AXISCAL_PERSON", "AXISCAL_KEY"
 """Variables of the environment: the name of who writes, and the file of the key."""
@@ -84,6 +90,32 @@ def signature(document: Mapping[str, object]) -> Signature | None:
     return unsigned._replace(signature=key.sign(_message(document, unsigned)).hex())
 
 
+def signed_xml(document: bytes, what: str) -> bytes:
+    """Return an XML document with this person's XAdES signature as its last element, the same one without a key.
+
+    It covers the whole document, time and certificates (ETSI EN 319 132-1).  Raises RecordError for a bad key.
+    what : the document's kind
+    """
+    key = _own_key()
+    if key is None:
+        return document
+    from cryptography.hazmat.primitives.asymmetric import ec
+    from lxml import etree
+    from signxml.algorithms import CanonicalizationMethod as Canonical
+    from signxml.xades.xades import XAdESDataObjectFormat, XAdESSigner
+
+    once = ec.generate_private_key(ec.SECP256R1())
+    # Where a reference names no canonical form, readers take this one (XML Signature, 4.4.3.2).
+    signer = XAdESSigner(
+        signature_algorithm="ecdsa-sha256",
+        c14n_algorithm=Canonical.CANONICAL_XML_1_0,
+        data_object_format=XAdESDataObjectFormat(Description=what),
+    )
+    chain = [_certificate(once.public_key(), key), _certificate(key.public_key(), key)]
+    root = signer.sign(etree.fromstring(document), key=once, cert=chain, always_add_key_value=False)
+    return bytes(etree.tostring(root, encoding="utf-8", xml_declaration=True)) + b"\n"
+
+
 def holds(document: Mapping[str, object], signed: Signature) -> bool:
     """Return whether a signature is of this document."""
     from cryptography.exceptions import InvalidSignature
@@ -110,6 +142,27 @@ def _message(document: Mapping[str, object], by: Signature) -> bytes:
     whole = {**document, "person": by.person, "computer": by.computer, "key": by.key}
     text = json.dumps(whole, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
     return f"axiscal-signature/1\n{text}".encode()
+
+
+def _certificate(of: EllipticCurvePublicKey | Ed25519PublicKey, by: Ed25519PrivateKey) -> x509.Certificate:
+    """Return a certificate by a person, of the person's own key or of one for a single document; it always holds."""
+    from cryptography import x509
+
+    own, key = of == by.public_key(), by.public_key().public_bytes_raw().hex()
+    person = x509.NameAttribute(x509.NameOID.COMMON_NAME, own_hand().person[:64])
+    issuer = x509.Name([person, x509.NameAttribute(x509.NameOID.SERIAL_NUMBER, key)])
+    subject = issuer if own else x509.Name([person])
+    signs = x509.KeyUsage(not own, not own, False, False, False, own, own, False, False)
+    identifier = x509.SubjectKeyIdentifier.from_public_key(of)
+    return (
+        x509.CertificateBuilder(issuer, subject, of, int.from_bytes(identifier.digest[:16]) + 1)
+        .not_valid_before(datetime.datetime(2000, 1, 1))
+        .not_valid_after(datetime.datetime(9999, 12, 31, 23, 59, 59))  # RFC 5280, 4.1.2.5
+        .add_extension(x509.BasicConstraints(ca=own, path_length=0 if own else None), critical=True)
+        .add_extension(signs, critical=True)
+        .add_extension(identifier, critical=False)
+        .sign(by, None)
+    )
 
 
 def _own_key() -> Ed25519PrivateKey | None:
