@@ -77,11 +77,9 @@ def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str) -> Sum
     try:
         return deliver(campaign, campaign.estimate(ended=True), out, extras)
     except OSError as failure:
-        what = "The results were not written: {reason}"
+        what, reason = "The results were not written: {reason}", failure.strerror or failure
         remedy = "Check the permissions and the room on the disk; those of before, if any, stand whole; then {again}"
-        raise RecordError(
-            what, remedy, failure.filename or out, reason=failure.strerror or failure, again=again
-        ) from failure
+        raise RecordError(what, remedy, failure.filename or out, reason=reason, again=again) from failure
     except KeyboardInterrupt:
         raise AxiscalError(f"Stopped by Ctrl-C. Every reading is kept. {whole}; {again}") from None
 

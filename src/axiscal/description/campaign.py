@@ -148,10 +148,8 @@ def _machine_name(document: Document) -> str:
     if isinstance(name, str) and name.strip() and name.isprintable():
         return name
     what = '"machine" is missing' if name is None else "machine: {name} is not the name of a machine"
-    remedy = 'Give a file, machine = "machine.toml", or one of {known}'
-    raise DescriptionError(
-        what, remedy, document.path, document.line("machine") or 1, name=shown(name), known=", ".join(builtin_names())
-    )
+    remedy, known = 'Give a file, machine = "machine.toml", or one of {known}', ", ".join(builtin_names())
+    raise DescriptionError(what, remedy, document.path, document.line("machine") or 1, name=shown(name), known=known)
 
 
 def _described(

@@ -239,10 +239,8 @@ def _refuse_outside(setup: Setup, axis: Axis, value: float) -> NoReturn:
         raise ReadingError(what, "{axis} goes from {travel}", axis=axis.name, shown=shown, travel=axis.travel_text)
     what = "at {axis} = {shown} a foot of the {instrument} stands outside the travel"
     base = format_quantity(setup.base or 0.0, unit, 9)
-    remedy = "Give where the middle of its base of {base} stood; {axis} goes from {travel}"
-    raise ReadingError(
-        what, remedy, axis=axis.name, shown=shown, instrument=setup.instrument, base=base, travel=axis.travel_text
-    )
+    remedy, travel = "Give where the middle of its base of {base} stood; {axis} goes from {travel}", axis.travel_text
+    raise ReadingError(what, remedy, axis=axis.name, shown=shown, instrument=setup.instrument, base=base, travel=travel)
 
 
 def off_chart(machine: Machine, chart: Chart, pose: Array) -> float:

@@ -187,10 +187,8 @@ class SiteReader:
             if len(balls) != 1:
                 with self._at("ball" if table.ball else "artefact"):
                     what = "a bar turns about one ball, and {artefact} has {count} here"
-                    remedy = 'Name one, such as ball = "{ball}"'
-                    raise DescriptionError(
-                        what, remedy, artefact=artefact.name, count=len(balls), ball=artefact.balls[0].name
-                    )
+                    remedy, ball = 'Name one, such as ball = "{ball}"', artefact.balls[0].name
+                    raise DescriptionError(what, remedy, artefact=artefact.name, count=len(balls), ball=ball)
             return artefact.balls[balls[0]].place, unknowns_at(artefact, balls), artefact, balls
         if table.station is None:
             with self._at("length"):

@@ -119,6 +119,8 @@ def _check_location(name: ErrorName, axis: Axis) -> None:
     if name.kind != "location" or axis.rotary:
         return
     along = 3 + letter_direction(axis.letter)
+    if name.angular and name.component != along:
+        return
     possible = joined([f"{COMPONENTS[c]}0{axis.name}" for c in range(3, 6) if c != along])
     remedy = "The location errors of the linear axis {axis} are {possible}"
     if name.component == along:
@@ -126,9 +128,8 @@ def _check_location(name: ErrorName, axis: Axis) -> None:
         remedy = "The location errors of the linear axis {axis} are {possible}; a constant roll is part of {error}"
         error = f"E{COMPONENTS[along]}{axis.name}"
         raise DescriptionError(what, remedy, axis=axis.name, possible=possible, error=error)
-    if not name.angular:
-        what = "a linear axis has no location error {name}: shifting it shifts only its zero"
-        raise DescriptionError(what, remedy, name=name.canonical, axis=axis.name, possible=possible)
+    what = "a linear axis has no location error {name}: shifting it shifts only its zero"
+    raise DescriptionError(what, remedy, name=name.canonical, axis=axis.name, possible=possible)
 
 
 def _check_keys(name: ErrorName, table: ErrorTable) -> None:

@@ -172,10 +172,8 @@ class Simulator:
             axis = parse_error_name(name).axis
             if axis not in names:
                 what = '"{name}" is an error of axis {axis}, which "{machine}" does not have'
-                remedy = "Take the curve out; the axes are {known}"
-                raise ReadingError(
-                    what, remedy, path, name=name, axis=axis, machine=self.machine.name, known=", ".join(sorted(names))
-                )
+                remedy, known = "Take the curve out; the axes are {known}", ", ".join(sorted(names))
+                raise ReadingError(what, remedy, path, name=name, axis=axis, machine=self.machine.name, known=known)
         errors = tuple(ErrorEntry(name, std=1.0, knots=4) for name in curves)
         model = ErrorModel(replace(self.machine, errors=errors, planes=()))
         return VirtualMachine(model, tuple(_through(curve) for curve in curves.values()), *self._mounted(seed))

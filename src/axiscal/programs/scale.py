@@ -85,10 +85,8 @@ class AxisScale:
         read = Decimal(text)
         if read != value or not self.low <= read <= self.high:
             what = "{axis} would go to {text} {unit}, and its travel is {low} to {high}"
-            remedy = "Choose a smaller overrun, or a raster within the travel"
-            raise ProgramError(
-                what, remedy, axis=self.axis.name, text=text, unit=self.unit, low=self.low, high=self.high
-            )
+            remedy, axis = "Choose a smaller overrun, or a raster within the travel", self.axis.name
+            raise ProgramError(what, remedy, axis=axis, text=text, unit=self.unit, low=self.low, high=self.high)
         return text
 
 

@@ -115,11 +115,8 @@ class ExecSource:
             line = self._lines.get_nowait()
             if not line:
                 raise self._died(GRACE)
-            raise self._failure(
-                "the command `{command}` said {answer} without being asked",
-                "Answer each line with exactly one line",
-                answer=_quoted(line),
-            )
+            what = "the command `{command}` said {answer} without being asked"
+            raise self._failure(what, "Answer each line with exactly one line", answer=_quoted(line))
 
     def _send(self, line: str) -> None:
         stream = _pipe(self._process.stdin)
@@ -163,18 +160,13 @@ class ExecSource:
         try:
             answer = json.loads(line, object_pairs_hook=_once_each) if len(line) <= LONGEST else None
         except _TwiceError as twice:
-            raise self._failure(
-                "the command `{command}` answered {answer}, which gives {key} twice",
-                "Give each key once",
-                answer=_quoted(line),
-                key=twice,
-            ) from None
+            what = "the command `{command}` answered {answer}, which gives {key} twice"
+            raise self._failure(what, "Give each key once", answer=_quoted(line), key=twice) from None
         except (ValueError, RecursionError):
             answer = None
         if not isinstance(answer, dict):
-            raise self._failure(
-                "the command `{command}` answered {answer}, which is not a JSON object", _REMEDY, answer=_quoted(line)
-            )
+            what = "the command `{command}` answered {answer}, which is not a JSON object"
+            raise self._failure(what, _REMEDY, answer=_quoted(line))
         if answer.get("reading", request.reading) != request.reading:
             what = "the command `{command}` answered {answer}, but reading {number} was asked for"
             remedy = "Answer the readings in their order"
@@ -186,9 +178,8 @@ class ExecSource:
     def _skip(self, answer: dict[str, Any], line: str) -> Skip:
         reason = answer["skip"]
         if not isinstance(reason, str) or not reason.strip() or "value" in answer:
-            raise self._failure(
-                "the command `{command}` answered {answer}, which is no reason to skip", _REMEDY, answer=_quoted(line)
-            )
+            what = "the command `{command}` answered {answer}, which is no reason to skip"
+            raise self._failure(what, _REMEDY, answer=_quoted(line))
         return Skip(reason.strip())
 
     def _answer(self, answer: dict[str, Any], line: str, request: Request) -> Answer:
@@ -198,11 +189,8 @@ class ExecSource:
             return Answer(value, others=tuple(others), live=True)
         std = self._number(answer["std"], unit, line)
         if std <= 0:
-            raise self._failure(
-                "the command `{command}` answered {answer}, whose std is not positive",
-                "Give a std above 0, or none",
-                answer=_quoted(line),
-            )
+            what = "the command `{command}` answered {answer}, whose std is not positive"
+            raise self._failure(what, "Give a std above 0, or none", answer=_quoted(line))
         self._refuse_implausible(std, line, request.setup)
         return Answer(value, std, tuple(others), live=True)
 
@@ -242,30 +230,25 @@ class ExecSource:
                 'The {instrument} reads an angle: give a unit such as "{unit}"', instrument=instrument, unit=example
             )
         if not isinstance(unit, str):
-            raise self._failure(
-                "the command `{command}` answered {answer} without a unit", remedy, answer=_quoted(line)
-            )
+            what = "the command `{command}` answered {answer} without a unit"
+            raise self._failure(what, remedy, answer=_quoted(line))
         try:
             fits = dimension_of(unit) == reads
         except UnitError:
             fits = False
         if not fits:
-            raise self._failure(
-                "the command `{command}` answered {answer} in a unit that does not fit", remedy, answer=_quoted(line)
-            )
+            what = "the command `{command}` answered {answer} in a unit that does not fit"
+            raise self._failure(what, remedy, answer=_quoted(line))
         return unit
 
     def _number(self, number: object, unit: str, line: str) -> float:
         if not isinstance(number, int | float) or isinstance(number, bool):
-            raise self._failure(
-                "the command `{command}` answered {answer}, in which a number is missing", _REMEDY, answer=_quoted(line)
-            )
+            what = "the command `{command}` answered {answer}, in which a number is missing"
+            raise self._failure(what, _REMEDY, answer=_quoted(line))
         value = from_unit(float(number), unit) if abs(number) < 1e300 else math.inf
         if not math.isfinite(value):
-            remedy = 'Answer {{"skip": "reason"}} when there is no reading'
-            raise self._failure(
-                "the command `{command}` answered {answer}, which is not a finite number", remedy, answer=_quoted(line)
-            )
+            what = "the command `{command}` answered {answer}, which is not a finite number"
+            raise self._failure(what, 'Answer {{"skip": "reason"}} when there is no reading', answer=_quoted(line))
         return value
 
 

@@ -43,10 +43,8 @@ class Stepped(Angle):
         base, axis = setup.base or 0.0, machine.axes[setup.moves[0]]
         if base >= axis.length:
             what = "a base of {base} is not shorter than the travel of {axis}"
-            remedy = "Both feet stand within the travel, which is {travel}"
-            raise DescriptionError(
-                what, remedy, base=format_quantity(base, "mm", 6), axis=axis.name, travel=axis.travel_text
-            )
+            remedy, travel = "Both feet stand within the travel, which is {travel}", axis.travel_text
+            raise DescriptionError(what, remedy, base=format_quantity(base, "mm", 6), axis=axis.name, travel=travel)
         slope_seen = across(machine, setup, np.array([setup.park]))[0]
         if abs(np.linalg.norm(slope_seen) - 1) > _ALONG:
             what = "feet that are stepped along {axis} show its slope, and that is no turn about this direction"

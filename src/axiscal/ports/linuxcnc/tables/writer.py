@@ -96,9 +96,9 @@ def _refuse_what_it_cannot_hold(table: CompensationTable) -> None:
         slopes = np.abs(np.diff(values)) / np.diff(table.positions)
         if np.any(slopes > STEEPEST):
             where = format_quantity(float(table.positions[int(np.argmax(slopes))]), table.unit)
-            what = "the deviation of {axis} after {where} changes by more than {most:.0%} of the way"
+            what = "the deviation of {axis} after {where} changes by more than {most} of the way"
             remedy = "LinuxCNC cannot follow that; check the units of the readings"
-            raise TableError(what, remedy, axis=table.axis, where=where, most=STEEPEST)
+            raise TableError(what, remedy, axis=table.axis, where=where, most=f"{STEEPEST:.0%}")
 
 
 def _refuse_equal_positions(table: CompensationTable, nominal: Array, unit: str) -> None:
