@@ -108,13 +108,14 @@ class Touched:
             return np.concatenate([((values - self.values(scaled * self.stds)) / NOISE).ravel(), scaled])
 
         solved = least_squares(left, np.zeros(len(self.stds)), x_scale="jac", xtol=1e-14, ftol=1e-14, gtol=1e-14)
-        spread = np.sqrt(np.diagonal(np.linalg.inv(solved.jac.T @ solved.jac)))
+        slopes = np.asarray(solved.jac, dtype=float)
+        spread = np.sqrt(np.diagonal(np.linalg.inv(slopes.T @ slopes)))
         return solved.x * self.stds, spread * self.stds
 
 
 def estimated(description: CampaignDescription, values: Array) -> Estimation:
     """Return the estimate of readings taken ball after ball, three times in each placement."""
-    readings = []
+    readings = list[Reading]()
     at = iter(values.tolist())
     for setup in description.setups:
         for pose in spread(description.machine, (setup,), 400).poses.tolist() * ROUNDS:
