@@ -153,6 +153,7 @@ artefact = "board"
 at = [{at}]   # CHECK: where the board's own zero stands
 turn = "{turn} deg"                # counter-clockwise from above
 setup_time = "2 min"
+reading_time = "25 s"            # six touches and the way, at the feeds of linuxcnc-live
 retract = "25 mm"
 """
 _ROOM, _FEWEST = 30e-3, 25e-3
