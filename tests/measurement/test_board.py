@@ -185,7 +185,7 @@ def test_columns_and_second_derivatives_are_those_of_where_balls_stand(number: i
         (board().replace('"0.3 mm"', "0.3"), "calibrated"),
         (board({"one": (0, 0, 0)}), "not in a line: their turn is open"),
         (board({name: (x, 0, 0) for name, (x, _, _) in BALLS.items() if name != "four"}), "not in a line"),
-        (board().replace('artefact = "board"\n', "", 1), "at says where an artefact is put down"),
+        (board().replace('artefact = "board"\n', "", 1), "at belongs to an artefact"),
         (board().replace('"90 deg"', '"900 deg"'), "more than a turn"),
     ],
 )

@@ -36,40 +36,34 @@ def refuse_unreachable(machine: Machine, setup: Setup) -> None:
     for number, part in enumerate(each):
         poses, _ = chart_candidates(machine, setup, part, _LOOKED_AT)
         finite = all(part.bounds(k).step > 0 for k in range(part.size))
-        if len(poses) >= (1 if finite else FEWEST):
-            continue
         where = _where(setup, part, number)
-        if isinstance(part, Sight):
+        what = f"no pose reaches {where} within the travels and clear of stems"
+        if len(poses) >= (1 if finite else FEWEST):
+            if (remedy := _lacking_beside(machine, setup, part)) is None:
+                continue
+            what = f"the probe has no room to touch {where} from all sides"
+        elif isinstance(part, Sight):
             remedy = "Look at range, sight, faces and the station, which are of the workpiece frame"
             raise DescriptionError(
                 f'the {setup.instrument} of "{setup.name}" sees the tool in no pose, or hardly any', remedy
             )
-        raise DescriptionError(
-            f"no pose reaches {where} within the travels and clear of stems", _nearest(machine, part)
-        )
+        else:
+            remedy = _nearest(machine, part)
+        raise DescriptionError(what, remedy)
 
 
-def refuse_untouchable(machine: Machine, setup: Setup) -> None:
-    """Raise DescriptionError for a ball without turning axes whose touches leave the travels, as far as sizes are said.
-
-    Where rotary axes turn a program says in which poses they do.
-    """
+def _lacking_beside(machine: Machine, setup: Setup, part: Chart) -> str | None:
+    """Say what the touches of a ball lack where no rotary axis turns; None where nothing, or nobody says sizes."""
     sized = setup.artefact is not None and setup.artefact.diameter is not None and machine.stylus > 0
-    each = setup.chart.each if isinstance(setup.chart, Balls) and sized and not setup.three_touches else ()
-    for number, part in enumerate(each if setup.instrument == "sphere" else ()):
-        if part.size > 0:
-            return
-        pose = part.poses(np.zeros((1, 0)))[0]
-        stops = [
-            stop for touch in touches(machine, pose, cycle_of(machine, setup)) for stop in (*touch.way, touch.beside)
-        ]
-        low, high = np.array([axis.travel for axis in machine.axes]).T
-        short = np.maximum(low - stops, stops - high)
-        axis = machine.axes[int(short.max(axis=0).argmax())]
-        if short.max() > 0:
-            lack, where = format_quantity(float(short.max()), axis.unit, 3), _where(setup, part, number)
-            remedy = f"It lacks {lack} of {axis.name}: put it nearer to the middle of the travels"
-            raise DescriptionError(f"the probe has no room to touch {where} from all sides", remedy)
+    if not sized or part.size > 0 or setup.instrument != "sphere" or setup.three_touches:
+        return None
+    pose = part.poses(np.zeros((1, 0)))[0]
+    stops = [stop for touch in touches(machine, pose, cycle_of(machine, setup)) for stop in (*touch.way, touch.beside)]
+    low, high = np.array([axis.travel for axis in machine.axes]).T
+    short = np.maximum(low - stops, stops - high).max(axis=0)
+    axis = machine.axes[int(short.argmax())]
+    lack = f"It lacks {format_quantity(float(short.max()), axis.unit, 3)} of {axis.name}"
+    return f"{lack}: put it nearer to the middle of the travels" if short.max() > 0 else None
 
 
 def _where(setup: Setup, part: Chart, number: int) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from axiscal.description.campaign_schema import SetupTable
-from axiscal.description.reachable import refuse_short_stroke, refuse_unreachable, refuse_untouchable
+from axiscal.description.reachable import refuse_short_stroke, refuse_unreachable
 from axiscal.description.sights import lack_of, refuse_no_sight, seen, stations_of
 from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader
 from axiscal.description.stated_type_b import dense, drift_of, material_of, stated_of
@@ -148,7 +148,6 @@ class _Reader:
         setup = replace(setup, three_touches=table.touches is not None)
         with self._at("artefact" if site.artefact else "length" if site.length else "along"):
             refuse_unreachable(self._machine, setup)
-            refuse_untouchable(self._machine, setup)
         if setup.contact != "held":
             return setup
         with self._at("length" if site.length else "instrument"):

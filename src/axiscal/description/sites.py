@@ -104,15 +104,13 @@ class SiteReader:
             what = "three touches are those of a sphere, and meet no side and its opposite: there is no mean of both"
             with self._at("touches"):
                 raise DescriptionError(what, "Take sides out, or touches")
-        for key in ("at", "turn"):
-            if getattr(table, key) is not None and table.artefact is None:
+        for key in ("plane", "arc", "turning", "stroke", "at", "turn"):
+            bar = key not in ("at", "turn")
+            there = table.length is not None or table.instrument == "rtest" if bar else table.artefact is not None
+            if getattr(table, key) is not None and not there:
                 with self._at(key):
-                    what = f"{key} says where an artefact is put down, and this set-up reads none"
-                    raise DescriptionError(what, 'Give artefact = "board", too')
-        for key in ("plane", "arc", "turning", "stroke"):
-            if getattr(table, key) is not None and table.length is None and table.instrument != "rtest":
-                with self._at(key):
-                    raise DescriptionError(f"{key} belongs to a bar, and the set-up has none", "Give its length, too")
+                    what = f"{key} belongs to {'a bar' if bar else 'an artefact'}, and the set-up has none"
+                    raise DescriptionError(what, "Give its length, too" if bar else 'Give artefact = "board", too')
 
     def _line(self, ends: list[Vector]) -> Site:
         with self._at("along"):
