@@ -147,7 +147,7 @@ turned = "5 mrad"
 """
 _PLACEMENT = """
 [[setups]]
-name = "board, placement {number}"
+name = "placement {number}"
 instrument = "sphere"
 artefact = "board"
 at = [{at}]   # CHECK: where the board's own zero stands
