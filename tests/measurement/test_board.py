@@ -108,13 +108,14 @@ class Touched:
             return np.concatenate([((values - self.values(scaled * self.stds)) / NOISE).ravel(), scaled])
 
         solved = least_squares(left, np.zeros(len(self.stds)), x_scale="jac", xtol=1e-14, ftol=1e-14, gtol=1e-14)
-        spread = np.sqrt(np.diagonal(np.linalg.inv(solved.jac.T @ solved.jac)))
+        slopes = np.asarray(solved.jac, dtype=float)
+        spread = np.sqrt(np.diagonal(np.linalg.inv(slopes.T @ slopes)))
         return solved.x * self.stds, spread * self.stds
 
 
 def estimated(description: CampaignDescription, values: Array) -> Estimation:
     """Return the estimate of readings taken ball after ball, three times in each placement."""
-    readings = []
+    readings = list[Reading]()
     at = iter(values.tolist())
     for setup in description.setups:
         for pose in spread(description.machine, (setup,), 400).poses.tolist() * ROUNDS:
@@ -184,7 +185,7 @@ def test_columns_and_second_derivatives_are_those_of_where_balls_stand(number: i
         (board().replace('"0.3 mm"', "0.3"), "calibrated"),
         (board({"one": (0, 0, 0)}), "not in a line: their turn is open"),
         (board({name: (x, 0, 0) for name, (x, _, _) in BALLS.items() if name != "four"}), "not in a line"),
-        (board().replace('artefact = "board"\n', "", 1), "at says where an artefact is put down"),
+        (board().replace('artefact = "board"\n', "", 1), "at belongs to an artefact"),
         (board().replace('"90 deg"', '"900 deg"'), "more than a turn"),
     ],
 )

@@ -25,13 +25,14 @@ machine = "{machine}"
 {controls}   # whose tables are written; axiscal export R --to list names them all
 
 [target]                         # the first one that is reached ends the campaign
-U = "{target}"                   # 95 %, of the tool point, over {over}
+{first}U = "{target}"                   # 95 %, of the tool point, over {over}
 readings = 150
 {counted}
 {budget}of machine time
 {volume}
 """
 _IN_SPACE = {
+    "first": "",
     "budget": '# budget = "3 h"                 # ',
     "controls": '# controls = ["linuxcnc"]     ',
     "over": "all travel",
@@ -42,6 +43,12 @@ _BED = _IN_SPACE | {
     "controls": 'controls = ["klipper", "marlin", "reprapfirmware"]',
     "over": "the bed",
     "counted": 'directions = ["z"]               # only the height counts; nothing else of the printer has to be known',
+}
+_OF_BOARD = {
+    "first": """\
+wants = ["squareness XY", "squareness XZ", "squareness YZ", "straightness X in Y", "straightness Y in X"]
+# """,
+    "budget": 'budget = "30 min"                # ',
 }
 _TOOL = """\
 tool_length = "100 um"           # CHECK: how well the length of the tool is known; "0 um" if the zeros were set with it
@@ -140,12 +147,13 @@ turned = "5 mrad"
 """
 _PLACEMENT = """
 [[setups]]
-name = "board, placement {number}"
+name = "placement {number}"
 instrument = "sphere"
 artefact = "board"
 at = [{at}]   # CHECK: where the board's own zero stands
 turn = "{turn} deg"                # counter-clockwise from above
 setup_time = "2 min"
+reading_time = "25 s"            # six touches and the way, at the feeds of linuxcnc-live
 retract = "25 mm"
 """
 _ROOM, _FEWEST = 30e-3, 25e-3
@@ -169,9 +177,7 @@ def first_campaign(machine: Machine, source: str, instruments: Sequence[str], ta
     """
     about = {**_BED, "volume": _over_bed(machine)} if list(instruments) == ["probe"] else _IN_SPACE
     turns = any(axis.rotary for axis in machine.axes)
-    about = (
-        about if turns or list(instruments) != ["sphere"] else about | {"budget": 'budget = "30 min"                # '}
-    )
+    about = about if turns or list(instruments) != ["sphere"] else about | _OF_BOARD
     tool = _TOOL if "sphere" in instruments and turns else ""
     head = _HEAD.format(name=machine.name, machine=source, target=target, active=active, tool=tool, **about)
     setups = [text for name in instruments for text in OFFERED[name](machine)]

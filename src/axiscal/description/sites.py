@@ -117,8 +117,8 @@ class SiteReader:
         for key in ("at", "turn"):
             if getattr(table, key) is not None and table.artefact is None:
                 with self._at(key):
-                    what = "{key} says where an artefact is put down, and this set-up reads none"
-                    raise DescriptionError(what, 'Give artefact = "board", too', key=key)
+                    remedy = 'Give artefact = "board", too'
+                    raise DescriptionError("{key} belongs to an artefact, and the set-up has none", remedy, key=key)
         for key in ("plane", "arc", "turning", "stroke"):
             if getattr(table, key) is not None and table.length is None and table.instrument != "rtest":
                 with self._at(key):

@@ -210,10 +210,13 @@ class _Writer:
         return pose
 
     def _head(self, places: Sequence[tuple[int, Place]]) -> list[str]:
+        artefact = self._setup.artefact
+        put = [artefact.standing] if artefact is not None and artefact.standing != artefact.name else []
         return [
             "AXISCAL MEASURING PROGRAM",
             f"MACHINE {self._machine.name}",
             f"SET-UP {self._setup.name}",
+            *put,
             f"READINGS {places[0][0]} TO {places[-1][0]}",
             "MACHINE COORDINATES IN MM AND DEG",
             f"ORDER OF MOVES {order_text(self._groups)}",
