@@ -22,9 +22,9 @@ from axiscal.measurement.readers.truth_curves import TruthCurve
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.tables import registry
-from axiscal.tables.effect import left_by
+from axiscal.tables.effect import left_by, tour
 from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.offer import spread_poses
+from axiscal.tables.offer import POSES, spread_poses
 from benchmarks.trust.curves import CASES
 from benchmarks.trust.kept import Keeping, Trial
 from benchmarks.trust.virtual import READINGS, SETUPS, read_evenly
@@ -92,12 +92,14 @@ def kept_promise(trial: Trial) -> dict[str, float]:
     truth = made.drawn(seed) if kind == "drawn" else made.with_curves(carried_over(machine, rng), seed)
     known = concluded(case, tuple(read_evenly(case, truth, rng, READINGS[MACHINE])))
     estimate, factor = known.estimate(), expanded_uncertainty(known).factor(known.accuracy.rms)
-    poses, sides = spread_poses(estimate)
+    sample = estimate.sample
+    poses, sides = spread_poses(estimate) if sample is None else tour(sample[:POSES], estimate.box)
     found = dict[str, float]()
     for control in CONTROLS:
         tables = registry.export(estimate, control, ExportOptions())
         left = left_by(estimate.machine, truth.deviation, tables.control, poses, sides)
-        sizes = np.linalg.norm((left - left.mean(axis=0))[:, list(estimate.counted)], axis=1)
+        off = left - left.mean(axis=0) if estimate.alignment is None else estimate.alignment.left(poses, left)
+        sizes = np.linalg.norm(off[:, list(estimate.counted)], axis=1)
         promised = factor * tables.expected
         found[f"{control} inside"] = float(np.mean(sizes <= promised))
         found[f"{control} over"] = float(np.quantile(sizes, 0.95)) / promised
