@@ -138,10 +138,10 @@ _BEDS = """
 The densest bed map of each owner's printer, {machines} of five types, is the truth, the plane of best fit taken off.
 Each is read at 9, 16 or 25 points without noise: where a plan of the built-in printer asks for them, or at an even
 grid. *Inside U*: share of the bed. *Missed*: RMS, the geometric mean of the printers, in µm; *spline*: a thin-plate
-spline (scipy) through the even grid. No default was chosen on these maps. (`make trust PART=beds`)
+spline (scipy) through the even grid; *worst*: of a type. (`make trust PART=beds`)
 
-| type | printers | points | inside U: planned | even | missed: planned | even | spline | planned over even |
-|---|---|---|---|---|---|---|---|---|
+| points | inside U: planned | even | missed: planned | even | spline | planned over even | worst |
+|---|---|---|---|---|---|---|---|
 """
 
 _DEFAULTS = """
@@ -171,18 +171,13 @@ moves at most, in units of the printed σ: median and worst of {trials} machines
 
 
 _TABLES = """
-## Tables on carried curves
-A mill whose error motions are measured curves of other machines, with details finer than the knots, after 60 readings
-that fill the volume.
+## Tables on measured curves
+{machines} mills whose error motions are measured curves of other machines, finer than the knots, or drawn; 60 readings.
+*U*: as README.txt beside the tables promises, the median. *Inside*: share of the volume. *Kept*: machines of which 95 %
+of the volume is inside. *Over U*: what 95 % keep. (`make trust PART=tables MACHINES={machines}`)
 
-- *U*: what README.txt beside the tables promises for 95 % of the volume, the median.
-- *Inside*: share of the volume. *Kept*: machines of which 95 % of the volume is inside.
-- *95 % over U*: what 95 % of the volume keep, as a share of U.
-
-(`make trust PART=tables MACHINES=40`)
-
-| tables | model | machines | U | inside | kept | 95 % over U: median | worst | withheld |
-|---|---|---|---|---|---|---|---|---|
+| tables | curves | U | inside | kept | over U: median | worst |
+|---|---|---|---|---|---|---|
 """
 
 
@@ -303,7 +298,7 @@ def _beds(_: argparse.Namespace) -> Iterator[str]:
 def _tables(args: argparse.Namespace) -> Iterator[str]:
     if not DATA.is_dir():
         return
-    yield _TABLES.strip("\n")
+    yield _TABLES.format(machines=args.attacked).strip("\n")
     yield from table_rows(args.attacked, _keeping(args, "tables", "tables.py", "virtual.py", "curves.py"))
 
 

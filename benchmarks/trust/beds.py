@@ -146,22 +146,18 @@ def _spread(left: Array) -> float:
 
 
 def bed_rows(every: Sequence[Bed]) -> Iterator[str]:
-    """Yield a line for each kind of printer and count of readings, and one for all."""
+    """Yield a line for each count of readings."""
     kinds = sorted({bed.kind for bed in every})
     for count in COUNTS:
-        found = [(bed.kind, kept(bed, count)) for bed in every]
-        for kind in (*kinds, "all"):
-            mine = [each for name, each in found if kind in (name, "all")]
-            yield _line(kind, count, mine)
-
-
-def _line(kind: str, count: int, found: list[Kept]) -> str:
-    missed = np.log([each.missed for each in found])
-    planned, even, spline = np.exp(missed.mean(axis=0)) * 1e6
-    inside = [f"{np.mean([each.inside[k] for each in found]):.0%}" for k in range(2)]
-    ratio = f"{np.exp(np.mean(missed[:, 0] - missed[:, 1])):.2f}"
-    sizes = f"{planned:.3g} | {even:.3g} | {spline:.3g}"
-    return f"| {kind} | {len(found)} | {count} | {inside[0]} | {inside[1]} | {sizes} | {ratio} |"
+        found = [kept(bed, count) for bed in every]
+        missed = np.log([each.missed for each in found])
+        planned, even, spline = np.exp(missed.mean(axis=0)) * 1e6
+        inside = [f"{np.mean([each.inside[k] for each in found]):.0%}" for k in range(2)]
+        gains = missed[:, 0] - missed[:, 1]
+        of = np.array([bed.kind for bed in every])
+        worst = max(np.exp(gains[of == kind].mean()) for kind in kinds)
+        sizes = f"{planned:.3g} | {even:.3g} | {spline:.3g}"
+        yield f"| {count} | {inside[0]} | {inside[1]} | {sizes} | {np.exp(gains.mean()):.2f} | {worst:.2f} |"
 
 
 def available() -> bool:

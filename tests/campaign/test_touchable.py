@@ -145,22 +145,33 @@ def tried(campaign: CampaignDescription, request: Request) -> bool:
         return False
 
 
+class Noting:
+    """A source that remembers what it was asked."""
+
+    def __init__(self, source: LiveSource) -> None:
+        self._source, self.poses = source, list[tuple[float, ...]]()
+
+    def read(self, request: Request) -> Answer | Skip:
+        """Read, and remember where."""
+        self.poses.append(request.pose)
+        return self._source.read(request)
+
+    def close(self) -> None:
+        """Nobody asks any more."""
+
+
 @pytest.mark.long
 def test_a_campaign_goes_on_around_what_cannot_be_touched_and_asks_it_no_more(tmp_path: Path) -> None:
     planned = described(1)
     campaign = narrowed(planned)
     with Campaign.create(tmp_path / "m.axiscal", planned) as begun:
-        source = attached(campaign, made(campaign))
-        asked = list[Request]()
-        read = source.read
-        source.read = lambda request: (asked.append(request), read(request))[1]  # type: ignore[method-assign]
-        begun.run(source, lambda _: None)
+        asked = Noting(attached(campaign, made(campaign)))
+        begun.run(asked, lambda _: None)
         state = begun.state
     assert len(state.readings) == 4
     assert state.skipped
     assert all("X" in gap.reason for gap in state.skipped)
-    poses = [request.pose for request in asked]
-    assert len(set(poses)) == len(poses)
+    assert len(set(asked.poses)) == len(asked.poses)
 
 
 @pytest.mark.long

@@ -105,11 +105,11 @@ class Control:
         self.lines.append(code)
         end = self._at.copy()
         for name, text in re.findall(r" ([A-Z])(-?[\d.]+)(?= |$)", code.partition(" F")[0].removeprefix("G53 G1")):
-            axis = self._machine.index(name)
-            end[axis] = np.radians(float(text)) if self._machine.axes[axis].rotary else 1e-3 * float(text)
-        for axis, at in zip(self._machine.axes, end, strict=True):
-            if not axis.travel[0] - 1e-9 <= at <= axis.travel[1] + 1e-9:
-                raise SourceError(f"LinuxCNC: {axis.name} to {at} exceeds its limit", "Look at the machine")
+            at = np.radians(float(text)) if self._machine.axis(name).rotary else 1e-3 * float(text)
+            end[self._machine.index(name)] = at
+        for axis, value in zip(self._machine.axes, end.tolist(), strict=True):
+            if not axis.travel[0] - 1e-9 <= value <= axis.travel[1] + 1e-9:
+                raise SourceError(f"LinuxCNC: {axis.name} to {value} exceeds its limit", "Look at the machine")
         tripped = code.startswith("G38.3") and self._touched(end)
         self._at = self._at if tripped else end
         return {"tripped": tripped, "probed": self._shown(self._at), "probe": self.probe == "stuck"}
