@@ -107,27 +107,20 @@ def limits(count: int, of: int) -> tuple[float, float]:
 
 
 def goal_lines(kept: Outcomes, machines: int) -> Iterator[str]:
-    """Yield how many cells have few machines far off, and a list of those that surely have more."""
+    """Yield how many cells have few machines far off."""
     cells = [
-        (attack.words, places, sum(_far(each) for each in _outcomes(kept, number, places, machines)))
+        sum(_far(each) for each in _outcomes(kept, number, places, machines))
         for number, attack in enumerate(ATTACKS)
         for places in PLACES
         if "sign" not in attack.words
     ]
-    reached = sum(each <= _GOAL * machines for _, _, each in cells)
-    far, tried = sum(each for _, _, each in cells), len(cells) * machines
+    reached = sum(each <= _GOAL * machines for each in cells)
+    far, tried = sum(cells), len(cells) * machines
     low, high = limits(far, tried)
     yield ""
     yield f"Of {len(cells)} cells beside a turned sign, {reached} have at most {_GOAL:.0%} of machines above {FAR}."
     yield f"Over all of them {far} of {tried} machines are, {far / tried:.1%} ({low:.1%}–{high:.1%})."
     yield f"Where none of {machines} is, the share may still be up to {limits(0, machines)[1]:.0%}."
-    surely = [f"- {words} ({places}): {k / machines:.0%}" for words, places, k in cells if _surely(k, machines)]
-    if surely:
-        yield from ("", "Cells whose share is above that by its lower limit:", "", *surely)
-
-
-def _surely(count: int, of: int) -> bool:
-    return limits(count, of)[0] > _GOAL
 
 
 def foreign_lines(kept: Outcomes, machines: int) -> Iterator[str]:

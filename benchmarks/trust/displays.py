@@ -14,7 +14,7 @@ from axiscal.numerics.gaussian import lower_root
 
 Rule = Literal["ignored", "variance", "interval"]
 RULES: tuple[Rule, ...] = ("ignored", "variance", "interval")
-STEPS = (1.0, 3.3, 10.0, 20.0, 33.0, 100.0)
+STEPS = (1.0, 10.0, 100.0)
 _CURVE, _READINGS = 10.0, 26
 
 

@@ -121,7 +121,6 @@ class Moved:
 
     worst : over all trials; typical : the median; rejected : share of the gross errors that were not believed
     naive : the worst shift when every reading is believed; within : share of the trials that move by at most σ/2
-    bent : the worst shift beside the estimate without that reading; straight : share of those of at most σ/2
     """
 
     size: float
@@ -130,31 +129,26 @@ class Moved:
     rejected: float
     naive: float
     within: float
-    bent: float
-    straight: float
 
 
 def gross(size: float, trials: int, tried: Tried = one_by_one) -> Moved:
     """Return what one reading that is wrong by `size` (m) among 30 does to the curves of the one-axis machine."""
     found = list(tried(moved, [(size, seed) for seed in range(trials)]))
-    shifts, bent, naive, rejected = (np.array([each[n] for each in found]) for n in ("shift", "bent", "naive", "found"))
-    within, straight = (float(np.mean(each <= 0.5)) for each in (shifts, bent))
+    shifts, naive, rejected = (np.array([each[n] for each in found]) for n in ("shift", "naive", "found"))
     return Moved(
         size=size,
         worst=float(shifts.max()),
         typical=float(np.median(shifts)),
         rejected=float(rejected.mean()),
         naive=float(naive.max()),
-        within=within,
-        bent=float(bent.max()),
-        straight=straight,
+        within=float(np.mean(shifts <= 0.5)),
     )
 
 
 def moved(trial: Trial) -> dict[str, float]:
     """Return how far one bad reading moves the curves of one machine.  trial : its size, m, and the machine's seed
 
-    shift : beside the right reading; bent : beside none; naive : where all are believed; found : 1 where it is not
+    shift : beside the right reading; naive : where all are believed; found : 1 where it is not
     """
     size, seed = trial
     problem, simulator = _drawn_from("one-axis", 1.0, "estimate")
@@ -163,10 +157,8 @@ def moved(trial: Trial) -> dict[str, float]:
     bad = int(rng.integers(_AMONG))
     wrong = [replace(r, value=r.value + size * (index == bad)) for index, r in enumerate(taken)]
     judged = concluded(problem, wrong)
-    without = concluded(problem, [*wrong[:bad], *wrong[bad + 1 :]])
     return {
         "shift": _shift(concluded(problem, taken), judged),
-        "bent": _shift(without, judged),
         "naive": _shift(*(concluded(problem, _vouched_for(each)) for each in (taken, wrong))),
         "found": float(any(d.reading == bad for d in judged.outliers)),
     }
