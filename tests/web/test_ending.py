@@ -23,6 +23,7 @@ def long(desk, *words, **more):
     {before}
     sys.stderr.write("at work\\n")
     sys.stderr.flush()
+    {lost}
     for _ in range(10**6):
         time.sleep(0.01)
 Desk.{step} = long
@@ -31,6 +32,14 @@ sys.argv = ["axiscal", "serve", sys.argv[1]]
 raise SystemExit(main())
 """
 """`axiscal serve` with a step of the desk that takes hours."""
+
+
+LOST = """try:
+        for _ in range(10**6):
+            time.sleep(0.01)
+    except KeyboardInterrupt:
+        pass"""
+"""An interruption that nobody hears of, as one that comes while Python clears up."""
 
 
 def ended(record: Path, program: str, *, asked: bool) -> tuple[int, str, str]:
@@ -69,14 +78,14 @@ def _read(page: Served, last: int) -> None:
 @pytest.mark.long
 def test_what_is_computed_meanwhile_is_broken_off(tmp_path: Path) -> None:
     record = started(tmp_path)
-    status, said, complaint = ended(record, LONG.format(step="think", before="pass"), asked=False)
+    status, said, complaint = ended(record, LONG.format(step="think", before="pass", lost=LOST), asked=False)
     assert (status, complaint) == (0, "")
     assert "Ended; every reading is kept. What was being computed is begun anew at the next start." in said
 
 
 def test_a_reading_that_was_kept_is_there_when_its_answer_was_broken_off(tmp_path: Path) -> None:
     record = started(tmp_path)
-    program = LONG.format(step="keep", before="done(desk, *words, **more)")
+    program = LONG.format(step="keep", before="done(desk, *words, **more)", lost="pass")
     status, said, complaint = ended(record, program, asked=True)
     assert (status, complaint) == (0, "")
     assert "A step that a page had asked for was broken off; what had been kept of it is shown" in said

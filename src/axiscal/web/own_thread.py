@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from threading import Lock, get_ident
 from typing import TypeVar
 
@@ -37,14 +37,11 @@ class OwnThread:
         with self._lock:
             self._ending = True
         free, broken_off = self._pool.submit(int), False
-        try:
-            free.result(_PATIENCE)
-        except TimeoutError:
+        while not wait([free], _PATIENCE).done:  # an interruption that comes while Python clears up is lost
             with self._lock:
                 if self._at_work is not None:
                     interrupted = ctypes.c_ulong(self._at_work), ctypes.py_object(KeyboardInterrupt)
-                    broken_off = ctypes.pythonapi.PyThreadState_SetAsyncExc(*interrupted) == 1
-            free.result()
+                    broken_off |= ctypes.pythonapi.PyThreadState_SetAsyncExc(*interrupted) == 1
         self._pool.submit(last).result()
         self._pool.shutdown()
         return broken_off

@@ -42,22 +42,16 @@ def asked_rows(description: CampaignDescription, readings: Sequence[Reading], *,
 
 
 def _lines(description: CampaignDescription, readings: Sequence[Reading], whole: bool) -> dict[RowName, AxisLine]:
-    """Return the line of each row that a set-up reads, of several set-ups that with the most places read.
-
-    A set-up of which nothing was read counts before the first reading, and where lines are whole.
-    """
+    """Return the line of each row that a set-up reads, of several set-ups that with the most places read."""
     machine, found = description.machine, dict[RowName, AxisLine]()
-    used = {setup.name for setup in description.setups}
-    if readings and not whole:
-        used = {reading.setup for reading in readings}
     for setup in description.setups:
-        if setup.name not in used or (seen := seen_by(setup)) is None:
+        if (seen := seen_by(setup)) is None:
             continue
         line = line_of(setup, readings, machine, whole)
         for row in _rows_seen(machine.axes[line.axis], *seen):
             if row not in found or line.read > found[row].read:
                 found[row] = line
-    turned = {axis for setup in description.setups if setup.name in used for axis in setup.moves}
+    turned = {axis for setup in description.setups for axis in setup.moves}
     for axis in sorted(turned):
         if machine.axes[axis].rotary:
             line = through_the_volume(description, axis, readings)

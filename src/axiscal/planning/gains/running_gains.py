@@ -128,22 +128,28 @@ class Scores:
 
         slots : (m,); rows : (k, n) of all numbers; owner : (k,) of which reading; noise : (m,)
         """
-        every, inside = np.arange(len(rows)), np.arange(len(rows)) - np.searchsorted(owner, owner)
+        inside = np.arange(len(rows)) - np.searchsorted(owner, owner)
         self._make_room()
         self.rows[slots], self.noise[slots] = 0.0, noise
         self.rows[slots[owner], inside] = rows
         state, change = self.state.changed(rows, noise[owner])
         cross, reach = self._products(change)
-        own, width = len(self.pool) + slots, self.pool.width
-        self.above[:, :, own], self.below[:, :, own] = 0.0, np.eye(width)[:, :, None] * noise
-        for whole, turned in ((self.above, reach), (self.below, cross)):
-            numbers = np.tensordot(change.back, turned[:, :, own], 1)
-            whole[:, inside, own[owner]] += numbers[every, :, owner].T
         if self._columns is not None:
             self._columns.put(int(slots[0]), *(self._back(change, each) for each in (cross, reach)))
         self._changed(change, cross, reach)
         self.state, self.last = state, change
+        self._own(slots)
         return change.gain
+
+    def _own(self, slots: NDArray[np.intp]) -> None:
+        """Find N and M of readings of the plan anew: a zero that opened before them is a million times their noise."""
+        own, width = len(self.pool) + slots, self.pool.width
+        half = self.state.factor.T @ self.rows[slots].reshape(len(slots) * width, -1).T
+        reach = self.state.root.of(self.state.factor @ half)
+        for whole, each in ((self.above, reach), (self.below, half)):
+            each = each.reshape(len(each), len(slots), width)
+            whole[:, :, own] = np.einsum("kmi,kmj->ijm", each, each)
+        self.below[:, :, own] += np.eye(width)[:, :, None] * self.noise[slots]
 
     def _back(self, change: LowRank, turned: Array) -> Array:
         """Return what candidates see of the numbers of one reading, (w, w, M).  turned : (k, w, M + N)"""
