@@ -118,3 +118,12 @@ def test_head_and_marks_have_a_block_each(path: Path) -> None:
     assert sorted({0, *(at // BLOCK for at in MARKS), START // BLOCK}) == [0, 1, 2, 3]
     with contextlib.closing(path.open("rb")) as file:
         assert file.read(17) == b"axiscal record 2 "
+
+
+def test_who_writes_clears_what_a_writer_that_is_gone_left_and_who_reads_does_not(path: Path) -> None:
+    left = path.with_name(f".{path.name}.{2**22 + 1}.new")  # no process has so large a number
+    left.write_bytes(b"half a record")
+    Record.open(path, write=False).close()
+    assert left.exists()
+    Record.open(path).close()
+    assert not left.exists()
