@@ -46,7 +46,8 @@ def balls(setup: Setup, moved: np.ndarray[Any, Any] = MOVED) -> list[np.ndarray[
 def attached(campaign: CampaignDescription, control: Control, tried: bool = True) -> LiveSource:
     line: Any = control
     source = LiveSource(line, campaign.machine, InForce(), asked=lambda _: "go")
-    source._tried = tried
+    if tried and (artefact := campaign.setups[0].artefact) is not None:
+        source._placed = artefact.standing
     return source
 
 

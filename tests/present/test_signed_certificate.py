@@ -11,10 +11,11 @@ from lxml import etree
 from signxml.xades.xades import XAdESSignatureConfiguration, XAdESVerifier
 
 from axiscal.exceptions import ReadingError
-from axiscal.present.calibration_certificate import DCC, certificate, check_against
+from axiscal.present.calibration_certificate import certificate, check_against
 from axiscal.record.signing import KEY, make_key
 from tests.present.test_page import five_axis_summary
 
+DCC = "https://ptb.de/dcc"
 SCHEMA = """<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema" targetNamespace="https://ptb.de/dcc"
   xmlns:ds="http://www.w3.org/2000/09/xmldsig#" elementFormDefault="qualified">
 <xs:import namespace="http://www.w3.org/2000/09/xmldsig#" schemaLocation="xmldsig-core-schema.xsd"/>
