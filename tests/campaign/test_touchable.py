@@ -86,7 +86,7 @@ def test_every_candidate_is_touched(chain: int) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("chain", range(len(CHAINS)), ids=CHAINS)
 def test_every_candidate_of_many_machines_is_touched(chain: int) -> None:
-    assert touched(range(FEW + chain, MANY, len(CHAINS))) >= 30
+    assert touched(range(FEW + chain, MANY, len(CHAINS))) >= 12
 
 
 @pytest.mark.parametrize("control", ["linuxcnc", "heidenhain"])

@@ -15,11 +15,10 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case
 from axiscal.exceptions import SourceError
-from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.simulation import Simulator
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import asked
+from axiscal.planning.promise import asked, foreseen
 from axiscal.planning.proposal import Thoroughness, proposed
 from axiscal.record.events import Asked
 
@@ -29,7 +28,9 @@ MORE = 10
 """Readings after the end that do not bring what no reading is said to bring."""
 _AXES = "XYZ"
 _EASIER = 1.25
-"""Times what a plan of half as many readings leaves is asked for: a verdict may add a fifth to the model's promise."""
+"""Times what a plan of half as many readings leaves is asked for: sizes are learnt, and need not be as stated."""
+_LESS = 0.8
+"""Of what is known before the first reading: a target has to ask for less."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,14 +43,19 @@ class Ending:
     refuted: bool = False
 
 
-def feasible(seed: int) -> Ending:
-    """Return how a campaign ended of which a plan of half as many readings as it may take reaches the target."""
+def feasible(seed: int) -> Ending | None:
+    """Return how a campaign ended of which a plan of half as many readings as it may take reaches the target.
+
+    None where the target is met before the first reading.
+    """
     rng = np.random.default_rng(seed)
     described = _random(rng)
     case, count = Case(described), int(rng.integers(6, 31))
     made = proposed(case, Limits(count), Thoroughness(300), bounded=False).plan
-    belief = case.knowledge.read(blank_readings(described.setups, placed(case, made))).belief
+    belief, before = foreseen(case, (), placed(case, made)).belief, case.yardstick.measure(case.prior)
     known, target = case.yardstick.measure(belief), replace(described.target, readings=2 * count + 10)
+    if _EASIER * known.rms > _LESS * before.rms:
+        return None
     match rng.choice(["rms", "rms", "worst", "U"]):
         case "rms":
             target = replace(target, rms=_EASIER * known.rms)

@@ -41,6 +41,31 @@ def refuse_no_sight(table: SetupTable, at: At) -> None:
                 raise DescriptionError("{key} belongs to a tracker or tracer", "Take {key} out", key=key)
 
 
+def refuse_stray_keys(table: SetupTable, at: At) -> None:
+    """Raise DescriptionError for keys that exclude one another, or belong to what the set-up has not."""
+    given = {key for key in ("along", "length", "artefact", "reach") if getattr(table, key)}
+    for pair in ({"along", "length"}, {"along", "artefact"}, {"along", "reach"}, {"artefact", "reach"}):
+        if pair <= given and table.instrument != "straightedge":
+            first, second = sorted(pair)
+            with at(second):
+                what = "{first} and {second} exclude one another"
+                raise DescriptionError(what, "Give one of them", first=first, second=second)
+    if table.touches and (table.instrument != "sphere" or table.sides == "mean"):
+        what = "three touches are those of a sphere, and meet no side and its opposite: there is no mean of both"
+        with at("touches"):
+            raise DescriptionError(what, "Take sides out, or touches")
+    for key in ("at", "turn"):
+        if getattr(table, key) is not None and table.artefact is None:
+            with at(key):
+                remedy = 'Give artefact = "board", too'
+                raise DescriptionError("{key} belongs to an artefact, and the set-up has none", remedy, key=key)
+    for key in ("plane", "arc", "turning", "stroke"):
+        if getattr(table, key) is not None and table.length is None and table.instrument != "rtest":
+            with at(key):
+                remedy = "Give its length, too"
+                raise DescriptionError("{key} belongs to a bar, and the set-up has none", remedy, key=key)
+
+
 def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
     """Return a set-up that is read where its instrument sees the tool, as far as its table states that.
 

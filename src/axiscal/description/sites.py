@@ -11,6 +11,7 @@ import numpy as np
 
 from axiscal.description.campaign_schema import SetupTable
 from axiscal.description.reachable import reached_arc, refuse_gap
+from axiscal.description.sights import refuse_stray_keys
 from axiscal.description.target import coordinate
 from axiscal.description.vectors import At, unit_vector
 from axiscal.document import shown
@@ -92,7 +93,7 @@ class SiteReader:
 
         Raises DescriptionError or UnitError.
         """
-        self._refuse_both()
+        refuse_stray_keys(self._table, self._at)
         if self._table.along is not None:
             return self._line(self._table.along)
         if self._table.instrument == "ballbar":
@@ -100,30 +101,6 @@ class SiteReader:
         if self._table.instrument in TOUCHING and self._table.artefact is not None:
             return self._held()
         return None
-
-    def _refuse_both(self) -> None:
-        table = self._table
-        given = {key for key in ("along", "length", "artefact", "reach") if getattr(table, key)}
-        for pair in ({"along", "length"}, {"along", "artefact"}, {"along", "reach"}, {"artefact", "reach"}):
-            if pair <= given and table.instrument != "straightedge":
-                first, second = sorted(pair)
-                with self._at(second):
-                    what = "{first} and {second} exclude one another"
-                    raise DescriptionError(what, "Give one of them", first=first, second=second)
-        if table.touches and (table.instrument != "sphere" or table.sides == "mean"):
-            what = "three touches are those of a sphere, and meet no side and its opposite: there is no mean of both"
-            with self._at("touches"):
-                raise DescriptionError(what, "Take sides out, or touches")
-        for key in ("at", "turn"):
-            if getattr(table, key) is not None and table.artefact is None:
-                with self._at(key):
-                    remedy = 'Give artefact = "board", too'
-                    raise DescriptionError("{key} belongs to an artefact, and the set-up has none", remedy, key=key)
-        for key in ("plane", "arc", "turning", "stroke"):
-            if getattr(table, key) is not None and table.length is None and table.instrument != "rtest":
-                with self._at(key):
-                    remedy = "Give its length, too"
-                    raise DescriptionError("{key} belongs to a bar, and the set-up has none", remedy, key=key)
 
     def _line(self, ends: list[Vector]) -> Site:
         with self._at("along"):

@@ -78,6 +78,18 @@ class Results(Closing):
             what = "These results were begun with axiscal {first}, and this is {own}"
             remedy = "Go on with that version, or name another --out"
             raise StudyError(what, remedy, self.path, first=first, own=versions.get("axiscal"))
+        with self._said():
+            self._give_digests()
+
+    def _give_digests(self) -> None:
+        """Give results that were begun when a case had no digest the ones of what they hold now."""
+        if any(name == "digest" for _, name, *_ in self._database.execute("PRAGMA table_info(cases)")):
+            return
+        self._database.create_function("digest_of", 3, _digest, deterministic=True)
+        self._database.executescript(
+            "BEGIN; ALTER TABLE cases ADD COLUMN digest TEXT; "
+            "UPDATE cases SET digest = digest_of(key, result, error); COMMIT"
+        )
 
     def _said_at_its_beginning(self, rows: list[tuple[object, ...]]) -> tuple[object, Mapping[str, object]]:
         """Return the digest of the study and the versions of the programs; raises StudyError."""
