@@ -31,6 +31,8 @@ _EASIER = 1.25
 """Times what a plan of half as many readings leaves is asked for: sizes are learnt, and need not be as stated."""
 _LESS = 0.8
 """Of what is known before the first reading: a target has to ask for less."""
+_BELOW = 0.75
+"""Of the target: a floor that lies well below it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,25 +46,27 @@ class Ending:
 
 
 def feasible(seed: int) -> Ending | None:
-    """Return how a campaign ended of which a plan of half as many readings as it may take reaches the target.
+    """Return how a campaign ended of which a plan of a third as many readings as it may take reaches the target.
 
-    None where the target is met before the first reading.
+    None where the target is met before the first reading, or its floor is near it: sizes that are learnt raise both.
     """
     rng = np.random.default_rng(seed)
     described = _random(rng)
     case, count = Case(described), int(rng.integers(6, 31))
     made = proposed(case, Limits(count), Thoroughness(300), bounded=False).plan
     belief, before = foreseen(case, (), placed(case, made)).belief, case.yardstick.measure(case.prior)
-    known, target = case.yardstick.measure(belief), replace(described.target, readings=2 * count + 10)
-    if _EASIER * known.rms > _LESS * before.rms:
-        return None
+    known, target = case.yardstick.measure(belief), replace(described.target, readings=3 * count + 10)
     match rng.choice(["rms", "rms", "worst", "U"]):
         case "rms":
-            target = replace(target, rms=_EASIER * known.rms)
+            target, least = replace(target, rms=_EASIER * known.rms), before.rms
         case "worst":
-            target = replace(target, worst=_EASIER * known.worst)
+            target, least = replace(target, worst=_EASIER * known.worst), before.worst
         case _:
             target = replace(target, expanded=_EASIER * expanded(case.yardstick, belief).space)
+            least = expanded(case.yardstick, case.prior).space
+    (only,) = asked(target, case.yardstick)
+    if only.limit > _LESS * least or only.floor > _BELOW * only.limit:
+        return None
     return _run(replace(described, target=target), seed, 0)
 
 

@@ -10,6 +10,7 @@ from tests.certify import endings
 @pytest.mark.long
 def test_a_target_that_a_plan_reaches_is_reached() -> None:
     found = endings.feasible(3)
+    assert found is not None
     assert found.because.endswith(" target reached")
     assert found.reached
 

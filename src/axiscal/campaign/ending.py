@@ -86,15 +86,23 @@ def _said(target: Target, known: Estimation) -> str | None:
 
 
 def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> list[_Standing]:
-    """Return the accuracies of which readings have taken away what they can, with their floors at sizes as learnt."""
+    """Return the accuracies of which readings have taken away what they can, with their floors at sizes as learnt.
+
+    Few readings leave sizes open: a floor counts that is above its limit as stated, or with the size surely there.
+    """
+    surely = 1.0 if known.posterior is None else known.posterior.surely
     sizes = {} if known.posterior is None else known.posterior.sizes
     largest = max([1.0, *(size for (kind, _), size in sizes.items() if kind not in _PASSING)])
     # Floors grow with the sizes at the most: those as learnt take longer to find.
     if not any(each.now <= attainable(each.wanted.limit, largest * each.wanted.floor) for each in volume):
         return []
     sized = asked(target, known.case.yardstick_as_sized)
-    pairs = (_Standing(wanted, each.now) for wanted, each in zip(sized, volume, strict=True))
-    return [each for each in pairs if each.now <= attainable(each.wanted.limit, each.wanted.floor)]
+    return [
+        _Standing(wanted, each.now)
+        for wanted, each in zip(sized, volume, strict=True)
+        if each.now <= attainable(wanted.limit, wanted.floor)
+        and max(each.wanted.floor, surely * wanted.floor) > wanted.limit
+    ]
 
 
 def _unread(target: Target, known: Estimation) -> bool:

@@ -35,6 +35,8 @@ from axiscal.numerics.threads import one_thread
 
 _ODDS = BAD_SHARE / (1 - BAD_SHARE)
 """Of a bad reading before any is taken, by definition."""
+_UNSURE = 0.01
+"""Probability below which a size is not so small: of what is said never to be reached."""
 _ALIKE = float(np.log(2.0))
 """Of log odds: which of such readings is bad nobody can say, and all go."""
 _DOUBTED = 3.0
@@ -68,7 +70,7 @@ class Posterior:
 
     cells : means of the rests of visited cells by (term, cell), m or rad
     sizes : exp θ by kind and owner, of lengths the geometric mean, of others the root mean square
-    effective : number of draws
+    surely : share of the sizes of errors that is there with 99 %, the least of all; effective : number of draws
     bad : readings that were taken out, in this order, by index; agreement : of the others
     left_out : of each reading that stayed
     """
@@ -77,6 +79,7 @@ class Posterior:
     covariance: Array
     cells: dict[tuple[int, int], float]
     sizes: dict[tuple[Kind, str], float]
+    surely: float
     effective: float
     bad: dict[int, LeftOut]
     agreement: Agreement
@@ -127,7 +130,9 @@ def posterior(
     z = np.array([each.z for each in left.values()])
     agreed = agreement(mine, found, z, count - len(left), ((axes, other.only(kept)) for axes, other in turned))
     known = dict(zip(problem.cells, moments.cells.tolist(), strict=True))
-    return Posterior(moments.mean, moments.covariance, known, sizes, found.effective, bad, agreed, left)
+    return Posterior(
+        moments.mean, moments.covariance, known, sizes, _surely(mine, found), found.effective, bad, agreed, left
+    )
 
 
 def _moved_in(problem: Problem, bad: Iterable[int]) -> set[int]:
@@ -202,6 +207,17 @@ def gain(problem: Problem, given: Given, columns: Array) -> Array:
     """
     shown = turned(problem, problem.rows, given.theta, given.roots, problem.first)
     return problem.raw(shown.T @ given.precision(columns), given.theta, given.roots)
+
+
+def _surely(problem: Problem, found: Weighed) -> float:
+    """Return the lower 1 % quantile of a size of errors over its root mean square, the least of all; 1 for none."""
+    shares = [1.0]
+    for size, thetas in zip(problem.sizes.of, found.thetas.T, strict=True):
+        if size.kind == "std":
+            rising = np.argsort(thetas)
+            least = thetas[rising][np.searchsorted(np.cumsum(found.weights[rising]), _UNSURE)]
+            shares.append(float(np.exp(least) / np.sqrt(found.weights @ np.exp(2 * thetas))))
+    return min(shares)
 
 
 def _sizes(problem: Problem, found: Weighed) -> dict[tuple[Kind, str], float]:
