@@ -32,7 +32,7 @@ def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0) -> 
     """Return the readings to come in their order, from those that are left of a plan and within its set-ups.
 
     limits : what is left of them; patience : operations that climbing off the lattice may take
-    None are returned where there is no time for any of these set-ups.
+    None are returned where there is no time for any of these set-ups, or they fall short by much and there are others.
     """
     times = clock(task)
     left = _mountable(limits, times, left)
@@ -42,6 +42,8 @@ def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0) -> 
     if len(lattice):
         trial = _begun(task, limits, times, Pool(task.observation, lattice, task.memory), setups, left)
         trial = _filled(task, limits, times, trial)
+        if limits.accurate and not trial.met and len(lattice) < len(task.lattice):
+            return Places.none(left.poses.shape[1])
         exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
         places = fitted(task, limits, times, trial).scores.places
