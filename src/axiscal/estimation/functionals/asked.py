@@ -42,10 +42,16 @@ def asked_rows(description: CampaignDescription, readings: Sequence[Reading], *,
 
 
 def _lines(description: CampaignDescription, readings: Sequence[Reading], whole: bool) -> dict[RowName, AxisLine]:
-    """Return the line of each row that a set-up reads, of several set-ups that with the most places read."""
-    machine, found = description.machine, dict[RowName, AxisLine]()
+    """Return the line of each row that a set-up reads, of several set-ups that with the most places read.
+
+    Where an accuracy of the volume is asked for, set-ups do not count that a plan has left out.
+    """
+    machine, target, found = description.machine, description.target, dict[RowName, AxisLine]()
+    left_out = set[str]()
+    if readings and not whole and target.accurate:
+        left_out = {setup.name for setup in description.setups} - {reading.setup for reading in readings}
     for setup in description.setups:
-        if (seen := seen_by(setup)) is None:
+        if setup.name in left_out or (seen := seen_by(setup)) is None:
             continue
         line = line_of(setup, readings, machine, whole)
         for row in _rows_seen(machine.axes[line.axis], *seen):

@@ -26,6 +26,8 @@ _WORTH = 0.01
 _ROUNDS = 2
 _MORE = 10
 """So many readings at once are added to a plan that has come to fall short."""
+_FAR = 40
+"""So many readings more that do not reach the target make a plan of other set-ups worth its time."""
 
 
 def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0) -> Places:
@@ -41,8 +43,9 @@ def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0) -> 
     places = left
     if len(lattice):
         trial = _begun(task, limits, times, Pool(task.observation, lattice, task.memory), setups, left)
-        trial = _filled(task, limits, times, trial)
-        if limits.accurate and not trial.met and len(lattice) < len(task.lattice):
+        others = limits.accurate and len(lattice) < len(task.lattice)
+        trial = _filled(task, limits, times, trial, _FAR if others else _MORE)
+        if others and not trial.met:
             return Places.none(left.poses.shape[1])
         exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
@@ -96,9 +99,9 @@ def _begun(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setups,
     return Trial(scores, setups, 0.0, met=False)
 
 
-def _filled(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
-    """Return the plan with a few readings more where it misses the target accuracy; a budget is filled later."""
+def _filled(task: Task, limits: Limits, times: Clock, trial: Trial, most: int) -> Trial:
+    """Return the plan with at most so many readings more where it misses the accuracy; a budget is filled later."""
     if limits.budget is not None and not limits.accurate:
         return trial
     meter = RunningAccuracy.of(task.yardstick, trial.scores.state.factor)
-    return filled(trial.scores, meter, replace(limits, budget=None), times, trial.setups, most=_MORE, begun=0.0)
+    return filled(trial.scores, meter, replace(limits, budget=None), times, trial.setups, most=most, begun=0.0)
