@@ -9,12 +9,11 @@ from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.axis import Axis, letter_direction
-from axiscal.machine.entry import MOST_KNOTS, ErrorEntry
+from axiscal.machine.entry import MOST_KNOTS, ErrorEntry, shaped
 from axiscal.machine.error_sizes import AVERAGED, error_size, rest_of, smoothness_of
 from axiscal.machine.limits import Keys, within
 from axiscal.machine.machine_schema import ErrorTable
 from axiscal.machine.names import COMPONENTS, ErrorName, parse_error_name, parse_plane_name
-from axiscal.machine.shaped_entry import shaped
 from axiscal.units import Dimension
 
 Value = TypeVar("Value", int, str)

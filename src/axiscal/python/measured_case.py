@@ -18,8 +18,7 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Thoroughness, proposed
 from axiscal.present.plan_answer import plan_answer
 from axiscal.python.plan_result import PlanResult
-from axiscal.python.quantity import Quantity, si
-from axiscal.python.setup_keys import SetupKeys, campaign_text
+from axiscal.python.setup_keys import Quantity, SetupKeys, campaign_text, si
 
 _NO_KEYS: Mapping[str, Any] = MappingProxyType({})
 _SOURCE = "the case"

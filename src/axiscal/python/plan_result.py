@@ -12,7 +12,7 @@ from axiscal.planning.next_readings import placed
 from axiscal.planning.proposal import Proposal
 from axiscal.present.plan_answer import PlanAnswer
 from axiscal.present.plan_words import bound_sentence
-from axiscal.python.html import html_table
+from axiscal.python.pictures import html_table
 from axiscal.units import from_unit, to_unit
 
 if TYPE_CHECKING:

@@ -10,8 +10,7 @@ from starlette.background import BackgroundTask
 
 from axiscal.language.spoken import speaking
 from axiscal.web.answering import ROOT, document, page_application
-from axiscal.web.first_desk import FirstDesk
-from axiscal.web.first_shapes import FirstRequest, SourceQuery
+from axiscal.web.first_desk import FirstDesk, FirstRequest, SourceQuery
 from axiscal.web.guard import Admission, Guard
 from axiscal.web.shapes import Shape
 
