@@ -29,7 +29,7 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(73_829, 50_000),
+    "lines of src": Budget(73_802, 50_000),
     "files of src": Budget(489, 340),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(47, 15),
