@@ -147,7 +147,7 @@ _MARGIN = 14.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Drawn:
+class _OverSolids:
     """What lies over all solids.  points : (n, 3) m, or (3,) of what has one place"""
 
     points: Array
@@ -158,7 +158,7 @@ class _Drawn:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Stroke(_Drawn):
+class Stroke(_OverSolids):
     """A line.  width : pixels; filled : colour of what it encloses, "" for none"""
 
     colour: str
@@ -169,7 +169,7 @@ class Stroke(_Drawn):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class RoundMark(_Drawn):
+class RoundMark(_OverSolids):
     """A ball.  points : its centre, (3,) m; radius : m; least : radius in pixels below which it does not shrink"""
 
     radius: float
@@ -178,7 +178,7 @@ class RoundMark(_Drawn):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Arrow(_Drawn):
+class Arrow(_OverSolids):
     """A way with a head at its end and a name there.  points : straight where there are two"""
 
     name: str
@@ -186,7 +186,7 @@ class Arrow(_Drawn):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Caption(_Drawn):
+class Caption(_OverSolids):
     """Words beside a place, (3,) m."""
 
     words: str
