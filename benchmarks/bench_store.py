@@ -14,8 +14,7 @@ from pathlib import Path
 
 from axiscal.exceptions import OvertakenError
 from axiscal.measurement.reading import Reading
-from axiscal.ports.postgres.address import store_address
-from axiscal.ports.postgres.database import Database
+from axiscal.ports.postgres.database import Database, store_address
 from axiscal.ports.postgres.server_log import ServerLog
 from axiscal.ports.postgres.syncing import synced
 from axiscal.ports.postgres.tables import prepare

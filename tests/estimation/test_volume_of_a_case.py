@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.part import POSES
+from axiscal.description.target import POSES
 from axiscal.estimation.budget import budget
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded

@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.evaluation import Kinematic, figures_of
+from axiscal.evaluation import StandardFigures, figures_of
 from axiscal.exceptions import EvaluationError, ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import chart_candidates
@@ -39,7 +39,7 @@ def machine_with(axis: str) -> str:
     return (Path(__file__).parents[1] / "linuxcnc/machines/xyzac.machine.toml").read_text(encoding="utf-8")
 
 
-def read_held(axis: str, error: str, value: float, folder: Path) -> tuple[Kinematic, Array]:
+def read_held(axis: str, error: str, value: float, folder: Path) -> tuple[StandardFigures, Array]:
     """Return the figures of a test on a machine with one error, and the angles at which it was read."""
     campaign = campaign_from_texts(SETUP.format(axis=axis), "c.toml", machine_with(axis), "machine.toml")
     (setup,) = campaign.setups
@@ -59,7 +59,7 @@ def read_held(axis: str, error: str, value: float, folder: Path) -> tuple[Kinema
     file = folder / "readings.csv"
     file.write_text("\n".join(rows) + "\n")
     found = figures_of(file)
-    assert isinstance(found, Kinematic)
+    assert isinstance(found, StandardFigures)
     return found, poses[:, index]
 
 
@@ -81,7 +81,7 @@ def test_what_changes_with_the_way_is_in_both_together(tmp_path: Path) -> None:
              for way in "+-" for angle in range(0, 360, 10)]  # fmt: skip
     (tmp_path / "k.csv").write_text("\n".join(rows) + "\n")
     found = figures_of(tmp_path / "k.csv")
-    assert isinstance(found, Kinematic)
+    assert isinstance(found, StandardFigures)
     assert found.figures == pytest.approx({"K2": 6e-6, "K2_plus": 2e-6, "K2_minus": 2e-6})
     assert found.warnings == ()
 
@@ -90,7 +90,7 @@ def test_one_way_alone_is_said_and_three_readings_are_refused(tmp_path: Path) ->
     file = tmp_path / "k.csv"
     file.write_text("test,angle_deg,direction,deviation_um\n" + "".join(f"K1,{a},+,{a}\n" for a in (0, 10, 20, 30)))
     found = figures_of(file)
-    assert isinstance(found, Kinematic)
+    assert isinstance(found, StandardFigures)
     assert found.figures == pytest.approx({"K1": 30e-6, "K1_plus": 30e-6})
     assert "only one way" in found.warnings[0]
     file.write_text("test,angle_deg,direction,deviation_um\nK1,0,+,1\nK1,1,+,1\nK1,2,+,1\n")

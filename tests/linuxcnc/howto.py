@@ -24,8 +24,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from axiscal.ports.linuxcnc.lab import Joint, Settings
-from axiscal.ports.linuxcnc.lab.components import MODULES
 from axiscal.ports.linuxcnc.lab.configuration import files
+from axiscal.ports.linuxcnc.lab.session import MODULES
 from tests.docs.howtos import DOCS
 
 PAGE, ROOT = DOCS / "linuxcnc.md", DOCS.parent

@@ -16,7 +16,7 @@ from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
 from axiscal.tables.vcomp import applying
-from axiscal.tables.vcomp.content import fnv1a
+from axiscal.tables.vcomp.applying import fnv1a
 from axiscal.tables.vcomp.vcomp_reading import read
 from tests.figures import held
 from tests.linuxcnc.built import BuiltMachine

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from axiscal.exceptions import InputError
 from axiscal.machine import Machine, machine_from_text
 from axiscal.machine.axis import Axis
-from axiscal.machine.driving import Driving, move_groups
-from axiscal.machine.motion import approach_seconds, inward, travel_seconds, turning
+from axiscal.machine.motion import Driving, approach_seconds, inward, move_groups, travel_seconds, turning
 
 X = Axis.named("X", False, (0.0, 0.6), speed=0.2, acceleration=1.0)
 Y = Axis.named("Y", True, (0.0, 0.4), speed=0.1, acceleration=3.0)

@@ -17,7 +17,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
-from axiscal.planning.bound.row_curves import refuse_unless_polynomial
+from axiscal.planning.bound.prove import refuse_unless_polynomial
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.step.best_step import best_step
 from tests.generators.planes import bed, centred, matern, poses_of, probe

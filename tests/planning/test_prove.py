@@ -15,8 +15,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.planning.bound.lower_bound import lower_bound
-from axiscal.planning.bound.prove import prove
-from axiscal.planning.bound.row_curves import refuse_unless_polynomial
+from axiscal.planning.bound.prove import prove, refuse_unless_polynomial
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task

@@ -14,6 +14,7 @@ from axiscal.numerics import Array
 from axiscal.ports.paper.experiment import Experiment, document, run, table
 from axiscal.ports.paper.paper_page import render
 from axiscal.ports.paper.stack import GreedyPlan
+from benchmarks.beyond import beyond
 from tests.web.browser import Browser
 
 SEQUENCE = [8.435996, 6.86244, 5.29228, 3.73376, 2.21355, 1.07741, 0.62000, 0.19634, 0.09769, 0.07641, 0.06404]
@@ -113,12 +114,17 @@ def test_the_command_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFix
     assert printed == json.loads((tmp_path / "paper" / "reproduce.json").read_text())
     page = (tmp_path / "paper" / "reproduce.html").read_text()
     assert len(page) > 1e5
-    assert page.count('class="picture"') == 3 + 2 + 12 + 2 + 2 + 6
-    turning, plane, station = printed["beyond"]
-    assert [each["whole_um"][-1] < 6 for each in (turning, plane, station)] == [True] * 3
-    assert turning["linear_additive_um"][-1] > 4 * turning["whole_um"][-1]
-    assert plane["linear_additive_um"][-1] > 2 * plane["whole_um"][-1]
-    assert station["linear_additive_um"][-1] > 100 * station["whole_um"][-1]
+    assert page.count('class="picture"') == 3 + 2 + 12 + 2 + 2
+
+
+@pytest.mark.long
+def test_where_joints_are_not_what_the_paper_assumes_its_method_misses_more() -> None:
+    last = [(np.median(found.linear[:, -1]), np.median(found.whole[:, -1])) for found in beyond()]
+    times = [linear / whole for linear, whole in last]
+    assert [whole < 6e-6 for _, whole in last] == [True] * 3
+    assert times[0] > 4
+    assert times[1] > 2
+    assert times[2] > 100
 
 
 @pytest.mark.long

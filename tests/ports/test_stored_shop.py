@@ -14,8 +14,7 @@ from axiscal.exceptions import RecordError, UnreachableError
 from axiscal.ports.fleet.shop_list import shop_list
 from axiscal.ports.fleet.sister_records import read_records
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
-from axiscal.ports.postgres.address import store_address
-from axiscal.ports.postgres.database import Database
+from axiscal.ports.postgres.database import Database, store_address
 from axiscal.ports.postgres.server_log import ServerLog
 from axiscal.ports.postgres.syncing import Synced, synced
 from axiscal.ports.postgres.tables import prepare

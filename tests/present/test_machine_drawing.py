@@ -236,7 +236,7 @@ def test_readings_are_drawn_where_the_tool_is_on_the_table(campaigns: list[tuple
         for setup in campaign.setups:
             own = [place for place in places if place.setup == setup.name]
             scene = setup_scene(campaign, setup, places, own[0])
-            dots = [part.centre for part in scene.parts if isinstance(part, RoundMark) and part.colour == "read"]
+            dots = [part.points for part in scene.parts if isinstance(part, RoundMark) and part.colour == "read"]
             machine, pose = campaign.machine, np.array(own[0].pose)
             room = StandingMachine(machine, pose)
             held = _carried(machine, room.table, pose) if room.work else np.eye(4)

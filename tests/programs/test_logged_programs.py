@@ -12,8 +12,8 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.logged import logged_readings
 from axiscal.exceptions import InputError, ProgramError, ReadingError
-from axiscal.machine.driving import Driving
 from axiscal.machine.inverse import drawn_back
+from axiscal.machine.motion import Driving
 from axiscal.measurement.place import Place
 from axiscal.measurement.readers.touch_log import read_touch_log
 from axiscal.measurement.touched import TOUCHES

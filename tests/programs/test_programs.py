@@ -15,8 +15,7 @@ import pytest
 from axiscal.exceptions import InputError, ProgramError
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.axis import Axis
-from axiscal.machine.driving import USUAL, Driving
-from axiscal.machine.motion import inward
+from axiscal.machine.motion import USUAL, Driving, inward
 from axiscal.measurement.place import Place
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.measurement.setup import Setup

@@ -15,9 +15,9 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.exceptions import ProgramError
 from axiscal.machine import Machine, load_machine
-from axiscal.machine.driving import Driving
 from axiscal.machine.inverse import tip_at
 from axiscal.machine.kinematics import frames
+from axiscal.machine.motion import Driving
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.place import Place
 from axiscal.numerics import Array

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from axiscal.ports.postgres.address import store_address
-from axiscal.ports.postgres.database import Database
+from axiscal.ports.postgres.database import Database, store_address
 from axiscal.ports.postgres.tables import prepare
 from tests.record.postgres_server import RunningServer, running_server
 

@@ -9,8 +9,7 @@ from collections.abc import Iterator
 import pytest
 
 from axiscal.exceptions import RecordError
-from axiscal.ports.postgres.address import store_address
-from axiscal.ports.postgres.database import Database
+from axiscal.ports.postgres.database import Database, store_address
 from tests.record.postgres_server import OWNER, RunningServer, running_server
 
 NAMES = "localhost", "127.0.0.1"

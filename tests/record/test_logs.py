@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
-from axiscal.ports.postgres.address import store_address
-from axiscal.ports.postgres.database import Database
+from axiscal.ports.postgres.database import Database, store_address
 from axiscal.ports.postgres.server_log import ServerLog
 from axiscal.record.copies import write_copy
 from axiscal.record.events import Asked, Created, Event, Finished, Noted, Planned, Recorded, Skipped, Undone, fold

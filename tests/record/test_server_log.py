@@ -19,8 +19,7 @@ from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
 from axiscal.measurement.reading import Reading
 from axiscal.ports.postgres import database as database_module
 from axiscal.ports.postgres import tables
-from axiscal.ports.postgres.address import store_address
-from axiscal.ports.postgres.database import Database, opened_database
+from axiscal.ports.postgres.database import Database, opened_database, store_address
 from axiscal.ports.postgres.server_log import Entry, ServerLog, enter, entries, insert
 from axiscal.ports.postgres.tables import prepare
 from axiscal.record.events import Created, Noted, Recorded

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from axiscal.cli.app import run
 from axiscal.exceptions import RecordError
-from axiscal.ports.postgres.address import store_address
-from axiscal.ports.postgres.database import Database
+from axiscal.ports.postgres.database import Database, store_address
 from axiscal.ports.postgres.server_log import ServerLog, entries
 from axiscal.ports.postgres.syncing import Synced, synced
 from axiscal.record.copies import write_copy

@@ -10,7 +10,7 @@ import pytest
 from axiscal.exceptions import TableError
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.registry import export
-from axiscal.tables.vcomp.content import fnv1a
+from axiscal.tables.vcomp.applying import fnv1a
 from axiscal.tables.vcomp.vcomp_reading import read
 from tests.tables.core_library import NEEDS_GCC, Core
 from tests.tables.test_controllers import known

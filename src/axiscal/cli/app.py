@@ -1,20 +1,153 @@
-"""All commands in one application, and the one place where a failure becomes a paragraph on stderr."""
+"""All commands in one application, and the one place where a failure becomes a paragraph on stderr.
+
+The file of a command is loaded only when the command is called. So files of commands import what they need at their
+top, and `axiscal --help` only reads what they say of themselves.
+"""
 
 from __future__ import annotations
 
+import ast
+import gc
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from typing import Annotated
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand, TyperGroup
 
-from axiscal.cli.commands import AllCommands
 from axiscal.cli.printing import complain, say
 from axiscal.exceptions import AxiscalError, InputError
 from axiscal.language.spoken import speaking
 from axiscal.present.whose_language import chosen
+
+_MAIN = {
+    "init": "init",
+    "plan": "plan",
+    "measure": "measure",
+    "serve": "serve",
+    "finish": "finish",
+    "export": "export",
+    "verify": "verify",
+    "report": "report",
+    "demo": "demo",
+    "fleet": "fleet",
+}
+"""In the order of `--help`. A file holds a function of its own name; one of several commands also holds their `app`."""
+_STEP = {
+    "start": "start",
+    "next": "next_reading",
+    "record": "record",
+    "undo": "undo",
+    "accept": "accept",
+    "note": "note",
+    "status": "status",
+    "run": "run_loop",
+}
+_DATA = {
+    "estimate": "estimate",
+    "iso230": "iso230",
+    "predict": "predict",
+    "copy": "copy_record",
+    "sign": "sign",
+    "salvage": "salvage",
+    "schema": "schema",
+    "reproduce": "reproduce",
+}
+_SHOP = {"bring": "bring", "sync": "sync", "adopt": "adopt", "type": "type", "due": "due", "check": "check"}
+_GROUPS: Mapping[str, tuple[str, Mapping[str, str]]] = {
+    "step": ("Take one step of a campaign per command, as scripts do.", _STEP),
+    "data": ("Work on readings, records and poses in files.", _DATA),
+    "shop": ("Keep many machines: one store, types, when each is due.", _SHOP),
+}
+_MORE = {"machine": "machine", "study": "study"}
+_UNGROUPED = {**_STEP, **_DATA, **_SHOP}
+"""The names that commands had before there were groups: they work, and no help lists them."""
+
+
+class _LazyGroup(TyperGroup):
+    """Commands, each loaded from its file when it is called.
+
+    files : the file of each command
+    """
+
+    def __init__(self, files: Mapping[str, str], **attributes: Any) -> None:
+        super().__init__(**attributes)
+        self.files = files
+        self.commands = dict.fromkeys(files, TyperCommand("not loaded"))
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command by its name, loaded now; None if there is no such command."""
+        return _command(cmd_name, self.files[cmd_name]) if cmd_name in self.files else None
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the list of commands into the help, each with the first sentence that its file says of it."""
+        _write(formatter, "Commands", _summaries(self.files))
+
+
+class AllCommands(_LazyGroup):
+    """The commands of all files: ten that a calibration needs, the others in groups."""
+
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__({**_MAIN, **_MORE, **_UNGROUPED}, **attributes)
+        self.commands.update(dict.fromkeys(_GROUPS, TyperCommand("not loaded")))
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names that help and completion show."""
+        return [*_MAIN, *_GROUPS, *_MORE]
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command or group by its name, loaded now; None if there is no such command."""
+        if cmd_name not in _GROUPS:
+            return super().get_command(ctx, cmd_name)
+        text, files = _GROUPS[cmd_name]
+        return _LazyGroup(files, name=cmd_name, help=text, rich_markup_mode=None, no_args_is_help=True)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write both lists into the help, each command with the first sentence that its file says of it."""
+        _write(formatter, "Commands", _summaries(_MAIN))
+        groups = [(name, text) for name, (text, _) in _GROUPS.items()]
+        _write(formatter, "More commands, in groups", [*groups, *_summaries(_MORE)])
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that was called; each is a door of planning or estimating."""
+        from axiscal.numerics.threads import one_thread  # numpy comes with it, and help has no need of it
+
+        with one_thread():
+            return super().invoke(ctx)
+
+
+def _command(name: str, file: str) -> Any:
+    module = import_module(f"axiscal.cli.{file}")
+    if not gc.isenabled():  # as `main` leaves it: what is loaded stays, and need not be looked through
+        gc.freeze()
+        gc.enable()
+    several: typer.Typer | None = getattr(module, "app", None)
+    if several is not None:
+        return typer.main.get_command(several)
+    alone = typer.Typer(rich_markup_mode=None, add_completion=False)
+    alone.command(name)(getattr(module, file))
+    return typer.main.get_command(alone)
+
+
+def _write(formatter: Any, title: str, rows: Iterable[tuple[str, str]]) -> None:
+    with formatter.section(title):
+        formatter.write_dl(list(rows))
+
+
+def _summaries(files: Mapping[str, str]) -> list[tuple[str, str]]:
+    return [(name, _docstring(file).splitlines()[0]) for name, file in files.items()]
+
+
+def _docstring(file: str) -> str:
+    """Return the docstring of a command as its file has it, unloaded."""
+    tree = ast.parse(Path(__file__).with_name(f"{file}.py").read_text(encoding="utf-8"))
+    functions = (node for node in tree.body if isinstance(node, ast.FunctionDef))
+    return next(ast.get_docstring(function) or "" for function in functions if function.name == file)
+
 
 INTERRUPTED = 130
 """What typer exits with after Ctrl-C; ours is 1, with a reason."""

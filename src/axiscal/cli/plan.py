@@ -12,9 +12,8 @@ import typer
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say, say_document, tell, tell_progress
 from axiscal.cli.progress import tell_mind
-from axiscal.description.campaign import CampaignDescription, as_exact
+from axiscal.description.campaign import CampaignDescription, as_exact, stated
 from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
-from axiscal.description.programs import stated
 from axiscal.document.durable import write_whole
 from axiscal.estimation.accuracy.other_tool import other_tool
 from axiscal.estimation.accuracy.unseen import seen_as_one

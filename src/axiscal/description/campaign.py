@@ -1,32 +1,38 @@
-"""campaign.toml -> CampaignDescription: what is to be reached, with which set-ups, on which machine."""
+"""campaign.toml -> CampaignDescription: what is to be reached, with which set-ups, on which machine.
+
+[programs] has the same words as a command line: how programs go to their readings.
+"""
 
 from __future__ import annotations
 
 import glob
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from axiscal.description.campaign_schema import ProgramsTable
 from axiscal.description.particulars import NOTHING_SAID, Particulars, read_particulars
-from axiscal.description.target import Target
+from axiscal.description.target import Target, coordinate
 from axiscal.description.usual import usual_machine
 from axiscal.document import Document, shown
-from axiscal.exceptions import DescriptionError
+from axiscal.exceptions import DescriptionError, Faults
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
 from axiscal.machine.entry import Sure
+from axiscal.machine.motion import Driving, move_groups
 from axiscal.measurement.instruments.kind import CARRIED
 from axiscal.measurement.setup import Setup, Vector
+from axiscal.record.events import Mounted
 from axiscal.record.log import STORED
-from axiscal.units import format_quantity
+from axiscal.units import format_quantity, parse_quantity
 
 if TYPE_CHECKING:
     from axiscal.description.campaign_schema import CampaignTable
+
 if TYPE_CHECKING:
     from axiscal.description.campaign_schema import SistersTable
-from collections.abc import Sequence
 
-from axiscal.record.events import Mounted
 
 _PRINTERS = {"klipper", "marlin", "reprapfirmware"}
 _SCALES: dict[str | None, Sure] = {None: "roughly", "stated": "well", "estimate": "roughly"}
@@ -162,8 +168,8 @@ def _described(
     usual_doubts: bool = True,
 ) -> CampaignDescription:
     from axiscal.description.artefacts import read_artefacts
+    from axiscal.description.campaign import read_driving
     from axiscal.description.campaign_schema import CampaignTable
-    from axiscal.description.programs import read_driving
     from axiscal.description.setups import Surroundings, read_setups
     from axiscal.description.stated_type_b import refers_to_20
     from axiscal.description.target import read_target
@@ -281,3 +287,55 @@ def stands_with_others(setup: Setup) -> str:
         if unknown.owner and (unknown.owner == standing or unknown.name.startswith("station_")):
             return unknown.owner
     return ""
+
+
+_SLOWEST = 1e-3 / 60
+"""1 mm/min: programs write whole numbers."""
+
+
+def read_driving(table: ProgramsTable, machine: Machine, document: Document) -> Driving:
+    """Return how programs are driven; raises DescriptionError or UnitError at the line that is wrong."""
+    faults, driving = Faults(), Driving(dwell=table.dwell, tcp=table.tcp)
+    for key in ("clearance", "order", "feed"):
+        with faults.noted(), document.placed("programs", key):
+            driving = stated(driving, machine, **{key: getattr(table, key)})
+    faults.refuse()
+    return driving
+
+
+def stated(
+    driving: Driving,
+    machine: Machine,
+    clearance: str | None = None,
+    order: str | None = None,
+    feed: str | None = None,
+    dwell: bool | None = None,
+) -> Driving:
+    """Return the driving with what is said in its place; None leaves it as it is.  Raises as `read_driving` does.
+
+    clearance : "Z=-5 mm"; order : "Z,X Y"; feed : "500 mm/min"
+    """
+    if clearance is not None:
+        driving = replace(driving, clearance=_clearance(clearance, machine))
+    if order is not None:
+        driving = replace(driving, order=tuple(tuple(group.split()) for group in order.split(",")))
+        move_groups(machine, driving)
+    if feed is not None:
+        driving = replace(driving, feed=_feed(feed))
+    return driving if dwell is None else replace(driving, dwell=dwell)
+
+
+def _clearance(text: str, machine: Machine) -> tuple[str, float]:
+    """Return the axis and where it is clear, m or rad."""
+    name, equals, place = (part.strip() for part in text.partition("="))
+    if not equals:
+        raise DescriptionError("{text} is not AXIS=PLACE", 'Write something such as "Z=-5 mm"', text=shown(text))
+    return name, coordinate(place, machine.axis(name))
+
+
+def _feed(text: str) -> float:
+    """Return the feed near a place, m/s."""
+    feed = parse_quantity(text, "speed")
+    if feed < _SLOWEST * (1 - 1e-9):
+        raise DescriptionError("{text} is slower than 1 mm/min", 'Give a feed such as "500 mm/min"', text=shown(text))
+    return feed

@@ -1,4 +1,7 @@
-"""The target of a campaign: how good, over which volume, and how much it may cost."""
+"""The target of a campaign: how good, over which volume, and how much it may cost.
+
+Parts may fill only some of the volume: a cylinder or a box in the workpiece frame.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +12,15 @@ from typing import Literal
 import numpy as np
 
 from axiscal.description.campaign_schema import TargetTable
-from axiscal.description.part import PartVolume, Span
 from axiscal.description.wants import Want, read_wants
 from axiscal.document import Document, shown
 from axiscal.errors.volume import EVERY_WAY, Counted
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import Axis, Machine
+from axiscal.machine.inverse import tip_at
+from axiscal.measurement.charts.room import Room
+from axiscal.numerics import Array
+from axiscal.numerics.spread import even_points
 from axiscal.units import format_quantity, parse_quantity
 
 Criterion = Literal["volume", "rows", "joint", "worst"]
@@ -193,3 +199,41 @@ def _turn(value: str | list[str], axis: Axis) -> Span:
         what = "{text} is no part of the travel of {axis}"
         raise DescriptionError(what, "It is {travel}", text=shown(value), axis=axis.name, travel=axis.travel_text)
     return max(ends[0], low), min(ends[1], high)
+
+
+Span = tuple[float, float]
+POSES = 4000
+_TRIED = 16
+"""How many times more places are tried than are wanted before fewer are returned."""
+
+
+@dataclass(frozen=True, slots=True)
+class PartVolume:
+    """Where the work is done.
+
+    spans : along x, y, z, m, workpiece frame; radius : of a cylinder about z instead of the spans along x and y, m
+    turns : (rotary axes,) the range in which each turns, rad, in chain order
+    """
+
+    spans: tuple[Span, Span, Span]
+    radius: float | None
+    turns: tuple[Span, ...]
+
+    def poses(self, machine: Machine, count: int = POSES) -> Array:
+        """Return up to so many poses within the travels, spread evenly over places of the part and turns, (m, q)."""
+        unit = even_points(_TRIED * count, 3 + len(self.turns))
+        park = np.zeros((len(unit), len(machine.axes)))
+        park[:, [not axis.rotary for axis in machine.axes]] = [sum(a.travel) / 2 for a in machine.axes if not a.rotary]
+        low, high = np.array(self.turns).reshape(-1, 2).T
+        park[:, [axis.rotary for axis in machine.axes]] = low + (high - low) * unit[:, 3:]
+        found = tip_at(machine, park, self._points(unit[:, :3]))
+        reachable: Array = found[Room.empty(machine).in_travel(found)][:count]
+        return reachable
+
+    def _points(self, unit: Array) -> Array:
+        low, high = np.array(self.spans).T
+        points: Array = low + (high - low) * unit
+        if self.radius is not None:
+            far, turn = self.radius * np.sqrt(unit[:, 0]), 2 * np.pi * unit[:, 1]
+            points[:, 0], points[:, 1] = far * np.cos(turn), far * np.sin(turn)
+        return points

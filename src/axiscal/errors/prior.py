@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.machine.axis import Axis
-from axiscal.machine.entry import ROUGH, SMOOTH, ErrorEntry
-from axiscal.machine.shaped_entry import JOINT, KNOTS_PER_WAVE
+from axiscal.machine.entry import JOINT, KNOTS_PER_WAVE, ROUGH, SMOOTH, ErrorEntry
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline, Spline
 from axiscal.numerics.repeated import Repeated, Segments

@@ -10,9 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.part import POSES
 from axiscal.description.sizes import Kind, Sizes
-from axiscal.description.target import Target
+from axiscal.description.target import POSES, Target
 from axiscal.description.usual import Learnable, rescaled_machine, rescaled_setups, sizes_of
 from axiscal.errors.actual import MovedErrors
 from axiscal.errors.gauge import Hidden, hidden, unseen_factor

@@ -1,8 +1,5 @@
 """The figures of the standards, from readings alone: positioning, circles, diagonals, rotating axes."""
 
-from axiscal.evaluation.circles import Circular, circular
-from axiscal.evaluation.diagonals import Diagonals, diagonals
-from axiscal.evaluation.kinematic import Kinematic, kinematic
 from axiscal.evaluation.one_axis import (
     FIGURES,
     Positioning,
@@ -11,18 +8,13 @@ from axiscal.evaluation.one_axis import (
     evaluate,
     read_iso230,
 )
-from axiscal.evaluation.spindles import ErrorMotion, error_motion
-from axiscal.evaluation.which_test import Figures, figures_of
+from axiscal.evaluation.other_tests import StandardFigures, circular, diagonals, error_motion, figures_of, kinematic
 
 __all__ = [
     "FIGURES",
-    "Circular",
-    "Diagonals",
-    "ErrorMotion",
-    "Figures",
-    "Kinematic",
     "Positioning",
     "PositioningTest",
+    "StandardFigures",
     "TargetFigures",
     "circular",
     "diagonals",

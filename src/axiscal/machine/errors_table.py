@@ -1,4 +1,7 @@
-"""The [errors] table: what is known beforehand about each error, checked against the axes."""
+"""The [errors] table: what is known beforehand about each error, checked against the axes.
+
+Sizes must lie within what a machine can have.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +12,10 @@ from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.axis import Axis, letter_direction
-from axiscal.machine.entry import MOST_KNOTS, ErrorEntry
-from axiscal.machine.error_sizes import AVERAGED, error_size, rest_of, smoothness_of
+from axiscal.machine.entry import MOST_KNOTS, ROUGH, SMOOTH, ErrorEntry, shaped
 from axiscal.machine.limits import Keys, within
 from axiscal.machine.machine_schema import ErrorTable
 from axiscal.machine.names import COMPONENTS, ErrorName, parse_error_name, parse_plane_name
-from axiscal.machine.shaped_entry import shaped
 from axiscal.units import Dimension
 
 Value = TypeVar("Value", int, str)
@@ -164,3 +165,50 @@ def _std(document: Document, keys: Keys, table: ErrorTable, dimension: Dimension
     if table.std is not None:
         return error_size(document, (*keys, "std"), table.std, dimension)
     return error_size(document, (*keys, "band"), table.band or "", dimension) / 4
+
+
+LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-12
+"""m or rad."""
+
+
+AVERAGED = "estimate"
+"""What is said of a smoothness that is to be averaged over."""
+
+
+def rest_of(document: Document, keys: Keys, table: ErrorTable, dimension: Dimension) -> float | None:
+    """Return the standard deviation of the rest, m or rad; None when there is none or it is to be estimated."""
+    if table.rest is None or table.rest.strip() == "estimate":
+        return None
+    try:
+        return error_size(document, (*keys, "rest"), table.rest, dimension)
+    except InputError as fault:
+        remedy = said('{remedy}; or "estimate" to learn it from the readings', remedy=fault.remedy)
+        raise type(fault)(fault.what, remedy, fault.file, fault.line) from None
+
+
+def error_size(document: Document, keys: Keys, text: str, dimension: Dimension) -> float:
+    """Return how large an error may be, m or rad; raises UnitError, or DescriptionError when it is not possible."""
+    return within(document, keys, text, dimension, SMALLEST_ERROR, LARGEST_ERROR)
+
+
+def smoothness_of(table: ErrorTable, averaged: bool = False) -> float:
+    """Return how smooth a curve is; raises DescriptionError for a smoothness that there is not.
+
+    averaged : it may also be averaged over, "estimate"; it begins as a smooth one then
+    """
+    if table.smoothness is None:
+        return SMOOTH
+    if table.smoothness not in (SMOOTH, ROUGH) and not (averaged and table.smoothness == AVERAGED):
+        remedy = "Write {smooth} for a smooth curve, {rough} for one that may have kinks"
+        if averaged:
+            remedy = (
+                'Write {smooth} for a smooth curve, {rough} for one that may have kinks, "{both}" to average over both'
+            )
+        what, smooth = "smoothness = {text} is not possible", str(SMOOTH)
+        text, rough = shown(table.smoothness), str(ROUGH)
+        raise DescriptionError(what, remedy, text=text, smooth=smooth, rough=rough, both=AVERAGED)
+    if table.length is None:
+        what = "smoothness = {text} is said of an error without a correlation length"
+        remedy = 'Add over which distance it changes, such as length = "150 mm"'
+        raise DescriptionError(what, remedy, text=shown(table.smoothness))
+    return SMOOTH if table.smoothness == AVERAGED else float(table.smoothness)

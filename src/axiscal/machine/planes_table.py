@@ -8,7 +8,7 @@ from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import MOST_KNOTS, ErrorEntry
-from axiscal.machine.error_sizes import error_size, rest_of, smoothness_of
+from axiscal.machine.errors_table import error_size, rest_of, smoothness_of
 from axiscal.machine.limits import Keys, within
 from axiscal.machine.machine_schema import ErrorTable
 from axiscal.machine.names import PlaneName, parse_plane_name

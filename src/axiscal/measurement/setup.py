@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from axiscal.machine.axis import Axis
-from axiscal.machine.driving import USUAL, Driving
+from axiscal.machine.motion import USUAL, Driving
 
 if TYPE_CHECKING:
     from axiscal.measurement.artefact import Artefact

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from axiscal.exceptions import ProgramError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
-from axiscal.machine.driving import FAMILIES, Driving, move_groups
+from axiscal.machine.motion import FAMILIES, Driving, move_groups
 from axiscal.units import to_unit
 
 FASTEST = 99_999

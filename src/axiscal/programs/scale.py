@@ -11,7 +11,7 @@ from axiscal.document import shown
 from axiscal.exceptions import ProgramError, TravelError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
-from axiscal.machine.driving import near
+from axiscal.machine.motion import near
 from axiscal.units import format_quantity, to_unit
 
 Decimals = tuple[Decimal, ...]

@@ -1,15 +1,25 @@
-"""Pictures for notebooks: SVG, drawn as the pictures of a report are."""
+"""Pictures for notebooks: SVG, drawn as the pictures of a report are; and tables, whose every text is escaped."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from html import escape
+from typing import NamedTuple
 
+from axiscal.numerics import Array
 from axiscal.present.drawing.shown import alone
 from axiscal.present.drawing.svg_picture import Figure, picture
 from axiscal.present.figures import axis_style, band, layout
 from axiscal.present.plan_answer import PlanAnswer
-from axiscal.python.drawn_line import DrawnLine
+
+
+def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> str:
+    """Return a table with a caption."""
+    head = "".join(f"<th>{escape(text)}</th>" for text in heads)
+    body = "".join("<tr>" + "".join(f"<td>{escape(text)}</td>" for text in row) + "</tr>" for row in rows)
+    return f"<table><caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
 
 _LINE, _FILL = "#1f5fa8", "rgba(31, 95, 168, 0.18)"
 _WIDE, _NARROW, _HEIGHT = 640, 360, 260
@@ -68,3 +78,14 @@ def _curve(line: DrawnLine) -> Figure:
         "data": [band(at, middle, line.half.tolist(), _FILL), mean],
         "layout": layout(x, y, _HEIGHT),
     }
+
+
+class DrawnLine(NamedTuple):
+    """at : (m,) positions; middle : (m,) mean; half : (m,) half of the band that holds it with 95 %"""
+
+    name: str
+    at: Array
+    middle: Array
+    half: Array
+    position_unit: str
+    unit: str

@@ -14,9 +14,8 @@ import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from axiscal.exceptions import InputError
-from axiscal.web.api import application
+from axiscal.web.api import application, first_application
 from axiscal.web.counter import Counter
-from axiscal.web.first_api import first_application
 from axiscal.web.first_desk import FirstDesk
 from axiscal.web.guard import Admission, Guard
 

@@ -1,21 +1,26 @@
-"""A check of a machine whose tables were loaded: where to read, what was read there, and what it says."""
+"""A check of a machine whose tables were loaded: where to read, what was read there, and what it says.
+
+A virtual machine gives as-found and as-left readings: the same truth without tables and with them.
+"""
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources import Request
+from axiscal.campaign.sources import STARTED, Answer, Request, Source
+from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
+from axiscal.document.ports import ours
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.acceptance.as_found_and_left import as_found_and_left, of_machine
 from axiscal.evaluation.acceptance.at_the_machine import Sheet
 from axiscal.evaluation.acceptance.judgement import Judgement
 from axiscal.evaluation.acceptance.table_checks import Part, needed, parts_of, taken_away
@@ -28,7 +33,7 @@ from axiscal.evaluation.acceptance.verification import (
     with_displacements,
     without_zeros,
 )
-from axiscal.exceptions import ReadingError, TargetError
+from axiscal.exceptions import ReadingError, SourceError, TargetError
 from axiscal.measurement.place import Places
 from axiscal.measurement.place_texts import columns_of
 from axiscal.measurement.readers.csv_readings import blank_sheet, read_readings
@@ -38,6 +43,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.stages import stage
 from axiscal.planning.overrun import with_room
 from axiscal.tables import registry
+from axiscal.tables.effect import CommandedMachine
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.units import parse_quantity
@@ -243,3 +249,68 @@ def _largest(target: Target) -> float | None:
     """Return the largest deviation that a target allows, m; None where it is no accuracy."""
     twice = None if target.rms is None else 2 * target.rms
     return next((each for each in (target.worst, twice, target.expanded) if each is not None), None)
+
+
+_FIRST = (1_000_000, 2_000_000)
+"""Numbers of the readings, so that their noise is that of no reading of the campaign."""
+_KINDS = "A check without a person takes sim, sim:SEED, truth:FILE.csv, linuxcnc, linuxcnc:SEED or linuxcnc:FILE.csv"
+
+
+def as_found_and_left(
+    text: str, simulator: Simulator, tables: Export, wanted: Sequence[Request]
+) -> tuple[tuple[Reading, ...], tuple[Reading, ...]]:
+    """Return the readings without and with the tables; raises SourceError, InputError, ControlError.
+
+    text : names the source as `axiscal run` does; wanted : the places
+    """
+    kind, _, rest = text.partition(":")
+    seed = _seed(kind, rest)
+    truth = simulator.from_curves(Path(rest), seed) if rest.endswith(".csv") else simulator.drawn(seed)
+    return _both(_pair(kind, truth, seed, tables), wanted)
+
+
+def of_machine(
+    truth: VirtualMachine, seed: int, tables: Export, wanted: Sequence[Request]
+) -> tuple[tuple[Reading, ...], tuple[Reading, ...]]:
+    """Return the readings of a machine without and with the tables."""
+    return _both(_pair("sim", truth, seed, tables), wanted)
+
+
+def _both(sources: tuple[Source, Source], wanted: Sequence[Request]) -> tuple[tuple[Reading, ...], tuple[Reading, ...]]:
+    found, left = (_taken(source, wanted, n) for source, n in zip(sources, _FIRST, strict=True))
+    return found, left
+
+
+def _seed(kind: str, rest: str) -> int:
+    if kind == "truth" and rest.endswith(".csv"):
+        return 0
+    if kind not in ("sim", "linuxcnc") or (kind == "sim" and rest.endswith(".csv")):
+        raise SourceError("'{kind}' cannot be asked without a person and with tables", _KINDS, kind=kind[:40])
+    if rest.endswith(".csv") or not rest:
+        return 0
+    if not (rest.isascii() and rest.isdigit() and len(rest) <= 18):
+        raise SourceError("'{text}' is not a seed", "Write a whole number from 0, as in sim:7", text=rest[:40])
+    return int(rest)
+
+
+def _pair(kind: str, truth: VirtualMachine, seed: int, tables: Export) -> tuple[Source, Source]:
+    def simulated(machine: VirtualMachine) -> Source:
+        return SimulatedSource(machine, seed)
+
+    if kind == "linuxcnc":
+        started = ours(STARTED)
+        return started(truth, simulated), started(truth, simulated, tables.files)
+    return simulated(truth), simulated(CommandedMachine.corrected(truth, tables.control))
+
+
+def _taken(source: Source, wanted: Sequence[Request], first: int) -> tuple[Reading, ...]:
+    readings = []
+    try:
+        for number, place in enumerate(wanted, first):
+            answer = source.read(Request(number, place.setup, place.axes, place.pose, place.approach))
+            assert isinstance(answer, Answer)  # virtual machines do not skip
+            at = (place.setup.name, place.pose, place.approach)
+            readings.append(Reading(*at, answer.value, answer.std, others=answer.others))
+    finally:
+        source.close()
+    return tuple(readings)

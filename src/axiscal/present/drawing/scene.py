@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from axiscal.numerics import Array
-from axiscal.present.drawing.strokes import FONT, Label, Point, placed, short_number, text_safe, text_width
+from axiscal.present.drawing.strokes import FONT, Label, Point, corners_way, placed, short_number, text_safe, text_width
 
 _STRIPS = 40
 """Strips of the side of a cylinder; a matter of taste."""
@@ -147,68 +147,49 @@ _MARGIN = 14.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Stroke:
-    """A line over all solids.  points : (n, 3) m; width : pixels; filled : colour of what it encloses, "" for none"""
+class _OverSolids:
+    """What lies over all solids.  points : (n, 3) m, or (3,) of what has one place"""
 
     points: Array
+
+    def moved(self, motion: Array) -> Self:
+        """Return the same moved by a rigid motion, (4, 4)."""
+        return replace(self, points=self.points @ motion[:3, :3].T + motion[:3, 3])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Stroke(_OverSolids):
+    """A line.  width : pixels; filled : colour of what it encloses, "" for none"""
+
     colour: str
     width: float = 1.5
     dash: str = ""
     opacity: float = 1.0
     filled: str = ""
 
-    def moved(self, motion: Array) -> Stroke:
-        """Return the line moved by a rigid motion, (4, 4)."""
-        return replace(self, points=_moved(self.points, motion))
-
 
 @dataclass(frozen=True, eq=False, slots=True)
-class RoundMark:
-    """A ball over all solids.  centre : (3,) m; radius : m; least : radius in pixels below which it does not shrink"""
+class RoundMark(_OverSolids):
+    """A ball.  points : its centre, (3,) m; radius : m; least : radius in pixels below which it does not shrink"""
 
-    centre: Array
     radius: float
     colour: str
     least: float = 2.6
 
-    @property
-    def points(self) -> Array:
-        """Its centre, (1, 3) m."""
-        return self.centre[None]
-
-    def moved(self, motion: Array) -> RoundMark:
-        """Return the ball moved by a rigid motion, (4, 4)."""
-        return replace(self, centre=_moved(self.centre[None], motion)[0])
-
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Arrow:
-    """A way with a head at its end and a name there.  points : (n, 3) m, straight where there are two"""
+class Arrow(_OverSolids):
+    """A way with a head at its end and a name there.  points : straight where there are two"""
 
-    points: Array
     name: str
     colour: str = "ink"
 
-    def moved(self, motion: Array) -> Arrow:
-        """Return the arrow moved by a rigid motion, (4, 4)."""
-        return replace(self, points=_moved(self.points, motion))
-
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Caption:
-    """Words beside a place.  at : (3,) m"""
+class Caption(_OverSolids):
+    """Words beside a place, (3,) m."""
 
-    at: Array
     words: str
-
-    @property
-    def points(self) -> Array:
-        """Its place, (1, 3) m."""
-        return self.at[None]
-
-    def moved(self, motion: Array) -> Caption:
-        """Return the words beside the place where a rigid motion, (4, 4), takes theirs."""
-        return replace(self, at=_moved(self.at[None], motion)[0])
 
 
 Part = Solid | Stroke | RoundMark | Arrow | Caption
@@ -250,8 +231,8 @@ class Fit:
         return cls(scale, middle - scale * (low + high) / 2, frame)
 
     def pixels(self, points: Array) -> Array:
-        """Return where points (n, 3) m stand, (n, 2)."""
-        at: Array = flat(points) * self.scale + self.shift
+        """Return where points (n, 3) or (3,) m stand, (n, 2)."""
+        at: Array = flat(np.atleast_2d(points)) * self.scale + self.shift
         return at
 
 
@@ -280,14 +261,9 @@ def _cut(inside: str, frame: Viewport) -> str:
     return f"<svg {view}>{inside}</svg>"
 
 
-def _moved(points: Array, motion: Array) -> Array:
-    there: Array = points @ motion[:3, :3].T + motion[:3, 3]
-    return there
-
-
 def _solid(solid: Solid, fitted: Fit) -> str:
     """Return the faces that are seen, and their shades over all of them: strips of a round side leave no seams."""
-    facing = [(_way(fitted.pixels(face.points)) + "z", face) for face in solid.faces if face.normal @ EYE > 1e-9]
+    facing = [(corners_way(fitted.pixels(face.points)) + "z", face) for face in solid.faces if face.normal @ EYE > 1e-9]
     inside = "".join([*(_face(d, face, solid.paint) for d, face in facing), *(_shade(d, face) for d, face in facing)])
     return inside if solid.opacity == 1 else f'<g opacity="{solid.opacity:g}">{inside}</g>'
 
@@ -321,7 +297,7 @@ def _mark(mark: Mark, fitted: Fit) -> str:
     faint = f' stroke-opacity="{mark.opacity:g}"' if mark.opacity != 1 else ""
     inside = f'"var(--{mark.filled})" fill-opacity=".35"' if mark.filled else '"none"'
     return (
-        f'<path d="{_way(at)}" fill={inside} stroke="{colour}" stroke-width="{mark.width:g}"{dash}{faint} '
+        f'<path d="{corners_way(at)}" fill={inside} stroke="{colour}" stroke-width="{mark.width:g}"{dash}{faint} '
         'stroke-linejoin="round" stroke-linecap="round"/>'
     )
 
@@ -331,14 +307,9 @@ def _arrow(at: Array, colour: str) -> str:
     along = along / max(float(np.hypot(*along)), 1e-9)
     across, neck = np.array([-along[1], along[0]]), tip - _HEAD * along
     shaft = np.vstack([at[:-1][np.hypot(*(at[:-1] - tip).T) > _HEAD], neck])
-    head = _way(np.array([tip, neck + _HALF_HEAD * across, neck - _HALF_HEAD * across])) + "z"
-    return (
-        f'<path d="{_way(shaft)}" fill="none" stroke="{colour}" stroke-width="2.4"/><path d="{head}" fill="{colour}"/>'
-    )
-
-
-def _way(points: Array) -> str:
-    return "M" + "L".join(f"{short_number(x)} {short_number(y)}" for x, y in points.tolist())
+    head = corners_way(np.array([tip, neck + _HALF_HEAD * across, neck - _HALF_HEAD * across])) + "z"
+    line = f'<path d="{corners_way(shaft)}" fill="none" stroke="{colour}" stroke-width="2.4"/>'
+    return f'{line}<path d="{head}" fill="{colour}"/>'
 
 
 def _label(part: Arrow | Caption, fitted: Fit) -> Label:

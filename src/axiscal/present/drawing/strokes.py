@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 
@@ -123,7 +123,12 @@ def _polygon(symbol: str, at: Point, half: float) -> str:
         turns = [(first + 360 * k / count, half * larger) for k in range(count)]
     corners = [(at[0] + radius * math.cos(math.radians(turn)), at[1] + radius * math.sin(math.radians(turn)))
                for turn, radius in turns]  # fmt: skip
-    return "M" + "L".join(f"{short_number(x)} {short_number(y)}" for x, y in corners) + "z"
+    return corners_way(corners) + "z"
+
+
+def corners_way(corners: Iterable[Sequence[float]]) -> str:
+    """Return the `d` of a line through all corners, each (x, y)."""
+    return "M" + "L".join(f"{short_number(x)} {short_number(y)}" for x, y in corners)
 
 
 def words(text: str, at: Point, size: float, colour: str, anchor: str = "start", more: str = "") -> str:
@@ -195,15 +200,12 @@ class Label:
         return text(x, y + self.size * (0.5 - _DEEP / 2), self.words, self.kind, "middle", self.size)
 
 
-def text(x: float, y: float, words: str, kind: str = "", anchor: str = "start", size: float = FONT) -> str:
+def text(x: float, y: float, shown: str, kind: str = "", anchor: str = "start", size: float = FONT) -> str:
     """Return a line of text.  y : of the line that it stands on; anchor : start, middle or end"""
     colour = "var(--soft)" if kind == "soft" else "var(--ink)"
     weight = ' font-weight="600"' if kind in ("axis", "title") else ""
     rim = ' stroke="var(--paper)" stroke-width="4" stroke-linejoin="round" paint-order="stroke"'
-    return (
-        f'<text x="{short_number(x)}" y="{short_number(y)}" font-size="{size:g}" fill="{colour}" '
-        f'text-anchor="{anchor}"{weight}{rim}>{text_safe(words)}</text>'
-    )
+    return words(shown, (x, y), size, colour, anchor, f"{weight}{rim}")
 
 
 def placed(labels: Sequence[Label], frame: Bounds) -> list[Label]:

@@ -12,7 +12,7 @@ from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 from axiscal.tables.old_files import OldFile
 from axiscal.tables.surface import Mesh
-from axiscal.tables.vcomp.content import AXES, JOINTS, KNOTS, MOTIONS, VcompAxis, VcompFile, fnv1a
+from axiscal.tables.vcomp.applying import AXES, JOINTS, KNOTS, MOTIONS, VcompAxis, VcompFile, fnv1a
 from axiscal.units import from_unit
 
 _NUMBER = re.compile(r"-?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?")

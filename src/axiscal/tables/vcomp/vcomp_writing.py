@@ -12,8 +12,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.numerics import Array
-from axiscal.tables.vcomp.applying import at_zero
-from axiscal.tables.vcomp.content import KNOTS, MOTIONS, VcompAxis, VcompFile, fnv1a
+from axiscal.tables.vcomp.applying import KNOTS, MOTIONS, VcompAxis, VcompFile, at_zero, fnv1a
 from axiscal.units import to_unit
 
 _MARGIN, _LEAST = 1.5, 5e-6

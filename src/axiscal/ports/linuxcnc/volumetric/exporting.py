@@ -20,8 +20,7 @@ from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import Draft, spread_poses
 from axiscal.tables.old_files import OldFile
 from axiscal.tables.vcomp import vcomp_reading, vcomp_writing
-from axiscal.tables.vcomp.applying import component_control, whole_control
-from axiscal.tables.vcomp.content import VcompFile
+from axiscal.tables.vcomp.applying import VcompFile, component_control, whole_control
 from axiscal.units import format_quantity
 
 SOURCES = ("axiscal_vcomp.comp", "axiscal_vcomp_core.h")
