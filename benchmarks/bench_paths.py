@@ -36,6 +36,7 @@ from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.planning.next_readings import posed
 from axiscal.present.demo.five_axis import SEED, description, hidden_machine
+from axiscal.record.events import Asked
 from benchmarks import bench_estimate
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -131,6 +132,23 @@ def recorded(command: str, readings: int) -> Callable[[Path], list[str]]:
     return arguments
 
 
+def typed(command: str, readings: int) -> Callable[[Path], list[str]]:
+    """Return how the reading asked for after so many is typed by `record`, or the one after it is asked for."""
+
+    def arguments(folder: Path) -> list[str]:
+        path = Path(recorded(command, readings)(folder)[1])
+        with Campaign.open(path) as campaign:
+            asked, case = campaign.next(), campaign.case()
+            assert isinstance(asked, Asked)
+            setup, machine = campaign.description.setup(asked.place.setup), hidden_machine(case)
+            shown = machine.read_all(setup, asked.place.pose, asked.place.approach, np.random.default_rng(readings))
+            if command == "next":
+                campaign.record(shown[0], others=tuple(shown[1:]))
+        return [command, str(path), *(f"{1e6 * value:.2f}um" for value in shown if command == "record")]
+
+    return arguments
+
+
 def taken(case: Case, count: int) -> Iterator[Reading]:
     """Yield readings of the demo's hidden machine at so many of its candidates, set-up by set-up."""
     machine, rng, setups = hidden_machine(case), np.random.default_rng(SEED), case.description.setups
@@ -199,6 +217,8 @@ ROADS = (
     Road("next, no reading, again", "0.25", recorded("next", 0), again=True),
     Road("status, no reading", "0.25", recorded("status", 0)),
     Road("next, 60 readings, first time", "0.4", recorded("next", 60)),
+    Road("record, after 60 readings", "0.5", typed("record", 60)),
+    Road("next, after one typed", "0.5", typed("next", 60)),
     Road("status, 60 readings", "0.4", recorded("status", 60)),
     Road("status, 500 readings", "0.6", recorded("status", 500)),
     Road("finish, 60 readings", "1.5", recorded("finish", 60)),

@@ -25,7 +25,7 @@ from axiscal.description.usual import Learnable, sizes_of, usual_machine
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise import problem as estimate_problem
 from axiscal.estimation.promise.draws import draws, mode, weighed
-from axiscal.estimation.promise.posterior import posterior
+from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.spaces import turned, variances_of
 from axiscal.estimation.promise.unknowns import Unknowns, space_of
@@ -106,7 +106,7 @@ def measure(count: int) -> None:
     said("  weights", took)
     took, _ = seconds_of(lambda: [each.answer() for each in found.given])
     said("  answers", took)
-    whole, now = seconds_of(lambda: posterior(first))
+    whole, now = seconds_of(lambda: sorted_out(first).posterior())
     wanted, further = TARGETS.get(count, (np.nan, np.nan))
     said("posterior", whole, f"wanted {wanted:.2f} s; {now.effective:.0f} draws, {len(now.bad)} bad")
     said("a further reading", another(case, readings), f"wanted {further:.3f} s")
@@ -114,7 +114,7 @@ def measure(count: int) -> None:
 
 def another(case: Case, readings: list[Reading]) -> float:
     """Return the processor time of one reading more, its problem included."""
-    return seconds_of(lambda: posterior(posed(case, readings)))[0]
+    return seconds_of(lambda: sorted_out(posed(case, readings)).posterior())[0]
 
 
 def rests_left_out(count: int) -> None:
@@ -166,7 +166,8 @@ def main() -> None:
             if chosen.profile:
                 case, readings = case_and_readings(count)
                 first, profile = posed(case, readings), cProfile.Profile()
-                profile.runcall(posterior, first)
+                with profile:
+                    sorted_out(first).posterior()
                 pstats.Stats(profile).sort_stats("tottime").print_stats(25)
             measure(count)
 

@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from axiscal.campaign.versions import versions
+from axiscal.campaign.possible import versions
 from axiscal.ports.study.outcome import outcome
 from axiscal.ports.study.processes import Processes
 from axiscal.ports.study.results import FILE, Results, run_missing

@@ -11,7 +11,7 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
-from axiscal.campaign.versions import versions
+from axiscal.campaign.possible import versions
 from axiscal.exceptions import StudyError
 from axiscal.ports.study.processes import Processes
 from axiscal.ports.study.results import Results, run_missing

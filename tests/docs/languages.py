@@ -20,7 +20,7 @@ from babel.messages.mofile import write_mo
 from babel.messages.pofile import read_po, write_po
 
 from axiscal import exceptions
-from axiscal.campaign.ended_words import ENDINGS
+from axiscal.campaign.ending import ENDINGS
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import LANGUAGES
 from axiscal.measurement.instrument import INSTRUMENTS

@@ -11,7 +11,7 @@ from scipy.stats import binom
 
 from axiscal.estimation.promise.dense import Dense, mixture
 from axiscal.estimation.promise.draws import draws, mode, weighed
-from axiscal.estimation.promise.posterior import Posterior, posterior
+from axiscal.estimation.promise.posterior import Posterior, sorted_out
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.measurement.reading import Reading
@@ -28,7 +28,7 @@ def _readings(count: int, seed: int = 6) -> tuple[Reading, ...]:
 
 
 def _of(readings: tuple[Reading, ...] | list[Reading]) -> Posterior:
-    return posterior(stated(case_of("axis"), readings))
+    return sorted_out(stated(case_of("axis"), readings)).posterior()
 
 
 def _off(readings: tuple[Reading, ...], by: dict[int, float]) -> list[Reading]:
@@ -47,7 +47,7 @@ def test_moments_and_odds_are_those_of_the_equations(kind: str, count: int) -> N
     """Mean, covariance, residuals and odds over the same draws and weights."""
     problem = asked(kind, count, 3)
     every = range(count)
-    found = posterior(problem, sure=every)
+    found = sorted_out(problem, sure=every).posterior()
     space = space_of(problem)
     over = weighed(space, draws(space, mode(space)))
     dense = Dense(problem)
@@ -88,7 +88,7 @@ def _score(problem: Problem, row: Array, rng: np.random.Generator) -> float:
     """Return how far the truth of a machine drawn from the model lies from its mean, in standard deviations."""
     theta = problem.sizes.at(rng.standard_normal(len(problem.sizes)))[0]
     truth, values = drawn_values(problem, theta, rng)
-    found = posterior(replace(problem, values=values), sure=range(len(values)))
+    found = sorted_out(replace(problem, values=values), sure=range(len(values))).posterior()
     return float(row @ (truth - found.mean) / np.sqrt(row @ found.covariance @ row))
 
 
@@ -99,7 +99,7 @@ def test_readings_of_the_model_agree_with_each_other(kinds: tuple[str, ...], low
     for _ in range(25 if kinds else 120):
         theta = problem.sizes.at(rng.standard_normal(len(problem.sizes)))[0]
         values = drawn_values(problem, theta, rng)[1]
-        found.append(posterior(replace(problem, values=values), sure=range(14)))
+        found.append(sorted_out(replace(problem, values=values), sure=range(14)).posterior())
     assert low < np.mean([each.agreement.c2 for each in found]) < high
     assert np.mean([each.agreement.inflation > 1 for each in found]) < (0.2 if kinds else 0.3)
     assert np.mean([each.agreement.contradicts for each in found]) < 0.05  # a size that no place teaches may be far off
@@ -113,7 +113,7 @@ def test_a_bad_reading_is_found_and_named(at: int, noises: float) -> None:
     assert list(found.bad) == [at]
     assert found.bad[at].log_odds > 0
     assert at not in found.left_out
-    without = posterior(stated(case_of("axis"), readings), never=(at,))
+    without = sorted_out(stated(case_of("axis"), readings), never=(at,)).posterior()
     np.testing.assert_allclose((found.mean - without.mean) / _stds(without), 0, atol=0.25)
     assert np.max(np.abs(found.mean - clean.mean) / _stds(found)) < 4
 
@@ -133,7 +133,7 @@ def test_no_good_reading_is_bad(seed: int) -> None:
 def test_a_sure_reading_stays() -> None:
     """However far it is off, and the readings do not agree then."""
     readings = _off(_readings(24), {7: 200.0})
-    found = posterior(stated(case_of("axis"), readings), sure=(7,))
+    found = sorted_out(stated(case_of("axis"), readings), sure=(7,)).posterior()
     assert 7 not in found.bad
     assert found.left_out[7].log_odds > 0
     assert found.left_out[7].z > 3
@@ -141,7 +141,9 @@ def test_a_sure_reading_stays() -> None:
 
 def test_a_reading_that_is_never_used_changes_nothing() -> None:
     readings = _readings(12)
-    one, other = (posterior(stated(case_of("axis"), _off(readings, {5: by})), never=(5,)) for by in (0.0, 500.0))
+    one, other = (
+        sorted_out(stated(case_of("axis"), _off(readings, {5: by})), never=(5,)).posterior() for by in (0.0, 500.0)
+    )
     np.testing.assert_array_equal(one.mean, other.mean)
     np.testing.assert_array_equal(one.covariance, other.covariance)
 
@@ -183,7 +185,10 @@ def test_the_order_of_readings_does_not_matter() -> None:
     """They carry their times."""
     problem, case = _readings(16), case_of("axis")
     order = np.random.default_rng(2).permutation(16)
-    one, other = posterior(stated(case, problem)), posterior(stated(case, [problem[i] for i in order]))
+    one, other = (
+        sorted_out(stated(case, problem)).posterior(),
+        sorted_out(stated(case, [problem[i] for i in order])).posterior(),
+    )
     np.testing.assert_allclose((one.mean - other.mean) / _stds(one), 0, atol=1e-3)
     np.testing.assert_allclose(_stds(one), _stds(other), rtol=1e-3)
     for place, index in enumerate(order.tolist()):

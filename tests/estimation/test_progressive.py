@@ -8,7 +8,7 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.promise.posterior import posterior
+from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.stations import BentReadings, closed_form, polished
 from axiscal.exceptions import AmbiguityError
 from axiscal.machine import load_machine
@@ -107,7 +107,7 @@ def test_readings_agree_about_stations_as_found() -> None:
     case = tracers("300 mm", "100 mm")
     _, readings = read(case, 1)
     known = concluded(case, readings)
-    assert posterior(stated(case, readings)).agreement.contradicts
+    assert sorted_out(stated(case, readings)).posterior().agreement.contradicts
     assert not known.agreement.contradicts
 
 

@@ -19,7 +19,7 @@ from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.promise.numbers import Numbers
 from axiscal.estimation.promise.passing import columns_of, contributions
-from axiscal.estimation.promise.posterior import gain, posterior
+from axiscal.estimation.promise.posterior import gain, sorted_out
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.unknowns import Unknowns
 from axiscal.exceptions import InputError
@@ -411,7 +411,7 @@ def test_a_gain_moves_no_mean_and_teaches_no_size() -> None:
     may = Learnable("roughly", usual=True, inherited=False)
     made = problem(observation, read_at(places, curve + noise, "s"), sizes_of(dial.machine, dial.setups, may))
     assert made.held.shape == (40, 1)
-    found, without = posterior(made), posterior(replace(made, held=np.zeros((40, 0))))
+    found, without = sorted_out(made).posterior(), sorted_out(replace(made, held=np.zeros((40, 0)))).posterior()
     assert found.sizes == without.sizes
     np.testing.assert_array_equal(found.mean, without.mean)
     shape = along(observation)
@@ -431,7 +431,7 @@ def test_no_number_of_readings_brings_u_below_what_they_have_in_common() -> None
     observation, found = observed(described(LASER)), list[float]()
     root = along(observation)
     for count in (5, 50, 500):
-        covariance = posterior(_problem(count)).covariance[: root.shape[1], : root.shape[1]]
+        covariance = sorted_out(_problem(count)).posterior().covariance[: root.shape[1], : root.shape[1]]
         found.append(float(np.sqrt(np.mean(np.einsum("ij,jk,ik->i", root, covariance, root)))))
     strain = float(np.linalg.norm([5.85, 2.0, 1.0, 2.0 / np.sqrt(3.0), 0.5])) * PPM
     floor = strain * np.sqrt(1 / 12)
@@ -445,7 +445,7 @@ def _inside(strains: Sequence[float], said: str = "", target: str = "", usual: b
     root, places, shares = along(observation), np.random.default_rng(3).uniform(0, 1, 24), list[float]()
     for seed, strain in enumerate(strains):
         errors, readings = drawn(observation, places, strain, seed)
-        found = posterior(problem(observation, readings, NOBODY, usual=usual))
+        found = sorted_out(problem(observation, readings, NOBODY, usual=usual)).posterior()
         covariance = found.covariance[: root.shape[1], : root.shape[1]]
         limit = reach(np.einsum("ij,jk,ik->i", root, covariance, root)[:, None])
         off = root @ (found.mean[: root.shape[1]] - errors)

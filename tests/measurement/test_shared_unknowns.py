@@ -9,7 +9,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.description.sizes import Sizes
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
-from axiscal.estimation.promise.posterior import posterior
+from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.promise.problem import problem
 from axiscal.machine import load_machine
 from axiscal.measurement.instrument import model_of
@@ -142,7 +142,7 @@ def test_the_prior_of_the_readings_counts_what_is_shared_once() -> None:
     place = tuple(sum(axis.travel) / 2 for axis in DMU.axes)
     reading = Reading("nest", place, (1,) * len(place), 0.0, others=(0.0, 0.0))
     size = observation.prior_covariance().shape[0]
-    found = posterior(problem(observation, [reading], Sizes(()), usual=False), never=(0,))
+    found = sorted_out(problem(observation, [reading], Sizes(()), usual=False), never=(0,)).posterior()
     assert found.covariance == pytest.approx(observation.prior_covariance())
     assert len(found.mean) == size == observation.errors.size + len(observation.unknowns)
 

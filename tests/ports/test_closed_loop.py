@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.default_planner import plan_ahead
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.campaign.sources.source import Answer, Request
 from axiscal.measurement.place import Place
+from axiscal.planning.next_readings import next_places
 from axiscal.ports.study.outcome import outcome, prepared, replanned
 from axiscal.ports.study.study_case import Stop
 from axiscal.ports.study.study_file import read_study
@@ -55,9 +55,9 @@ def test_a_case_reads_what_a_campaign_reads(
 
     def counted(*of: Any) -> tuple[Place, ...]:
         plans.append(of)
-        return plan_ahead(*of)
+        return next_places(*of)
 
-    monkeypatch.setattr("axiscal.ports.study.outcome.plan_ahead", counted)
+    monkeypatch.setattr("axiscal.ports.study.outcome.next_places", counted)
     study = read_study(written(tmp_path, REPLANNED.replace("{ readings = 6 }", stop), campaign))
     (ready,) = {prepared(case.variant) for case in study.cases()}
     truth, described = ready.simulator.drawn(12), ready.case.description

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.campaign.ended_words import because_text
+from axiscal.campaign.ending import because_text
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.language.spoken import said, speaking
 from axiscal.present.drawing.svg_picture import PixelScale

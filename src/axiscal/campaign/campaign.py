@@ -16,7 +16,6 @@ from functools import partial
 from pathlib import Path
 from typing import Self
 
-from axiscal.campaign.default_planner import plan_ahead
 from axiscal.campaign.ending import (
     BUDGET,
     FUTILE,
@@ -45,7 +44,7 @@ from axiscal.exceptions import AmbiguityError, RecordError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.remembered import Memo
-from axiscal.planning.next_readings import plan_basis
+from axiscal.planning.next_readings import next_places, plan_basis
 from axiscal.record.accepted import Accepted
 from axiscal.record.copies import refuse_other, write_copy
 from axiscal.record.events import (
@@ -80,19 +79,19 @@ class Campaign(Closing):
     planner : says where to read next
     """
 
-    def __init__(self, record: EventLog, description: CampaignDescription, planner: Planner = plan_ahead) -> None:
+    def __init__(self, record: EventLog, description: CampaignDescription, planner: Planner = next_places) -> None:
         self._record, self.description, self._planner = record, description, planner
         self.state = record.state()
         self._first = record.events()[0]
         self._memo = Memo(_ANSWERS)
 
     @classmethod
-    def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = plan_ahead) -> Self:
+    def create(cls, path: str | Path, description: CampaignDescription, planner: Planner = next_places) -> Self:
         """Return a new campaign, recorded at `path`; raises RecordError if something is there already."""
         return cls(created_log(path, beginning_of(description)), description, planner)
 
     @classmethod
-    def open(cls, path: str | Path, planner: Planner = plan_ahead, *, write: bool = True) -> Self:
+    def open(cls, path: str | Path, planner: Planner = next_places, *, write: bool = True) -> Self:
         """Return the campaign recorded at `path`; raises RecordError if that is no record."""
         record = opened_log(path, write=write)
         try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -13,6 +14,7 @@ from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.functionals.known import known_rows
 from axiscal.exceptions import SourceError
+from axiscal.language.spoken import counted, said
 from axiscal.planning.enough import FEW
 from axiscal.planning.promise import WantedAccuracy, asked
 from axiscal.units import to_unit
@@ -163,3 +165,38 @@ def refuse_implausible(known: Estimation) -> None:
     if doubt is not None:
         remedy = "It is kept and not relied on. Mend the source; if it is right, undo it and record it with --accept"
         raise SourceError(known.objection_to(doubt), remedy)
+
+
+ENDINGS = (
+    ALL_REACHED,
+    BUDGET,
+    CONTRADICT,
+    OUT_OF_REACH,
+    "nothing is left to measure",
+    "ended by the operator",
+    "all readings evaluated",
+    "not finished",
+)
+"""Those that are whole sentences."""
+_SAID_TAKEN = re.compile(r"([0-9]+) readings? taken")
+_SAID_REACHED = re.compile(r"(rms|worst|U) target reached")
+_SAID_UNREACHED = re.compile(r"(.+) cannot be reached with these set-ups")
+_SAID_BEYOND = re.compile(
+    r"(rms|worst|U) target cannot be reached: endless readings would leave ([0-9.e+-]+) um, these leave ([0-9.e+-]+) um"
+)
+
+
+def because_text(because: str) -> str:
+    """Return the reason in the language that is spoken; one that is not known here stays English."""
+    if (taken := _SAID_TAKEN.fullmatch(because)) is not None:
+        return counted("{count} reading taken", "{count} readings taken", int(taken[1]))
+    if (reached := _SAID_REACHED.fullmatch(because)) is not None:
+        return said("{name} target reached", name=reached[1])
+    if (unreached := _SAID_UNREACHED.fullmatch(because)) is not None:
+        return said("{rows} cannot be reached with these set-ups", rows=unreached[1])
+    if (beyond := _SAID_BEYOND.fullmatch(because)) is not None:
+        words = (
+            "{name} target cannot be reached: endless readings would leave {floor:.3g} um, these leave {left:.3g} um"
+        )
+        return said(words, name=beyond[1], floor=float(beyond[2]), left=float(beyond[3]))
+    return said(because) if because in ENDINGS else because

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+import platform
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from axiscal.campaign.versions import versions
+from axiscal import __version__
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import said
@@ -30,6 +31,13 @@ _LATEST = 1e10
 """Seconds from the beginning of a campaign, three hundred years: any bound that is still a date would do."""
 _SLACK = 1e-6
 """Of the travel: rounding of places that were computed, far above that of a float and far below what is measured."""
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of axiscal and of what it computes with, by name."""
+    import numpy
+
+    return {"axiscal": __version__, "numpy": numpy.__version__, "python": platform.python_version()}
 
 
 def described(record: EventLog) -> CampaignDescription:

@@ -11,8 +11,7 @@ from pathlib import Path
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.answers.answer_words import minutes_text
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ended_words import because_text
-from axiscal.campaign.ending import Ended
+from axiscal.campaign.ending import Ended, because_text
 from axiscal.cli.printing import ask, say
 from axiscal.cli.progress import tell_out_of_reach
 from axiscal.cli.texts import micrometres

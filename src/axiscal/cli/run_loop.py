@@ -9,8 +9,7 @@ from typing import Annotated
 import typer
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ended_words import because_text
-from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH
+from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, because_text
 from axiscal.campaign.sources import Source, open_source
 from axiscal.cli.arguments import CampaignFile, Details, Json, Out
 from axiscal.cli.outputs import write_outputs

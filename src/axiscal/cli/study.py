@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.versions import versions
+from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_document, tell, tell_progress
 from axiscal.cli.texts import count_text

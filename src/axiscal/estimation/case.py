@@ -22,7 +22,7 @@ from axiscal.estimation.accuracy.unseen import seen_as_one, tool_doubt
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.promise.passing import Contribution, contributions
+from axiscal.estimation.promise.passing import contributions
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.machine.description import Machine
 from axiscal.measurement.artefact import reads_as
@@ -228,9 +228,9 @@ class Case:
         grounds = machine.with_rests(dict.fromkeys(machine.error_names, 0.0)), *others
         moments, sample, alignment = self.volumes.answer(grounds, self._found_volume)
         moments = of_rests(self.errors, moments)
-        factor, unseen, causes = self.prior.factor, self._endless(()), self._causes
+        factor, left = self.prior.factor, self._left
+        unseen = left[:, : factor.shape[1]]
         before, after = (np.sum((moments.mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
-        left = self._endless(causes) if causes else unseen
         x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
         box = self.description.target.volume
         return Yardstick(self.errors, box, moments, unseen, left, (x, y, z), sample, alignment)
@@ -238,7 +238,7 @@ class Case:
     @cached_property
     def yardstick_as_sized(self) -> Yardstick:
         """The same with what endless readings leave of errors as large as they are here, not as they were stated."""
-        return self.yardstick.with_rests_of(self.errors, self._endless(self._causes))
+        return self.yardstick.with_rests_of(self.errors, self._left)
 
     @property
     def _over_what(self) -> tuple[Machine, Target, Itself[About | None]]:
@@ -305,13 +305,10 @@ class Case:
         return _whitened(list(self._allowed_parts()))
 
     @property
-    def _causes(self) -> list[Contribution]:
-        """Type B errors of the readings that are allowed."""
-        return contributions(self.observation, self._allowed, usual=self.description.usual)
-
-    def _endless(self, causes: Sequence[Contribution]) -> Array:
-        """Return F (errors, r) with F Fᵀ what endless readings leave of the errors.  causes : of type B"""
-        factor, parts = self.prior.factor, list(self._allowed_parts())
+    def _left(self) -> Array:
+        """F (errors, r) with F Fᵀ what endless readings leave of errors; its first columns without type B errors."""
+        parts = list(self._allowed_parts())
+        causes = contributions(self.observation, self._allowed, usual=self.description.usual)
         rows = _whitened(parts)
         columns = np.zeros((len(rows), len(causes)))
         for number, cause in enumerate(causes):
@@ -320,10 +317,7 @@ class Case:
                 for index, k, seen in parts
             ]
             columns[:, number] = np.concatenate(column)
-        both = np.zeros((len(factor) + len(causes), factor.shape[1] + len(causes)))
-        both[: len(factor), : factor.shape[1]] = factor
-        both[len(factor) :, factor.shape[1] :] = np.eye(len(causes))
-        return unseen_factor(both, np.hstack([rows, columns]))[: self.errors.size]
+        return unseen_factor(self.prior.factor, rows, columns)[: self.errors.size]
 
 
 def _whitened(parts: Sequence[tuple[int, int, Rows]]) -> Array:

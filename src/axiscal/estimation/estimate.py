@@ -12,15 +12,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from axiscal.estimation.absorbed import displayed, taken_as_normal
+from axiscal.estimation.absorbed import absorbed, displayed, taken_as_normal
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Banded, Estimation, Stages, banded
 from axiscal.estimation.judged import judged
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.learnt import learnt, posterior_of
+from axiscal.estimation.learnt import Learnt, posterior_of, progressed, turned, without_bad
 from axiscal.estimation.located import bent, located
 from axiscal.estimation.membership import Membership, membership
 from axiscal.estimation.mirrors import refuse_mirrors
+from axiscal.estimation.promise.posterior import Sorted
 from axiscal.estimation.timed import timed
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.stages import stage
@@ -38,9 +39,12 @@ def _staged(case: Case, readings: Sequence[Reading]) -> Stages:
     """Return the posterior of readings, linearised about the machine that they show."""
     times = timed(case, readings)
     implausible = judged(case, times.readings)
-    scales = learnt(case, times.readings, implausible)
-    stages = Stages(times, implausible, scales, located(scales, times.readings, implausible))
-    return _posed_again(case, stages)
+    if not times.readings:
+        return Stages(times, implausible, Learnt(case), absorbed(case, ()))
+    case = progressed(case, times.readings, implausible)
+    kept = without_bad(case, times.readings, implausible)
+    scales = Learnt.of(case, kept)
+    return _answered(case, Stages(times, implausible, scales, located(scales, times.readings, implausible)), kept)
 
 
 @one_thread()
@@ -66,18 +70,21 @@ def _finished(case: Case, stages: Stages) -> Stages:
     readings, implausible = stages.timed.readings, stages.implausible
     known = bent(stages.absorbed, readings)
     refuse_mirrors(known, readings, [*implausible])
-    return stages if known is stages.absorbed else _posed_again(case, stages._replace(absorbed=known))
+    return stages if known is stages.absorbed else _answered(case, stages._replace(absorbed=known))
 
 
-def _posed_again(case: Case, stages: Stages) -> Stages:
-    """Return stages with the posterior of readings as they are linearised and taken as normal there."""
+def _answered(case: Case, stages: Stages, kept: Sorted | None = None) -> Stages:
+    """Return stages with the posterior of readings as they are linearised and taken as normal there.
+
+    kept : what is sorted out of the same readings where `case` has them linear
+    """
     known, readings = stages.absorbed, stages.timed.readings
-    if not readings:
-        return stages
     taken, at = taken_as_normal(known, readings), case.linear_as(known.case)
     if taken is readings and at.observation.about == case.observation.about and at.description == case.description:
-        return stages
-    return stages._replace(learnt=replace(stages.learnt, found=posterior_of(at, taken, stages.implausible)))
+        found = stages.learnt.found if kept is None else kept.posterior(turned(case, readings))
+    else:
+        found = posterior_of(at, taken, stages.implausible)
+    return stages._replace(learnt=replace(stages.learnt, found=found))
 
 
 def _of_likeliest(stated: Case, stages: Callable[[int], Stages], first: int) -> Estimation:
@@ -112,7 +119,6 @@ def _estimation(stated: Case, stages: Stages, member: Membership | None = None, 
         known.innovations,
         (*implausible.values(), *scales.doubts.values()),
         wide,
-        wide.case.yardstick.measure(wide.knowledge.belief),
         stages,
         membership=member,
         side=side,

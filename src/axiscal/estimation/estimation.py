@@ -42,7 +42,6 @@ class Estimation:
     readings : each with its time; seconds : of machine time that they take; innovations : of each
     outliers : the readings that are not believed, first those that cannot be, then those that others contradict
     banded : case and knowledge with the bands that are printed, sizes averaged over
-    accuracy : how well the machine is known, with these bands
     membership : how probable the rival beliefs are, None where there is one; side : the one that it was found by
     """
 
@@ -54,10 +53,14 @@ class Estimation:
     innovations: tuple[Innovations, ...]
     outliers: tuple[Doubt, ...]
     banded: Banded
-    accuracy: Accuracy
     stages: Stages
     membership: Membership | None = None
     side: int = 0
+
+    @cached_property
+    def accuracy(self) -> Accuracy:
+        """How well the machine is known, with the bands that are printed."""
+        return self.banded.case.yardstick.measure(self.banded.knowledge.belief)
 
     @cached_property
     def left_out(self) -> frozenset[int]:

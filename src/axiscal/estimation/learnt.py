@@ -11,7 +11,7 @@ import numpy as np
 from axiscal.estimation.case import Case
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.promise.agreement import Turned
-from axiscal.estimation.promise.posterior import Posterior, posterior
+from axiscal.estimation.promise.posterior import Posterior, Sorted, sorted_out
 from axiscal.estimation.promise.problem import problem
 from axiscal.estimation.stations import BentReadings, Optimum, closed_form, polished
 from axiscal.measurement.reading import Reading, drawn
@@ -33,25 +33,24 @@ class Learnt:
     doubts: Mapping[int, Doubt] = field(default_factory=dict)
     found: Posterior | None = None
 
-
-def learnt(case: Case, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Learnt:
-    """Return the posterior of readings, those that are implausible left out.  case : as stated"""
-    if not readings:
-        return Learnt(case)
-    case = progressed(case, readings, implausible)
-    found = posterior_of(case, readings, implausible)
-    doubts = {index: Doubt(index, each.z) for index, each in found.bad.items()}
-    return Learnt(case.rescaled(found.sizes), doubts, found)
+    @classmethod
+    def of(cls, case: Case, kept: Sorted) -> Learnt:
+        """Return what readings teach, their posterior still to come.  case : as stated"""
+        return cls(case.rescaled(kept.sizes), {index: Doubt(index, each.z) for index, each in kept.bad.items()})
 
 
-def posterior_of(case: Case, readings: Sequence[Reading], implausible: Mapping[int, Doubt]) -> Posterior:
+def posterior_of(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Posterior:
     """Return the posterior of readings where a case has them linear.  case : with the sizes as stated"""
+    return without_bad(case, readings, implausible).posterior(turned(case, readings))
+
+
+def without_bad(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Sorted:
+    """Return the readings without the bad ones, where a case has them linear.  case : with the sizes as stated"""
     posed = problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
-    sure = [index for index, reading in enumerate(readings) if reading.accepted]
-    return posterior(posed, implausible, sure, _turned(case, readings))
+    return sorted_out(posed, implausible, [index for index, reading in enumerate(readings) if reading.accepted])
 
 
-def _turned(case: Case, readings: Sequence[Reading]) -> Iterator[Turned]:
+def turned(case: Case, readings: Sequence[Reading]) -> Iterator[Turned]:
     """Yield the readings as a problem for each choice of rotary axes that count the other way than described."""
     axes = [axis.name for axis in case.description.machine.axes if axis.rotary]
     for count in range(1, len(axes) + 1):

@@ -18,11 +18,8 @@ from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import Learnt
-from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import linear_values, places_of, seen, shown_by_each
-from axiscal.measurement.setup import About
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 from axiscal.numerics.threads import one_thread
@@ -90,11 +87,8 @@ def moved_by(known: Absorbed, readings: Sequence[Reading], better: Case) -> floa
     if not readings:
         return 0.0
     observation, belief = known.knowledge.observation, known.knowledge.belief
-    places = places_of(observation.setups, readings)
-    change = _values(observation, places, readings, known.case.about) - _values(
-        observation, places, readings, better.about
-    )
-    numbers = seen(observation, readings)
+    numbers, there = seen(observation, readings), replace(observation, about=better.about)
+    change = numbers.values - linear_values(there, places_of(observation.setups, readings), readings)
     trust = known.precisions(numbers)
     if float(np.sqrt(np.sum(trust * change**2) / belief.size)) < SETTLED:
         return 0.0
@@ -104,10 +98,6 @@ def moved_by(known: Absorbed, readings: Sequence[Reading], better: Case) -> floa
 
 SETTLED = 1e-3
 """RMS of the change over all directions, in σ, at which rounds end."""
-
-
-def _values(observation: Observation, places: Places, readings: Sequence[Reading], about: About | None) -> Array:
-    return linear_values(replace(observation, about=about), places, readings)
 
 
 def indices(known: Absorbed, readings: Sequence[Reading]) -> Array:

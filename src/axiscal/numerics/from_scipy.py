@@ -31,6 +31,12 @@ def chi_square_share(degrees: Array, values: Array) -> Array:
     return share
 
 
+def chi_square_quantile(degrees: Array, share: float) -> Array:
+    """Return what a chi-square is at most with probability `share`, (m,).  degrees : (m,) of freedom"""
+    places: Array = _function("scipy.special", "chdtri")(degrees, 1 - share)
+    return places
+
+
 def binomial_tail(least: int, count: int, share: float) -> float:
     """Return the probability that at least `least` of `count` events happen, each with probability `share`."""
     return float(_function("scipy.special", "bdtrc")(least - 1, count, share))

@@ -6,6 +6,7 @@ A plan stands as long as what it rests on; it has no places where no reading can
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -27,6 +28,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.enough import AT_ONCE, enough
 from axiscal.planning.other_readings import EVERY, plane_start, planned_with_markers, with_both_sides, without_markers
@@ -189,6 +191,7 @@ def _own(asked: AskedRow, case: Case) -> Array:
 
 
 @one_thread()
+@stage("the plan of the readings to come")
 def next_places(
     case: Case,
     knowledge: Knowledge,
@@ -234,6 +237,11 @@ def plan_basis(case: Case, readings: Sequence[Reading], doubts: Sequence[Doubt])
         said.append(f"{passed} times {EVERY / 60:.0f} min")
     other = [n for n, r in enumerate(readings, 1) if r.std is not None and not _alike(r.std, noise[r.setup])]
     return ", ".join([*said, *(f"noise of {number}" for number in other)])
+
+
+def rejected(basis: str) -> frozenset[int]:
+    """Return the indices of the readings that are not believed.  basis : of `plan_basis`"""
+    return frozenset(int(number) - 1 for number in re.findall(r"(\d+) rejected", basis))
 
 
 def _learnt_from(count: int) -> int:

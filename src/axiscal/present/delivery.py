@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from axiscal.answers.answer_of_campaign import answer_of
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.versions import versions
+from axiscal.campaign.possible import versions
 from axiscal.description.particulars import Particulars
 from axiscal.document.durable import write_whole, written
 from axiscal.errors.volume import Box
@@ -25,13 +25,11 @@ from axiscal.numerics.spread import even_points
 from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 from axiscal.present.data_files import data_files
-from axiscal.present.drawn_by_standards import ball_bar_circles, positioning_curves
 from axiscal.present.result_document import result_json
 from axiscal.present.result_set import RECORD, result_set, write_manifest
 from axiscal.present.statement import NOT_KNOWN
 from axiscal.present.summarising import Extras, record_state, summarise
 from axiscal.present.summary import RecordState, Summary, TableEffect, TableOffer
-from axiscal.present.volume_error import bent_volume, volume_error
 from axiscal.present.whose_language import named_language
 from axiscal.tables import registry
 from axiscal.tables.effect import Deviation, rms, tour
@@ -51,30 +49,30 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
     A table that a control cannot hold is not written; the report says why.
     The report is in the language of the campaign, else of the person who ends it, all other files are in English.
     """
-    language = language_of_report(campaign.description.particulars)
+    language, described = language_of_report(campaign.description.particulars), campaign.description
     with speaking("en"):
-        return _delivered(campaign, estimation, out, summarise(campaign, estimation, extras), language, extras.anyway)
+        with stage("tables", 1, 3):
+            made = {name: _made(estimation, name, extras.anyway) for name in (*described.controls, _ALWAYS)}
+        files = [each for each in made.values() if isinstance(each, Export)]
+        controls = {each.controller: each.control for each in files if each.controller in described.controls}
+        answer = answer_of(campaign, estimation, controls, written=True, anyway=extras.anyway)
+        offers = [offer for name, each in made.items() for offer in _offers(name, each)]
+        best = min(files, key=lambda each: each.expected, default=None)
+        summary = summarise(campaign, estimation, replace(extras, tables=offers, best=best, answer=answer))
+        return _delivered(campaign, summary, made, out, language)
 
 
 def _delivered(
-    campaign: Campaign, estimation: Estimation, out: Path, summary: Summary, language: str, anyway: bool
+    campaign: Campaign, summary: Summary, made: Mapping[str, Export | str], out: Path, language: str
 ) -> Summary:
     home = out / RECORD
     live = home if home.exists() and campaign.path.exists() and home.samefile(campaign.path) else None
     with result_set(out, live=live) as folder:
         if live is None:
             campaign.copy(folder / RECORD)
-        wanted = dict.fromkeys((*campaign.description.controls, _ALWAYS))
-        with stage("tables", 1, 3):
-            written_for = [_tables(estimation, name, folder / "tables", summary) for name in wanted]
-        summary = replace(summary, tables=[offer for offers, _ in written_for for offer in offers])
-        offered = [found for _, found in written_for if found]
-        summary = _as_left(campaign, estimation, summary, offered)
-        controls = {
-            each.controller: each.control for each in offered if each.controller in campaign.description.controls
-        }
-        answer = answer_of(campaign, estimation, controls, written=True, anyway=anyway)
-        summary = replace(summary, answer=answer.model_copy(update={"checked": summary.answer.checked}))
+        for offered in made.values():
+            if isinstance(offered, Export):
+                _write_tables(offered, folder / "tables", summary)
         document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
         written(folder / "result.json", f"{document}\n".encode())
         with stage("the report as a page", 2, 3):
@@ -130,40 +128,30 @@ def _write(summary: Summary, path: Path) -> None:
     write_whole(path, render(summary).encode())
 
 
-def _tables(
-    estimation: Estimation, controller: str, folder: Path, summary: Summary
-) -> tuple[list[TableOffer], Export | None]:
-    """Write the files for one control and return what they hold and leave, or why there are none, and the files."""
-    if summary.answer.withheld:
-        return [TableOffer("none written", controller, "", said(NOT_KNOWN))], None
+def _made(estimation: Estimation, controller: str, anyway: bool) -> Export | str:
+    """Return the files for one control, or why there are none."""
+    if estimation.agreement.withheld and not anyway:
+        return said(NOT_KNOWN)
+    try:
+        return registry.offered(estimation, controller)
+    except (TableError, ReadingError) as refusal:
+        return str(refusal)
+
+
+def _offers(controller: str, made: Export | str) -> list[TableOffer]:
+    """Return what the files for one control hold and leave, or why there are none."""
+    if isinstance(made, str):
+        return [TableOffer("none written", controller, "", made)]
+    left, effect = left_out(made), effect_of(made)
+    axes = {name: name.partition(".")[0].replace("_", " ") for name in made.files}
+    return [TableOffer(f"tables/{controller}/{name}", controller, axis, left, effect) for name, axis in axes.items()]
+
+
+def _write_tables(offered: Export, folder: Path, summary: Summary) -> None:
     warnings = [warning.text for warning in summary.warnings]
     folder.mkdir(parents=True, exist_ok=True)
-    try:
-        offered = registry.offered(estimation, controller)
-    except (TableError, ReadingError) as refusal:
-        return [TableOffer("none written", controller, "", str(refusal))], None
     whole = introduced(offered, summary.expanded.factor, warnings, summary.agreement.words, summary.record)
-    write_files(whole, folder / controller)
-    left, effect = left_out(offered), effect_of(offered)
-    axes = {name: name.partition(".")[0].replace("_", " ") for name in offered.files}
-    rows = [TableOffer(f"tables/{controller}/{name}", controller, axis, left, effect) for name, axis in axes.items()]
-    return rows, offered
-
-
-def _as_left(campaign: Campaign, estimation: Estimation, summary: Summary, offered: Sequence[Export]) -> Summary:
-    """Return the summary with the errors as the tables that leave least leave them."""
-    if summary.volume is None or not offered:
-        return summary
-    best = min(offered, key=lambda each: each.expected)
-    left_by = best.controller, best.control
-    read = campaign.description, campaign.state.readings, estimation
-    return replace(
-        summary,
-        volume=volume_error(estimation, *left_by),
-        bent=bent_volume(estimation, *left_by),
-        positioning=positioning_curves(*read, *left_by),
-        circles=ball_bar_circles(*read, *left_by),
-    )
+    write_files(whole, folder / offered.controller)
 
 
 def effect_of(offered: Export) -> TableEffect:

@@ -139,14 +139,14 @@ def _lines(nominal: Array, grid: Array, edges: bool) -> Iterator[Array]:
 
     nominal : the grid before it is bent, which says what lies behind
     """
-    counts = grid.shape[:3]
+    counts, behind = grid.shape[:3], [_behind(nominal, way) for way in range(3)]
     for along in range(3):
         if counts[along] < 2:
             continue
         u, v = (k for k in range(3) if k != along)
         for i, j in itertools.product(range(counts[u]), range(counts[v])):
             outer = [i in (0, counts[u] - 1), j in (0, counts[v] - 1)]
-            far = [i == _behind(nominal, u), j == _behind(nominal, v)]
+            far = [i == behind[u], j == behind[v]]
             if all(outer) if edges else any(far) and not all(outer):
                 at: list[int | slice] = [slice(None)] * 3
                 at[u], at[v] = i, j

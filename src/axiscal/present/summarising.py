@@ -11,9 +11,8 @@ from pathlib import Path
 from axiscal.answers.answer import ResultAnswer, TablesChecked
 from axiscal.answers.answer_of_campaign import agreement_of, answer_of
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ended_words import because_text
-from axiscal.campaign.ending import reaches
-from axiscal.campaign.versions import versions
+from axiscal.campaign.ending import because_text, reaches
+from axiscal.campaign.possible import versions
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.particulars import Equipment
 from axiscal.description.type_b import Distribution
@@ -55,6 +54,7 @@ from axiscal.present.summary import (
     Uncertainty,
 )
 from axiscal.present.volume_error import bent_volume, volume_error
+from axiscal.tables.offer import Export
 from axiscal.units import said_quantity, to_unit
 
 _WORDS = {
@@ -80,7 +80,8 @@ class Extras:
     compared : whether the traditional way, with as many readings, is drawn beside the accuracy
     warnings : about what was given, besides those of the estimate
     anyway : tables and uncertainties are written although readings contradict each other; each page says that they do
-    checked : what a check of the tables on the machine found
+    checked : what a check of the tables on the machine found; best : the files that leave least
+    answer : with what tables leave; None where none are made
     """
 
     tables: Sequence[TableOffer] = ()
@@ -92,6 +93,8 @@ class Extras:
     warnings: Sequence[Finding] = ()
     anyway: bool = False
     checked: TablesChecked | None = None
+    best: Export | None = None
+    answer: ResultAnswer | None = None
 
 
 @stage("the summary")
@@ -105,7 +108,9 @@ def summarise(campaign: Campaign, estimation: Estimation, extras: Extras) -> Sum
 
 
 def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summary:
-    case, description = estimation.case, campaign.description
+    case, description, best = estimation.case, campaign.description, extras.best
+    left_by = () if best is None else (best.controller, best.control)
+    answer = extras.answer or answer_of(campaign, estimation, {}, anyway=extras.anyway)
     rows = _history(campaign, estimation)
     if extras.compared:
         usual = traditional(case, len(campaign.state.readings)).rms
@@ -129,7 +134,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
         history=rows,
         expanded=expanded,
-        answer=_answer(campaign, estimation, extras),
+        answer=answer.model_copy(update={"checked": extras.checked}),
         curves=[curve for curve in drawn if not _reversal(curve)],
         reversals=[curve for curve in drawn if _reversal(curve)],
         constants=constants(estimation),
@@ -149,21 +154,16 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         files=extras.files,
         record=record_state(campaign),
         agreement=agreement_of(estimation),
-        volume=volume_error(estimation) if campaign.state.readings else None,
-        bent=bent_volume(estimation) if campaign.state.readings else None,
-        positioning=positioning_curves(description, campaign.state.readings, estimation),
-        circles=ball_bar_circles(description, campaign.state.readings, estimation),
+        volume=volume_error(estimation, *left_by) if campaign.state.readings else None,
+        bent=bent_volume(estimation, *left_by) if campaign.state.readings else None,
+        positioning=positioning_curves(description, campaign.state.readings, estimation, *left_by),
+        circles=ball_bar_circles(description, campaign.state.readings, estimation, *left_by),
         budget=budget_rows(estimation),
         particulars=description.particulars,
         checksums=_checksums(campaign),
         ended=_ended(campaign),
         linear=linear_of(linear),
     )
-
-
-def _answer(campaign: Campaign, estimation: Estimation, extras: Extras) -> ResultAnswer:
-    """Return the answer as far as it is known before tables are made."""
-    return answer_of(campaign, estimation, {}, anyway=extras.anyway).model_copy(update={"checked": extras.checked})
 
 
 def _checksums(campaign: Campaign) -> dict[str, str]:

@@ -32,17 +32,25 @@ def mean_along(model: ErrorModel, box: Box, moved: Sequence[int], over: int, pos
     What rotary axes turn too far is left out: their own tables take it away.
     """
     rows = np.zeros((len(moved), len(positions), model.size))
+    ends = positions[[0, -1]]
+    share = ((positions - ends[0]) / (ends[1] - ends[0]))[:, None]
     for axis in {f.axis for f in model.functions}:
         if axis == over:
-            _add(rows, model, axis, _levers_over(model, box, moved, over, positions), positions, sign)
+            levers = _between(_levers_over(model, box, moved, over, ends)[..., None], share)[..., 0]
+            _add(rows, model, axis, levers, positions, sign)
             continue
-        ends = positions[[0, -1]]
-        share = ((positions - ends[0]) / (ends[1] - ends[0]))[:, None]
         _add_between(rows, model, axis, over, *_levers_of_other(model, box, moved, over, axis, ends), share)
     for index, plane in enumerate(model.planes, len(model.functions)):
         if over in plane.axes:
-            _add_together(rows, model, box, moved, over, index, positions)
+            _add_together(rows, model, box, moved, over, index, positions, share)
     return rows
+
+
+def _between(ends: Array, share: Array) -> Array:
+    """Return what is affine in the position from both its ends, (..., positions, n).  ends : (..., 2, n)"""
+    first, last = np.moveaxis(ends[..., None, :], -3, 0)
+    between: Array = first + share * (last - first)
+    return between
 
 
 def from_the_other_side(model: ErrorModel, over: int, rows: Array) -> Array:
@@ -118,20 +126,22 @@ def _add_between(rows: Array, model: ErrorModel, owner: int, over: int, at: Arra
     """
     for index, each in zip(_seen_of(model, owner, over), np.moveaxis(levers, 1, 0), strict=True):
         function = model.functions[index]
-        first, last = np.moveaxis((each @ function.rows(at))[:, :, None], 1, 0)
-        rows[:, :, function.columns] += first + share * (last - first)
+        rows[:, :, function.columns] += _between(each @ function.rows(at), share)
 
 
 def _add_together(
-    rows: Array, model: ErrorModel, box: Box, moved: Sequence[int], over: int, index: int, at: Array
+    rows: Array, model: ErrorModel, box: Box, moved: Sequence[int], over: int, index: int, at: Array, share: Array
 ) -> None:
-    """Add what an error of two axes does on average over the other one of them.  at : (positions,)"""
+    """Add what an error of two axes does on average over the other one of them.
+
+    at : (positions,); share : as of `_add_between`
+    """
     plane = model.planes[index - len(model.functions)]
-    (other,) = set(plane.axes) - {over}
-    poses, weights = _grid(model, box, over, at, other)
-    levers = _levers_along(model, moved, [index], poses, len(at))[:, 0]
-    values = plane.rows(plane.coordinates(poses)).reshape(len(at), len(weights), -1)
-    rows[:, :, plane.columns] += np.einsum("opw,pwn->opn", levers * weights, values)
+    own = plane.axes.index(over)
+    poses, weights = _grid(model, box, over, at[[0, -1]], plane.axes[1 - own])
+    beside = plane.sides[1 - own].rows(poses[: len(weights), plane.axes[1 - own]])[:, plane.pairs[:, 1 - own]]
+    levers = _levers_along(model, moved, [index], poses, 2)[:, 0] * weights
+    rows[:, :, plane.columns] += plane.sides[own].rows(at)[:, plane.pairs[:, own]] * _between(levers @ beside, share)
 
 
 def _taken_by_rotor(model: ErrorModel, index: int) -> bool:

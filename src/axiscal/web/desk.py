@@ -12,8 +12,7 @@ from pathlib import Path
 from axiscal.answers.answer import PlannedAnswer, ResultAnswer
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, standing_answer
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ended_words import because_text
-from axiscal.campaign.ending import Ended
+from axiscal.campaign.ending import Ended, because_text
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.language.spoken import decimals, said, speaking
 from axiscal.present.guide.answers import Value, answer

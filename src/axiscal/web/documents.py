@@ -11,7 +11,7 @@ import numpy as np
 from axiscal.answers.answer import PlannedAnswer, ResultAnswer
 from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ended_words import because_text
+from axiscal.campaign.ending import because_text
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.measurement.instrument import INSTRUMENTS

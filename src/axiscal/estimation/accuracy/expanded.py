@@ -10,7 +10,6 @@ U in space solves mean over the poses of P(U²) = 0.95, U along an axis mean of 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +19,7 @@ from axiscal.errors.volume import EVERY_WAY, Counted
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import chi_square_share
+from axiscal.numerics.from_scipy import chi_square_quantile, chi_square_share
 
 LEVEL = 0.95
 """Probability of every band and every expanded uncertainty."""
@@ -28,8 +27,8 @@ BAND = 1.96
 """Standard deviations of a normal to the edge of a band of that probability."""
 _WORST = 10
 """Poses of the largest trace among which the worst place is looked for: their U differ by 20 % at most."""
-_FARTHEST, _HALVINGS = 12.0, 44
-"""No U is farther than so many roots of the largest trace; halved so often, its bracket is rounding."""
+_STEPS, _ROUNDING = 60, 1e-13
+"""About eight steps bring the share as near to its level as floats tell; halving would take 44."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,42 +69,50 @@ def expanded_of(covariances: Array, evenly: NDArray[np.bool_], counted: Counted 
     variances = np.maximum(np.einsum("pcc->pc", covariances)[evenly], 0.0)
     worst = np.argsort(spectra.sum(axis=1))[-_WORST:]
     x, y, z = (reach(variances[:, [axis]]) for axis in range(3))
-    return Expanded(reach(spectra[evenly]), (x, y, z), _largest(spectra[worst]))
-
-
-def _largest(spectra: Array) -> float:
-    """Return the largest distance of single poses."""
-    return float(_bisected(spectra, shares(spectra), len(spectra)).max())
+    farthest = max(reach(spectra[[pose]]) for pose in worst)
+    return Expanded(reach(spectra[evenly]), (x, y, z), farthest)
 
 
 def reach(spectra: Array) -> float:
-    """Return U, m, with P(Σλ z² ≤ U²) of 95 % in the mean over the rows.  spectra : (m, d) λ, m²"""
-    at_each = shares(spectra)
-    return float(_bisected(spectra, lambda squares: np.mean(at_each(squares), keepdims=True), 1)[0])
+    """Return U, m, with P(Σλ z² ≤ U²) of 95 % in the mean over the rows.  spectra : (m, d) λ, m²
+
+    It lies between the least and the largest of single rows; regula falsi as Illinois finds it there.
+    """
+    still = 1 - np.mean(spectra.any(axis=1)) if len(spectra) else 1.0
+    if still >= LEVEL:
+        return 0.0
+    moments = _moments(spectra[spectra.any(axis=1)])
+    scale, first, slope, degrees = moments
+
+    def beyond(distance: float) -> float:
+        at = (distance**2 / scale - first) * slope + degrees
+        return float(still + (1 - still) * np.mean(chi_square_share(degrees, np.maximum(at, 0.0)))) - LEVEL
+
+    alone = _alone(moments)
+    ends = [0.0 if still else float(alone.min()), float(alone.max())]
+    over, kept = [beyond(end) for end in ends], -1
+    for _ in range(_STEPS):
+        if min(-over[0], over[1]) <= _ROUNDING:
+            break
+        middle = (ends[0] * over[1] - ends[1] * over[0]) / (over[1] - over[0])
+        here = beyond(middle)
+        side = int(here > 0)
+        over[1 - side] /= 2 if side == kept else 1
+        ends[side], over[side], kept = middle, here, side
+    return ends[int(abs(over[1]) < abs(over[0]))]
 
 
-def _bisected(spectra: Array, share: Callable[[Array], Array], count: int) -> Array:
-    """Return the distances, (count,) m, whose squares share gives the level.  spectra : (m, d), for where to look"""
-    low = np.zeros(count)
-    high = np.full(count, _FARTHEST * float(np.sqrt(spectra.sum(axis=1).max(initial=0.0))))
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        short = share(middle**2) < LEVEL
-        low, high = np.where(short, middle, low), np.where(short, high, middle)
-    return high
+_Moments = tuple[Array, Array, Array, Array]
 
 
-def shares(spectra: Array) -> Callable[[Array], Array]:
-    """Return what gives P(Σλ z² ≤ square) at each pose, (m,), of squares, (m,) or (1,); 1 where nothing varies."""
-    largest = spectra.max(axis=1, initial=0.0)
-    still, scale = largest == 0, np.where(largest > 0, largest, 1.0)
-    relative = np.where(still[:, None], 1.0, spectra / scale[:, None])
-    first, second, third = (np.sum(relative**n, axis=1) for n in (1, 2, 3))
-    return lambda squares: np.where(still, 1.0, _by_moments(first, second, third, squares / scale))
+def _moments(spectra: Array) -> _Moments:
+    """Return the largest λ, Σλ over it, √(2ν/κ₂) and ν of each row, (m,).  spectra : (m, d), no row all noughts"""
+    scale = spectra.max(axis=1)
+    first, second, third = (np.sum((spectra / scale[:, None]) ** n, axis=1) for n in (1, 2, 3))
+    return scale, first, second / third, second**3 / third**2
 
 
-def _by_moments(first: Array, second: Array, third: Array, squares: Array) -> Array:
-    """Return P(Σλz² ≤ square) by Σλ, Σλ² and Σλ³."""
-    degrees = second**3 / third**2
-    at = (squares - first) * np.sqrt(degrees / second) + degrees
-    return chi_square_share(degrees, np.maximum(at, 0.0))
+def _alone(moments: _Moments) -> Array:
+    """Return U of each row, (m,) m."""
+    scale, first, slope, degrees = moments
+    return np.sqrt(scale * (first + (chi_square_quantile(degrees, LEVEL) - degrees) / slope))

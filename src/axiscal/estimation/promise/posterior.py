@@ -17,8 +17,9 @@ of the stated size could be as large:
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,53 +87,81 @@ class Posterior:
     left_out: dict[int, LeftOut]
 
 
-@one_thread()
-def posterior(
-    problem: Problem,
-    never: Iterable[int] = (),
-    sure: Iterable[int] = (),
-    turned: Iterable[Turned] = (),
-) -> Posterior:
-    """Return the posterior of a problem.
+class _Judged(NamedTuple):
+    """Readings, draws of the sizes that they teach, and what the others expect of each."""
 
-    never : readings that are not used; sure : readings that are not taken out
-    turned : the problem if some axes count the other way; made only where the readings contradict
+    problem: Problem
+    found: Weighed
+    left: dict[int, LeftOut]
+
+
+def _judged(problem: Problem, apart: Sequence[int]) -> _Judged:
+    mine = problem.only(~np.isin(problem.reading, apart)) if apart else problem
+    found = sized(mine)
+    return _Judged(mine, found, _as_stated(mine, found, _left_out(mine, found)))
+
+
+@dataclass(frozen=True, eq=False)
+class Sorted:
+    """Readings of a problem without the bad ones: mine; of bad ones that may be details of the machine: with_details
+
+    sizes, bad : as of a posterior; count : of all readings
     """
-    bad = dict[int, LeftOut]()
-    accepted, count = frozenset(sure), len(np.unique(problem.reading))
+
+    problem: Problem
+    mine: _Judged
+    with_details: _Judged | None
+    sizes: dict[_Owned, float]
+    bad: dict[int, LeftOut]
+    count: int
+
+    @one_thread()
+    def posterior(self, turned: Iterable[Turned] = ()) -> Posterior:
+        """Return the posterior.
+
+        turned : the problem if some axes count the other way; made only where the readings contradict
+        """
+        mine, found, left = self.mine
+        moments = _moments(mine, found)
+        if self.with_details is not None:
+            moments = moments.half_and_half(_moments(*self.with_details[:2]))
+        kept = np.isin(self.problem.reading, [*left])
+        z = np.array([each.z for each in left.values()])
+        agreed = agreement(mine, found, z, self.count - len(left), ((axes, other.only(kept)) for axes, other in turned))
+        known = dict(zip(self.problem.cells, moments.cells.tolist(), strict=True))
+        of_sizes = self.sizes, _surely(mine, found), found.effective
+        return Posterior(moments.mean, moments.covariance, known, *of_sizes, self.bad, agreed, left)
+
+
+@one_thread()
+def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] = ()) -> Sorted:
+    """Return readings without the bad ones.  never : are not used; sure : are not taken out"""
+    bad, details, apart = dict[int, LeftOut](), list[int](), [*never]
+    accepted, count, slips = frozenset(sure), len(np.unique(problem.reading)), list[int]()
+    with_details = mine = _judged(problem, apart)
     while True:
-        apart = [*never, *bad]
-        mine = problem.only(~np.isin(problem.reading, apart)) if apart else problem
-        found = sized(mine)
-        left = _as_stated(mine, found, _left_out(mine, found))
-        doubtful = {i: each.log_odds for i, each in left.items() if i not in accepted}
+        doubtful = {i: each.log_odds for i, each in mine.left.items() if i not in accepted}
         highest = max(doubtful.values(), default=0.0)
         worst = [i for i, odds in doubtful.items() if odds >= highest - _ALIKE]
         if highest <= 0 or len(bad) + len(worst) > MOST_BAD * count:
             break
-        bad |= {i: left[i] for i in worst}
+        bad |= {i: mine.left[i] for i in worst}
+        details += [i for i in worst if _may_be_a_detail(problem, i, bad[i])]
+        mine = _judged(problem, [*apart, *bad])
+        if not details:
+            with_details, slips = mine, [*bad]
     if moved := _moved_in(problem, bad):
-        together = problem.only(~np.isin(problem.reading, [*never]))
-        whole = sized(together)
-        each = _as_stated(together, whole, _left_out(together, whole))
-        named = agreement(together, whole, np.array([one.z for one in each.values()])).explained
+        every = _judged(problem, apart)
+        named = agreement(every.problem, every.found, np.array([one.z for one in every.left.values()])).explained
         if any(one.mistake == "jump" and one.setups[0] in moved for one in named):
-            bad, mine, found, left = {}, together, whole, each
-    moments = _moments(mine, found)
-    sizes = _sizes(mine, found)
-    if details := [index for index in bad if _may_be_a_detail(problem, index, bad[index])]:
-        others = [*never, *(index for index in bad if index not in details)]
-        together = problem.only(~np.isin(problem.reading, others))
-        whole = sized(together)
-        sizes = _half_and_half(sizes, _sizes(mine, whole))
-        moments = moments.half_and_half(_moments(together, whole))
-    kept = np.isin(problem.reading, [*left])
-    z = np.array([each.z for each in left.values()])
-    agreed = agreement(mine, found, z, count - len(left), ((axes, other.only(kept)) for axes, other in turned))
-    known = dict(zip(problem.cells, moments.cells.tolist(), strict=True))
-    return Posterior(
-        moments.mean, moments.covariance, known, sizes, _surely(mine, found), found.effective, bad, agreed, left
-    )
+            bad, details, mine = {}, [], every
+    sizes = _sizes(mine.problem, mine.found)
+    if not details:
+        return Sorted(problem, mine, None, sizes, bad, count)
+    if slips != (others := [index for index in bad if index not in details]):
+        with_details = _judged(problem, [*apart, *others])
+    sizes = _half_and_half(sizes, _sizes(with_details.problem, with_details.found))
+    return Sorted(problem, mine, with_details, sizes, bad, count)
 
 
 def _moved_in(problem: Problem, bad: Iterable[int]) -> set[int]:

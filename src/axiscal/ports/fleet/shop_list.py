@@ -17,8 +17,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from axiscal.campaign.possible import described
-from axiscal.campaign.versions import versions
+from axiscal.campaign.possible import described, versions
 from axiscal.description.target import Target
 from axiscal.document.durable import clear_drafts, write_whole
 from axiscal.estimation.estimate import concluded

@@ -12,7 +12,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from axiscal.campaign.versions import versions
+from axiscal.campaign.possible import versions
 from axiscal.document import shown
 from axiscal.exceptions import SchedulerError
 from axiscal.ports.study.study_case import TRIES, Done, Solve, WorkItem, answered, given_up

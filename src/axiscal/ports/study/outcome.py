@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from axiscal.answers.digits import number
-from axiscal.campaign.default_planner import plan_ahead
 from axiscal.campaign.ending import FUTILE, count_reached, out_of_reach, reaches, standing
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.campaign.sources.source import Request
@@ -37,7 +36,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.remembered import Memo
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.enough import reached_by
-from axiscal.planning.next_readings import plan_basis, posed
+from axiscal.planning.next_readings import next_places, plan_basis, posed
 from axiscal.planning.overrun import with_rooms
 from axiscal.planning.plan.beginnings import evenly_spaced
 from axiscal.planning.plan.order import arriving, in_order
@@ -272,7 +271,7 @@ def replanned(case: Case, stop: Stop, truth: VirtualMachine, number: int) -> tup
             return readings
         now = plan_basis(known.case, known.readings, known.outliers)
         if not plan or now != basis:
-            plan = plan_ahead(known.case, known.to_plan_by, known.readings, known.outliers, (), plan)
+            plan = next_places(known.case, known.to_plan_by, known.readings, known.outliers, (), plan)
             basis = now
         if not plan or (target.budget is not None and reader.until(readings, plan[0]) > target.budget):
             return readings

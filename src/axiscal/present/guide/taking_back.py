@@ -9,6 +9,7 @@ from axiscal.estimation.accepting import change_words
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.language.spoken import counted, decimals, said
 from axiscal.measurement.place_texts import reading_text, reading_unit
+from axiscal.planning.next_readings import rejected
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted
 from axiscal.record.events import Recorded, Skipped
@@ -65,8 +66,11 @@ _SURPRISING = 3.0
 
 
 def doubted(campaign: Campaign) -> frozenset[int]:
-    """Return the indices of the readings that are doubted now."""
-    return frozenset(doubt.reading for doubt in campaign.estimate().outliers)
+    """Return the indices of the readings that are doubted now: where a plan's question is open, those it names."""
+    state = campaign.state
+    if state.pending is not None and not state.renew:
+        return rejected(state.plan_basis)
+    return campaign.estimate().left_out
 
 
 def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
