@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.exceptions import EvaluationError
 from axiscal.measurement.readers.around import CircularTest
@@ -51,22 +50,15 @@ def circular(test: CircularTest) -> Circular:
             what = "the counter-clockwise readings do not go all around" if name == "plus" else what
             raise EvaluationError(what, "Give eight angles or more, no quarter of the turn without one", test.file)
     whole = centred(test.angles, test.deviations)
-    figures = {f"G_{name}": _width(centred(*_of(test, mine)).left) for name, mine in measured.items()}
+    each = {name: centred(test.angles[mine], test.deviations[mine]) for name, mine in measured.items()}
+    figures = {f"G_{name}": float(np.ptp(one.left)) for name, one in each.items()}
     radial = whole.radius + whole.left
     if len(measured) == 2:
-        figures["G_b"] = _width(whole.left)
-        figures["D"] = float(np.mean([centred(*_of(test, mine)).radius for mine in measured.values()]))
+        figures["G_b"] = float(np.ptp(whole.left))
+        figures["D"] = float(np.mean([one.radius for one in each.values()]))
     figures |= {"F_max": float(radial.max()), "F_min": float(radial.min())}
     missing = () if len(measured) == 2 else ("Only one direction was measured: G_b and D are not known.",)
     return Circular(figures, whole.centre, missing)
-
-
-def _of(test: CircularTest, mine: NDArray[np.bool_]) -> tuple[Array, Array]:
-    return test.angles[mine], test.deviations[mine]
-
-
-def _width(left: Array) -> float:
-    return float(left.max() - left.min())
 
 
 class Centred(NamedTuple):

@@ -19,7 +19,6 @@ import numpy as np
 
 from axiscal.exceptions import EvaluationError
 from axiscal.measurement.readers.around import HeldPath
-from axiscal.numerics import Array
 from axiscal.units import to_unit
 
 _FEWEST = 4
@@ -50,12 +49,8 @@ def kinematic(tests: Mapping[str, HeldPath]) -> Kinematic:
             raise EvaluationError(what, "Read it at four angles or more", test.file, name=name, least=_FEWEST)
         for along, values in test.deviations.items():
             stem = f"{name}_{along}" if along else name
-            figures[stem] = _width(values)
-            figures |= {f"{stem}_{way}": _width(values[mine]) for way, mine in read.items()}
+            figures[stem] = float(np.ptp(values))
+            figures |= {f"{stem}_{way}": float(np.ptp(values[mine])) for way, mine in read.items()}
         if len(read) < len(ways):
             warnings.append(f"Of {name} only one way was read: what changes with the side is not in its figures.")
     return Kinematic(figures, tuple(warnings))
-
-
-def _width(values: Array) -> float:
-    return float(values.max() - values.min())

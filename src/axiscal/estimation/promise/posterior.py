@@ -128,7 +128,9 @@ def posterior(
         moments = moments.half_and_half(_moments(together, whole))
     kept = np.isin(problem.reading, [*left])
     z = np.array([each.z for each in left.values()])
-    agreed = agreement(mine, found, z, count - len(left), ((axes, other.only(kept)) for axes, other in turned))
+    out = count - len(left)
+    every = (problem, sized(problem)) if out >= SEVERAL else None
+    agreed = agreement(mine, found, z, out, ((axes, other.only(kept)) for axes, other in turned), every)
     known = dict(zip(problem.cells, moments.cells.tolist(), strict=True))
     return Posterior(
         moments.mean, moments.covariance, known, sizes, _surely(mine, found), found.effective, bad, agreed, left
@@ -252,9 +254,7 @@ def _as_stated(problem: Problem, found: Weighed, left: Mapping[int, LeftOut]) ->
 
     A bad reading makes noise seem large: without it the sizes may be those stated, of which no draw is left.
     """
-    given, result = found.stated.given, dict(left)
-    # The log weight of that draw, over that of all others
-    log_stated = given.value - found.stated.log_proposal - found.log_evidence - np.log(len(found.every))
+    given, log_stated, result = found.stated, found.log_stated, dict(left)
     log_total = np.logaddexp(0.0, log_stated)
     for part in parts_of(problem.reading):
         _, _, ratios = _of_draw(problem, given, given.theta, part)
