@@ -87,6 +87,12 @@ def times(factor: float, row: int) -> tuple[Reading, ...]:
     return with_values(changed.ravel().tolist())
 
 
+def changed_to_inches() -> tuple[Reading, ...]:
+    changed = values()
+    changed[1, 6:] *= 25.4
+    return with_values(changed.ravel().tolist())
+
+
 def shifted() -> tuple[Reading, ...]:
     changed = values()
     changed[1] = np.roll(changed[1], -1)
@@ -117,6 +123,8 @@ MISTAKES = {
     "sign": Wrong(lambda: times(-1, 1), "sign", "X again"),
     "um as mm": Wrong(lambda: times(1e-3, 1), "unit", "X again"),
     "inches": Wrong(lambda: times(25.4, 2), "unit", "Y"),
+    "inches from a reading on": Wrong(changed_to_inches, "unit", "X again"),
+    "inches of the one set-up": Wrong(changed_to_inches, "unit", "X again", alone=True),
     "swapped": Wrong(lambda: with_values(values()[[0, 2, 1]].ravel().tolist()), "swapped", "Y"),
     "one late": Wrong(shifted, "shifted", "X again", 12, alone=True),
 }

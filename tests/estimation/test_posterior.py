@@ -57,7 +57,8 @@ def test_moments_and_odds_are_those_of_the_equations(kind: str, count: int) -> N
     np.testing.assert_allclose((found.covariance - covariance) / np.outer(stds, stds), 0, atol=1e-4)
     stated, given = np.zeros(len(problem.sizes)), space.given(np.zeros(len(problem.sizes)))
     assert given is not None
-    more = np.exp(given.value - over.stated.log_proposal - over.log_evidence) / len(over.every)
+    proposed = draws(space, mode(space)).log_proposal[-1]
+    more = np.exp(given.value - proposed - over.log_evidence) / len(over.every)
     thetas, weights = np.vstack([over.thetas, stated]), np.append(over.weights, more) / (1 + more)
     for reading in (0, count - 1):
         mine, left = problem.reading == reading, found.left_out[reading]

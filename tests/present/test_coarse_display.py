@@ -133,9 +133,9 @@ def test_the_step_is_said_with_what_to_state() -> None:
 
 def test_what_is_stated_is_not_asked_for() -> None:
     readings = taken(shown(curve(3, 26), 10.0))
-    assert coarse_displays(readings, setups('resolution = "10 um"')) == []
-    assert coarse_displays(readings, setups('bound = "6 um"')) == []
-    assert coarse_displays(taken(shown(curve(3, 26), 10.0), 3e-6), setups("")) == []
+    assert list(coarse_displays(readings, setups('resolution = "10 um"'))) == []
+    assert list(coarse_displays(readings, setups('bound = "6 um"'))) == []
+    assert list(coarse_displays(taken(shown(curve(3, 26), 10.0), 3e-6), setups(""))) == []
     (finer,) = coarse_displays(readings, setups('resolution = "1 um"'))
     assert 'State resolution = "10 um"' in finer.text
 

@@ -100,7 +100,7 @@ def test_each_set_up_is_looked_at_by_itself() -> None:
     described = campaign_from_texts(f"{CAMPAIGN}[[setups]]{second}", "campaign.toml", MACHINE, "machine.toml")
     once = taken(7, 12, 2)
     elsewhere = [Reading("again", each.pose, each.approach, each.value) for each in once]
-    assert copies([*once, *elsewhere], described.setups) == []
+    assert list(copies([*once, *elsewhere], described.setups)) == []
     (found,) = copies([*once, *once, *elsewhere], described.setups)
     assert (found.code, found.error) == ("copies", None)
     assert '12 values of "laser" in its readings 13 to 24 repeat those in its readings 1 to 12' in found.text

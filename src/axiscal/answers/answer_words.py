@@ -319,17 +319,13 @@ def _table(groups: Sequence[Sequence[AnswerRow]], room: int) -> Iterator[str]:
         hidden = sum(map(len, groups[room - 2 : -1]))
         groups = [*groups[: room - 2], groups[-1]]
     controls = controls_of(groups)[:_LEFT]
-    lines = _lines(groups, controls)
+    lines = columns(cells(groups, controls))
     while controls and max(map(len, lines)) > WIDTH:
         controls = controls[1:]
-        lines = _lines(groups, controls)
+        lines = columns(cells(groups, controls))
     yield from lines
     if hidden:
         yield counted("  … and {count} row in result.json", "  … and {count} rows in result.json", hidden)
-
-
-def _lines(groups: Sequence[Sequence[AnswerRow]], controls: Sequence[str]) -> list[str]:
-    return columns(cells(groups, controls))
 
 
 def columns(shown: Sequence[Sequence[str]]) -> list[str]:

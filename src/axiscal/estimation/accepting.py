@@ -14,10 +14,10 @@ from axiscal.record.accepted import Accepted
 def acceptance(each: Explained, known: Estimation) -> Accepted:
     """Return the event that puts right a mistake that readings name."""
     names = tuple(known.stated.description.setups[index].name for index in each.setups)
+    number = 0 if each.reading < 0 else known.readings[each.reading].numbered(each.reading)
     if each.mistake == "jump":
-        number = known.readings[each.reading].numbered(each.reading)
         return Accepted("jump", names, number, name=f"{names[0]}, before reading {number}")
-    return Accepted(each.mistake, names, factor=1 / each.factor if each.mistake == "unit" else each.factor)
+    return Accepted(each.mistake, names, number, 1 / each.factor if each.mistake == "unit" else each.factor)
 
 
 def named(known: Estimation, cause: str, setup: str | None, path: Path) -> Accepted:
@@ -52,7 +52,10 @@ def change_words(accepted: Accepted) -> str:
     if accepted.mistake == "swapped":
         return said('"{setup}" and "{other}" exchange their values', setup=name, other=accepted.setups[1])
     if accepted.mistake != "shifted":
-        return said('the values of "{setup}" so far are multiplied by {factor:.6g}', setup=name, factor=factor)
+        what = 'the values of "{setup}" so far are multiplied by {factor:.6g}'
+        if accepted.reading:
+            what = 'the values of "{setup}" from reading {number} on are multiplied by {factor:.6g}'
+        return said(what, setup=name, factor=factor, number=accepted.reading)
     if factor > 0:
         return said('the values of "{setup}" move to the reading behind; the first one is left out', setup=name)
     return said('the values of "{setup}" move to the reading before; the last one is left out', setup=name)

@@ -54,7 +54,9 @@ def mistake_words(each: Explained, known: Estimation) -> str:
         return said('all values of "{setup}" have the wrong sign. Record them anew with the other sign', setup=names[0])
     if each.mistake == "unit":
         what = 'all values of "{setup}" are {factor:.4g} times what they should be. Check their unit'
-        return said(what, setup=names[0], factor=each.factor)
+        if each.reading >= 0:
+            what = "from {reading} on, values are {factor:.4g} times what they should be. Check the display's unit"
+        return said(what, setup=names[0], factor=each.factor, reading=known.name_of(each.reading))
     if each.mistake == "shifted":
         return said('the values of "{setup}" belong to the place before or after. Check their order', setup=names[0])
     return said('the values of "{setup}" and "{other}" are swapped', setup=names[0], other=names[1])

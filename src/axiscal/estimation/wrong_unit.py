@@ -22,7 +22,7 @@ from axiscal.description.usual import Learnable, sizes_of
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import bent, judged, unit_guess
-from axiscal.estimation.promise.draws import Weighed, draws, mode, weighed
+from axiscal.estimation.promise.posterior import sized
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.estimation.timed import timed
@@ -114,7 +114,7 @@ def other_unit(observation: Observation, readings: Sequence[Reading]) -> OtherUn
             continue
         sizes = sizes_of(observation.machine, observation.setups, Learnable("roughly", usual=True, inherited=False))
         posed = problem(observation, mine, sizes)
-        stated = _weighed(posed).log_evidence
+        stated = sized(posed).log_evidence
         odds = {factor: (_multiplied(posed, factor) - stated) / np.log(10.0) for factor in FACTORS}
         best = max(odds, key=lambda factor: odds[factor])
         if odds[best] > _CERTAIN:
@@ -128,14 +128,8 @@ def _multiplied(posed: Problem, factor: float) -> float:
     stated = space_of(other).given(np.zeros(len(posed.sizes)))
     if stated is not None and stated.square < _LEAST_FIT * len(other.values):
         return -np.inf
-    found = _weighed(other)
+    found = sized(other)
     told = [index for index, size in enumerate(posed.sizes.of) if size.kind in ("std", "reversal", "noise")]
     if np.max(np.abs(found.weights @ found.thetas)[told]) > _FARTHEST:
         return -np.inf
     return found.log_evidence + len(posed.values) * float(np.log(factor))
-
-
-def _weighed(posed: Problem) -> Weighed:
-    """Return draws of the sizes with their evidence, log p(y)."""
-    space = space_of(posed)
-    return weighed(space, draws(space, mode(space)))

@@ -59,12 +59,8 @@ class Copies:
     count: int
 
 
-def copies(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Finding]:
-    """Return warnings of set-ups whose readings in a file show the same values, one by one, as others before them."""
-    return list(_findings(readings, setups))
-
-
-def _findings(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
+def copies(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
+    """Yield warnings of set-ups whose readings in a file show the same values, one by one, as others before them."""
     text = (
         '{count} values of "{setup}" in {again} repeat those in {before}, in the same order. By chance that comes '
         "in less than one file of ten thousand. Take out what was copied (a file added twice, a block pasted "
@@ -130,12 +126,8 @@ def _run(values: Sequence[tuple[float, ...]], start: int, at: int) -> int:
     return count
 
 
-def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Finding]:
-    """Return warnings of set-ups whose values move in steps that are coarse beside the noise and not stated."""
-    return list(_coarse(readings, setups))
-
-
-def _coarse(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
+def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
+    """Yield warnings of set-ups whose values move in steps that are coarse beside the noise and not stated."""
     text = (
         'The values of "{setup}" move in steps of {step}, {times:.3g} times its noise: as they stand, the same number '
         'read again passes for better knowledge. State resolution = "{written}" or, if the display shows finer steps '

@@ -13,7 +13,8 @@ class Accepted:
     """A mistake of `estimation.promise.agreement` that the readings named, and a person accepted.
 
     mistake : jump, sign, unit, swapped or shifted; setups : whose readings
-    reading : number of the first one behind a jump; name : of the set-up that those before it then belong to
+    reading : number of the first one behind a jump or in another unit, 0 for all
+    name : of the set-up that those before a jump then belong to
     factor : the values are multiplied by it; of shifted ones, 1 to the place behind and −1 to the place before
     """
 
@@ -45,7 +46,8 @@ def _jump(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: 
 
 
 def _times(readings: Sequence[Reading], mine: Sequence[Sequence[int]], accepted: Accepted) -> _Changed:
-    return {i: _multiplied(readings[i], accepted.factor) for i in mine[0]}
+    wrong = [i for i in mine[0] if readings[i].numbered(i) >= accepted.reading]
+    return {i: _multiplied(readings[i], accepted.factor) for i in wrong}
 
 
 def _multiplied(reading: Reading, factor: float) -> Reading:

@@ -4,14 +4,15 @@ Each reading is left out and expected from the others: z² per number has mean 1
 readings agree no better with probability p = Σ w P(χ²_m ≥ Q_θ). Bonferroni gives another p for the largest |z|. The
 result prints twice the smaller of both. It is at most the binomial probability of as many bad ones, if more than a
 fifth of the readings is left out. Below 0.001 the readings contradict. A mistake does one of these:
-- It turns y into y' = T y: values with the wrong sign or in another unit, two set-ups swapped, places shifted by one.
+- It turns y into y' = T y: values with the wrong sign, two set-ups swapped, places shifted by one, another unit from
+  some reading on. Sizes that are learnt hide another unit, so it is sought at the sizes as stated.
 - It turns K into that of a machine with an axis that counts the other way.
 - It adds columns B of standard deviation s: a zero that jumps, or in all directions what stands on the table and moved.
 
     gain = ½ (yᵀK⁻¹y − y'ᵀK⁻¹y') + log |det T|     or     ½ gᵀ(F + s⁻²)⁻¹g − ½ log |1 + s² F|,  g = BᵀK⁻¹y, F = BᵀK⁻¹B
 
 The answer names a mistake with odds above 20 : 1, its prior of 1 % over all its places included. Exceptions: another
-one is 20 times as likely, or the readings do not agree with it either.
+one is 20 times as likely, or the readings do not agree with it either. p is at most that of no change of the unit.
 """
 
 from __future__ import annotations
@@ -62,7 +63,8 @@ Turned = tuple[tuple[str, ...], Problem]
 class Explained(NamedTuple):
     """A mistake that explains readings that contradict.
 
-    log_odds : beside no mistake; setups : whose readings; reading : index of the first that is wrong, for a jump
+    log_odds : beside no mistake; setups : whose readings
+    reading : index of the first that is wrong, for a jump and for a unit that changed
     factor : by which values are too large or too small, for a unit; axes : that count the other way
     """
 
@@ -115,12 +117,18 @@ NOTHING_READ = Agreement(0, 0, 1.0, 1.0)
 
 
 def agreement(
-    problem: Problem, found: Weighed, z: Array, left_out: int = 0, turned: Iterable[Turned] = ()
+    problem: Problem,
+    found: Weighed,
+    z: Array,
+    left_out: int = 0,
+    turned: Iterable[Turned] = (),
+    every: tuple[Problem, Weighed] | None = None,
 ) -> Agreement:
     """Return how readings agree.
 
     problem : of the readings that count; z : (r,) of each of them, left out; left_out : how many others do not count
     turned : the same problem if some axes count the other way; made only where the readings contradict
+    every : with the readings that are left out, where these are several
     """
     count = len(z)
     if not count:
@@ -131,7 +139,14 @@ def agreement(
     p = min(1.0, 2 * min(float(found.weights @ np.array(tails)), largest))
     if left_out >= SEVERAL and left_out > MOST_BAD * (count + left_out):
         p = min(p, binomial_tail(left_out, count + left_out, BAD_SHARE))
-    named = tuple(_explained(problem, found, turned)) if p < CONTRADICTS else ()
+    whole, weighed = every or (problem, found)
+    stated = chi_square_tail(len(whole.values), weighed.stated.square)
+    tried = [*_units(whole, weighed)] if stated < CONTRADICTS else []  # sizes that are learnt hide another unit
+    if p < CONTRADICTS:
+        tried += [*_jumps(problem, found), *_turned(problem, found), *_against(problem, found, turned)]
+    named = _explained(tried) if tried else []
+    p = min([p, *(1 / (1 + each.odds) for each in named)])
+    named = named if p < CONTRADICTS else []
     against = named[0].axes if named else ()
     # A machine that is described the wrong way is no mistake of readings: nobody can accept it.
     explained = () if against else tuple(each for each in named if not each.axes)
@@ -139,35 +154,30 @@ def agreement(
 
 
 class _Tried(NamedTuple):
-    """A mistake, with what it gains in log L and takes off yᵀK⁻¹y at each draw, (d,) each."""
+    """A mistake, with the probability of readings that agree no better with it."""
 
     mistake: Explained
-    gains: Array
-    squares: Array
+    p: float
 
 
-def _explained(problem: Problem, found: Weighed, turned: Iterable[Turned]) -> list[Explained]:
+def _explained(tried: Iterable[_Tried]) -> list[Explained]:
     """Return the mistakes with which readings agree, at odds above 20 : 1 beside none and within these of the best."""
-    tried = *_jumps(problem, found), *_turned(problem, found), *_against(found, turned)
     each = sorted(tried, key=lambda one: -one.mistake.log_odds)
     least = max(np.log(NAMED), each[0].mistake.log_odds - np.log(NAMED))
     likely = [one for one in each if one.mistake.log_odds > least]
-    return [one.mistake for one in likely if 2 * _tail(problem, found, one) >= CONTRADICTS]
+    return [one.mistake for one in likely if 2 * one.p >= CONTRADICTS]
 
 
-def _tail(problem: Problem, found: Weighed, tried: _Tried) -> float:
-    """Return the probability of readings that agree no better, with a mistake."""
-    weights = found.weights * np.exp(tried.gains - tried.gains.max())
-    left = np.array([given.square for given in found.given]) - tried.squares
-    tails = np.array([chi_square_tail(len(problem.values), max(float(square), 0.0)) for square in left])
-    return float(weights @ tails / weights.sum())
+def _tried(problem: Problem, found: Weighed, gains: Array, squares: Array, mistake: Explained) -> _Tried:
+    """Return a mistake that is tried at all draws, with its log odds, 1 % before any reading, the sizes integrated out.
 
-
-def _log_odds(found: Weighed, gains: Array) -> Array:
-    """Return log odds of mistakes, 1 % before any reading, the sizes integrated out, (c,).  gains : (draws, c)"""
-    most = np.max(gains, axis=0)
-    result: Array = np.log(_PRIOR * (found.weights @ np.exp(gains - most))) + most
-    return result
+    gains, squares : (d,) gain of log L, taken off yᵀK⁻¹y
+    """
+    weights = found.weights * np.exp(gains - gains.max())
+    odds = float(np.log(_PRIOR * weights.sum()) + gains.max())
+    left = [given.square - float(square) for given, square in zip(found.given, squares, strict=True)]
+    tails = np.array([chi_square_tail(len(problem.values), square) for square in left])
+    return _Tried(mistake._replace(log_odds=odds), float(weights @ tails / weights.sum()))
 
 
 def _jumps(problem: Problem, found: Weighed) -> Iterator[_Tried]:
@@ -188,10 +198,10 @@ def _jumps(problem: Problem, found: Weighed) -> Iterator[_Tried]:
             solved = np.linalg.solve(fisher + _JUMP**-2 * alone, pulled[:, :, None])[:, :, 0]
             squares[draw] = np.sum(pulled * solved, axis=1)
             gains[draw] = 0.5 * (squares[draw] - np.linalg.slogdet(alone + _JUMP**2 * fisher)[1])
-        odds = _log_odds(found, gains)
-        best = int(np.argmax(odds))
-        named = Explained("jump", float(odds[best] - np.log(len(readings))), (int(setup),), int(readings[best]))
-        yield _Tried(named, gains[:, best], squares[:, best])
+        gains -= np.log(len(readings))
+        best = int(np.argmax(found.weights @ np.exp(gains - gains.max())))
+        named = Explained("jump", 0.0, (int(setup),), int(readings[best]))
+        yield _tried(problem, found, gains[:, best], squares[:, best], named)
 
 
 def _ways(problem: Problem, mine: NDArray[np.bool_]) -> Array:
@@ -207,51 +217,65 @@ def _ways(problem: Problem, mine: NDArray[np.bool_]) -> Array:
     return np.asarray(seen[own] / largest[own, None]) if own.any() else mine[None].astype(float)
 
 
+def _units(problem: Problem, found: Weighed) -> Iterator[_Tried]:
+    """Yield the likeliest reading from which on a set-up has another unit, at the sizes as stated, where that fits."""
+    given = found.stated
+    for setup in np.unique(problem.setup).tolist():
+        mine = problem.setup == setup
+        readings = np.unique(problem.reading[mine])
+        since = mine & (problem.reading >= readings[:, None])
+        values = np.where(since, problem.values, 0.0)
+        weighted = given.precision(values.T).T
+        pulled, fisher = weighted @ problem.values, np.sum(values * weighted, axis=1)
+        # All of them may be in another unit as well as those from any later reading on.
+        places = np.where(readings == readings[0], 1, max(len(readings) - 1, 1))
+        for factor in _FACTORS:
+            over = 1 - 1 / factor
+            squares = given.square - 2 * over * pulled + over**2 * fisher
+            gains = (given.square - squares) / 2 - since.sum(axis=1) * np.log(factor) - np.log(places)
+            best = int(np.argmax(gains))
+            odds = float(np.log(_PRIOR) + found.log_stated + gains[best])
+            if 2 * (p := chi_square_tail(len(problem.values), float(squares[best]))) >= CONTRADICTS:
+                yield _Tried(Explained("unit", odds, (int(setup),), int(readings[best]) if best else -1, factor), p)
+
+
 def _turned(problem: Problem, found: Weighed) -> Iterator[_Tried]:
     """Yield the mistakes that change the values themselves."""
-    for mistake, setups, values, factor, log_det in _other_values(problem):
+    for mistake, setups, values, factor in _other_values(problem):
         squares = np.empty(len(found.given))
         for draw, given in enumerate(found.given):
             squares[draw] = given.square - float(values @ given.precision(values[:, None])[:, 0])
-        gains = 0.5 * squares + log_det
-        odds = float(_log_odds(found, gains[:, None])[0])
-        yield _Tried(Explained(mistake, odds, setups, factor=factor), gains, squares)
+        yield _tried(problem, found, 0.5 * squares, squares, Explained(mistake, 0.0, setups, factor=factor))
 
 
-def _against(found: Weighed, turned: Iterable[Turned]) -> Iterator[_Tried]:
+def _against(problem: Problem, found: Weighed, turned: Iterable[Turned]) -> Iterator[_Tried]:
     """Yield that some axes count the other way than described."""
     for axes, other in turned:
         space, gains, squares = space_of(other), np.full(len(found.given), -np.inf), np.zeros(len(found.given))
         for draw, given in enumerate(found.given):
             if (there := space.given(found.thetas[draw])) is not None:
                 gains[draw], squares[draw] = there.value - given.value, given.square - there.square
-        yield _Tried(Explained("direction", float(_log_odds(found, gains[:, None])[0]), (), axes=axes), gains, squares)
+        yield _tried(problem, found, gains, squares, Explained("direction", 0.0, (), axes=axes))
 
 
-_Other = tuple[Mistake, tuple[int, ...], Array, float, float]
-
-
-def _other_values(problem: Problem) -> Iterator[_Other]:
-    """Yield what the values were without each mistake, with the factor and log |det T|."""
+def _other_values(problem: Problem) -> Iterator[tuple[Mistake, tuple[int, ...], Array, float]]:
+    """Yield what the values were without each mistake, with the factor."""
     setups = np.unique(problem.setup).tolist()
     values = problem.values * problem.noise
     for setup in setups:
         mine = problem.setup == setup
-        yield "sign", (setup,), np.where(mine, -values, values) / problem.noise, -1.0, 0.0
-        for factor in _FACTORS:
-            log_det = -float(mine.sum() * np.log(factor))
-            yield "unit", (setup,), np.where(mine, values / factor, values) / problem.noise, factor, log_det
+        yield "sign", (setup,), np.where(mine, -values, values) / problem.noise, -1.0
         for step in (1, -1):
             moved = values.copy()
             moved[mine] = np.roll(values[mine], step * _numbers(problem.reading[mine]))
-            yield "shifted", (setup,), moved / problem.noise, float(step), 0.0
+            yield "shifted", (setup,), moved / problem.noise, float(step)
     for first in range(len(setups)):
         for second in range(first + 1, len(setups)):
             one, other = (np.flatnonzero(problem.setup == setups[i]) for i in (first, second))
             if len(one) == len(other):
                 swapped = values.copy()
                 swapped[one], swapped[other] = values[other], values[one]
-                yield "swapped", (setups[first], setups[second]), swapped / problem.noise, 1.0, 0.0
+                yield "swapped", (setups[first], setups[second]), swapped / problem.noise, 1.0
 
 
 def _numbers(reading: NDArray[np.intp]) -> int:

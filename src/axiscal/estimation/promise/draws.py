@@ -15,7 +15,6 @@ none above √n times their mean (Ionides 2008): one draw in a far tail would de
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,21 +70,17 @@ class Mode:
     stated: Given
 
 
-class Stated(NamedTuple):
-    """The sizes as stated, x = 0.  given : everything there; log_proposal : as of `Draws`"""
-
-    given: Given
-    log_proposal: float
-
-
 @dataclass(frozen=True, eq=False)
 class Draws:
-    """x : (n, k); log_proposal : (n,) of the mixture that they are drawn from, over φ(x)"""
+    """x : (n, k); log_proposal : (n + 1,) of the mixture that they are drawn from, over φ(x), the last one at x = 0
+
+    stated : everything at x = 0, the sizes as stated
+    """
 
     sizes: Sizes
     x: Array
     log_proposal: Array
-    stated: Stated
+    stated: Given
 
     @property
     def thetas(self) -> Array:
@@ -99,6 +94,7 @@ class Weighed:
 
     thetas : (n, k); weights : (n,), their sum is 1; given : of each; log_evidence : log p(y), up to a constant
     every : weights of all draws, those that are left out among them
+    log_stated : log weight of the sizes as stated if they are one draw more, over that of all others
     """
 
     thetas: Array
@@ -106,7 +102,8 @@ class Weighed:
     given: tuple[Given, ...]
     log_evidence: float
     every: Array
-    stated: Stated
+    stated: Given
+    log_stated: float
 
     @property
     def effective(self) -> float:
@@ -162,7 +159,7 @@ def draws(space: Space, best: Mode, count: int = COUNT) -> Draws:
     """Return draws about the mode."""
     k = len(best.taught)
     if k == 0:
-        return Draws(space.problem.sizes, best.x[None], np.zeros(1), Stated(best.stated, 0.0))
+        return Draws(space.problem.sizes, best.x[None], np.zeros(2), best.stated)
     values, vectors = np.linalg.eigh(best.covariance)
     axes = settled(values, vectors)
     widths = np.sqrt(np.maximum(values, 0.0))
@@ -180,7 +177,7 @@ def draws(space: Space, best: Mode, count: int = COUNT) -> Draws:
     mixed = np.logaddexp(np.log1p(-share) + proposal, np.log(share))
     x = np.zeros((count, len(best.x)))
     x[:, best.taught] = own
-    return Draws(space.problem.sizes, x, mixed[:-1], Stated(best.stated, float(mixed[-1])))
+    return Draws(space.problem.sizes, x, mixed, best.stated)
 
 
 def redrawn(space: Space, drawn: Draws, best: Mode, found: Weighed, count: int = 2 * COUNT) -> Draws:
@@ -230,11 +227,13 @@ def weighed(space: Space, drawn: Draws) -> Weighed:
     """Return the draws with their weights by the readings of a space."""
     thetas = drawn.thetas
     given = [space.given(theta) for theta in thetas]
-    logs = np.array([-np.inf if each is None else each.value for each in given]) - drawn.log_proposal
+    logs = np.array([-np.inf if each is None else each.value for each in given]) - drawn.log_proposal[:-1]
     weights = np.exp(logs - logs.max())
     evidence = float(logs.max() + np.log(weights.mean()))
     weights = np.minimum(weights, weights.mean() * np.sqrt(len(weights)))
     weights /= weights.sum()
     kept = np.flatnonzero(weights > _NOTHING)
     found = tuple(each for each in (given[i] for i in kept) if each is not None)
-    return Weighed(thetas[kept], weights[kept] / weights[kept].sum(), found, evidence, weights, drawn.stated)
+    own = weights[kept] / weights[kept].sum()
+    log_stated = drawn.stated.value - float(drawn.log_proposal[-1] + np.log(len(weights))) - evidence
+    return Weighed(thetas[kept], own, found, evidence, weights, drawn.stated, log_stated)

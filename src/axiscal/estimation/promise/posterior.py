@@ -127,7 +127,9 @@ class Sorted:
             moments = moments.half_and_half(_moments(*self.with_details[:2]))
         kept = np.isin(self.problem.reading, [*left])
         z = np.array([each.z for each in left.values()])
-        agreed = agreement(mine, found, z, self.count - len(left), ((axes, other.only(kept)) for axes, other in turned))
+        out = self.count - len(left)
+        every = (self.problem, sized(self.problem)) if out >= SEVERAL else None
+        agreed = agreement(mine, found, z, out, ((axes, other.only(kept)) for axes, other in turned), every)
         known = dict(zip(self.problem.cells, moments.cells.tolist(), strict=True))
         of_sizes = self.sizes, _surely(mine, found), found.effective
         return Posterior(moments.mean, moments.covariance, known, *of_sizes, self.bad, agreed, left)
@@ -281,9 +283,7 @@ def _as_stated(problem: Problem, found: Weighed, left: Mapping[int, LeftOut]) ->
 
     A bad reading makes noise seem large: without it the sizes may be those stated, of which no draw is left.
     """
-    given, result = found.stated.given, dict(left)
-    # The log weight of that draw, over that of all others
-    log_stated = given.value - found.stated.log_proposal - found.log_evidence - np.log(len(found.every))
+    given, log_stated, result = found.stated, found.log_stated, dict(left)
     log_total = np.logaddexp(0.0, log_stated)
     for part in parts_of(problem.reading):
         _, _, ratios = _of_draw(problem, given, given.theta, part)
