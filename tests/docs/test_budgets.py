@@ -29,7 +29,7 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "linesofsrc":Budget(73_809, 50_000),
+    "lines of src": Budget(73_821, 50_000),
     "files of src": Budget(485, 340),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(47, 15),
