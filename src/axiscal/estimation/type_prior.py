@@ -16,7 +16,7 @@ import base64
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -102,14 +102,8 @@ class TypePrior:
             "schema": SCHEMA,
             "machine": self.machine_text,
             "fine_knots": self.fine_knots,
-            "records": [
-                {"file": r.file, "digest": r.digest, "readings": r.readings, "left_out": r.left_out}
-                for r in self.records
-            ],
-            "learned": {
-                name: {"scale": e.scale, "scale_std": e.scale_std, "share": e.share, "share_std": e.share_std}
-                for name, e in self.learned.items()
-            },
+            "records": [asdict(record) for record in self.records],
+            "learned": {name: asdict(each) for name, each in self.learned.items()},
             "directions": self.directions,
             "doubt": self.doubt,
             "mean": self.mean.tolist(),
