@@ -126,9 +126,9 @@ def volume_words(summary: Summary) -> str:
     volume = summary.volume
     if volume is None:
         return ""
-    told = {"axes": ", ".join(volume.axes), "parked": volume.parked.replace(" deg", "°")}
-    parked = "The paths of the tool instead of straight lines, over the travel of {axes} with {parked}."
-    alone = "The paths of the tool instead of straight lines, over the travel of {axes}."
+    told = {"axes": ", ".join(sorted(volume.axes)), "parked": volume.parked.replace(" deg", "°")}
+    parked = "How the tool travels straight lines over the travel of {axes} with {parked}."
+    alone = "How the tool travels straight lines over the travel of {axes}."
     return said(parked if volume.parked else alone, **told)
 
 

@@ -60,8 +60,8 @@ def volume_error(estimation: Estimation, controller: str = "", control: Control 
     found = _shifted(_either_way(estimate.deviation, poses))
     left = () if control is None else _rows(_shifted(_left(estimate, control, poses)))
     axes = estimate.machine.axes
-    still = [(axis, said_quantity(float(poses[0, k]), axis.unit, 4)) for k, axis in enumerate(axes) if k not in moving]
-    parked = listed(", ", [put("{axis} {at}", axis=axis.name, at=at) for axis, at in still])
+    at = {axis.name: said_quantity(float(poses[0, k]), axis.unit, 4) for k, axis in enumerate(axes) if k not in moving}
+    parked = listed(", ", [put("{axis} {at}", axis=name, at=at[name]) for name in sorted(at)])
     places = [(x, y, z) for x, y, z in to_unit(frames(estimate.machine, poses).tcp, "mm").tolist()]
     names = [axes[k].name for k in moving]
     return VolumeError(names, parked, places, _rows(found), _rows(_half(estimate, poses)), left, controller)
