@@ -49,8 +49,7 @@ def mean_along(model: ErrorModel, box: Box, moved: Sequence[int], over: int, pos
 def _between(ends: Array, share: Array) -> Array:
     """Return what is affine in the position from both its ends, (..., positions, n).  ends : (..., 2, n)"""
     first, last = np.moveaxis(ends[..., None, :], -3, 0)
-    between: Array = first + share * (last - first)
-    return between
+    return np.asarray(first + share * (last - first))
 
 
 def from_the_other_side(model: ErrorModel, over: int, rows: Array) -> Array:

@@ -69,8 +69,7 @@ def expanded_of(covariances: Array, evenly: NDArray[np.bool_], counted: Counted 
     variances = np.maximum(np.einsum("pcc->pc", covariances)[evenly], 0.0)
     worst = np.argsort(spectra.sum(axis=1))[-_WORST:]
     x, y, z = (reach(variances[:, [axis]]) for axis in range(3))
-    farthest = max(reach(spectra[[pose]]) for pose in worst)
-    return Expanded(reach(spectra[evenly]), (x, y, z), farthest)
+    return Expanded(reach(spectra[evenly]), (x, y, z), max(reach(spectra[[pose]]) for pose in worst))
 
 
 def reach(spectra: Array) -> float:
