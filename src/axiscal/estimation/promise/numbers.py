@@ -129,21 +129,25 @@ class _InNumbers:
         return Slope(self.value, gradient, information)
 
     @cached_property
+    def _shown(self) -> Array:
+        problem = self.space.problem
+        return turned(problem, problem.rows, self.theta, self.roots, problem.first)
+
+    @cached_property
     def _gain(self) -> Array:
         """G F, (answered, m)."""
-        problem = self.space.problem
-        shown = turned(problem, problem.rows, self.theta, self.roots, problem.first)
-        return problem.raw(solution(self.root, shown).T, self.theta, self.roots)
+        return self.space.problem.raw(solution(self.root, self._shown).T, self.theta, self.roots)
 
     def answer(self) -> Answered:
         """Return the posterior of the answered unknowns."""
-        mean = self.space.problem.mean + self.gain(self.space.problem.values)
+        problem = self.space.problem
+        mean = problem.mean + problem.raw(self._shown.T @ self.weighted, self.theta, self.roots)
         covariance = self.space.prior(self.theta, self.roots)
         covariance -= self._gain @ self._gain.T
         return Answered(mean, covariance)
 
     def gain(self, columns: Array) -> Array:
-        """Return G B, or G y."""
+        """Return G B."""
         return np.asarray(self._gain @ solution(self.root, columns))
 
     def cells(self) -> Array:
