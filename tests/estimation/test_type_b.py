@@ -19,7 +19,7 @@ from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.promise.numbers import Numbers
 from axiscal.estimation.promise.passing import columns_of, contributions
-from axiscal.estimation.promise.posterior import gain, sorted_out
+from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.unknowns import Unknowns
 from axiscal.exceptions import InputError
@@ -377,7 +377,7 @@ def test_the_posterior_is_that_of_k_with_the_columns_and_the_lines_are_what_it_h
         given = space.given(np.zeros(0))
         assert given is not None
         assert given.answer().covariance == pytest.approx(covariance, rel=1e-4, abs=1e-16)
-        moved = root @ gain(made, given, columns / made.noise[:, None])[: root.shape[1]]
+        moved = root @ given.gain(columns / made.noise[:, None])[: root.shape[1]]
         lines = np.linalg.norm(moved, axis=0)
         assert lines == pytest.approx(np.linalg.norm(root @ (gained @ columns)[: root.shape[1]], axis=0), rel=1e-5)
         left = np.eye(len(gained)) - gained @ rows
@@ -395,7 +395,7 @@ def test_the_gain_is_by_what_the_mean_moves() -> None:
         assert given is not None
         moved = room(_moved(made, column[:, 0])).given(np.zeros(0))
         assert moved is not None
-        assert gain(made, given, column)[:, 0] == pytest.approx(moved.answer().mean - given.answer().mean, abs=1e-12)
+        assert given.gain(column)[:, 0] == pytest.approx(moved.answer().mean - given.answer().mean, abs=1e-12)
 
 
 def _moved(made: Problem, by: Array) -> Problem:

@@ -211,6 +211,8 @@ class Case:
     @cached_property
     def lattice(self) -> Places:
         """Candidates spread over everything that is allowed."""
+        if self.sized_from is not None:
+            return self.sized_from.lattice
         count = int(np.clip(_PER_UNKNOWN * self.observation.size, _FEWEST, _MOST))
         return spread(self.description.machine, self.description.setups, count)
 
@@ -268,7 +270,7 @@ class Case:
     @cached_property
     def hidden(self) -> tuple[Hidden, ...]:
         """Errors that the allowed readings cannot see, in words."""
-        tool = tool_doubt(self.observation, self.yardstick, self.prior.factor, self._allowed_rows())
+        tool = tool_doubt(self.observation, self.yardstick, self.prior.factor, _whitened(list(self._allowed_parts())))
         whole = seen_as_one(self.yardstick)
         return (*tool, *whole, *hidden(self.errors, self.yardstick.unseen, self.yardstick.moments))
 
@@ -300,24 +302,19 @@ class Case:
             for number, seen in enumerate(self.observation.rows_each(index, *self._allowed.of(index))):
                 yield index, number, seen
 
-    def _allowed_rows(self) -> Array:
-        """Return readings spread over all that is allowed, each divided by its noise, (m, size)."""
-        return _whitened(list(self._allowed_parts()))
-
     @property
     def _left(self) -> Array:
         """F (errors, r) with F Fᵀ what endless readings leave of errors; its first columns without type B errors."""
         parts = list(self._allowed_parts())
         causes = contributions(self.observation, self._allowed, usual=self.description.usual)
         rows = _whitened(parts)
-        columns = np.zeros((len(rows), len(causes)))
-        for number, cause in enumerate(causes):
-            column = [
+        columns = np.zeros((len(causes), len(rows)))
+        for column, cause in zip(columns, causes, strict=True):
+            column[:] = np.concatenate([
                 cause.effects[index][k] / np.sqrt(seen.variances) if index in cause.effects else 0.0 * seen.variances
                 for index, k, seen in parts
-            ]
-            columns[:, number] = np.concatenate(column)
-        return unseen_factor(self.prior.factor, rows, columns)[: self.errors.size]
+            ])  # fmt: skip
+        return unseen_factor(self.prior.factor, rows, columns.T)[: self.errors.size]
 
 
 def _whitened(parts: Sequence[tuple[int, int, Rows]]) -> Array:

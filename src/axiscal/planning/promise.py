@@ -15,7 +15,6 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.promise.passing import Contribution, contributions
-from axiscal.estimation.promise.posterior import gain
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.spaces import Given
 from axiscal.estimation.promise.unknowns import space_of
@@ -99,7 +98,7 @@ def unseen_parts(blank: Blank) -> list[tuple[Contribution, Array]]:
     at = places_of(case.observation.setups, readings)
     every = contributions(case.observation, at, usual=case.description.usual)
     causes = [each for each in every if not each.row.of_values]
-    moved = gain(posed, found, posed.rows[:, : len(causes)])  # their columns come first
+    moved = found.gain(posed.rows[:, : len(causes)])  # their columns come first
     return list(zip(causes, moved.T, strict=True))
 
 
@@ -147,7 +146,7 @@ def _shares(blank: Blank) -> Iterator[tuple[str, float]]:
         ):
             continue
         comes = np.where(mine, np.sin(np.pi * (times - times[mine].min()) / np.ptp(times[mine])), 0.0)
-        moved = gain(posed, found, (comes / posed.noise)[:, None])[: case.errors.size, 0]
+        moved = found.gain((comes / posed.noise)[:, None])[: case.errors.size, 0]
         yield setup.name, _fit(rows[mine] @ moved, comes[mine])
 
 

@@ -70,9 +70,11 @@ def _delivered(
     with result_set(out, live=live) as folder:
         if live is None:
             campaign.copy(folder / RECORD)
-        for offered in made.values():
-            if isinstance(offered, Export):
-                _write_tables(offered, folder / "tables", summary)
+        warnings = [each.text for each in summary.warnings]
+        told = summary.expanded.factor, warnings, summary.agreement.words, summary.record
+        for name, each in made.items():
+            if isinstance(each, Export):
+                write_files(introduced(each, *told), folder / "tables" / name)
         document = json.dumps(result_json(summary), indent=2, ensure_ascii=False, allow_nan=False)
         written(folder / "result.json", f"{document}\n".encode())
         with stage("the report as a page", 2, 3):
@@ -145,13 +147,6 @@ def _offers(controller: str, made: Export | str) -> list[TableOffer]:
     left, effect = left_out(made), effect_of(made)
     axes = {name: name.partition(".")[0].replace("_", " ") for name in made.files}
     return [TableOffer(f"tables/{controller}/{name}", controller, axis, left, effect) for name, axis in axes.items()]
-
-
-def _write_tables(offered: Export, folder: Path, summary: Summary) -> None:
-    warnings = [warning.text for warning in summary.warnings]
-    folder.mkdir(parents=True, exist_ok=True)
-    whole = introduced(offered, summary.expanded.factor, warnings, summary.agreement.words, summary.record)
-    write_files(whole, folder / offered.controller)
 
 
 def effect_of(offered: Export) -> TableEffect:

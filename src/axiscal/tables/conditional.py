@@ -36,8 +36,7 @@ def mean_along(model: ErrorModel, box: Box, moved: Sequence[int], over: int, pos
     share = ((positions - ends[0]) / (ends[1] - ends[0]))[:, None]
     for axis in {f.axis for f in model.functions}:
         if axis == over:
-            levers = _between(_levers_over(model, box, moved, over, ends)[..., None], share)[..., 0]
-            _add(rows, model, axis, levers, positions, sign)
+            _add(rows, model, axis, _levers_over(model, box, moved, over, positions), positions, sign)
             continue
         _add_between(rows, model, axis, over, *_levers_of_other(model, box, moved, over, axis, ends), share)
     for index, plane in enumerate(model.planes, len(model.functions)):
@@ -49,8 +48,7 @@ def mean_along(model: ErrorModel, box: Box, moved: Sequence[int], over: int, pos
 def _between(ends: Array, share: Array) -> Array:
     """Return what is affine in the position from both its ends, (..., positions, n).  ends : (..., 2, n)"""
     first, last = np.moveaxis(ends[..., None, :], -3, 0)
-    between: Array = first + share * (last - first)
-    return between
+    return np.asarray(first + share * (last - first))
 
 
 def from_the_other_side(model: ErrorModel, over: int, rows: Array) -> Array:

@@ -69,8 +69,7 @@ def expanded_of(covariances: Array, evenly: NDArray[np.bool_], counted: Counted 
     variances = np.maximum(np.einsum("pcc->pc", covariances)[evenly], 0.0)
     worst = np.argsort(spectra.sum(axis=1))[-_WORST:]
     x, y, z = (reach(variances[:, [axis]]) for axis in range(3))
-    farthest = max(reach(spectra[[pose]]) for pose in worst)
-    return Expanded(reach(spectra[evenly]), (x, y, z), farthest)
+    return Expanded(reach(spectra[evenly]), (x, y, z), max(reach(spectra[[pose]]) for pose in worst))
 
 
 def reach(spectra: Array) -> float:
@@ -81,14 +80,13 @@ def reach(spectra: Array) -> float:
     still = 1 - np.mean(spectra.any(axis=1)) if len(spectra) else 1.0
     if still >= LEVEL:
         return 0.0
-    moments = _moments(spectra[spectra.any(axis=1)])
-    scale, first, slope, degrees = moments
+    scale, first, slope, degrees = _moments(spectra[spectra.any(axis=1)])
 
     def beyond(distance: float) -> float:
         at = (distance**2 / scale - first) * slope + degrees
         return float(still + (1 - still) * np.mean(chi_square_share(degrees, np.maximum(at, 0.0)))) - LEVEL
 
-    alone = _alone(moments)
+    alone = np.sqrt(scale * (first + (chi_square_quantile(degrees, LEVEL) - degrees) / slope))
     ends = [0.0 if still else float(alone.min()), float(alone.max())]
     over, kept = [beyond(end) for end in ends], -1
     for _ in range(_STEPS):
@@ -102,17 +100,8 @@ def reach(spectra: Array) -> float:
     return ends[int(abs(over[1]) < abs(over[0]))]
 
 
-_Moments = tuple[Array, Array, Array, Array]
-
-
-def _moments(spectra: Array) -> _Moments:
+def _moments(spectra: Array) -> tuple[Array, Array, Array, Array]:
     """Return the largest λ, Σλ over it, √(2ν/κ₂) and ν of each row, (m,).  spectra : (m, d), no row all noughts"""
     scale = spectra.max(axis=1)
     first, second, third = (np.sum((spectra / scale[:, None]) ** n, axis=1) for n in (1, 2, 3))
     return scale, first, second / third, second**3 / third**2
-
-
-def _alone(moments: _Moments) -> Array:
-    """Return U of each row, (m,) m."""
-    scale, first, slope, degrees = moments
-    return np.sqrt(scale * (first + (chi_square_quantile(degrees, LEVEL) - degrees) / slope))

@@ -128,16 +128,27 @@ class _InNumbers:
         information[np.ix_(names, names)] = 0.5 * flat @ turned.T
         return Slope(self.value, gradient, information)
 
+    @cached_property
+    def _shown(self) -> Array:
+        problem = self.space.problem
+        return turned(problem, problem.rows, self.theta, self.roots, problem.first)
+
+    @cached_property
+    def _gain(self) -> Array:
+        """G F, (answered, m)."""
+        return self.space.problem.raw(solution(self.root, self._shown).T, self.theta, self.roots)
+
     def answer(self) -> Answered:
         """Return the posterior of the answered unknowns."""
         problem = self.space.problem
-        shown = turned(problem, problem.rows, self.theta, self.roots, problem.first)
-        half = solution(self.root, shown)
-        mean = problem.raw(shown.T @ self.weighted, self.theta, self.roots)
-        back = problem.raw(half.T, self.theta, self.roots)
+        mean = problem.mean + problem.raw(self._shown.T @ self.weighted, self.theta, self.roots)
         covariance = self.space.prior(self.theta, self.roots)
-        covariance -= back @ back.T
-        return Answered(problem.mean + mean, covariance)
+        covariance -= self._gain @ self._gain.T
+        return Answered(mean, covariance)
+
+    def gain(self, columns: Array) -> Array:
+        """Return G B."""
+        return np.asarray(self._gain @ solution(self.root, columns))
 
     def cells(self) -> Array:
         """Return the means of the rests of the cells that were visited."""

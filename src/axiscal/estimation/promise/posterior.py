@@ -29,7 +29,7 @@ from axiscal.description.sizes import Kind
 from axiscal.estimation.promise.agreement import BAD_SHARE, MOST_BAD, SEVERAL, Agreement, Turned, agreement
 from axiscal.estimation.promise.draws import Weighed, draws, mode, redrawn, weighed
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
-from axiscal.estimation.promise.spaces import Given, parts_of, turned
+from axiscal.estimation.promise.spaces import Given, parts_of
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
@@ -225,19 +225,10 @@ def _moments(problem: Problem, found: Weighed) -> _Moments:
     for weight, answer, given in zip(found.weights, answers, found.given, strict=True):
         total += weight * answer.covariance
         if problem.held.size:
-            moved = gain(problem, given, problem.held)
+            moved = given.gain(problem.held)
             total += weight * moved @ moved.T
     cells = np.sum([w * each.cells() for w, each in zip(found.weights, found.given, strict=True)], axis=0)
     return _Moments(about + shift, total, cells)
-
-
-def gain(problem: Problem, given: Given, columns: Array) -> Array:
-    """Return G times columns, (answered, q) m and rad: by what the mean m = G y moves if the numbers do.
-
-    columns : (m, q) of the numbers, over the base noise
-    """
-    shown = turned(problem, problem.rows, given.theta, given.roots, problem.first)
-    return problem.raw(shown.T @ given.precision(columns), given.theta, given.roots)
 
 
 def _surely(problem: Problem, found: Weighed) -> float:

@@ -63,6 +63,9 @@ class Given(Protocol):
     def left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return K⁻¹y (r, k), over the noise, and the blocks of K⁻¹ (r, k, k).  part : (r, k) numbers of readings"""
 
+    def gain(self, columns: Array) -> Array:
+        """Return G B, (answered, c) m and rad: by what the mean m = G y moves.  columns : B (m, c), over the noise"""
+
     def precision(self, columns: Array) -> Array:
         """Return K⁻¹B, (m, c).  columns : B (m, c), over the noise"""
 

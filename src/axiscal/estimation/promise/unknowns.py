@@ -186,6 +186,12 @@ class _InUnknowns:
         blocks = np.eye(part.shape[1]) - half @ half.transpose(0, 2, 1)
         return left.reshape(part.shape) * own, blocks * own[:, :, None] * own[:, None, :]
 
+    def gain(self, columns: Array) -> Array:
+        """Return G B."""
+        problem = self.space.problem
+        shown = turned(problem, problem.rows, self.theta, self.roots, problem.first)
+        return problem.raw(shown.T @ self.precision(columns), self.theta, self.roots)
+
     def precision(self, columns: Array) -> Array:
         """Return K⁻¹B."""
         rows, roots = self._rows(np.arange(len(columns)))
