@@ -29,7 +29,8 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen, visited_by
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.planning.other_readings import EVERY, with_markers, without_markers
+from axiscal.planning.other_readings import EVERY, planned_with_markers, with_markers, without_markers
+from axiscal.planning.plan.task import Limits
 from axiscal.present.curves import constants
 from axiscal.present.findings import findings, untimed
 from axiscal.record.events import Recorded
@@ -242,6 +243,21 @@ def test_a_marker_is_read_again_every_twenty_minutes() -> None:
     assert [place for place in marked if place != places[0]] == places[1:]
     first = Reading("laser", places[0].pose, (1,), 0.0, time=0.0)
     assert without_markers(problem, [first], marked) == tuple(places[1:])
+
+
+@pytest.mark.parametrize(("guessed", "searches"), [(36, 1), (5, 2)])
+def test_markers_are_counted_from_a_rough_plan_and_anew_where_it_is_too_rough(guessed: int, searches: int) -> None:
+    problem, asked = Case(_description()), list[int]()
+    places = tuple(Place("laser", (0.01 * i,), (1,)) for i in range(40))
+
+    def plan(limits: Limits) -> tuple[Place, ...]:
+        asked.append(limits.readings or 0)
+        return places[: limits.readings]
+
+    found = planned_with_markers(problem, (), (), Limits(40), lambda: places[:guessed], plan)
+    assert len(found) == 40
+    assert found == with_markers(problem, (), (), places[: asked[-1]])
+    assert len(asked) == searches
 
 
 @pytest.mark.long

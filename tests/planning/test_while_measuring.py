@@ -139,6 +139,16 @@ def test_a_reading_elsewhere_or_taken_back_renews_the_rest(start: Start) -> None
     assert len(plans(campaign)) == 3
 
 
+def test_the_first_question_of_a_plan_that_stands_needs_no_estimate(
+    start: Start, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    campaign, _ = start()
+    first = campaign.prepared()[0]
+    with monkeypatch.context() as patched:
+        patched.delattr(Campaign, "estimate")
+        assert question(campaign).place == first
+
+
 @pytest.mark.long
 def test_a_reading_with_other_noise_than_planned_renews_the_rest(start: Start) -> None:
     campaign, source = start()

@@ -162,6 +162,8 @@ class Campaign(Closing):
         return bool(self.state.plan) and not self.state.renew and self._plan_basis() == self.state.plan_basis
 
     def _plan_basis(self) -> str:
+        if not self.state.readings:  # no size was learnt, nothing rejected
+            return ""
         known = self.estimate()
         return plan_basis(known.case, known.readings, known.outliers)
 
@@ -259,10 +261,10 @@ class Campaign(Closing):
         target = self.description.target
         if (said := count_reached(target, len(self.state.readings))) is not None:
             return said
-        if target.accurate:
+        if target.accurate and self.state.readings:
             follows_from = ("standing", ended, self.state.readings)
             said = self._memo.answer(follows_from, lambda: standing(target, self._said(ended)))
-        return said or (BUDGET if self._over_budget(self._seconds()) else None)
+        return said or (BUDGET if self._over_budget(self._times().seconds) else None)
 
     def looked_at_again(self) -> State:
         """Return the state as the file has it now."""
@@ -272,7 +274,8 @@ class Campaign(Closing):
     def status(self) -> Status:
         """Return where the campaign stands; of one that has ended, what its report says."""
         ended, known = self.state.finished is not None, self.so_far()
-        return Status(self.state, known.accuracy, self._seconds(), None if ended else self.reached(), known.agreement)
+        because = None if ended else self.reached()
+        return Status(self.state, known.accuracy, self._times().seconds, because, known.agreement)
 
     def so_far(self) -> Estimation:
         """Return what the readings make known; of a campaign that has ended, what its report says."""
@@ -380,16 +383,14 @@ class Campaign(Closing):
         readings = self.state.readings
         return self._memo.answer(("timed", readings), lambda: timed(self.case(), readings))
 
-    def _seconds(self) -> float:
-        return self._times().seconds
-
     def _over_budget(self, seconds: float) -> bool:
         budget = self.description.target.budget
         return budget is not None and seconds > budget
 
     def _milestone(self) -> Milestone:
         readings = self.state.readings
-        return Milestone(len(readings), readings[-1] if readings else None, self.estimate().accuracy, self._seconds())
+        accuracy, last = self.estimate().accuracy, readings[-1] if readings else None
+        return Milestone(len(readings), last, accuracy, self._times().seconds)
 
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:

@@ -112,7 +112,7 @@ def _for_volume(case: Case, task: Task, limits: Limits, readings: Sequence[Readi
     now, known, places = Knowledge(task.observation, task.belief), foreseen(case, readings, left), left
     found, searched = None, _searched(case, known, promised(case, now, places), limits)
     for _ in range(0 if left else _ROUNDS):
-        places = with_rooms(case, in_order(task, picked(_few_candidates(task), searched)))
+        places = roughly(case, task, searched)
         known = foreseen(case, readings, places)
         met = reached(case, limits, known)
         found = searched if met else found
@@ -120,6 +120,11 @@ def _for_volume(case: Case, task: Task, limits: Limits, readings: Sequence[Readi
             break
         searched = _searched(case, known, promised(case, now, places), limits)
     return found or searched
+
+
+def roughly(case: Case, task: Task, limits: Limits) -> tuple[Place, ...]:
+    """Return about as many readings as a plan has, picked from some hundred candidates."""
+    return with_rooms(case, in_order(task, picked(_few_candidates(task), limits)))
 
 
 def _few_candidates(task: Task) -> Task:

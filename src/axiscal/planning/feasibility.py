@@ -111,7 +111,7 @@ def _refuse_too_noisy(case: Case, target: float) -> None:
     asked = posed(case, case.knowledge, candidates=_CANDIDATES)
     pool = Pool(asked.observation, asked.lattice)
     state = Covariance.of(case.observation, case.prior, yardstick.root)
-    relaxation = Relaxation(pool, state, pool.none, np.ones(len(pool)), float(MOST))
+    relaxation = Relaxation(pool, state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), float(MOST))
     for _ in range(_ROUNDS):
         dual = relaxation.solved()
         slopes = relaxation.slopes(dual)

@@ -30,7 +30,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.enough import AT_ONCE, enough
+from axiscal.planning.enough import AT_ONCE, enough, roughly
 from axiscal.planning.other_readings import EVERY, plane_start, planned_with_markers, with_both_sides, without_markers
 from axiscal.planning.overrun import with_rooms
 from axiscal.planning.plan.order import in_order, seconds_along
@@ -70,7 +70,7 @@ def planned_places(
         places = with_both_sides(case, readings, with_rooms(case, coming))
         return tuple(place for place in places if not in_gap(case, place, gaps))
 
-    return planned_with_markers(case, readings, gaps, limits, planned)
+    return planned_with_markers(case, readings, gaps, limits, lambda: left or roughly(case, task, limits), planned)
 
 
 def first_places(

@@ -38,18 +38,22 @@ def planned_with_markers(
     readings: Sequence[Reading],
     gaps: Sequence[Gap],
     limits: Limits,
+    rough: Callable[[], Sequence[Place]],
     plan: Callable[[Limits], tuple[Place, ...]],
 ) -> tuple[Place, ...]:
     """Return the readings to come with the markers among them, within the limits.
 
-    readings : so far; plan : the readings to come within limits, in their order
+    readings : so far; rough : about as many readings to come, to count the markers by
+    plan : the readings to come within limits, in their order
     """
-    places = plan(limits)
     if all(setup.drift == 0 for setup in case.description.setups):
-        return places
+        return plan(limits)
+    like = () if _smaller(case, limits, 1) == limits else rough()
+    within = _smaller(case, limits, len(with_markers(case, readings, gaps, like)) - len(like))
+    places = plan(within)
     marked = with_markers(case, readings, gaps, places)
-    added = len(marked) - len(places)
-    return with_markers(case, readings, gaps, plan(_smaller(case, limits, added))) if added else marked
+    true = _smaller(case, limits, len(marked) - len(places))
+    return marked if true == within else with_markers(case, readings, gaps, plan(true))
 
 
 def without_markers(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> tuple[Place, ...]:

@@ -133,7 +133,7 @@ def _begun(state: Covariance, lattice: Places, places: Places) -> Places:
 
 def _everywhere(state: Covariance, lattice: Places, count: int) -> Relaxation:
     pool = Pool(state.observation, lattice)
-    relaxation = Relaxation(pool, state, pool.none, np.ones(len(lattice)), float(count), rests=False)
+    relaxation = Relaxation(pool, state, lattice.within(slice(0, 0)), np.ones(len(lattice)), float(count), rests=False)
     relaxation.begin_everywhere()
     return relaxation
 

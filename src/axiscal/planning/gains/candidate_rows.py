@@ -73,11 +73,6 @@ class Pool:
     def __len__(self) -> int:
         return len(self.lattice)
 
-    @property
-    def none(self) -> Places:
-        """None of them, for a search that begins with no plan."""
-        return self.lattice.within(slice(0, 0))
-
     def products(self, observation: Observation, vectors: Array) -> Array:
         """Return the rows of all candidates times vectors (n, c) over the observation's unknowns, (c, w, M)."""
         columns = np.ascontiguousarray(vectors.T)

@@ -83,11 +83,6 @@ class Scores:
         return other
 
     @property
-    def objective(self) -> float:
-        """J after the readings of the plan, m²."""
-        return self.state.value
-
-    @property
     def gains(self) -> Array:
         """The gain of every candidate, (M,)."""
         return _gains(self.above[:, :, : len(self.pool)], self.below[:, :, : len(self.pool)])

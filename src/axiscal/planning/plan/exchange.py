@@ -51,7 +51,7 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: fl
     """
     work, changes, looked = 0.0, 0, dict[int, int]()
     for _ in range(sweeps):
-        before, least = changes, _NOTHING * scores.objective
+        before, least = changes, _NOTHING * scores.state.value
         for slot in ranked(-scores.losses(), ALIKE).tolist():
             if looked.get(slot) == changes or scores.held_alone(slot):
                 continue
