@@ -23,6 +23,7 @@ from tests.reliability import (
     salvaged,
     same_bytes,
     set_faults,
+    store_clients,
     writers,
 )
 from tests.reliability.trial import DISK, Trial
@@ -49,6 +50,8 @@ def trials(long: bool, pythons: Sequence[str]) -> Sequence[Callable[[], Trial]]:
         lambda: same_bytes.compared(long, pythons),
         *(partial(salvaged.tried, name, 1430 if long else 150) for name in salvaged.DAMAGES),
         lambda: forged.tried(10_000),
+        lambda: store_clients.clients(5, 1200 if long else 60),
+        lambda: store_clients.statements(10_000 if long else 1000),
     )
 
 

@@ -21,6 +21,7 @@ from tests.reliability import (
     salvaged,
     same_bytes,
     set_faults,
+    store_clients,
     writers,
 )
 from tests.reliability.trial import Trial
@@ -103,6 +104,18 @@ def test_killed_writers_leave_everything_that_they_acknowledged_in_the_file_alon
 @pytest.mark.long
 def test_eight_processes_at_once_lose_and_double_nothing() -> None:
     assert writers.at_once(8, 10).lost == 0
+
+
+@pytest.mark.long
+def test_clients_of_a_store_whose_connections_are_cut_lose_and_double_nothing() -> None:
+    trial = store_clients.clients(2, 6)
+    assert (trial.lost, trial.tried > 10) == (0, True), trial.detail
+
+
+@pytest.mark.long
+def test_statements_of_a_measurer_stop_nobody_else() -> None:
+    trial = store_clients.statements(40)
+    assert trial.lost == 0, trial.detail
 
 
 def test_the_corpus_is_as_large_as_is_said() -> None:

@@ -1,0 +1,176 @@
+"""A store on a server: clients whose connections are cut, and a measurer who sends it whatever SQL there is."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import time
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from axiscal.exceptions import RecordError
+from axiscal.ports.postgres.address import store_address
+from axiscal.ports.postgres.database import Database, lock_number
+from axiscal.ports.postgres.server_log import Entry, ServerLog, entries
+from axiscal.ports.postgres.syncing import synced
+from axiscal.ports.postgres.tables import prepare
+from axiscal.record.store import Record
+from tests.record.postgres_server import RunningServer, running_server
+from tests.reliability.record_faults import CREATED, recorded
+from tests.reliability.trial import Trial, scratch
+
+SHARED, MEASURER = "shared", "measurer"
+_CUT = "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE usename = 'measurer'"
+
+
+@contextmanager
+def _store() -> Iterator[RunningServer]:
+    """Yield a server with a store and the campaign that all write to."""
+    with running_server() as server:
+        keeper = Database(store_address(server.address()))
+        prepare(keeper)
+        keeper.rows(f"CREATE ROLE {MEASURER} LOGIN IN ROLE axiscal_measurer")
+        ServerLog.create(keeper, SHARED, CREATED)
+        keeper.close()
+        yield server
+
+
+def _opened(server: RunningServer, user: str = MEASURER) -> Database:
+    return Database(store_address(server.address(user=user)))
+
+
+def _held(log: ServerLog) -> list[int]:
+    return [int(reading.value) for reading in log.state().readings]
+
+
+def clients(count: int, seconds: float, seed: int = 7) -> Trial:
+    """Let processes append to one campaign, and sync records of their own, while connections are cut."""
+    drawn, cuts = random.Random(seed), 0
+    with scratch() as top, _store() as server:
+        children = [_client(server, top / f"{number}", number) for number in range(1, count + 1)]
+        keeper, end = _opened(server, "keeper"), time.monotonic() + seconds
+        while time.monotonic() < end:
+            time.sleep(drawn.uniform(0.1, 2.0))
+            cuts += len(keeper.rows(_CUT))
+        for child in children:
+            os.kill(child, signal.SIGTERM)
+            os.waitpid(child, 0)
+        said = [int(line) for path in top.glob("*.said") for line in path.read_text().split()]
+        logs = [ServerLog(keeper, entry) for entry in entries(keeper)]
+        for log in logs:
+            log.last()
+        kept = Counter(value for log in logs for value in _held(log))
+        keeper.close()
+    lost, twice = len(set(said) - set(kept)), sum(number - 1 for number in kept.values())
+    detail = f"{cuts:,} connections cut, {lost} lost, {twice} twice"
+    return Trial(f"readings of {count} clients of a store, cut off in {seconds:.0f} s", len(said), lost + twice, detail)
+
+
+def _client(server: RunningServer, path: Path, number: int) -> int:
+    """Begin a client, which writes down what was acknowledged; return its process."""
+    child = os.fork()
+    if child:
+        return child
+    ended = list[int]()
+    signal.signal(signal.SIGTERM, lambda got, _frame: ended.append(got))
+    with path.with_suffix(".said").open("a") as said:
+        record, value, waiting = Record.create(path.with_suffix(".axiscal"), CREATED), 1_000_000 * number, list[int]()
+        while not ended:
+            value += 1
+            if value % 2:
+                _appended(server, value)
+                print(value, file=said, flush=True)
+                continue
+            record.append(recorded(float(value)))
+            waiting.append(value)
+            if len(waiting) == 5:
+                _synced(server, record, f"own {number}")
+                print(*waiting, file=said, flush=True)
+                waiting.clear()
+    os._exit(0)
+
+
+def _appended(server: RunningServer, value: int) -> None:
+    """Append a reading until it is there: after each error it is looked for, as the message asks."""
+    while True:
+        database = _opened(server)
+        with suppress(RecordError):
+            log = ServerLog.open(database, SHARED)
+            if value not in _held(log):
+                log.append(recorded(float(value)))
+            database.close()
+            return
+        database.close()
+
+
+def _synced(server: RunningServer, record: Record, name: str) -> None:
+    while True:
+        database = _opened(server)
+        with suppress(RecordError):
+            synced(database, record, name)
+            database.close()
+            return
+        database.close()
+
+
+def _wild(drawn: random.Random, campaign: str) -> str:
+    """Return a statement of somebody who means no good."""
+    text = drawn.choice(
+        ("''", "NULL", "'{}'", "repeat('x', 10000)", "E'\\n'", "'../../etc'", "'created'", "'recorded'")
+    )
+    which = drawn.choice((f"'{campaign}'", "gen_random_uuid()", "NULL"))
+    number = drawn.choice(("0", "1", "-1", "NULL", "9223372036854775807", str(lock_number(campaign))))
+    arrays = ", ".join(drawn.choice((f"ARRAY[{text}]::text[]", "'{}'", "NULL", "ARRAY['a','b']")) for _ in range(4))
+    return drawn.choice(
+        (
+            f"SELECT axiscal.append({which}, {number}, {number}, {arrays})",
+            f"SELECT axiscal.enter({which}, {text}, {which}, {number})",
+            f"SELECT axiscal.enter(gen_random_uuid(), 'made up {drawn.random()}', NULL, NULL)",
+            f"SELECT axiscal.saw({which}, {text}, {which}, {number})",
+            f"INSERT INTO axiscal.events SELECT * FROM axiscal.events WHERE campaign = {which}",
+            f"UPDATE axiscal.events SET payload = {text}",
+            "DELETE FROM axiscal.campaigns",
+            "START TRANSACTION; LOCK TABLE axiscal.events; SELECT pg_sleep(2); COMMIT",
+            "START TRANSACTION; LOCK TABLE axiscal.events IN ACCESS SHARE MODE; SELECT pg_sleep(0.1); COMMIT",
+            "SELECT pg_sleep(0.05)",
+            "ALTER TABLE axiscal.events DISABLE TRIGGER ALL",
+            "DROP SCHEMA axiscal CASCADE",
+        )
+    )
+
+
+def _readable(keeper: Database, entry: Entry) -> bool:
+    with suppress(RecordError):
+        ServerLog(keeper, entry).last()
+        return True
+    return False
+
+
+def statements(count: int, seed: int = 11) -> Trial:
+    """Send a store so many statements of a measurer while another one works, and read all campaigns afterwards."""
+    drawn = random.Random(seed)
+    with _store() as server:
+        keeper = _opened(server, "keeper")
+        campaign = entries(keeper, SHARED)[0].id
+        child = os.fork()
+        if child == 0:
+            bad = _opened(server)
+            for _ in range(count):
+                with suppress(RecordError):
+                    bad.rows(_wild(drawn, campaign))
+            os._exit(0)
+        longest, value = 0.0, 0
+        with ServerLog.open(_opened(server), SHARED) as log:
+            while os.waitpid(child, os.WNOHANG) == (0, 0):
+                begin, value = time.monotonic(), value + 1
+                log.append(recorded(float(value)))
+                longest = max(longest, time.monotonic() - begin)
+                time.sleep(0.02)
+        missed = sum(not _readable(keeper, entry) for entry in entries(keeper))
+        with ServerLog.open(keeper, SHARED) as log:
+            missed += _held(log) != list(range(1, value + 1))
+    detail = f"another one waited {longest:.2f} s, at most 5"
+    return Trial("statements of a measurer who means no good", count, missed + (longest > 5), detail)
