@@ -83,7 +83,7 @@ def exact() -> None:
     print("readings  the best     plan    bound")
     for readings in (1, 2, 3):
         plan = make_plan(problem, Limits(readings=readings), patience=0.0, bounded=False)
-        bound = lower_bound(pool, problem.state, pool.none, np.ones(len(pool)), float(readings))
+        bound = lower_bound(pool, problem.state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), float(readings))
         best = best_of_all(Scores(pool, problem.state), readings)
         print(f"{readings:8}   {root(best)}  {root(plan.value)}  {root(bound.value)}", flush=True)
 

@@ -10,7 +10,7 @@ import pytest
 from axiscal.errors.gauge import MANY_READINGS, unseen_factor
 from axiscal.errors.gauge_words import Hidden
 from axiscal.estimation.accuracy.unseen import tool_doubt
-from axiscal.estimation.case import Case
+from axiscal.estimation.case import Case, _whitened
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array
 from benchmarks.trust.benches import case_of
@@ -26,7 +26,7 @@ def five_axes(tool: str) -> Case:
 
 def told(case: Case, rows: Array | None = None, observation: Observation | None = None) -> list[Hidden]:
     """Return what is said of the tool of a case.  rows : readings over their noise, all that are allowed without"""
-    seen = case._allowed_rows() if rows is None else rows
+    seen = _whitened(list(case._allowed_parts())) if rows is None else rows
     return list(tool_doubt(observation or case.observation, case.yardstick, case.prior.factor, seen))
 
 
@@ -47,7 +47,7 @@ def unseen(case: Case, rows: Array, tool_known: bool) -> float:
 
 def test_it_hides_what_an_exactly_known_tool_would_show() -> None:
     case = five_axes("100 um")
-    rows = case._allowed_rows()
+    rows = _whitened(list(case._allowed_parts()))
     (found,) = told(case)
     whole, left = (unseen(case, rows, known) for known in (False, True))
     assert case.yardstick.unseen_rms == pytest.approx(whole, rel=0.01)
@@ -66,7 +66,7 @@ def test_it_is_said_from_a_tenth_of_the_variance_on() -> None:
     shares = []
     for tool in ("0.7 um", "1 um", "1.5 um", "2 um"):
         case = five_axes(tool)
-        rows = case._allowed_rows()
+        rows = _whitened(list(case._allowed_parts()))
         whole, left = (unseen(case, rows, known) for known in (False, True))
         share = 1 - left**2 / whole**2
         shares.append(share)

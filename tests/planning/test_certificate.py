@@ -41,7 +41,7 @@ def test_nothing_is_weyl_and_everything_is_the_equivalence_theorem() -> None:
     nothing = Dual(state, np.zeros_like(state.weighted))
     assert nothing.floor(0.0, 3) == pytest.approx(rank_bound(state, 3), rel=1e-9)
     pool = Pool(asked.observation, asked.lattice)
-    relaxation = Relaxation(pool, state, pool.none, np.ones(len(pool)), 7.0)
+    relaxation = Relaxation(pool, state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), 7.0)
     for _ in range(20):
         dual = relaxation.solved()
         slopes = relaxation.slopes(dual)
@@ -55,7 +55,7 @@ def test_nothing_is_weyl_and_everything_is_the_equivalence_theorem() -> None:
 def test_both_together_prove_more_than_either() -> None:
     asked = levered(300)
     pool, count = Pool(asked.observation, asked.lattice), 8
-    relaxation = Relaxation(pool, asked.state, pool.none, np.ones(len(pool)), float(count))
+    relaxation = Relaxation(pool, asked.state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), float(count))
     for _ in range(30):
         dual = relaxation.solved()
         slopes = relaxation.slopes(dual)
@@ -74,10 +74,10 @@ def test_rests_are_not_averaged_away(readings: int) -> None:
     for _ in range(readings):
         scores.enter(int(scores.gains.argmax()))
     costs = np.ones(len(pool))
-    bound = lower_bound(pool, asked.state, pool.none, costs, float(readings)).value
+    bound = lower_bound(pool, asked.state, pool.lattice.within(slice(0, 0)), costs, float(readings)).value
     assert 0 < bound <= scores.state.value
-    known = Relaxation(pool, asked.state, pool.none, costs, float(readings), rests=False)
-    shared = Relaxation(pool, asked.state, pool.none, costs, float(readings))
+    known = Relaxation(pool, asked.state, pool.lattice.within(slice(0, 0)), costs, float(readings), rests=False)
+    shared = Relaxation(pool, asked.state, pool.lattice.within(slice(0, 0)), costs, float(readings))
     for each in (known, shared):
         each.begin_everywhere()
     assert shared.solved().value > known.solved().value
@@ -87,4 +87,8 @@ def test_one_reading_is_bounded_by_the_best_one() -> None:
     asked = levered(100)
     pool = Pool(asked.observation, asked.lattice)
     best = asked.state.value - float(Scores(pool, asked.state).gains.max())
-    assert 0.5 * best < lower_bound(pool, asked.state, pool.none, np.ones(len(pool)), 1.0).value <= best
+    assert (
+        0.5 * best
+        < lower_bound(pool, asked.state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), 1.0).value
+        <= best
+    )

@@ -27,7 +27,7 @@ ONE_SPLINE = Path(__file__).parents[1] / "golden" / "campaigns" / "one_spline" /
 def test_seven_readings_on_seven_knots() -> None:
     asked = splines(1, 7, 0.1)
     pool = Pool(asked.observation, asked.lattice)
-    bound = lower_bound(pool, asked.state, pool.none, np.ones(len(pool)), 7.0)
+    bound = lower_bound(pool, asked.state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), 7.0)
     assert bound.value == pytest.approx(0.0788, abs=2e-4)
     assert not bound.everywhere
 
@@ -36,7 +36,7 @@ def test_seven_readings_on_seven_knots() -> None:
 def test_no_subset_of_a_small_lattice_beats_it(knots: int, noise: float, readings: int) -> None:
     asked = splines(1, knots, noise, 14)
     pool, state = Pool(asked.observation, asked.lattice), asked.state
-    bound = lower_bound(pool, state, pool.none, np.ones(len(pool)), float(readings)).value
+    bound = lower_bound(pool, state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), float(readings)).value
     subsets = itertools.combinations_with_replacement(range(len(pool)), readings)
     best = min(state.after_readings(pool.lattice.within(np.array(subset))).value for subset in subsets)
     assert 0 < bound <= best * (1 + 1e-12)

@@ -12,8 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from axiscal.exceptions import RecordError
-from axiscal.ports.postgres.address import store_address
-from axiscal.ports.postgres.database import Database, lock_number
+from axiscal.ports.postgres.database import Database, lock_number, store_address
 from axiscal.ports.postgres.server_log import Entry, ServerLog, entries
 from axiscal.ports.postgres.syncing import synced
 from axiscal.ports.postgres.tables import prepare

@@ -235,7 +235,9 @@ def _units(problem: Problem, found: Weighed) -> Iterator[_Tried]:
             gains = (given.square - squares) / 2 - since.sum(axis=1) * np.log(factor) - np.log(places)
             best = int(np.argmax(gains))
             odds = float(np.log(_PRIOR) + found.log_stated + gains[best])
-            if 2 * (p := chi_square_tail(len(problem.values), float(squares[best]))) >= CONTRADICTS:
+            tail = chi_square_tail(len(problem.values), float(squares[best]))
+            # Divided by enough all readings agree, and then by far too well.
+            if 2 * (p := min(tail, 1 - tail)) >= CONTRADICTS:
                 yield _Tried(Explained("unit", odds, (int(setup),), int(readings[best]) if best else -1, factor), p)
 
 
