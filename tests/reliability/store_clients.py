@@ -161,13 +161,15 @@ def statements(count: int, seed: int = 11) -> Trial:
                 with suppress(RecordError):
                     bad.rows(_wild(drawn, campaign))
             os._exit(0)
-        longest, value = 0.0, 0
+        longest, value, ended = 0.0, 0, (0, 0)
         with ServerLog.open(_opened(server), SHARED) as log:
-            while os.waitpid(child, os.WNOHANG) == (0, 0):
+            while ended == (0, 0):
                 begin, value = time.monotonic(), value + 1
                 log.append(recorded(float(value)))
                 longest = max(longest, time.monotonic() - begin)
                 time.sleep(0.02)
+                ended = os.waitpid(child, os.WNOHANG)
+        assert not ended[1], "the measurer who means no good ended before all statements were sent"
         missed = sum(not _readable(keeper, entry) for entry in entries(keeper))
         with ServerLog.open(keeper, SHARED) as log:
             missed += _held(log) != list(range(1, value + 1))
