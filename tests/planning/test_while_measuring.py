@@ -145,7 +145,7 @@ def test_the_first_question_of_a_plan_that_stands_needs_no_estimate(
     campaign, _ = start()
     first = campaign.prepared()[0]
     with monkeypatch.context() as patched:
-        patched.delattr(Campaign, "estimate")
+        patched.setattr(Campaign, "estimate", None)  # whoever calls it fails
         assert question(campaign).place == first
 
 
