@@ -62,15 +62,11 @@ class Falling(Scores):
     """Scores that note by how much J falls with each exchange."""
 
     falls: list[float]
-    before: float
 
-    def leave(self, slot: int) -> float:
-        self.before = self.state.value
-        return super().leave(slot)
-
-    def enter(self, what: int | Places, slot: int | None = None, bundle: int = 1) -> float:
-        gain = super().enter(what, slot, bundle)
-        self.falls.append(self.before / self.state.value - 1)
+    def exchange(self, slot: int, what: int | Places) -> float:
+        before = self.state.value
+        gain = super().exchange(slot, what)
+        self.falls.append(before / self.state.value - 1)
         return gain
 
 

@@ -112,6 +112,23 @@ def test_what_came_to_be_too_much_is_left_out() -> None:
     assert len(enough) < 10
 
 
+def test_what_may_yet_be_needed_stays_while_sizes_are_unsure() -> None:
+    after = taken(ASKED, part(PLAN, 0, 4))
+    known = after.yardstick.measure(taken(after, part(PLAN, 4)).belief)
+    limits = Limits(readings=10, rms=1.2 * known.rms)
+    sure, unsure, less = (len(renewed(after, limits, part(PLAN, 4), 0.0, by)) for by in (1.0, 1.3, 1.1))
+    assert unsure == 10
+    assert sure < less <= 10
+
+
+def test_a_target_beyond_many_readings_more_is_left_to_other_set_ups() -> None:
+    two = replace(ASKED, here=Places.one(0, np.array([0.5, 0.3, 0.2]), np.zeros(3)))
+    left = ASKED.lattice.within(ASKED.lattice.setups == 0).within(slice(0, 8))
+    known = two.yardstick.measure(taken(two, left).belief)
+    assert len(renewed(two, Limits(readings=9, rms=known.floor), left)) == 0
+    assert len(renewed(two, Limits(readings=9, rms=known.rms), left)) > 0
+
+
 @pytest.mark.parametrize("share", [0.6, 0.95, 1.3])
 def test_a_budget_is_kept(share: float) -> None:
     after = taken(ASKED, part(PLAN, 0, 4))

@@ -35,12 +35,13 @@ def test_entering_leaving_and_exchanging_keep_every_gain(memory: float) -> None:
     losses = scores.losses()
     gains, own = scores.without(2)
     assert own == pytest.approx(losses[2], rel=1e-9)
-    assert scores.leave(2) == pytest.approx(own, rel=1e-9)
-    np.testing.assert_allclose(scores.gains, gains, rtol=1e-9)
-    scores.enter(200, 2)
+    fewer = scores.fork()
+    assert fewer.leave(2) == pytest.approx(own, rel=1e-9)
+    np.testing.assert_allclose(fewer.gains, gains, rtol=1e-9)
+    value, gain = scores.state.value, scores.exchange(2, 200)
+    assert value - scores.state.value == pytest.approx(gain, rel=1e-9)
     np.testing.assert_allclose(scores.gains, _fresh(scores, start), rtol=1e-5)
     scores.leave(0)
-    scores.close(0)
     assert len(scores.places) == 5
     np.testing.assert_allclose(scores.gains, _fresh(scores, start), rtol=1e-5)
 
@@ -86,7 +87,6 @@ def test_readings_that_enter_together_are_those_that_enter_one_by_one(asked: Tas
     together.enter(0)
     together.without(0)
     together.leave(0)
-    together.close(0)
     places = asked.lattice.within(np.arange(0, 50, 5))
     gains = sum(one.enter(places.at(index)) for index in range(len(places)))
     assert together.enter_all(places) == pytest.approx(gains, rel=1e-9)
@@ -106,8 +106,7 @@ def test_columns_that_follow_exchanges_are_those_made_anew(asked: Task) -> None:
         kept.enter(index)
     for turn in range(40):  # more than wait
         kept.without(turn % 10)
-        kept.leave(turn % 10)
-        kept.enter((7 * turn) % 120, turn % 10)
+        kept.exchange(turn % 10, (7 * turn) % 120)
     anew = Scores(kept.pool, asked.state)
     anew.enter_all(kept.places)
     for slot in range(len(anew.places)):
@@ -126,5 +125,4 @@ def test_gains_without_a_reading_are_those_of_what_is_known_without_it(asked: Ta
         state, change = scores.known_without(slot)
         found, anew = scores.scorer_without(change).gains(asked.lattice), scores.pool.scorer(state).gains(asked.lattice)
         np.testing.assert_allclose(found, anew, rtol=1e-8)
-        scores.leave(slot)
-        scores.enter(slot, slot)  # another state: what was found once does not hold any more
+        scores.exchange(slot, slot)  # another state: what was found once does not hold any more

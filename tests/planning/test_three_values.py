@@ -97,13 +97,13 @@ def test_gains_are_the_falls_of_dense_matrices_while_readings_come_and_go(
         np.testing.assert_allclose(gains[looked_at], _falls(asked, others, pool, looked_at), rtol=1e-4)
 
     gains, _ = scores.without(1)
-    assert scores.leave(1) == pytest.approx(losses[1], rel=1e-8)
-    np.testing.assert_allclose(scores.gains, gains, rtol=1e-7, atol=1e-13 * gains.max())  # by tables and by rows
-    scores.enter(int(pool.lattice.setups[100] == 0) * (len(pool) - 1), 1)  # another count of values
+    fewer = scores.fork()
+    assert fewer.leave(1) == pytest.approx(losses[1], rel=1e-8)
+    np.testing.assert_allclose(fewer.gains, gains, rtol=1e-7, atol=1e-13 * gains.max())  # by tables and by rows
+    scores.exchange(1, int(pool.lattice.setups[100] == 0) * (len(pool) - 1))  # another count of values
     np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, pool, looked_at), rtol=1e-4)
     scores.without(3)
     scores.leave(0)
-    scores.close(0)
     assert len(scores.places) == 5
     np.testing.assert_allclose(scores.gains[looked_at], _falls(asked, scores.places, pool, looked_at), rtol=1e-4)
     assert scores.losses()[2] > 0

@@ -95,8 +95,13 @@ def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> li
     surely = 1.0 if known.posterior is None else known.posterior.surely
     sizes = {} if known.posterior is None else known.posterior.sizes
     largest = max([1.0, *(size for (kind, _), size in sizes.items() if kind not in _PASSING)])
-    # Floors grow with the sizes at the most: those as learnt take longer to find.
-    if not any(each.now <= attainable(each.wanted.limit, largest * each.wanted.floor) for each in volume):
+
+    def may_be(each: _Standing) -> bool:
+        """Whether a floor may be above its limit: floors grow with the sizes at the most, and take long to find."""
+        limit, floor, most = each.wanted.limit, each.wanted.floor, largest * each.wanted.floor
+        return each.now <= attainable(limit, most) and max(floor, surely * most) > limit
+
+    if not any(may_be(each) for each in volume):
         return []
     sized = asked(target, known.case.yardstick_as_sized)
     return [

@@ -21,7 +21,7 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.overrun import with_rooms
-from axiscal.planning.plan.greedy import picked
+from axiscal.planning.plan.greedy import Setups, chosen_setups, picked
 from axiscal.planning.plan.order import in_order
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
@@ -111,8 +111,10 @@ def _for_volume(case: Case, task: Task, limits: Limits, readings: Sequence[Readi
     """Return limits of an accuracy with what a result counts beside."""
     now, known, places = Knowledge(task.observation, task.belief), foreseen(case, readings, left), left
     found, searched = None, _searched(case, known, promised(case, now, places), limits)
+    few = _few_candidates(task)
+    setups = () if left else chosen_setups(few, searched)  # what a result counts beside changes the number of readings
     for _ in range(0 if left else _ROUNDS):
-        places = roughly(case, task, searched)
+        places = _picked(case, few, searched, setups)
         known = foreseen(case, readings, places)
         met = reached(case, limits, known)
         found = searched if met else found
@@ -124,7 +126,12 @@ def _for_volume(case: Case, task: Task, limits: Limits, readings: Sequence[Readi
 
 def roughly(case: Case, task: Task, limits: Limits) -> tuple[Place, ...]:
     """Return about as many readings as a plan has, picked from some hundred candidates."""
-    return with_rooms(case, in_order(task, picked(_few_candidates(task), limits)))
+    few = _few_candidates(task)
+    return _picked(case, few, limits, chosen_setups(few, limits))
+
+
+def _picked(case: Case, task: Task, limits: Limits, setups: Setups) -> tuple[Place, ...]:
+    return with_rooms(case, in_order(task, picked(task, limits, setups)))
 
 
 def _few_candidates(task: Task) -> Task:

@@ -42,7 +42,7 @@ from axiscal.record.events import Asked, Gap
 CANDIDATES = 2000
 """Places that a plan chooses from; beyond, readings are brought to the best places between them anyway."""
 _SMALL = 120
-"""Unknowns up to which what is left of a plan is climbed off the lattice: beyond, a person at the machine would wait
+"""Unknowns up to which a plan is climbed off the lattice after readings: beyond, a person at the machine would wait
 too long."""
 _VOLUME = 0.5
 """Of U before the first reading: a volume without a limit weighs as a row without one."""
@@ -88,12 +88,14 @@ def _chosen(
 ) -> Places:
     """Return the readings of a plan that goes on with those that are left, or of a new one."""
     shake, coming = case.description.usual, columns_of(case, left)
+    long = task.observation.size > _SMALL
     if len(coming):  # climbing would bring places that were shaken back to their regular distances
-        on = 0.0 if gaps or shake or task.observation.size > _SMALL else math.inf
-        coming = renewed(task, limits, coming, on)
+        unsure = 1 + 1 / math.sqrt(2 * max(len(task.taken), 1)) if len(case.sizes) else 1.0
+        coming = renewed(task, limits, coming, 0.0 if gaps or shake or long else math.inf, unsure)
     if len(coming):
         return coming
-    patience = 0.0 if gaps else PATIENCE  # off the lattice a way might lead into a gap
+    # off the lattice a way might lead into a gap
+    patience = 0.0 if gaps or (long and len(task.taken)) else PATIENCE
     return make_plan(task, limits, patience=patience, bounded=False, shake=shake, progress=progress).places
 
 

@@ -9,8 +9,9 @@ The accuracy that is predicted follows while readings enter a plan (`RunningAccu
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -36,6 +37,37 @@ _NOUGHT = 1e-300
 """No division by nought."""
 
 
+class ReadNumbers(NamedTuple):
+    """ReadNumbers of readings that enter or leave together.  rows : (k, n); variances : (k,)"""
+
+    rows: Array
+    variances: Array
+    leaving: bool = False
+
+
+class _Turn(NamedTuple):
+    """A factor F becomes F T, T = I − U s Uᵀ.  basis : U (r, k); values : σ; turn : Qᵀ (k, k); weights : η; shrink : s
+
+    Let Fᵀ Gᵀ R^-½ = U σ Qᵀ. Where readings enter, s = 1 − 1/√(1 + σ²) and η = 1/(1 + σ²). Where they leave, s = 1 −
+    √(1 + σ²/e) and η = −1/e, e = 1 − σ².
+    """
+
+    basis: Array
+    values: Array
+    turn: Array
+    weights: Array
+    shrink: Array
+
+    @classmethod
+    def of(cls, seen: Array, leaving: bool) -> _Turn:
+        """Return what numbers make of a factor.  seen : Fᵀ Gᵀ R^-½ (r, k)"""
+        basis, values, turn = _singular(seen)
+        if leaving:
+            left = np.maximum(1.0 - values**2, _OPEN)
+            return cls(basis, values, turn, -1.0 / left, 1.0 - np.sqrt(1.0 + values**2 / left))
+        return cls(basis, values, turn, 1.0 / (1.0 + values**2), 1.0 - 1.0 / np.hypot(1.0, values))
+
+
 class LowRank(NamedTuple):
     """A covariance changes by −H η Hᵀ, where readings enter or leave, of k numbers together.
 
@@ -51,6 +83,11 @@ class LowRank(NamedTuple):
     omega: Array
     turn: Array
     back: Array
+
+    @classmethod
+    def of(cls, turn: _Turn, sizes: Array, h: Array, z: Array, reach: Array) -> LowRank:
+        """Return what numbers change.  sizes : the std of each, (k,); reach : V H (w, k)"""
+        return cls(np.diag(turn.weights), h, z, reach.T @ reach, turn.turn / sizes, sizes[:, None] * turn.turn.T)
 
     @property
     def gain(self) -> float:
@@ -110,31 +147,37 @@ class Covariance:
         return state.changed(rows, variances)
 
     def changed(self, rows: Array, variances: Array, leaving: bool = False) -> tuple[Covariance, LowRank]:
-        """Return the state after readings have entered or left, and what they changed.  rows : (k, n); variances : (k,)
+        """Return the state after readings have entered or left, and what they changed; as of `ReadNumbers`."""
+        state, (change,) = self.changed_by(ReadNumbers(rows, variances, leaving))
+        return state, change
 
-        Let Fᵀ Gᵀ R^-½ = U σ Qᵀ. Readings that enter turn F into F − F U (1 − 1/√(1 + σ²)) Uᵀ. Those that leave turn it
-        into F + F U (√(1 + σ²/e) − 1) Uᵀ, e = 1 − σ².
+    def changed_by(self, *parts: ReadNumbers) -> tuple[Covariance, tuple[LowRank, ...]]:
+        """Return the state after one part after another has entered or left, and what each of them changed.
+
+        F T, T = T₁ T₂ ... of `_Turn`. A part sees T of those before it: the factor is read as often as for one part.
         """
-        sizes = np.sqrt(variances)
-        basis, values, turn = _singular((rows / sizes[:, None] @ self.factor).T)
-        if leaving:
-            left = np.maximum(1.0 - values**2, _OPEN)
-            weights, shrink = -1.0 / left, 1.0 - np.sqrt(1.0 + values**2 / left)
-        else:
-            weights, shrink = 1.0 / (1.0 + values**2), 1.0 - 1.0 / np.hypot(1.0, values)
-        seen = self.factor @ basis
-        h: Array = seen * values
-        z, omega = self.weighed(h)
-        taken = np.empty_like(self.factor)
-        take_off(self.factor, seen * shrink, basis.T, taken)
-        change = LowRank(np.diag(weights), h, z, omega, turn / sizes, sizes[:, None] * turn.T)
-        return replace(self, factor=taken), change
-
-    def weighed(self, h: Array) -> tuple[Array, Array]:
-        """Return C W H (n, k) and Hᵀ W H (k, k).  h : H (n, k)"""
+        sizes = [np.sqrt(part.variances) for part in parts]
+        told = (
+            np.concatenate([part.rows / size[:, None] for part, size in zip(parts, sizes, strict=True)]) @ self.factor
+        )
+        cuts, turns, bases = _cuts(parts), list[_Turn](), list[Array]()
+        for part, cut in zip(parts, cuts, strict=True):
+            turn = _Turn.of(_turned(told[cut].T, turns), part.leaving)
+            bases.append(_turned(turn.basis, turns[::-1]))
+            turns.append(turn)
+        along = self.factor @ np.concatenate(bases, axis=1)
+        h = along * np.concatenate([turn.values for turn in turns])
         reach = self.root.of(h)
-        z: Array = self.factor @ ((self.root.matrix.T @ reach).T @ self.factor[: self.root.size]).T
-        return z, reach.T @ reach
+        felt = ((self.root.matrix.T @ reach).T @ self.factor[: self.root.size]).T
+        for number, cut in enumerate(cuts[1:], start=1):
+            felt[:, cut] = _turned(_turned(felt[:, cut], turns[:number]), turns[:number][::-1])
+        z = self.factor @ felt
+        shrunk = along * np.concatenate([turn.shrink for turn in turns])
+        taken = np.empty_like(self.factor)
+        take_off(self.factor, shrunk, np.concatenate([turn.basis for turn in turns], axis=1).T, taken)
+        made = zip(turns, sizes, cuts, strict=True)
+        changes = tuple([LowRank.of(turn, size, h[:, cut], z[:, cut], reach[:, cut]) for turn, size, cut in made])
+        return replace(self, factor=taken), changes
 
     def after_readings(self, places: Places) -> Covariance:
         """Return the state after readings, all at once."""
@@ -162,6 +205,19 @@ class Covariance:
         """Return the gains under this state."""
         weighted = self.weighted
         return Scorer(self.observation, self.factor, weighted, np.hstack([self.factor, self.factor @ weighted.T]))
+
+
+def _cuts(parts: Sequence[ReadNumbers]) -> list[slice]:
+    """Return where the numbers of each part are among those of all."""
+    ends = list(accumulate([len(part.variances) for part in parts]))
+    return [slice(end - len(part.variances), end) for part, end in zip(parts, ends, strict=True)]
+
+
+def _turned(vectors: Array, turns: Sequence[_Turn]) -> Array:
+    """Return ... T₂ T₁ v of vectors (r, k)."""
+    for turn in turns:
+        vectors = vectors - (turn.basis * turn.shrink) @ (turn.basis.T @ vectors)
+    return vectors
 
 
 def _singular(matrix: Array) -> tuple[Array, Array, Array]:
@@ -207,7 +263,7 @@ def _information(scaled: Array) -> Array:
 
 
 _NEAR = 32768
-"""Numbers that stay in the cache while a product is taken off: of speed, not of the result."""
+"""ReadNumbers that stay in the cache while a product is taken off: of speed, not of the result."""
 
 
 def take_off(table: Array, left: Array, right: Array, into: Array) -> None:

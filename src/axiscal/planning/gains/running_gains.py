@@ -13,7 +13,7 @@ what is looked at; several are taken off the whole tables together.
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -23,7 +23,7 @@ from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import Covariance, LowRank, take_off
+from axiscal.planning.gains.covariance import Covariance, LowRank, ReadNumbers, take_off
 from axiscal.planning.gains.gain import Scorer, joint_gains
 
 _SMALLEST = 1e-9
@@ -87,26 +87,31 @@ class Scores:
         """The gain of every candidate, (M,)."""
         return _gains(self.above[:, :, : len(self.pool)], self.below[:, :, : len(self.pool)])
 
-    def enter(self, what: int | Places, slot: int | None = None, bundle: int = 1) -> float:
+    def enter(self, what: int | Places, bundle: int = 1) -> float:
         """Take a candidate, or a reading at another single place, into the plan, and return by how much J falls.
 
-        slot : position in the plan of a reading that has left; the end if none is given
         bundle : how often it is read
         """
-        if isinstance(what, Places):
-            place, self.state = what, self.state.opened(what)
-            rows, variances, _ = self.state.rows(what)
-            variance = float(variances[0])
-        else:
-            place, self.state = self.pool.lattice.at(what), self._opened(what)
-            rows, variance = self.pool.rows(self.state.observation, what), float(self.pool.noise[what])
-        slot = len(self.places) if slot is None else slot
-        at_end = slot == len(self.places)
-        self.places = Places.joined([self.places, place]) if at_end else self.places.exchanged(slot, place)
-        return self._taken(np.array([slot]), rows, np.zeros(len(rows), dtype=np.intp), np.array([variance / bundle]))
+        place, rows, variance = self._read(what)
+        self.places = Places.joined([self.places, place])
+        return self._taken(np.array([len(self.places) - 1]), rows, _all_of_one(rows), np.array([variance / bundle]))
 
-    def _opened(self, candidate: int) -> Covariance:
-        return self.state.opened_to(self.pool.opened(self.state.observation, candidate))
+    def exchange(self, slot: int, what: int | Places) -> float:
+        """Put a candidate, or a reading at another single place, where another stands; return by how much J falls."""
+        place, rows, variance = self._read(what)
+        self._make_room()
+        leaving = self._leaving(slot)
+        self.places = self.places.exchanged(slot, place)
+        return self._taken(np.array([slot]), rows, _all_of_one(rows), np.array([variance]), leaving)
+
+    def _read(self, what: int | Places) -> tuple[Places, Array, float]:
+        """Return a reading's place, rows (k, n) and variance, with columns for the cells that it opens."""
+        if isinstance(what, Places):
+            self.state = self.state.opened(what)
+            rows, variances, _ = self.state.rows(what)
+            return what, rows, float(variances[0])
+        self.state = self.state.opened_to(self.pool.opened(self.state.observation, what))
+        return self.pool.lattice.at(what), self.pool.rows(self.state.observation, what), float(self.pool.noise[what])
 
     def enter_all(self, places: Places) -> float:
         """Take readings into the plan together, after those that it has, and return by how much J falls."""
@@ -118,32 +123,40 @@ class Scores:
         self.places = Places.joined([self.places, places])
         return self._taken(slots, rows, owner, variances[np.searchsorted(owner, np.arange(len(places)))])
 
-    def _taken(self, slots: NDArray[np.intp], rows: Array, owner: NDArray[np.intp], noise: Array) -> float:
+    def _taken(
+        self, slots: NDArray[np.intp], rows: Array, owner: NDArray[np.intp], noise: Array, *leaving: ReadNumbers
+    ) -> float:
         """Take readings in.
 
         slots : (m,); rows : (k, n) of all numbers; owner : (k,) of which reading; noise : (m,)
+        leaving : the one that stood there
         """
         inside = np.arange(len(rows)) - np.searchsorted(owner, owner)
         self._make_room()
         self.rows[slots], self.noise[slots] = 0.0, noise
         self.rows[slots[owner], inside] = rows
-        state, change = self.state.changed(rows, noise[owner])
-        cross, reach = self._products(change)
+        state, changes = self.state.changed_by(*leaving, ReadNumbers(rows, noise[owner]))
+        seen = self._products(changes)
+        for change, each in zip(changes[:-1], seen[:-1], strict=True):
+            self._changed(change, *each)
+        self.last = changes[-1]
         if self._columns is not None:
-            self._columns.put(int(slots[0]), *(self._back(change, each) for each in (cross, reach)))
-        self._changed(change, cross, reach)
-        self.state, self.last = state, change
-        self._own(slots)
-        return change.gain
+            self._columns.put(int(slots[0]), *(self._back(self.last, each) for each in seen[-1]))
+        self._changed(self.last, *seen[-1])
+        self.state = state
+        self._own(slots, owner, inside)
+        return sum([change.gain for change in changes])
 
-    def _own(self, slots: NDArray[np.intp]) -> None:
-        """Find N and M of readings of the plan anew: a zero that opened before them is a million times their noise."""
-        own, width = len(self.pool) + slots, self.pool.width
-        half = self.state.factor.T @ self.rows[slots].reshape(len(slots) * width, -1).T
-        reach = self.state.root.of(self.state.factor @ half)
-        for whole, each in ((self.above, reach), (self.below, half)):
-            each = each.reshape(len(each), len(slots), width)
-            whole[:, :, own] = np.einsum("kmi,kmj->ijm", each, each)
+    def _own(self, slots: NDArray[np.intp], owner: NDArray[np.intp], inside: NDArray[np.intp]) -> None:
+        """Find N and M of readings that have entered: a zero that opened before them is a million times their noise.
+
+        T G C Gᵀ Tᵀ = 1 − η and V C Gᵀ Tᵀ = V H η after the last change.  As of `_taken`.
+        """
+        eta, own, width = self.last.eta, len(self.pool) + slots, self.pool.width
+        back = np.zeros((len(slots), width, len(eta)))
+        back[owner, inside] = self.last.back
+        for whole, turned in ((self.above, back @ (eta @ self.last.omega @ eta)), (self.below, back - back @ eta)):
+            whole[:, :, own] = (turned @ back.swapaxes(1, 2)).transpose(1, 2, 0)
         self.below[:, :, own] += np.eye(width)[:, :, None] * self.noise[slots]
 
     def _back(self, change: LowRank, turned: Array) -> Array:
@@ -157,21 +170,30 @@ class Scores:
         more, size = len(self.places) - len(self.noise), self.state.observation.size
         if more:
             self._columns = None
-        self.above, self.below = (np.pad(each, ((0, 0), (0, 0), (0, more))) for each in (self.above, self.below))
-        self.noise = np.pad(self.noise, (0, more))
-        self.rows = np.pad(self.rows, ((0, more), (0, 0), (0, size - self.rows.shape[2])))
+            self.above, self.below = (np.pad(each, ((0, 0), (0, 0), (0, more))) for each in (self.above, self.below))
+            self.noise = np.pad(self.noise, (0, more))
+        if more or size > self.rows.shape[2]:
+            self.rows = np.pad(self.rows, ((0, more), (0, 0), (0, size - self.rows.shape[2])))
 
     def leave(self, slot: int) -> float:
-        """Take a reading out of the plan; its slot stays open. Return by how much J rises."""
-        state, change = self.known_without(slot)
-        self._changed(change, *self._products(change))
-        self.state, self.last = state, change
-        return -change.gain
+        """Take a reading out of the plan, and return by how much J rises."""
+        self.state, self.last = self.known_without(slot)
+        self._columns = None
+        self._changed(self.last, *self._products([self.last])[0])
+        own = len(self.pool) + slot
+        self.above, self.below = np.delete(self.above, own, axis=2), np.delete(self.below, own, axis=2)
+        self.rows, self.noise = np.delete(self.rows, slot, axis=0), np.delete(self.noise, slot)
+        self.places = self.places.without(slot)
+        return -self.last.gain
 
     def known_without(self, slot: int) -> tuple[Covariance, LowRank]:
         """Return the state without a reading of the plan, and what that would change."""
-        rows = self.rows[slot, : self._numbers(slot)]
-        return self.state.changed(rows, np.full(len(rows), self.noise[slot]), leaving=True)
+        state, (change,) = self.state.changed_by(self._leaving(slot))
+        return state, change
+
+    def _leaving(self, slot: int) -> ReadNumbers:
+        count = self._numbers(slot)
+        return ReadNumbers(self.rows[slot, :count].copy(), np.full(count, self.noise[slot]), leaving=True)
 
     def scorer(self) -> Scorer:
         """Return the gains as if no cell had been visited, which are found once until a reading moves."""
@@ -183,13 +205,6 @@ class Scores:
         """Return the same without a reading.  change : what its leaving would change"""
         columns = change.h[: self.pool.size] * np.sqrt(-np.diagonal(change.eta))
         return self.scorer().widened(columns, self.state.root.of(columns))
-
-    def close(self, slot: int) -> None:
-        """Forget the slot of a reading that has left."""
-        own = len(self.pool) + slot
-        self.above, self.below = np.delete(self.above, own, axis=2), np.delete(self.below, own, axis=2)
-        self.rows, self.noise = np.delete(self.rows, slot, axis=0), np.delete(self.noise, slot)
-        self.places, self._columns, self._leavings = self.places.without(slot), None, None
 
     def without(self, slot: int) -> tuple[Array, float]:
         """Return the gains (M,) of the candidates were a reading not taken, and that of the reading itself."""
@@ -243,12 +258,17 @@ class Scores:
         """Return how many numbers a reading of the plan has."""
         return int(self.pool.numbers[self.places.setups[slot]])
 
-    def _products(self, change: LowRank) -> tuple[Array, Array]:
-        """Return rows times H = C Gᵀ and Z = C W H for candidates, then readings, each (k, w, M + N)."""
-        vectors = np.hstack([change.h, change.z])
+    def _products(self, changes: Sequence[LowRank]) -> list[tuple[Array, Array]]:
+        """Return rows times H and Z of each change, for candidates, then readings, each (k, w, M + N)."""
+        vectors = np.concatenate([part for change in changes for part in (change.h, change.z)], axis=1)
         mine = (self.rows @ vectors).transpose(2, 1, 0)
         seen = np.concatenate([self.pool.products(self.state.observation, vectors), mine], axis=2)
-        return seen[: change.h.shape[1]], seen[change.h.shape[1] :]
+        found, start = list[tuple[Array, Array]](), 0
+        for change in changes:
+            middle, end = start + len(change.eta), start + 2 * len(change.eta)
+            found.append((seen[start:middle], seen[middle:end]))
+            start = end
+        return found
 
     def _changed(self, change: LowRank, cross: Array, reach: Array) -> None:
         """Bring everything up to date after C ← C − H η Hᵀ.  cross, reach : as of `_products`"""
@@ -257,6 +277,10 @@ class Scores:
         self._leavings = None
         if self._columns is not None:
             self._columns.change(scaled, half, cross)
+
+
+def _all_of_one(rows: Array) -> NDArray[np.intp]:
+    return np.zeros(len(rows), dtype=np.intp)
 
 
 def _scaled(eta: Array, omega: Array, cross: Array, reach: Array) -> tuple[Array, Array]:

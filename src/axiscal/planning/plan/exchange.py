@@ -76,8 +76,7 @@ def _exchanged(scores: Scores, slot: int, found: Replacement, better: float, lea
     """Return whether the exchange brings enough, and was made.  least : m², of what is to be small"""
     if not found.gain > found.own + max(better * found.own, least):
         return False
-    scores.leave(slot)
-    scores.enter(found.candidate, slot)
+    scores.exchange(slot, found.candidate)
     return True
 
 
@@ -104,10 +103,8 @@ def _worth(scores: Scores) -> float:
 def _move(scores: Scores) -> None:
     found = moved(scores.begun, scores.places)
     for slot in np.flatnonzero(np.any(found.poses != scores.places.poses, axis=1)).tolist():
-        if scores.held_alone(slot):
-            continue
-        scores.leave(slot)
-        scores.enter(found.at(slot), slot)
+        if not scores.held_alone(slot):
+            scores.exchange(slot, found.at(slot))
 
 
 def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float) -> None:
@@ -120,8 +117,7 @@ def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float
         patience.take(work)
         found = _better(scores, slot, allowed)
         if found is not None:
-            scores.leave(slot)
-            scores.enter(found, slot)
+            scores.exchange(slot, found)
 
 
 def _better(scores: Scores, slot: int, allowed: Allowed) -> Places | None:
@@ -189,23 +185,26 @@ def fitted(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
 
 def drop(scores: Scores, times: Clock) -> None:
     """Take out the reading that is worth least per second."""
-    slot = first_best(-scores.losses() / times.reading[scores.places.setups], ALIKE)
-    scores.leave(slot)
-    scores.close(slot)
+    scores.leave(first_best(-scores.losses() / times.reading[scores.places.setups], ALIKE))
 
 
 def _shrunk(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
     """Take out the readings that are worth least per second, while the accuracy asked for holds."""
+
+    def met(scores: Scores) -> bool:
+        return limits.met(RunningAccuracy.of(task.yardstick, scores.state.factor).accuracy)
+
+    if not met(trial.scores):
+        return trial
+    trial = replace(trial, met=True)
     for _ in range(_SHRINKS):
-        if not limits.met(RunningAccuracy.of(task.yardstick, trial.scores.state.factor).accuracy):
-            return trial
-        trial = replace(trial, met=True)
         if len(trial.scores.places) < 2:
             return trial
         fewer = trial.scores.fork()
         drop(fewer, times)
-        exchange(fewer, affordable(times, trial.setups, 0.0), 3)
-        if not limits.met(RunningAccuracy.of(task.yardstick, fewer.state.factor).accuracy):
-            return trial
+        if not met(fewer):
+            exchange(fewer, affordable(times, trial.setups, 0.0), 3)
+            if not met(fewer):
+                return trial
         trial = replace(trial, scores=fewer)
     return trial

@@ -153,9 +153,8 @@ def filled(
     return Trial(scores, setups, spent, met)
 
 
-def picked(task: Task, limits: Limits) -> Places:
+def picked(task: Task, limits: Limits, setups: Setups) -> Places:
     """Return the readings that picks alone make a plan of, before any exchange: about as many."""
-    setups = chosen_setups(task, limits)
     pool = Pool(task.observation, task.lattice.within(np.isin(task.lattice.setups, setups)), task.memory)
     meter = RunningAccuracy.of(task.yardstick, task.state.factor)
     return filled(Scores(pool, task.state), meter, limits, clock(task), setups).scores.places

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.measurement.place import Places
 from axiscal.planning.gains.candidate_rows import Pool
@@ -26,14 +27,15 @@ _WORTH = 0.01
 _ROUNDS = 2
 _MORE = 10
 """So many readings at once are added to a plan that has come to fall short."""
-_FAR = 40
-"""So many readings more that do not reach the target make a plan of other set-ups worth its time."""
+_FAR, _MOST = 40, 150
+"""Readings more that are tried before a plan of other set-ups: the first always, all while mounting takes longer."""
 
 
-def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0) -> Places:
+def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0, unsure: float = 1.0) -> Places:
     """Return the readings to come in their order, from those that are left of a plan and within its set-ups.
 
     limits : what is left of them; patience : operations that climbing off the lattice may take
+    unsure : factor by which what is foreseen may yet become larger, as learnt sizes do: what may be needed stays
     None are returned where there is no time for any of these set-ups, or they fall short by much and there are others.
     """
     times = clock(task)
@@ -43,13 +45,13 @@ def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0) -> 
     places = left
     if len(lattice):
         trial = _begun(task, limits, times, Pool(task.observation, lattice, task.memory), setups, left)
-        others = limits.accurate and len(lattice) < len(task.lattice)
-        trial = _filled(task, limits, times, trial, _FAR if others else _MORE)
-        if others and not trial.met:
+        others = np.setdiff1d(task.lattice.setups, setups) if limits.accurate else np.zeros(0, dtype=np.intp)
+        trial = _filled(task, limits, times, trial, others)
+        if len(others) and not trial.met:
             return Places.none(left.poses.shape[1])
         exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
-        places = fitted(task, limits, times, trial).scores.places
+        places = fitted(task, limits.times(1 / unsure), times, trial).scores.places
     order = _as_before(task, _shorter(task, in_order(task, places), left), left)
     return replace(order, approaches=arriving(task, order))
 
@@ -99,9 +101,16 @@ def _begun(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setups,
     return Trial(scores, setups, 0.0, met=False)
 
 
-def _filled(task: Task, limits: Limits, times: Clock, trial: Trial, most: int) -> Trial:
-    """Return the plan with at most so many readings more where it misses the accuracy; a budget is filled later."""
+def _filled(task: Task, limits: Limits, times: Clock, trial: Trial, others: NDArray[np.intp]) -> Trial:
+    """Return the plan with more readings where it misses the accuracy; a budget is filled later.
+
+    others : set-ups that could be mounted instead of reading on for longer than that takes
+    """
     if limits.budget is not None and not limits.accurate:
         return trial
+    most, longest = _MORE, np.inf
+    if len(others):
+        mounted = float((times.mounting + times.reading)[others].max())
+        most, longest = _MOST, max(mounted, _FAR * float(times.reading[list(trial.setups)].min()))
     meter = RunningAccuracy.of(task.yardstick, trial.scores.state.factor)
-    return filled(trial.scores, meter, replace(limits, budget=None), times, trial.setups, most=most, begun=0.0)
+    return filled(trial.scores, meter, replace(limits, budget=None), times, trial.setups, 1, most, longest, begun=0.0)
