@@ -74,20 +74,19 @@ class LowRank(NamedTuple):
     The turn T G makes the noise of the numbers one and decorrelates their information. Otherwise the rounding of a
     number that tells all of a zero would drown the others.
     eta : (k, k) diagonal, (I + T G C Gᵀ Tᵀ)⁻¹ where they enter, −(I − T G C Gᵀ Tᵀ)⁻¹ where they leave
-    h : (n, k) H = C Gᵀ Tᵀ; z : (n, k) C W H; omega : (k, k) Hᵀ W H; turn : T (k, k); back : T⁻¹
+    h : (n, k) H = C Gᵀ Tᵀ; z : (n, k) C W H; omega : (k, k) Hᵀ W H; back : T⁻¹ (k, k)
     """
 
     eta: Array
     h: Array
     z: Array
     omega: Array
-    turn: Array
     back: Array
 
     @classmethod
     def of(cls, turn: _Turn, sizes: Array, h: Array, z: Array, reach: Array) -> LowRank:
         """Return what numbers change.  sizes : the std of each, (k,); reach : V H (w, k)"""
-        return cls(np.diag(turn.weights), h, z, reach.T @ reach, turn.turn / sizes, sizes[:, None] * turn.turn.T)
+        return cls(np.diag(turn.weights), h, z, reach.T @ reach, sizes[:, None] * turn.turn.T)
 
     @property
     def gain(self) -> float:

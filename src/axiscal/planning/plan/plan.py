@@ -112,10 +112,8 @@ def make_plan(
     trial = _together(task, limits, times, pool, setups, _RANDOM * patience)
     progress("off the lattice")
     polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
-    trial = fitted(task, limits, times, trial)
-    if shake and (moved := shaken(task, pool, trial.scores.places)) is not None:
-        trial = replace(trial, scores=moved)
-    order = in_order(task, trial.scores.places)
+    places = fitted(task, limits, times, trial).scores.places
+    order = in_order(task, shaken(task, places) if shake else places)
     return judged(task, limits, replace(order, approaches=arriving(task, order)), bounded, progress)
 
 
@@ -182,23 +180,19 @@ def _bound(task: Task, limits: Limits, pool: Pool, places: Places) -> Bound:
     return lower_bound(pool, task.state, places, costs, float(costs[len(pool) :].sum()))
 
 
-def shaken(task: Task, pool: Pool, places: Places) -> Scores | None:
-    """Return the best of ten plans, places shaken by some hundredths of the travel; None where none may be shaken.
+def shaken(task: Task, places: Places) -> Places:
+    """Return the best of ten plans, places shaken by some hundredths of the travel; as they are where none may be.
 
     The best plan is nearly regular, and hides what repeats. Shaking costs about 4 % of J; without it an error with a
     period near the distance of the places is missed as a whole.
     """
-    reach = _reach(task, places)
+    reach, state = _reach(task, places), task.state
     if not np.any(reach):
-        return None
-    rng, best = np.random.default_rng(_SEED), None
-    for _ in range(_SHAKES):
-        poses = places.poses + reach * rng.uniform(-1.0, 1.0, places.poses.shape)
-        scores = Scores(pool, task.state)
-        scores.enter_all(replace(places, poses=_within(task, places, poses)))
-        if best is None or scores.state.value < best.state.value:
-            best = scores
-    return best
+        return places
+    rng = np.random.default_rng(_SEED)
+    drawn = [places.poses + reach * rng.uniform(-1.0, 1.0, places.poses.shape) for _ in range(_SHAKES)]
+    found = [replace(places, poses=_within(task, places, poses)) for poses in drawn]
+    return min(found, key=lambda each: state.after_readings(each).value)
 
 
 def _reach(task: Task, places: Places) -> Array:
