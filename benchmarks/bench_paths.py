@@ -107,11 +107,6 @@ def demo_plan(readings: int, *more: str) -> Callable[[Path], list[str]]:
     return arguments
 
 
-def compared(folder: Path) -> list[str]:
-    """Return how the set-ups of the demo are compared."""
-    return demo_plan(12, "--compare", str(folder / "compared.html"))(folder)
-
-
 def one_axis_plan(folder: Path) -> list[str]:
     """Return how 400 readings of one axis are planned."""
     (folder / "one.toml").write_text(AXIS, encoding="utf-8")
@@ -211,7 +206,6 @@ def described_densely(folder: Path) -> CampaignDescription:
 
 ROADS = (
     Road("plan, demo, 60 readings with bound", "10, then 5", demo_plan(60)),
-    Road("plan, demo, 12 readings, compared", "8", compared),
     Road("plan, one axis, 400 readings", "3", one_axis_plan),
     Road("next, no reading, first time", "0.25", recorded("next", 0)),
     Road("next, no reading, again", "0.25", recorded("next", 0), again=True),

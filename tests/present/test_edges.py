@@ -100,7 +100,7 @@ def test_a_surprise_off_the_scale_stands_at_the_edge_as_a_triangle() -> None:
 
 
 def test_labels_of_lines_that_end_together_do_not_overlap() -> None:
-    rows = [HistoryRow(n, "a", None, None, None, None, 5.0, 5.01, 0.0, traditional_rms_um=5.005) for n in range(2)]
+    rows = [HistoryRow(n, "a", None, None, None, None, 5.0, 5.01, 0.0) for n in range(2)]
     figure = accuracy(_bare(history=rows))
     low, high = figure["layout"]["yaxis"]["range"]
     margin = figure["layout"]["margin"]

@@ -81,7 +81,7 @@ def _curve(name: str, axis: str, readings: int, rng: np.random.Generator) -> Cur
 
 
 def _history(rng: np.random.Generator, readings: int) -> list[HistoryRow]:
-    rows = [HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0, traditional_rms_um=14.2)]
+    rows = [HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0)]
     for n in range(1, readings + 1):
         position = {axis: round(float(rng.uniform(*span)), 1) for axis, span in TRAVEL.items()}
         rms = 1.75 + 12.45 * float(np.exp(-n / 14))
@@ -98,7 +98,6 @@ def _history(rng: np.random.Generator, readings: int) -> list[HistoryRow]:
                 worst_um=1.9 * rms,
                 minutes=0.7 * n + 12 * (1 + n * 4 // (readings + 1)),
                 rejected=n == 31,
-                traditional_rms_um=2.6 + 11.6 * float(np.exp(-n / 24)),
                 approach="X+",
             )
         )

@@ -129,7 +129,6 @@ COMMANDS: Mapping[str, Command] = {
     "verify": Command(_words(f"verify {RECORD} --points 5 --plan out.csv"), MEASURED, out="out.csv"),
     "type learn": Command(_words("type learn . --out out.type.json --page out.html"), TWO, out="out.type.json"),
     "study": Command(STUDIED_HERE, again=(*STUDIED_HERE, "--resume"), out="out"),
-    "plan, compared": Command(_words("plan campaign.toml --compare out.html"), out="out.html"),
 }
 
 

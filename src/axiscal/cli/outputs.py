@@ -43,7 +43,7 @@ def write_outputs(
     readings contradict each other.
     """
 
-    summary = _delivered(campaign, out, replace(extras or Extras(compared=True), anyway=anyway), again)
+    summary = _delivered(campaign, out, replace(extras or Extras(), anyway=anyway), again)
     if as_json:
         say_document(result_json(summary))
     else:

@@ -21,7 +21,6 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import speaking
-from axiscal.machine.questions import which_way
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.enough import few_more
 from axiscal.planning.feasibility import reached_unread, refuse_endless, refuse_out_of_reach
@@ -29,12 +28,10 @@ from axiscal.planning.next_readings import CANDIDATES, placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable
-from axiscal.planning.what_if import alternatives
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.present.machine_drawing.setup_picture import plan_picture
 from axiscal.present.plan_answer import plan_answer
 from axiscal.present.plan_words import plan_list, plan_screen
-from axiscal.present.what_if_page import render, table_row
 from axiscal.present.whose_language import chosen
 from axiscal.programs import write_programs
 from axiscal.programs.dialect import dialect
@@ -77,9 +74,6 @@ def plan(
             "--no-tcp", help="Programs in touch for a control that cannot hold the tool point: short pieces, all axes."
         ),
     ] = False,
-    compare: Annotated[
-        Path | None, typer.Option(metavar="FILE.html", help="Compare the set-ups and the traditional way, as a page.")
-    ] = None,
     picture: Annotated[
         Path | None, typer.Option(metavar="FILE.svg", help="Draw each set-up on the machine, and where it is read.")
     ] = None,
@@ -123,7 +117,6 @@ def plan(
       axiscal plan campaign.toml --budget "2 h" --gcode linuxcnc --out programs
       axiscal plan campaign.toml --readings 40 --gcode fanuc --clearance "Z=0 mm" --feed "500 mm/min" --dwell
       axiscal plan campaign.toml --readings 40 --gcode linuxcnc --log
-      axiscal plan campaign.toml --readings 40 --compare what-if.html
       axiscal plan campaign.toml --readings 40 --picture where.svg
       axiscal plan campaign.toml --readings 12 --prove
     """
@@ -152,9 +145,6 @@ def plan(
     if (unread := reached_unread(case, limits)) is not None:
         tell_mind(unread)
         limits = few_more(limits)
-    if compare is not None:
-        _compared(case, limits, how, compare, json)
-        return
     proposal = proposed(case, limits, how, lambda step: tell_progress(f"{step} ..."))
     if prove:
         proposal = proven(case, proposal, how, _share(case, gap), lambda step: tell_progress(f"{step} ..."))
@@ -219,20 +209,6 @@ def _limits(case: Case, readings: int | None, target: str | None, budget: str | 
     if target is not None:  # an accuracy, within what the campaign allows
         return Limits(own.readings, own.rms, None, own.budget)
     return Limits.of(own)
-
-
-def _compared(case: Case, limits: Limits, how: Thoroughness, page: Path, as_json: bool) -> None:
-    found = alternatives(case, limits, how, lambda name: tell_progress(f"{name} ..."))
-    machine = case.description.machine
-    write_whole(page, render(f"Ways to measure: {machine.name}", found, which_way(machine)).encode())
-    rows = [table_row(each) for each in found]
-    if as_json:
-        say_document({"schema": "axiscal-what-if/1", "ways": rows, "page": str(page)})
-        return
-    say(f"{'readings':>8} {'minutes':>8} {'RMS um':>8} {'worst um':>9}  way")
-    for row in rows:
-        say(f"{row['readings']:8} {row['minutes']:>8} {row['rms']:>8} {row['worst']:>9}  {row['name']}")
-    say(f"The picture is in {page}.")
 
 
 def _driven(

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-
-import numpy as np
 
 from axiscal.estimation.case import Case
 from axiscal.estimation.timed import timed
@@ -43,17 +40,14 @@ def proposed(
     limits: Limits,
     how: Thoroughness = Thoroughness(),
     progress: Progress = lambda _: None,
-    only: Sequence[int] | None = None,
     bounded: bool = True,
 ) -> Proposal:
-    """Return a plan from the beginning, with its bound; of some set-ups, if `only` names them.  Raises PlanError.
+    """Return a plan from the beginning, with its bound.  Raises PlanError.
 
     Places and order are those that a campaign asks for that begins with these limits.
     bounded : whether the bound is wanted
     """
     task = replace(posed(case, case.knowledge, candidates=how.candidates), memory=how.memory)
-    if only is not None:
-        task = replace(task, lattice=task.lattice.within(np.isin(task.lattice.setups, only)))
     limits = enough(case, task, limits)
     places = planned_places(case, task, limits, progress=progress)
     if first_places(case, task, limits):

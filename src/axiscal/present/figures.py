@@ -103,10 +103,8 @@ class _Line:
 
 def _accuracy_lines(summary: Summary) -> list[_Line]:
     rows = summary.history
-    usual = [row.traditional_rms_um for row in rows]
     lines = [
         _line(said("worst place"), [row.worst_um for row in rows], "var(--worst)", 1.6, "solid"),
-        _line(said("traditional plan"), usual, "var(--soft)", 1.4, "dot"),
         _line("RMS", [row.rms_um for row in rows], "var(--accent)", 2.6, "solid"),
     ]
     return [line for line in lines if any(value is not None for value in line.values)]

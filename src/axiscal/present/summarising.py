@@ -30,7 +30,6 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics.stages import stage
-from axiscal.planning.what_if import traditional
 from axiscal.present.curves import constants, curves
 from axiscal.present.drawn_by_standards import ball_bar_circles, positioning_curves
 from axiscal.present.findings import findings, observability
@@ -77,7 +76,6 @@ class Extras:
     """What a campaign itself does not know: tables that were written, a known truth, a finished standard
     test.
 
-    compared : whether the traditional way, with as many readings, is drawn beside the accuracy
     warnings : about what was given, besides those of the estimate
     anyway : tables and uncertainties are written although readings contradict each other; each page says that they do
     checked : what a check of the tables on the machine found; best : the files that leave least
@@ -89,7 +87,6 @@ class Extras:
     truth_check: TruthCheck | None = None
     iso230: Sequence[Iso230] = ()
     files: Sequence[str] = ()
-    compared: bool = False
     warnings: Sequence[Finding] = ()
     anyway: bool = False
     checked: TablesChecked | None = None
@@ -112,11 +109,6 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
     left_by = () if best is None else (best.controller, best.control)
     answer = extras.answer or answer_of(campaign, estimation, {}, anyway=extras.anyway)
     rows = _history(campaign, estimation)
-    if extras.compared:
-        usual = traditional(case, len(campaign.state.readings)).rms
-        pairs = zip(rows, usual, strict=False)  # the usual way may have no place for as many readings
-        beside = [replace(row, traditional_rms_um=to_unit(rms, "um")) for row, rms in pairs]
-        rows = [*beside, *rows[len(beside) :]]
     linear, expanded = linearity(estimation), _expanded(estimation)
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
     return Summary(

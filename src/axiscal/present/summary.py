@@ -40,7 +40,6 @@ class HistoryRow:
 
     unit : of `value_um`, `others`, `innovation`, `innovation_std`: "um" except for angle readings
     others : the further numbers of a reading that has several, such as a sphere's along y and z
-    traditional_rms_um : RMS that the traditional plan has after as many readings, if it was computed
     """
 
     reading: int
@@ -53,7 +52,6 @@ class HistoryRow:
     worst_um: float
     minutes: float
     rejected: bool = False
-    traditional_rms_um: float | None = None
     unit: str = "um"
     approach: str = ""
     others: tuple[float, ...] = ()

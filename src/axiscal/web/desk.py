@@ -217,7 +217,7 @@ class Desk:
         known = self.campaign.estimate(ended=True)
         self.campaign.finish()
         try:
-            summary = deliver(self.campaign, known, self.results, Extras(compared=True))
+            summary = deliver(self.campaign, known, self.results, Extras())
             self._answer, self._answers = summary.answer, self._stands
         finally:
             self._show({})

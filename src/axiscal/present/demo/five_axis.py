@@ -69,7 +69,7 @@ def run_demo(
         campaign.run(SimulatedSource(truth, SEED), watch)
         estimation = campaign.estimate(ended=True)
         check = truth_check(estimation, truth)
-        extras = Extras(truth=truth, truth_check=check, compared=True, checked=checked(campaign, truth))
+        extras = Extras(truth=truth, truth_check=check, checked=checked(campaign, truth))
         return deliver(campaign, estimation, out, extras)
 
 
