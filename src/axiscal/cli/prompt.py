@@ -14,11 +14,11 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.cli.printing import ask, say
 from axiscal.cli.progress import tell_out_of_reach
-from axiscal.cli.texts import micrometres
+from axiscal.cli.texts import um_text
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, said
 from axiscal.present.guide.answers import ACTIONS, Value, Word, action, answer
-from axiscal.present.guide.progress import Progress, controls_of, goals_text, table_left
+from axiscal.present.guide.progress import Progress, controls_of, table_left
 from axiscal.present.guide.question import BAND, SURPRISING, Question, mount_sentence, mount_steps
 from axiscal.present.guide.taking_back import contradictions, doubted, others_doubted, take_back
 from axiscal.record.events import Asked
@@ -160,8 +160,8 @@ class Prompt:
         now = Progress.of(self.campaign)
         stands = "Now {now} RMS; with the {coming} to come, in about {minutes} min, {promised}."
         coming = counted("{count} reading", "{count} readings", now.coming)
-        minutes, promised = minutes_text(to_unit(now.left, "min"), coming=True), micrometres(now.promised.rms)
-        say("  " + said(stands, now=micrometres(now.now.rms), coming=coming, minutes=minutes, promised=promised))
+        minutes, promised = minutes_text(now.left_minutes, coming=True), um_text(now.promised.rms_um)
+        say("  " + said(stands, now=um_text(now.now.rms_um), coming=coming, minutes=minutes, promised=promised))
         for line in tables_lines(self.campaign):
             say(f"  {line}")
         choice = said("Type yes to end it here and write the results, Enter to go on:")
@@ -174,8 +174,8 @@ class Prompt:
         known = Progress.of(self.campaign)
         taken = counted("{count} reading", "{count} readings", known.taken)
         done = "Done: {because}. RMS {rms}, worst {worst}, {taken} in {minutes} min."
-        minutes, rms, worst = minutes_text(to_unit(known.seconds, "min")), known.now.rms, known.now.worst
-        figures = {"rms": micrometres(rms), "worst": micrometres(worst), "minutes": minutes}
+        minutes, rms, worst = minutes_text(known.minutes), known.now.rms_um, known.now.worst_um
+        figures = {"rms": um_text(rms), "worst": um_text(worst), "minutes": minutes}
         say("\n" + said(done, because=because_text(ended.because), taken=taken, **figures))
         prompt = said("Enter writes the results into {folder}; undo, more, note or pause > ", folder=self.out)
         then = _Then.SAME
@@ -208,7 +208,7 @@ def tables_lines(campaign: Campaign) -> list[str]:
     found: dict[str, list[str]] = {}
     for control in controls_of(campaign):
         left = table_left(campaign, control)
-        figures = {"expected": micrometres(left.expected), "before": micrometres(left.before)}
+        figures = {"expected": um_text(left.expected_um), "before": um_text(left.before_um)}
         reached = said("with its table {expected} RMS is to be expected, without it {before}", **figures)
         found.setdefault(left.refusal or reached, []).append(control)
     return [f"{', '.join(names)}: {words}" for words, names in found.items()]
@@ -241,19 +241,18 @@ def mounting_text(question: Question) -> str:
 def headline(campaign: Campaign, question: Question) -> str:
     """Return one line: machine, readings, minutes, and how well the machine was, is and will be known."""
     now = Progress.of(campaign)
-    goals = goals_text(campaign.description.target)
     parts = (
         campaign.description.machine.name,
         said("reading {number} of {last}", number=question.number, last=question.number + now.coming - 1),
         said(
             "{done} min done, about {left} left",
-            done=minutes_text(to_unit(now.seconds, "min")),
-            left=minutes_text(to_unit(now.left, "min"), coming=True),
+            done=minutes_text(now.minutes),
+            left=minutes_text(now.left_minutes, coming=True),
         ),
-        f"RMS {micrometres(now.before.rms)} → {micrometres(now.now.rms)}, "
-        + said("{promised} expected", promised=micrometres(now.promised.rms)),
-        said("target {goals}", goals=goals) if goals else "",
-        said("at best {floor}", floor=micrometres(now.floor)),
+        f"RMS {um_text(now.before.rms_um)} → {um_text(now.now.rms_um)}, "
+        + said("{promised} expected", promised=um_text(now.promised.rms_um)),
+        said("target {goals}", goals=now.goals) if now.goals else "",
+        said("at best {floor}", floor=um_text(now.floor_um)),
     )
     return "\n" + " · ".join(part for part in parts if part)
 

@@ -13,8 +13,12 @@ from axiscal.units import to_unit
 
 
 def micrometres(length: float) -> str:
-    """Return a length in um with three significant digits."""
-    value = to_unit(length, "um")
+    """Return a length in um with three significant digits.  length : m"""
+    return um_text(to_unit(length, "um"))
+
+
+def um_text(value: float) -> str:
+    """Return so many um with three significant digits."""
     return decimals(f"{value:.3g} um" if abs(value) < 1000 else f"{value:.0f} um")
 
 

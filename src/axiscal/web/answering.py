@@ -14,10 +14,11 @@ from fastapi.security import APIKeyCookie, HTTPBearer
 from starlette.exceptions import HTTPException
 from starlette.routing import Route
 
+from axiscal.answers.answer import AnswerDocument
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import LANGUAGES, messages
 from axiscal.web.desk import SurprisingError
-from axiscal.web.shapes import ProblemShape, Shape
+from axiscal.web.shapes import ProblemShape
 
 ROOT = "/api/1"
 _KINDS = {"css": "text/css", "js": "text/javascript", "svg": "image/svg+xml", "html": "text/html"}
@@ -59,7 +60,7 @@ def page_application(page: str, files: tuple[str, ...], language: str, **setting
     )  # fmt: skip
 
 
-def document(shape: Shape, status: int = 200) -> Response:
+def document(shape: AnswerDocument, status: int = 200) -> Response:
     """Return an answer that is a document."""
     return Response(shape.model_dump_json().encode("utf-8", "replace"), status, media_type="application/json")
 

@@ -14,7 +14,9 @@ from fastapi import FastAPI, Query, Response
 from fastapi.responses import FileResponse
 from starlette.background import BackgroundTask
 
+from axiscal.answers.answer import AnswerDocument
 from axiscal.language.spoken import LANGUAGES, speaking
+from axiscal.present.guide.progress import TableLeft
 from axiscal.web.answering import ROOT, Language, document, page_application, problem
 from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
@@ -27,12 +29,10 @@ from axiscal.web.shapes import (
     KeepRequest,
     NoteRequest,
     PictureQuery,
-    Shape,
     SkipRequest,
     StateShape,
     StepRequest,
     TableQuery,
-    TableShape,
     TypedQuery,
     TypedShape,
     WaitQuery,
@@ -57,7 +57,7 @@ def application(counter: Counter, admitted: Admission) -> Guard:
     app.get("/setup.svg", include_in_schema=False)(api.setup_picture)
     app.get(f"{ROOT}/state", response_model=StateShape)(api.state)
     app.get(f"{ROOT}/typed", response_model=TypedShape)(api.typed)
-    app.get(f"{ROOT}/table", response_model=TableShape)(api.table)
+    app.get(f"{ROOT}/table", response_model=TableLeft)(api.table)
     app.get(f"{ROOT}/cost", response_model=CostShape)(api.cost)
     app.post(f"{ROOT}/readings", response_model=DoneShape)(api.keep)
     app.post(f"{ROOT}/skips", response_model=DoneShape)(api.skip)
@@ -180,6 +180,6 @@ class _FirstApi:
         answer.background = BackgroundTask(self._done)
         return answer
 
-    def _answer(self, step: Callable[[], Shape]) -> Response:
+    def _answer(self, step: Callable[[], AnswerDocument]) -> Response:
         with speaking(self._language):
             return document(step())

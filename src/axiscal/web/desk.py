@@ -16,15 +16,15 @@ from axiscal.campaign.ending import Ended, because_text
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.language.spoken import decimals, said, speaking
 from axiscal.present.guide.answers import Value, answer
-from axiscal.present.guide.progress import results_beside, table_left
+from axiscal.present.guide.progress import TableLeft, results_beside, table_left
 from axiscal.present.guide.question import SURPRISING, Question, asked_text
 from axiscal.present.guide.taking_back import contradictions, doubted, others_doubted, take_back
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
-from axiscal.web.documents import Shown, picture_of_setup, state_shape, table_shape
-from axiscal.web.shapes import CostShape, StateShape, TableShape, TypedShape
+from axiscal.web.documents import Shown, picture_of_setup, state_shape
+from axiscal.web.shapes import CostShape, StateShape, TypedShape
 
 Publisher = Callable[[dict[str, StateShape]], None]
 """Takes the state by language."""
@@ -178,9 +178,9 @@ class Desk:
         """Return the set-up of the next reading, on the machine, as SVG; "" if there is none.  width : pixels"""
         return picture_of_setup(self.campaign, width)
 
-    def table(self, control: str) -> TableShape:
+    def table(self, control: str) -> TableLeft:
         """Return what the table of a control would do if the campaign ended now; raises TableError for no control."""
-        return table_shape(table_left(self.campaign, control))
+        return table_left(self.campaign, control)
 
     def cost(self, *, rest: bool, language: str) -> CostShape:
         """Return what skipping the reading costs, or leaving its set-up."""

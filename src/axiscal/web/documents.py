@@ -12,14 +12,13 @@ from axiscal.answers.answer import PlannedAnswer, ResultAnswer
 from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text
-from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import reading_unit, shown_coordinate, value_names
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
-from axiscal.present.guide.progress import Due, Progress, TableLeft, controls_of, due, goals_text
+from axiscal.present.guide.progress import Progress, controls_of, due
 from axiscal.present.guide.question import BAND, Expectation, Question, axis_places, mount_sentence, mount_steps, ways
 from axiscal.present.guide.taking_back import last_step
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
@@ -28,18 +27,13 @@ from axiscal.present.sentences import spelt
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 from axiscal.web.shapes import (
-    AccuracyShape,
     AnswerShape,
-    CoordinateShape,
-    DueShape,
     ExpectedShape,
     NoteShape,
-    ProgressShape,
     QuestionShape,
     ReadingShape,
     StateShape,
     StepShape,
-    TableShape,
 )
 
 _LATEST = 3
@@ -66,14 +60,14 @@ def state_shape(campaign: Campaign, shown: Shown, results: Path) -> StateShape:
         last=state.last,
         machine=campaign.description.machine.name,
         record=campaign.path.name,
-        progress=_progress(campaign),
+        progress=Progress.of(campaign),
         question=None if asked is None or shown.question is None else _question(campaign, asked, shown.question),
         ended=None if shown.ended is None else spelt(because_text(shown.ended)),
         finished=None if state.finished is None else spelt(because_text(state.finished)),
         trouble=shown.trouble,
         readings=_latest(campaign),
         notes=[NoteShape(text=note.text, at=note.at, after=note.after) for note in state.notes],
-        due=_due(due(campaign)),
+        due=due(campaign),
         undo=last_step(campaign)[0],
         minds=[spelt(each) for each in shown.minds],
         answer=None if shown.answer is None else _answer(campaign, shown.answer, results),
@@ -107,10 +101,7 @@ def _question(campaign: Campaign, asked: Asked, question: Question) -> QuestionS
         mount=question.mount,
         mount_sentence=mount_sentence(question),
         mounting=[StepShape(name=name, what=what) for name, what in mount_steps(question)],
-        places=[
-            CoordinateShape(axis=c.axis, value=c.value, unit=c.unit, moves=c.moves, changed=c.changed, side=c.side)
-            for c in axis_places(campaign, asked)
-        ],
+        places=list(axis_places(campaign, asked)),
         touch=question.touch,
         again=question.again,
         ways=list(ways(question.setup)),
@@ -125,30 +116,6 @@ def _question(campaign: Campaign, asked: Asked, question: Question) -> QuestionS
 def _expected(expected: Expectation, unit: str) -> list[ExpectedShape]:
     means, halves = to_unit(expected.mean, unit), to_unit(BAND * expected.std, unit)
     return [ExpectedShape(mean=float(m), half=float(h)) for m, h in zip(means, halves, strict=True)]
-
-
-def _progress(campaign: Campaign) -> ProgressShape:
-    now = Progress.of(campaign)
-    return ProgressShape(
-        taken=now.taken,
-        coming=now.coming,
-        minutes=to_unit(now.seconds, "min"),
-        left_minutes=to_unit(now.left, "min"),
-        before=_accuracy(now.before),
-        now=_accuracy(now.now),
-        promised=_accuracy(now.promised),
-        floor_um=to_unit(now.floor, "um"),
-        goals=goals_text(campaign.description.target),
-    )
-
-
-def _accuracy(known: Accuracy) -> AccuracyShape:
-    return AccuracyShape(rms_um=to_unit(known.rms, "um"), worst_um=to_unit(known.worst, "um"))
-
-
-def _due(now: Due) -> DueShape:
-    marker = None if now.marker is None else to_unit(now.marker, "min")
-    return DueShape(temperature_degc=now.temperature, minutes_ago=now.minutes_ago, ask=now.ask, marker_minutes=marker)
 
 
 def _latest(campaign: Campaign) -> list[ReadingShape]:
@@ -184,12 +151,6 @@ def _moment_of(campaign: Campaign, reading: Reading) -> str:
     if reading.time is None:
         return ""
     return (datetime.fromisoformat(campaign.begun) + timedelta(seconds=reading.time)).isoformat(timespec="milliseconds")
-
-
-def table_shape(left: TableLeft) -> TableShape:
-    """Return what the table of a control would do."""
-    before, expected = to_unit(left.before, "um"), to_unit(left.expected, "um")
-    return TableShape(control=left.controller, before_um=before, expected_um=expected, refusal=left.refusal)
 
 
 def picture_of_setup(campaign: Campaign, width: float) -> str:

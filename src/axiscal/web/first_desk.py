@@ -13,6 +13,7 @@ from typing import Annotated
 
 from pydantic import Field
 
+from axiscal.answers.answer import AnswerDocument
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.first_files import Beginning, FirstFiles, first_files, of_builtin, of_ini, write_files
 from axiscal.description.ini_file import read_ini
@@ -20,27 +21,26 @@ from axiscal.description.ini_machine import lacking_limits, machine_of
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import said
 from axiscal.machine import builtin_names, load_machine
-from axiscal.web.shapes import Shape
 
 _Word = Annotated[str, Field(max_length=200)]
 _Source = Annotated[int, Field(ge=0, description="The machine to begin with: its place in `sources`")]
 
 
-class SourceShape(Shape):
+class SourceShape(AnswerDocument):
     """A machine to begin with; file : the INI file of a LinuxCNC, "" for one that is built in."""
 
     name: str
     file: str
 
 
-class OfferShape(Shape):
+class OfferShape(AnswerDocument):
     """An instrument whose set-ups can be offered, and what it shows."""
 
     name: str
     what: str
 
 
-class FormShape(Shape):
+class FormShape(AnswerDocument):
     """What there is to choose from; what somebody has named at the start is chosen already.
 
     folder : where the files will stand; chosen : the place of a source, -1 for none
@@ -55,20 +55,20 @@ class FormShape(Shape):
     target: str
 
 
-class SourceQuery(Shape):
+class SourceQuery(AnswerDocument):
     """A machine to begin with."""
 
     source: _Source
 
 
-class LackingShape(Shape):
+class LackingShape(AnswerDocument):
     """An axis whose limits the INI file leaves open, and the unit that it counts in."""
 
     axis: str
     unit: str
 
 
-class MachineShape(Shape):
+class MachineShape(AnswerDocument):
     """What a machine to begin with is; chain : "" where limits are lacking; sure : whether its kinematics say it."""
 
     chain: str
@@ -76,7 +76,7 @@ class MachineShape(Shape):
     lacking: list[LackingShape]
 
 
-class FirstRequest(Shape):
+class FirstRequest(AnswerDocument):
     """What was chosen; chain : "" for what is supposed; limits : lower and upper one, of axes that are lacking."""
 
     source: _Source
@@ -86,7 +86,7 @@ class FirstRequest(Shape):
     target: _Word
 
 
-class FilesShape(Shape):
+class FilesShape(AnswerDocument):
     """Files that are written, or would be; look : what to look at in machine.toml; after : the commands to go on."""
 
     folder: str

@@ -4,48 +4,33 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from axiscal.answers.answer import PlannedAnswer, ResultAnswer
+from axiscal.answers.answer import AnswerDocument, PlannedAnswer, ResultAnswer
 from axiscal.campaign.possible import LONGEST_TEXT
+from axiscal.present.guide.progress import Due, Progress
+from axiscal.present.guide.question import AxisPlace
 
 LONGEST = 25.0
 """s that a request may wait for news: less than what programs between us and a browser would take for a fault."""
 After = Annotated[int, Field(ge=0, description="`last` of the state that is answered; 409 if it has changed")]
 
 
-class Shape(BaseModel):
-    """A document: complete, with no other keys."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class CoordinateShape(Shape):
-    """The position of one axis; side "+" is from below, "-" from above."""
-
-    axis: str
-    value: float
-    unit: str
-    moves: bool
-    changed: bool
-    side: Literal["+", "-", ""]
-
-
-class ExpectedShape(Shape):
+class ExpectedShape(AnswerDocument):
     """What one number of the reading is expected to be: mean, and half of the band that is shown."""
 
     mean: float
     half: float
 
 
-class StepShape(Shape):
+class StepShape(AnswerDocument):
     """One thing to do."""
 
     name: str
     what: str
 
 
-class QuestionShape(Shape):
+class QuestionShape(AnswerDocument):
     """The reading to take. `mount` says whether its set-up has to be mounted first, by `mounting`.
 
     ways : directions, of the workpiece, in which a reading is positive; turns : it is about them
@@ -59,7 +44,7 @@ class QuestionShape(Shape):
     mount: bool
     mount_sentence: str
     mounting: list[StepShape]
-    places: list[CoordinateShape]
+    places: list[AxisPlace]
     touch: str
     again: str
     sign: str
@@ -70,7 +55,7 @@ class QuestionShape(Shape):
     names: list[str]
 
 
-class ReadingShape(Shape):
+class ReadingShape(AnswerDocument):
     """A reading that is kept: where, what, when (ISO 8601, UTC; "" where nobody knows), and whether it is doubted."""
 
     number: int
@@ -82,28 +67,7 @@ class ReadingShape(Shape):
     doubted: bool
 
 
-class AccuracyShape(Shape):
-    """RMS and worst standard uncertainty."""
-
-    rms_um: float
-    worst_um: float
-
-
-class ProgressShape(Shape):
-    """How far the campaign is."""
-
-    taken: int
-    coming: int
-    minutes: float
-    left_minutes: float
-    before: AccuracyShape
-    now: AccuracyShape
-    promised: AccuracyShape
-    floor_um: float
-    goals: str
-
-
-class NoteShape(Shape):
+class NoteShape(AnswerDocument):
     """A note, its time (ISO 8601, UTC), and the number of the reading before it, 0 before the first."""
 
     text: str
@@ -111,19 +75,7 @@ class NoteShape(Shape):
     after: int
 
 
-class DueShape(Shape):
-    """What is due beside the readings: the last temperature noted, how long ago, whether to note it now.
-
-    marker_minutes : until a place is read again that shows whether a zero has wandered; null where none is planned
-    """
-
-    temperature_degc: float | None
-    minutes_ago: float
-    ask: bool
-    marker_minutes: float | None
-
-
-class AnswerShape(Shape):
+class AnswerShape(AnswerDocument):
     """The result, or before the first reading the plan, in words as every screen has it, and as their document.
 
     first : the first line in parts; rows : heading and cells; commands : what to do next
@@ -136,7 +88,7 @@ class AnswerShape(Shape):
     document: ResultAnswer | PlannedAnswer
 
 
-class StateShape(Shape):
+class StateShape(AnswerDocument):
     """All that the page shows. `last` names the state of the record, `version` this document.
 
     minds : what to mind about the last reading; answer : null until it is known for the first time
@@ -148,14 +100,14 @@ class StateShape(Shape):
     last: int
     machine: str
     record: str
-    progress: ProgressShape
+    progress: Progress
     question: QuestionShape | None
     ended: str | None
     finished: str | None
     trouble: str
     readings: list[ReadingShape]
     notes: list[NoteShape]
-    due: DueShape
+    due: Due
     undo: str
     minds: list[str]
     answer: AnswerShape | None
@@ -163,37 +115,25 @@ class StateShape(Shape):
     controls: list[str]
 
 
-class TableShape(Shape):
-    """What the table of a control would do if the campaign ended now: RMS without and with it.
-
-    refusal : why there is no table for this control, "" where there is one
-    """
-
-    control: str
-    before_um: float
-    expected_um: float
-    refusal: str
-
-
-class TableQuery(Shape):
+class TableQuery(AnswerDocument):
     """A control, by the name that `axiscal export --to` takes."""
 
     control: Annotated[str, Field(max_length=40)]
 
 
-class CostQuery(Shape):
+class CostQuery(AnswerDocument):
     """A skip of the next reading.  rest : also of all others of its set-up"""
 
     rest: bool = False
 
 
-class CostShape(Shape):
+class CostShape(AnswerDocument):
     """The cost of skipping, in words."""
 
     sentence: str
 
 
-class PictureQuery(Shape):
+class PictureQuery(AnswerDocument):
     """How wide the picture is, pixels, of which version, in which language."""
 
     width: Annotated[float, Field(ge=200, le=2000, allow_inf_nan=False)]
@@ -201,20 +141,20 @@ class PictureQuery(Shape):
     language: Annotated[str, Field(max_length=20)] = "en"
 
 
-class WaitQuery(Shape):
+class WaitQuery(AnswerDocument):
     """Wait until the state has another version than `seen`, at most `wait` seconds."""
 
     seen: Annotated[int, Field(ge=0)] = 0
     wait: Annotated[float, Field(ge=0, le=LONGEST, allow_inf_nan=False)] = 0.0
 
 
-class TypedQuery(Shape):
+class TypedQuery(AnswerDocument):
     """A text as it is typed."""
 
     text: Annotated[str, Field(max_length=LONGEST_TEXT)]
 
 
-class KeepRequest(Shape):
+class KeepRequest(AnswerDocument):
     """A reading as it is typed: "-1,7", "0.0021 mm", three numbers in one line; by default in the unit of the question.
 
     keep : keep it although it surprises; vouch : and believe it, however much the others contradict it
@@ -226,7 +166,7 @@ class KeepRequest(Shape):
     vouch: bool = False
 
 
-class SkipRequest(Shape):
+class SkipRequest(AnswerDocument):
     """The reading asked for cannot be taken; rest : nor any other of its set-up, which is left."""
 
     after: After
@@ -234,19 +174,19 @@ class SkipRequest(Shape):
     rest: bool = False
 
 
-class NoteRequest(Shape):
+class NoteRequest(AnswerDocument):
     """A sentence for the record; it answers no question, so no state has to be named."""
 
     text: Annotated[str, Field(max_length=LONGEST_TEXT)]
 
 
-class StepRequest(Shape):
+class StepRequest(AnswerDocument):
     """A step that needs no more words."""
 
     after: After
 
 
-class TypedShape(Shape):
+class TypedShape(AnswerDocument):
     """What a typed text means: its values in the unit of the question, how surprising; what there is to say of it."""
 
     values: list[float]
@@ -255,14 +195,14 @@ class TypedShape(Shape):
     sentence: str
 
 
-class DoneShape(Shape):
+class DoneShape(AnswerDocument):
     """A step that was done, in words, and the state after it."""
 
     sentence: str
     state: StateShape
 
 
-class ProblemShape(Shape):
+class ProblemShape(AnswerDocument):
     """A step that was not done: a code for programs, a sentence for people.
 
     problem : "overtaken", "surprising", "refused", "malformed", "forbidden", "host", "missing", "method", "large",

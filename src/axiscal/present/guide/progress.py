@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Accuracy
@@ -20,27 +20,39 @@ from axiscal.language.spoken import counted, said
 from axiscal.planning.promise import promised, reachable_rms
 from axiscal.record.opening import file_name
 from axiscal.tables import registry
-from axiscal.units import said_quantity
+from axiscal.units import said_quantity, to_unit
 
 
-@dataclass(frozen=True, slots=True)
-class Progress:
-    """Where a campaign stands.
+class KnownTo(AnswerDocument):
+    """RMS and worst standard uncertainty."""
+
+    rms_um: float
+    worst_um: float
+
+    @classmethod
+    def of(cls, accuracy: Accuracy) -> KnownTo:
+        """Return it of an accuracy."""
+        return cls(rms_um=to_unit(accuracy.rms, "um"), worst_um=to_unit(accuracy.worst, "um"))
+
+
+class Progress(AnswerDocument):
+    """How far the campaign is.
 
     taken, coming : readings; coming holds the one that is asked for
-    seconds, left : used, by the clock where that was kept, and machine time to come by the plan
+    minutes, left_minutes : used, by the clock where that was kept, and machine time to come by the plan
     before, now, promised : how well the machine was known at first, is known, and will be after the plan
-    floor : RMS that endless readings would leave, m
+    floor_um : RMS that endless readings would leave; goals : what ends the campaign
     """
 
     taken: int
     coming: int
-    seconds: float
-    left: float
-    before: Accuracy
-    now: Accuracy
-    promised: Accuracy
-    floor: float
+    minutes: float
+    left_minutes: float
+    before: KnownTo
+    now: KnownTo
+    promised: KnownTo
+    floor_um: float
+    goals: str
 
     @classmethod
     def of(cls, campaign: Campaign) -> Progress:
@@ -50,12 +62,13 @@ class Progress:
         return cls(
             taken=len(campaign.state.readings),
             coming=len(places),
-            seconds=machine if campaign.state.clocked is None else campaign.state.clocked,
-            left=campaign.seconds(places) - machine,
-            before=case.yardstick.measure(case.prior),
-            now=known.accuracy,
-            promised=promised(*known.banded, places) if places else known.accuracy,
-            floor=reachable_rms(case),
+            minutes=to_unit(machine if campaign.state.clocked is None else campaign.state.clocked, "min"),
+            left_minutes=to_unit(campaign.seconds(places) - machine, "min"),
+            before=KnownTo.of(case.yardstick.measure(case.prior)),
+            now=KnownTo.of(known.accuracy),
+            promised=KnownTo.of(promised(*known.banded, places) if places else known.accuracy),
+            floor_um=to_unit(reachable_rms(case), "um"),
+            goals=goals_text(campaign.description.target),
         )
 
 
@@ -69,17 +82,16 @@ def goals_text(target: Target) -> str:
     return " · ".join(goals)
 
 
-@dataclass(frozen=True, slots=True)
-class TableLeft:
-    """What is to be expected over the volume without and with the table of one control: RMS, m.
+class TableLeft(AnswerDocument):
+    """What the table of a control would do if the campaign ended now: RMS over the volume without and with it.
 
     refusal : why there is no table for it, "" where there is one
     """
 
-    controller: str
-    before: float
-    expected: float
-    refusal: str = ""
+    control: str
+    before_um: float
+    expected_um: float
+    refusal: str
 
 
 def controls_of(campaign: Campaign) -> tuple[str, ...]:
@@ -94,8 +106,9 @@ def table_left(campaign: Campaign, controller: str) -> TableLeft:
     try:
         offered = registry.offered(estimation, controller)
     except (TableError, ReadingError) as refusal:
-        return TableLeft(controller, 0.0, 0.0, f"{refusal.what}.")
-    return TableLeft(controller, math.hypot(offered.effect.before, offered.unknown), offered.expected)
+        return TableLeft(control=controller, before_um=0.0, expected_um=0.0, refusal=f"{refusal.what}.")
+    before = to_unit(math.hypot(offered.effect.before, offered.unknown), "um")
+    return TableLeft(control=controller, before_um=before, expected_um=to_unit(offered.expected, "um"), refusal="")
 
 
 def results_beside(record: Path) -> Path:
@@ -108,23 +121,23 @@ _EVERY = 30.0
 """Minutes after which the temperature is asked for again: a workshop moves by tenths of a kelvin in that time."""
 
 
-@dataclass(frozen=True, slots=True)
-class Due:
-    """temperature : last noted, degC; minutes_ago : since then; ask : whether to note it now
+class Due(AnswerDocument):
+    """What is due beside the readings: the last temperature noted, how long ago, whether to note it now.
 
-    marker : seconds of machine time until a place is read again that shows a drift, None where none is planned
+    marker_minutes : machine time until a place is read again that shows a drift, None where none is planned
     """
 
-    temperature: float | None
+    temperature_degc: float | None
     minutes_ago: float
     ask: bool
-    marker: float | None
+    marker_minutes: float | None
 
 
 def due(campaign: Campaign) -> Due:
     """Return what is due now."""
     warm, ago = _temperature(campaign)
-    return Due(warm, ago, warm is None or ago >= _EVERY, _marker(campaign))
+    asked = warm is None or ago >= _EVERY
+    return Due(temperature_degc=warm, minutes_ago=ago, ask=asked, marker_minutes=_marker(campaign))
 
 
 def _temperature(campaign: Campaign) -> tuple[float | None, float]:
@@ -138,4 +151,4 @@ def _temperature(campaign: Campaign) -> tuple[float | None, float]:
 def _marker(campaign: Campaign) -> float | None:
     places, read = campaign.state.coming, {reading.place for reading in campaign.state.readings}
     first = next((n for n, place in enumerate(places) if place in read), None)
-    return None if first is None else campaign.seconds(places[:first]) - campaign.seconds()
+    return None if first is None else to_unit(campaign.seconds(places[:first]) - campaign.seconds(), "min")

@@ -7,9 +7,11 @@ reading is positive, and what it should show; where to park and what to zero whe
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
+from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import block
@@ -121,8 +123,7 @@ _DIGITS = 4
 """Behind the point: one more than controls show; a reading there differs by less than its noise."""
 
 
-@dataclass(frozen=True, slots=True)
-class AxisPlace:
+class AxisPlace(AnswerDocument):
     """axis : its name; value : in its unit, mm or deg; moves : whether the set-up moves it
 
     changed : whether it stood elsewhere at the reading before, or there was none
@@ -134,7 +135,7 @@ class AxisPlace:
     unit: str
     moves: bool
     changed: bool
-    side: str
+    side: Literal["+", "-", ""]
 
     @property
     def shown(self) -> str:
