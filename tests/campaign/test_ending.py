@@ -100,17 +100,20 @@ def test_of_two_accuracies_the_one_that_is_reached_is_said(gapped: Estimation) -
 
 def test_no_reading_can_is_said_only_below_the_floor(gapped: Estimation) -> None:
     """A floor that is above the target ends the campaign where readings have taken away as much as was asked for."""
-    known, floor = gapped.accuracy.rms, 2 * gapped.accuracy.rms
+    known, floor = gapped.accuracy.rms, 0.95 * gapped.accuracy.rms
     yardstick = gapped.case.yardstick
     gapped.case.__dict__["yardstick_as_sized"] = yardstick
     yardstick.__dict__["floors"] = (floor, floor)
     try:
-        assert standing(asked(1.01 * floor), gapped) == "rms target reached"
+        assert standing(asked(1.01 * known), gapped) == "rms target reached"
+        assert standing(asked(1.01 * floor), gapped) is None
         assert standing(asked(0.9 * known), gapped) == (
             f"rms target cannot be reached: endless readings would leave {1e6 * floor:.3g} um, "
             f"these leave {1e6 * known:.3g} um"
         )
         assert reaches(asked(0.9 * known), gapped) is False
+        yardstick.__dict__["floors"] = (2 * known, 2 * known)  # as stated: the readings have shown less
+        assert f"would leave {1e6 * known:.3g} um, these" in (standing(asked(0.9 * known), gapped) or "")
     finally:
         del yardstick.__dict__["floors"], gapped.case.__dict__["yardstick_as_sized"]
 

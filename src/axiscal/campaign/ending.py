@@ -88,7 +88,7 @@ def _said(target: Target, known: Estimation) -> str | None:
 
 
 def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> list[_Standing]:
-    """Return the accuracies of which readings have taken away what they can, with their floors at sizes as learnt.
+    """Return the accuracies of which readings have taken away what they can, with what they leave at least.
 
     Few readings leave sizes open: a floor counts that is above its limit as stated, or with the size surely there.
     """
@@ -103,13 +103,12 @@ def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> li
 
     if not any(may_be(each) for each in volume):
         return []
-    sized = asked(target, known.case.yardstick_as_sized)
-    return [
-        _Standing(wanted, each.now)
-        for wanted, each in zip(sized, volume, strict=True)
-        if each.now <= attainable(wanted.limit, wanted.floor)
-        and max(each.wanted.floor, surely * wanted.floor) > wanted.limit
-    ]
+    found = []
+    for wanted, each in zip(asked(target, known.case.yardstick_as_sized), volume, strict=True):
+        least = max(each.wanted.floor, surely * wanted.floor)
+        if each.now <= attainable(wanted.limit, wanted.floor) and least > wanted.limit:
+            found.append(_Standing(wanted._replace(floor=min(least, each.now)), each.now))
+    return found
 
 
 def _unread(target: Target, known: Estimation) -> bool:
