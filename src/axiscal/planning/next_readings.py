@@ -42,8 +42,8 @@ from axiscal.record.events import Asked, Gap
 CANDIDATES = 2000
 """Places that a plan chooses from; beyond, readings are brought to the best places between them anyway."""
 _SMALL = 120
-"""Unknowns up to which a plan is climbed off the lattice after readings: beyond, a person at the machine would wait
-too long."""
+"""Unknowns up to which what replaces a plan is climbed off the lattice: beyond, a person at the machine would wait too
+long."""
 _VOLUME = 0.5
 """Of U before the first reading: a volume without a limit weighs as a row without one."""
 
@@ -95,7 +95,7 @@ def _chosen(
     if len(coming):
         return coming
     # off the lattice a way might lead into a gap
-    patience = 0.0 if gaps or (long and len(task.taken)) else PATIENCE
+    patience = 0.0 if gaps or (long and len(left)) else PATIENCE
     return make_plan(task, limits, patience=patience, bounded=False, shake=shake, progress=progress).places
 
 
