@@ -29,7 +29,7 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(73_577, 50_000),
+    "lines of src": Budget(73_582, 50_000),
     "files of src": Budget(483, 340),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(47, 15),

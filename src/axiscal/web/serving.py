@@ -34,8 +34,8 @@ def serve_record(record: Path, port: int, language: str, ready: Callable[[str], 
     try:
         with _listening(port) as listener:
             admitted = Admission(int(listener.getsockname()[1]))
-            ready(admitted.address)
-            _server(application(counter, admitted), counter.end).run(sockets=[listener])
+            server = _server(application(counter, admitted), counter.end, lambda: ready(admitted.address))
+            server.run(sockets=[listener])
     except KeyboardInterrupt:
         pass  # the way in which a server is ended
     finally:
@@ -56,8 +56,8 @@ def serve_first(desk: FirstDesk, port: int, language: str, ready: Callable[[str]
 
     with _listening(port) as listener, suppress(KeyboardInterrupt):
         admitted = Admission(int(listener.getsockname()[1]))
-        servers.append(_server(first_application(desk, admitted, language, done), lambda: None))
-        ready(admitted.address)
+        form = first_application(desk, admitted, language, done)
+        servers.append(_server(form, lambda: None, lambda: ready(admitted.address)))
         servers[0].run(sockets=[listener])
     return desk.written
 
@@ -74,7 +74,7 @@ def _listening(port: int) -> socket.socket:
     return listener
 
 
-def _server(app: Guard, ending: Callable[[], None]) -> _Server:
+def _server(app: Guard, ending: Callable[[], None], ready: Callable[[], None]) -> _Server:
     config = uvicorn.Config(
         app,
         http=_Caller,
@@ -87,7 +87,7 @@ def _server(app: Guard, ending: Callable[[], None]) -> _Server:
         backlog=_BURST,
         h11_max_incomplete_event_size=_HEAD,
     )
-    return _Server(config, ending)
+    return _Server(config, ending, ready)
 
 
 class _Caller(H11Protocol):
@@ -123,11 +123,16 @@ class _Caller(H11Protocol):
 
 
 class _Server(uvicorn.Server):
-    """The server, which tells those who wait for news that it is about to end."""
+    """The server, which says when it answers, and tells those who wait for news that it is about to end."""
 
-    def __init__(self, config: uvicorn.Config, ending: Callable[[], None]) -> None:
+    def __init__(self, config: uvicorn.Config, ending: Callable[[], None], ready: Callable[[], None]) -> None:
         super().__init__(config)
-        self._ending = ending
+        self._ending, self._ready = ending, ready
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to answer, and say so: from here on a signal ends it as it should."""
+        await super().startup(sockets)
+        self._ready()
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """Take a signal to end; who still waits for an answer then is sent away, which is no fault to be told of."""
