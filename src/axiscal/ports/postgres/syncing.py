@@ -47,10 +47,14 @@ def synced(database: Database, record: EventLog, name: str) -> Synced:
     refuse_other(database)
     texts = record.texts()
     entry = Entry(campaign_of(texts[0]), name, None, None)
-    with database.transaction(entry.id):
+
+    def brought() -> tuple[Synced, Sequence[ChainedText]]:
         there = entry_of(database, entry.id)
         found, rest = _new(database, entry, texts) if there is None else _sent(database, there, texts)
-        found = replace(found, set_back=_countersigned(database, entry.id, record.path, found.campaign, texts))
+        back = _countersigned(database, entry.id, record.path, found.campaign, texts)
+        return replace(found, set_back=back), rest
+
+    found, rest = database.transaction(brought)
     if rest:
         record.extend([text.row for text in rest], after=len(texts))
     return found
