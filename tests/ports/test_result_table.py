@@ -14,19 +14,16 @@ from axiscal.ports.study.study_case import Done
 from axiscal.ports.study.study_file import read_study
 from tests.ports.texts import STUDY, written
 
-TEXT = STUDY.replace("machines = 2", "machines = 2\nseed = 4") + (
-    '[random]\ndraws = 2\n"setups[laser].noise" = { between = ["1 um", "2 um"] }\n[results]\nkeep = ["U", "said"]\n'
-)
+TEXT = STUDY.replace("machines = 2", "machines = 4\nseed = 4") + '[results]\nkeep = ["U", "said"]\n'
 
 
-def test_rows_are_in_the_order_of_the_study_with_what_was_drawn(tmp_path: Path) -> None:
+def test_rows_are_in_the_order_of_the_study(tmp_path: Path) -> None:
     study = read_study(written(tmp_path, TEXT))
     keys = [case.key for case in study.cases()]
     found = {key: Done(key, {"U_um": 0.1 * n, "said": "drift"}) for n, key in enumerate(keys)}
     rows = rows_of(study, dict(reversed(found.items())))
     assert [row["U_um"] for row in rows] == [0.1 * n for n in range(8)]
-    assert [(row["draw"], row["machine"]) for row in rows] == [(0, 0), (0, 1), (1, 0), (1, 1)] * 2
-    assert rows[3]["setups[laser].noise"] == study.drawn_values(1)["setups[laser].noise"]
+    assert [row["machine"] for row in rows] == [0, 1, 2, 3] * 2
 
 
 @pytest.mark.parametrize("parquet", [False, True])

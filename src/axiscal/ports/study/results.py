@@ -235,14 +235,12 @@ def run_missing(
 def rows_of(study: Study, found: Mapping[str, Done]) -> list[Row]:
     """Return a row for each case that has a result or an error."""
     rows = list[Row]()
-    for choices, draw in study.ways():
-        drawn = study.drawn_values(draw)
+    for choices in study.ways():
         for machine in range(study.machines):
-            done = found.get(key_of(choices, draw, machine))
+            done = found.get(key_of(choices, machine))
             if done is not None:
                 result = done.result or {}
-                row: Row = {"machine": machine, **({"draw": draw} if study.drawn else {})}
-                row |= {key: _cell(value) for key, value in {**choices, **drawn}.items()}
+                row: Row = {"machine": machine} | {key: _cell(value) for key, value in choices.items()}
                 row |= {FIGURES[name].column: result.get(FIGURES[name].column) for name in study.keep}
                 rows.append({**row, "error": done.error})
     return rows
