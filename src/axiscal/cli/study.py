@@ -60,7 +60,7 @@ def study(
 
     It measures many virtual machines in many ways. STUDY names a campaign, which of its keys vary, and how many virtual
     machines each way is tried on. Every result is on the disk at once: after Ctrl-C, or anything worse, --resume goes
-    on. DIR gets study.sqlite while it runs, then study.html and cases.csv (cases.parquet where pyarrow is installed).
+    on. DIR gets cases.jsonl while it runs, then study.html and cases.csv.
 
     \b
     Examples:
