@@ -29,7 +29,6 @@ _STUDY = """[study]
 campaign = "campaign.toml"
 machines = {machines}
 stop = {{ readings = 2 }}
-method = "even"
 [grid]
 setups = [["dial"], ["laser"], ["dial", "laser"]]
 """

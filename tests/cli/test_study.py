@@ -69,8 +69,8 @@ def test_a_case_that_cannot_be_computed_is_a_row_and_status_1(
     hopeless = STUDY.replace("{ readings = 6 }", '{ budget = "1 s" }').replace('["laser"], ', "")
     assert run(["study", str(written(tmp_path, hopeless)), "--workers", "1"]) == 1
     assert "2 cases of 2 could not be computed" in " ".join(capsys.readouterr().err.split())
-    assert all("too short for one reading" in error for _, _, error in _rows(tmp_path / "study-results"))
-    assert "too short for one reading" in (tmp_path / "study-results" / "study.html").read_text()
+    assert all("that the first reading takes" in error for _, _, error in _rows(tmp_path / "study-results"))
+    assert "that the first reading takes" in (tmp_path / "study-results" / "study.html").read_text()
 
 
 def test_a_dry_run_counts_and_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

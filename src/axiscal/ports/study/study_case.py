@@ -15,8 +15,8 @@ from typing import Any, Literal, NamedTuple, Protocol
 from axiscal.exceptions import AxiscalError
 from axiscal.numerics.stages import listening
 
-Method = Literal["planned", "replanned", "even", "random"]
-"""How places are chosen: as a plan asks for, planned anew while readings come, evenly along the axes, or anywhere."""
+Method = Literal["planned", "replanned"]
+"""How places are chosen: as a plan asks for, or planned anew while readings come."""
 
 
 class Stop(NamedTuple):

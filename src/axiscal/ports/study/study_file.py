@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -40,7 +40,7 @@ class StudyTable(_KnownKeys):
     seed: int = Field(1, ge=0, le=2**63, examples=["1"])
     machines: int = Field(100, ge=1, le=MOST_MACHINES, examples=["200"])
     stop: str | dict[str, Any] = Field("target", examples=['"target"', "{ readings = 30 }"])
-    method: Literal["planned", "replanned", "even", "random"] = Field("planned", examples=['"planned"'])
+    method: Method = Field("planned", examples=['"planned"'])
 
 
 class ResultsTable(_KnownKeys):
