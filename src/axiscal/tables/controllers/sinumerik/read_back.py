@@ -47,8 +47,8 @@ def read(
             place = (kind, first) if kind == "CEC" else (kind, first, (third or second or ""))
             index = key or f"#{second}"
             tables.setdefault(place, {})[index] = value
-    found = (_understood(place, values, axes, machine, flip) for place, values in tables.items())
-    return [lookup for lookup in found if lookup is not None]
+    lookups = (_understood(place, values, axes, machine, flip) for place, values in tables.items())
+    return [lookup for lookup in lookups if lookup is not None]
 
 
 def _understood(
