@@ -481,13 +481,11 @@ def test_a_folder_of_an_export_is_an_old_compensation(tmp_path: Path) -> None:
     assert [Path(file.name).name for file in read_old([str(tmp_path)])] == ["X.comp"]
 
 
-@pytest.mark.parametrize("controller", ["isg", "isg-etalon"])
-def test_isg_gets_old_and_new_together(controller: str) -> None:
+def test_isg_gets_old_and_new_together() -> None:
     """An old table of its own points, read as the kernel does: EXX and a squareness, and one that is not described."""
     old = "// old\nC0Y\n2.0e-5\n#\nX EXX EZX\n0 0 0\n110 0.011 0.002\n300 0.030 -0.001\n"
-    plain, above = exported(controller), exported(controller, OldFile("volcomp.csv", old))
-    name = next(file for file in above.files if file.startswith("volcomp") and not file.endswith("lis"))
-    before, after = isg_of(plain.files[name]), isg_of(above.files[name])
+    plain, above = exported("isg"), exported("isg", OldFile("volcomp.csv", old))
+    before, after = (isg_of(made.files["volcomp.csv"]) for made in (plain, above))
     at = np.linspace(0, 300, 31)
     for error, values in (("EXX", [0, 0.011, 0.030]), ("EZX", [0, 0.002, -0.001])):
         added = np.interp(at, *after[error]) - np.interp(at, *before[error])
@@ -496,14 +494,7 @@ def test_isg_gets_old_and_new_together(controller: str) -> None:
 
 
 def isg_of(text: str) -> dict[str, tuple[list[float], list[float]]]:
-    """Return positions and values by error, of either form, by hand: mm and rad."""
-    if text.startswith("["):
-        blocks = re.findall(r"\[(\w+)\]\s*(?:VALUE = (\S+)|Gridpoints = \{([^}]*)\})", text)
-        rows = {
-            n: [[0.0, float(v)]] if v else [list(map(float, r.split())) for r in g.split("\n") if r]
-            for n, v, g in blocks
-        }
-        return {name: ([p for p, _ in table], [v for _, v in table]) for name, table in rows.items()}
+    """Return positions and values by error, by hand: mm and rad."""
     found: dict[str, tuple[list[float], list[float]]] = {}
     for block in re.sub(r"//.*", "", text).split("#"):
         header, *lines = [line.split() for line in block.splitlines() if line.strip()]

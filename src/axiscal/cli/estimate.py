@@ -47,8 +47,8 @@ def estimate(
 
     Columns: setup, X_mm, Y_mm, ... B_deg, approach, value_um (value_urad for angles); parked axes may be left out.
     The columns of an ISO 230-2 test (target_mm, direction, run, deviation_um) or a Renishaw .rtl file do for a campaign
-    with one set-up and one moving axis. Bed maps of RepRapFirmware (heightmap.csv) and Klipper (printer.cfg), and files
-    that begin with "# axiscal-csv 1", find their set-up by the direction that it reads.
+    with one set-up and one moving axis. Bed maps of RepRapFirmware (heightmap.csv) and Klipper (printer.cfg) find their
+    set-up by the direction that it reads.
 
     --log takes the readings from the log that measuring programs have written (axiscal plan --gcode CONTROLLER --log),
     beside those of READINGS.csv, if it is given.

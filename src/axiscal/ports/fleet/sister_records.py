@@ -145,9 +145,7 @@ def usual_machine(records: Sequence[MachineRecord]) -> Machine:
 
 
 def _form(machine: Machine) -> str:
-    entries = [replace(entry, line=None) for entry in machine.errors]
-    planes = [replace(entry, line=None) for entry in machine.planes]
-    return repr((machine.chain, [(axis.name, axis.travel) for axis in machine.axes], entries, planes))
+    return repr((machine.chain, [(axis.name, axis.travel) for axis in machine.axes], machine.errors, machine.planes))
 
 
 def other_machine(machine: Machine, reference: Machine) -> str:
