@@ -98,7 +98,7 @@ class RejectedReading(Fields):
 class Warning(Fields):
     """An entry of `warnings`."""
 
-    code: str = Field(description="accepted, aliasing, prior-misfit, drift, outlier, unobservable, …")
+    code: str = Field(description="accepted, prior-misfit, drift, outlier, unobservable, …")
     error: str | None = Field(description="the error it is about")
     text: str = Field(description="in words")
 

@@ -13,7 +13,6 @@ from axiscal.estimation.agreement_words import STRANGE, farthest, membership_wor
 from axiscal.estimation.case import Case
 from axiscal.estimation.changes import changes
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.inference.aliasing import Alias, aliases
 from axiscal.estimation.promise.agreement import AGREES
 from axiscal.estimation.zero_drift import paths
 from axiscal.language.spoken import capital, later, listed, put, said
@@ -56,7 +55,6 @@ def findings(estimation: Estimation) -> list[Finding]:
         *_unobservable(estimation),
         *_outliers(estimation),
         *learnt_sizes(estimation),
-        *_aliasing(estimation),
         *_drift(estimation),
         *_changes(estimation),
         *strangers(estimation),
@@ -108,29 +106,6 @@ def _disagreeing(estimation: Estimation) -> Iterator[Finding]:
             text = "{reading} is {away:.1f} standard deviations from what the other readings say; take it again."
             name = estimation.name_of(index)
             yield Finding("outlier", None, capital(said(text, reading=name, away=float(left[index].z))))
-
-
-def _aliasing(estimation: Estimation) -> Iterator[Finding]:
-    for alias in aliases(estimation.case.description.machine, estimation.readings):
-        yield Finding("aliasing", alias.error, _alias_text(alias))
-
-
-def _alias_text(alias: Alias) -> str:
-    unit, name = alias.axis.unit, alias.axis.name
-    spacing = said("The positions read on {axis} all lie alike in the period", axis=name)
-    if alias.spacing is not None:
-        spaced = "The positions read on {axis} are equally spaced, {spacing} apart"
-        spacing = said(spaced, axis=name, spacing=said_quantity(alias.spacing, unit, 4))
-    slow = said("a constant")
-    if not np.isinf(alias.seen_as):
-        slow = said("one of {period}", period=said_quantity(alias.seen_as, unit, 4))
-    return said(
-        "{spacing}: what repeats every {period} in {error} looks like {slow}; vary the targets.",
-        spacing=spacing,
-        period=said_quantity(alias.period, unit, 4),
-        error=alias.error,
-        slow=slow,
-    )
 
 
 def _drift(estimation: Estimation) -> Iterator[Finding]:

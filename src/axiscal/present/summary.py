@@ -115,7 +115,7 @@ class ConstantSummary:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A warning: `code` is one of accepted aliasing prior-misfit drift outlier unobservable copies …"""
+    """A warning: `code` is one of accepted prior-misfit drift outlier unobservable copies …"""
 
     code: str
     error: str | None
