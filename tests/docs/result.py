@@ -98,7 +98,7 @@ class RejectedReading(Fields):
 class Warning(Fields):
     """An entry of `warnings`."""
 
-    code: str = Field(description="accepted, aliasing, prior-misfit, drift, outlier, unobservable, …")
+    code: str = Field(description="accepted, prior-misfit, drift, outlier, unobservable, …")
     error: str | None = Field(description="the error it is about")
     text: str = Field(description="in words")
 
@@ -267,11 +267,8 @@ class Result(Fields):
     worst_um: float | None = Field(description="largest standard deviation in the volume")
     unseen_rms_um: float = Field(description="what no allowed reading can take away")
     budget: list[BudgetSource] = Field(description="where the uncertainty comes from")
-    linear_to_um: float | None = Field(
-        description="no machine within the bands differs by more from its first order at the tool"
-    )
     nonlinearity: float | None = Field(
-        description="largest index of non-linearity of a reading, or a bound on it; above 0.3 it is no Gaussian"
+        description="largest index of non-linearity of a reading; above 0.3 it is no Gaussian"
     )
     target_rms_um: float | None = Field(description="the RMS asked for")
     target_worst_um: float | None = Field(description="the worst asked for")

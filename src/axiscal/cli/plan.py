@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -15,19 +14,17 @@ from axiscal.cli.progress import tell_mind
 from axiscal.description.campaign import CampaignDescription, as_exact, stated
 from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
 from axiscal.document.durable import write_whole
-from axiscal.estimation.accuracy.other_tool import other_tool
 from axiscal.estimation.accuracy.unseen import seen_as_one
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import speaking
-from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.enough import few_more
 from axiscal.planning.feasibility import reached_unread, refuse_endless, refuse_out_of_reach
 from axiscal.planning.next_readings import CANDIDATES, placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable
+from axiscal.planning.proposal import Thoroughness, proposed, proven, refuse_unless_provable
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.present.machine_drawing.setup_picture import plan_picture
 from axiscal.present.plan_answer import plan_answer
@@ -162,7 +159,7 @@ def plan(
         return
     with speaking(chosen(None)):
         if details:
-            say("\n".join([*plan_list(answer), *_minds(case, proposal)]))
+            say("\n".join([*plan_list(answer), *(f"Mind: {part.text}" for part in seen_as_one(case.yardstick))]))
         say(plan_screen(answer, str(campaign), written))
 
 
@@ -230,12 +227,3 @@ def _programs(case: Case, made: Plan, controller: str, out: Path, log: bool) -> 
     out.mkdir(parents=True, exist_ok=True)
     machine, setups = case.description.machine, case.description.setups
     return write_programs(machine, setups, placed(case, made), controller, out, log)
-
-
-def _minds(case: Case, proposal: Proposal) -> Iterator[str]:
-    """Yield what else there is to know: what acts on all as one, and what a longer tool would cost."""
-    yield from (f"Mind: {part.text}" for part in seen_as_one(case.yardstick))
-    blanks = blank_readings(case.description.setups, placed(case, proposal.plan))
-    known, yardstick = case.knowledge.read(blanks), case.yardstick
-    if words := other_tool(case.errors, known.belief, yardstick.box, counted=yardstick.counted).words:
-        yield f"Mind: {words}"

@@ -1,7 +1,4 @@
-"""Fourth stage: where the stations stand that distances are read to, and about which machine readings are linear.
-
-How linear the machine is that they show: a bound for the tool point, and the index of the worst reading.
-"""
+"""Fourth stage: where the stations stand that distances are read to, and about which machine readings are linear."""
 
 from __future__ import annotations
 
@@ -11,14 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.errors.linear_bound import linear_along, linear_to
-from axiscal.errors.model import ErrorModel, Term
-from axiscal.errors.volume import Box
 from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import Learnt
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, drawn
 from axiscal.measurement.reading_rows import linear_values, places_of, seen, shown_by_each
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
@@ -121,28 +115,23 @@ def _indices(known: Absorbed, readings: tuple[Reading, ...]) -> Array:
         return np.zeros(0)
     numbers = seen(observation, readings)
     errors = observation.errors.size + len(observation.unknowns)
-    drawn = belief.factor[:errors] @ np.random.default_rng(_SEED).standard_normal((belief.size, _DRAWS))
+    apart = belief.factor[:errors] @ np.random.default_rng(_SEED).standard_normal((belief.size, _DRAWS))
     mean = belief.mean[:errors]
-    shown = shown_by_each(observation, readings, np.vstack([mean, mean + drawn.T]))
-    beyond = shown[1:] - shown[0] - (numbers.rows[:, :errors] @ drawn).T
+    shown = shown_by_each(observation, readings, np.vstack([mean, mean + apart.T]))
+    beyond = shown[1:] - shown[0] - (numbers.rows[:, :errors] @ apart).T
     index = np.sqrt(np.sum(beyond**2, axis=0) / _DRAWS) / np.sqrt(numbers.variances)
     return np.maximum.reduceat(index, np.searchsorted(numbers.reading, np.arange(len(readings))))
 
 
-_SPREAD, _POSITIONS = 2.0, 25
-"""Bands of 95 %, looked at so many times along each axis: a curve bends little between two of them."""
-_SURE = 0.1
-"""Share of the index above which the posterior is no Gaussian: where a bound is below it, nothing is drawn."""
+_MOST = 200
+"""Readings whose index is looked for: of time; drawn, they are the worst one or are like it."""
+_ROUNDING = 1e-9
+"""Of the noise: what is less is rounding."""
 
 
 class Linearity(NamedTuple):
-    """bound : m, no machine within the 95 % bands differs by more from its first order at the tool, along the
-        directions that count
+    """largest : the largest ν of a reading; reading : its number, None where nothing was read"""
 
-    largest : the largest ν of a reading, or a bound on it; reading : its number
-    """
-
-    bound: float
     largest: float
     reading: int | None
 
@@ -154,41 +143,10 @@ class Linearity(NamedTuple):
 
 @one_thread()
 def linearity(estimation: Estimation) -> Linearity:
-    """Return how linear machine and readings are."""
-    case, known = estimation.case, estimation.stages.absorbed
-    box, errors, belief = case.description.target.volume, case.errors, known.knowledge.belief
-    bound = linear_along(errors, _sizes(errors, belief.mean, belief.factor, box), box, case.description.target.counted)
-    finest = min((setup.noise for setup in case.description.setups), default=np.inf)
-    left = _beyond(errors, belief.mean, belief.factor, box) / finest
-    if left < _SURE * GAUSSIAN and not case.bends:
-        return Linearity(bound, left, None)
-    found = indices(known, estimation.readings)
-    if not len(found):
-        return Linearity(bound, 0.0, None)
-    worst = int(np.argmax(found))
-    return Linearity(bound, float(found[worst]), estimation.readings[worst].numbered(worst))
-
-
-def _beyond(errors: ErrorModel, mean: Array, factor: Array, box: Box) -> float:
-    """Return what the exact chain does more, m, than the rows of the nominal machine say of a step off the mean.
-
-    B is the bound as a function of sizes, m those of the mean and d those of what is left open. The step makes B(m + d)
-    − B(m), squares of d and products of m with d. Every term of B is a product of sizes, so it grows as fast as the
-    chain can.
-    """
-    centre = _sizes(errors, mean, np.zeros_like(factor), box, rests=False)
-    spread = _sizes(errors, np.zeros(errors.size), factor, box)
-    return linear_to(errors, centre + spread, box) - linear_to(errors, centre, box)
-
-
-def _sizes(errors: ErrorModel, mean: Array, factor: Array, box: Box, rests: bool = True) -> Array:
-    """Return what no term exceeds within its band of 95 % over the volume, (terms,), m or rad."""
-    return np.array([_size(term, mean, factor, box, term.rest if rests else 0.0) for term in errors.terms])
-
-
-def _size(term: Term, mean: Array, factor: Array, box: Box, rest: float) -> float:
-    sides = [np.linspace(*box[axis], _POSITIONS) for axis in term.axes]
-    at = sides[0] if len(sides) == 1 else np.stack([side.ravel() for side in np.meshgrid(*sides)], axis=1)
-    rows = term.rows(at)
-    std = np.sqrt(np.sum((rows @ factor[term.columns]) ** 2, axis=1) + rest**2)
-    return float(np.max(np.abs(rows @ mean[term.columns]) + _SPREAD * std))
+    """Return how linear the readings are, of many those of some."""
+    some = drawn(estimation.readings, _MOST)
+    if not some:
+        return Linearity(0.0, None)
+    found = indices(estimation.stages.absorbed, some)
+    worst, largest = some[int(np.argmax(found))], float(found.max())
+    return Linearity(largest if largest > _ROUNDING else 0.0, worst.numbered(estimation.readings.index(worst)))

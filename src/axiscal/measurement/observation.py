@@ -190,14 +190,6 @@ class Observation:
         covariances: Array = reach @ reach.transpose(0, 2, 1)
         return covariances
 
-    def unknown_sides(self, setup: int, poses: Array, approaches: Array) -> Array:
-        """Return what it adds to the variances of the numbers of readings that nobody said a side, (numbers, m).
-
-        poses, approaches : (m, q)
-        """
-        mounted, levers = self.setups[setup], self.levers(setup, poses)
-        return np.stack([self._unknown_sides(mounted, each, poses, approaches) for each in levers])
-
     def _unknown_sides(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
         """Return what it adds to the variance that nobody said from which side a moving axis came, (m,) m² or rad².
 

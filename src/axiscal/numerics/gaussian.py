@@ -260,12 +260,3 @@ def settled(values: Array, vectors: Array) -> Array:
             found[:, column] = left @ left[nearest] / lengths[nearest]
             left = left - np.outer(found[:, column], found[:, column] @ left)
     return found
-
-
-def positive_root(difference: Array, variances: Array) -> Array:
-    """Return E with E Eᵀ the positive part of a difference of covariances, judged in units of `variances`, (n,)."""
-    scale = np.sqrt(np.maximum(variances, np.finfo(float).tiny))
-    values, vectors = np.linalg.eigh(difference / scale[:, None] / scale)
-    kept = values > 0
-    root: Array = scale[:, None] * vectors[:, kept] * np.sqrt(values[kept])
-    return root

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.accuracy.criterion import Gram, Root, joint_root
+from axiscal.estimation.accuracy.criterion import Root, joint_root
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
@@ -181,7 +181,7 @@ def rows_root(case: Case) -> Root:
         if goal > 0:
             parts.append(_own(asked, case) * BAND / goal)
     stacked = np.concatenate(parts)
-    return Gram(stacked.T @ stacked).root
+    return Root.of_gram(stacked.T @ stacked)
 
 
 def _own(asked: AskedRow, case: Case) -> Array:

@@ -34,7 +34,6 @@ _FILTERS = {
 }
 _CODES = {
     "accepted": later("accepted mistake"),
-    "aliasing": later("targets too regular"),
     "prior-misfit": later("not as stated beforehand"),
     "copies": later("readings that come twice"),
     "resolution": later("steps of the display"),

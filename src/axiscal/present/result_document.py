@@ -12,7 +12,6 @@ from axiscal.present.plane_summary import PlaneSummary
 from axiscal.present.summary import (
     CurveSummary,
     HistoryRow,
-    Linear,
     Position,
     Rejection,
     Summary,
@@ -33,7 +32,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         **_expanded(summary),
         **_kept(summary, "unseen_rms_um"),
         "budget": [_kept(row, "rms_um share", source=row.words) for row in summary.budget],
-        **_linear(summary.linear),
+        **_kept(summary, "nonlinearity"),
         **_targets(summary),
         "history": [_history(row) for row in summary.history],
         "errors": {curve.name: _curve(curve) for curve in (*summary.curves, *summary.reversals)},
@@ -97,12 +96,6 @@ def _targets(summary: Summary) -> dict[str, Any]:
 def _agreement(found: ReadingAgreement) -> dict[str, Any]:
     explained = [_kept(each, "mistake odds setups", text=each.words) for each in found.explained]
     return _kept(found, "count agreeing c2 p contradict") | {"explained": explained, "text": found.words}
-
-
-def _linear(found: Linear | None) -> dict[str, Any]:
-    if found is None:
-        return {"linear_to_um": None, "nonlinearity": None}
-    return _kept(found, "", linear_to_um=found.bound_um, nonlinearity=found.index)
 
 
 def _expanded(summary: Summary) -> dict[str, Any]:

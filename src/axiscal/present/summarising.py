@@ -43,7 +43,6 @@ from axiscal.present.summary import (
     Finding,
     HistoryRow,
     Iso230,
-    Linear,
     RecordState,
     Rejection,
     SetupUse,
@@ -154,7 +153,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         particulars=description.particulars,
         checksums=_checksums(campaign),
         ended=_ended(campaign),
-        linear=linear_of(linear),
+        nonlinearity=linear.largest,
     )
 
 
@@ -276,11 +275,6 @@ def _temperature(setup: Setup) -> str:
     if not setup.growth:
         return ""
     return said("{growth:.3g} um/m against 20 degC", growth=float(setup.growth * 1e6))
-
-
-def linear_of(found: Linearity) -> Linear:
-    """Return the same in display units."""
-    return Linear(to_unit(found.bound, "um"), found.largest)
 
 
 def not_gaussian(found: Linearity) -> Iterator[Finding]:

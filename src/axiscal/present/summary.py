@@ -115,7 +115,7 @@ class ConstantSummary:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A warning: `code` is one of accepted aliasing prior-misfit drift outlier unobservable copies …"""
+    """A warning: `code` is one of accepted prior-misfit drift outlier unobservable copies …"""
 
     code: str
     error: str | None
@@ -225,17 +225,6 @@ class Uncertainty:
 
 
 @dataclass(frozen=True, slots=True)
-class Linear:
-    """How linear machine and readings are.
-
-    bound_um : no machine within the bands differs by more from its first order; index : the largest ν of a reading
-    """
-
-    bound_um: float
-    index: float
-
-
-@dataclass(frozen=True, slots=True)
 class Summary:
     """Everything the report shows.
 
@@ -284,4 +273,4 @@ class Summary:
     particulars: Particulars = NOTHING_SAID
     checksums: Mapping[str, str] = field(default_factory=dict)
     ended: str = ""
-    linear: Linear | None = None
+    nonlinearity: float | None = None
