@@ -1,4 +1,4 @@
-"""How both pages answer: files, documents that FastAPI describes, refusals as documents, defects that hide nothing."""
+"""How the page answers: files, documents that FastAPI describes, refusals as documents, defects that hide nothing."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _NOTHING_HERE = {
 
 
 def page_application(page: str, files: tuple[str, ...], language: str, **settings: Any) -> FastAPI:
-    """Return the application of a page, which begins with the head of all, with the files that it loads.
+    """Return the application of a page, with the files that it loads.
 
     language : of the page, whose messages it is given; settings : as of FastAPI
     Its guard asks for token or cookie; here they are only described.
@@ -86,8 +86,7 @@ def _words(language: str) -> Callable[[Request], Response]:
 
 async def _file(name: str, request: Request) -> Response:
     kind, folder = name.rpartition(".")[2], resources.files("axiscal.web").joinpath("static")
-    begins = folder.joinpath("head.html").read_bytes() if kind == "html" else b""
-    return Response(begins + folder.joinpath(name).read_bytes(), media_type=_KINDS[kind])
+    return Response(folder.joinpath(name).read_bytes(), media_type=_KINDS[kind])
 
 
 async def _malformed(request: Request, failure: Exception) -> Response:

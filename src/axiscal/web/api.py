@@ -1,7 +1,4 @@
-"""The routes of a campaign: the page, its files, and the JSON API, version 1.
-
-And the routes of the form that makes a first description.
-"""
+"""The routes of a campaign: the page, its files, and the JSON API, version 1."""
 
 from __future__ import annotations
 
@@ -12,15 +9,12 @@ from typing import Annotated
 
 from fastapi import FastAPI, Query, Response
 from fastapi.responses import FileResponse
-from starlette.background import BackgroundTask
 
-from axiscal.answers.answer import AnswerDocument
-from axiscal.language.spoken import LANGUAGES, speaking
+from axiscal.language.spoken import LANGUAGES
 from axiscal.present.guide.progress import TableLeft
 from axiscal.web.answering import ROOT, Language, document, page_application, problem
 from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
-from axiscal.web.first_desk import FirstDesk, FirstRequest, SourceQuery
 from axiscal.web.guard import Admission, Guard
 from axiscal.web.shapes import (
     CostQuery,
@@ -144,42 +138,3 @@ def _watching(counter: Counter) -> Callable[[FastAPI], AbstractAsyncContextManag
         watch.cancel()
 
     return lifespan
-
-
-_FORM_FILES = ("page.css", "first.css", "elements.js", "first.js", "words.js", "icon.svg")
-
-
-def first_application(desk: FirstDesk, admitted: Admission, language: str, done: Callable[[], None]) -> Guard:
-    """Return the form behind its guard; done : called when the files are written and the page has been told."""
-    api = _FirstApi(desk, language, done)
-    app = page_application("first.html", _FORM_FILES, language, openapi_url=None)
-    app.get(f"{ROOT}/first")(api.form)
-    app.get(f"{ROOT}/first/machine")(api.machine)
-    app.post(f"{ROOT}/first/preview")(api.preview)
-    app.post(f"{ROOT}/first/files")(api.write)
-    return Guard(app, admitted)
-
-
-class _FirstApi:
-    """What the routes answer, each on a thread of its own."""
-
-    def __init__(self, desk: FirstDesk, language: str, done: Callable[[], None]) -> None:
-        self._desk, self._language, self._done = desk, language, done
-
-    def form(self) -> Response:
-        return self._answer(self._desk.form)
-
-    def machine(self, query: Annotated[SourceQuery, Query()]) -> Response:
-        return self._answer(lambda: self._desk.machine(query.source))
-
-    def preview(self, asked: FirstRequest) -> Response:
-        return self._answer(lambda: self._desk.preview(asked))
-
-    def write(self, asked: FirstRequest) -> Response:
-        answer = self._answer(lambda: self._desk.write(asked))
-        answer.background = BackgroundTask(self._done)
-        return answer
-
-    def _answer(self, step: Callable[[], AnswerDocument]) -> Response:
-        with speaking(self._language):
-            return document(step())

@@ -6,7 +6,6 @@ import asyncio
 import logging
 import socket
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from types import FrameType
 
@@ -14,9 +13,8 @@ import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from axiscal.exceptions import InputError
-from axiscal.web.api import application, first_application
+from axiscal.web.api import application
 from axiscal.web.counter import Counter
-from axiscal.web.first_desk import FirstDesk
 from axiscal.web.guard import Admission, Guard
 
 _LOOPBACK = "127.0.0.1"
@@ -41,25 +39,6 @@ def serve_record(record: Path, port: int, language: str, ready: Callable[[str], 
     finally:
         left = counter.close()
     return left
-
-
-def serve_first(desk: FirstDesk, port: int, language: str, ready: Callable[[str], None]) -> bool:
-    """Serve the form of a first description until its files are written, or Ctrl-C; return whether they are.
-
-    Arguments and errors as of `serve_record`.
-    """
-    servers: list[_Server] = []
-
-    def done() -> None:
-        for server in servers:
-            server.should_exit = True
-
-    with _listening(port) as listener, suppress(KeyboardInterrupt):
-        admitted = Admission(int(listener.getsockname()[1]))
-        form = first_application(desk, admitted, language, done)
-        servers.append(_server(form, lambda: None, lambda: ready(admitted.address)))
-        servers[0].run(sockets=[listener])
-    return desk.written
 
 
 def _listening(port: int) -> socket.socket:
