@@ -75,8 +75,6 @@ def render(summary: Summary) -> str:
         "first_number": sentences.first_number_words(summary),
         "pairs": pairs(summary),
         "words": words(),
-        "accuracy": figures.accuracy(summary) if summary.history else None,
-        "innovations": figures.innovations(summary),
         "before": [row for row in summary.history if not row.position],
         "listed": listed(summary),
         "flagged": {warning.error: warning.code for warning in summary.warnings if warning.error},

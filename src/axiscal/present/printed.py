@@ -28,7 +28,6 @@ from axiscal.present.sentences import (
     curve_note,
     figure,
     files_of_controls,
-    first_number_words,
     iso_name,
     left_out_words,
     pairs,
@@ -161,12 +160,10 @@ class _Document:
 
     def _pictures(self) -> dict[str, Any]:
         s = self._summary
-        innovations = figures.innovations(s)
         return {
             "positioning": [self._named(each.axis, self._drawn(figures.positioning_figure(each), _PANEL))
                             for each in s.positioning],
             "circles": [self._named(each.setup, self._file(alone(circle_picture(each, _PANEL)))) for each in s.circles],
-            "accuracy": self._drawn(figures.accuracy(s), _WIDE) if s.history else None,
             "true": s.truth is not None,
             "groups": [*self._groups(s.curves), *self._groups(s.reversals)],
             "planes": [
@@ -184,7 +181,6 @@ class _Document:
                 ]}
                 for block in s.iso230
             ],
-            "innovations": None if innovations is None else self._drawn(innovations, _WIDE),
         }  # fmt: skip
 
     def _named(self, name: str, file: str) -> dict[str, str]:
@@ -206,17 +202,9 @@ class _Document:
 
     def _last(self) -> dict[str, Any]:
         s = self._summary
-        agreement = [
-            said(
-                "Each reading against what was expected just before it. The band is ±2 standard deviations: about one "
-                "in twenty may lie outside."
-            ),
-            *first_number_words(s),
-        ]
         people = (said("Operator"), s.particulars.operator), (said("Responsible"), s.particulars.responsible)
         programs = ", ".join(f"{name} {version}" for name, version in sorted(s.versions.items()))
         return {
-            "agreement": agreement,
             "rejected": [_rejected(each) for each in s.rejected],
             "unseen": [spelt(each) for each in s.observability],
             "questions": list(s.questions),

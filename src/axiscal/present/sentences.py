@@ -132,10 +132,10 @@ def volume_words(summary: Summary) -> str:
     return said(parked if volume.parked else alone, **told)
 
 
-def first_number_words(summary: Summary) -> list[str]:
-    """Return which number of a reading with several is compared, where there is such a reading."""
+def first_number_words(summary: Summary) -> str:
+    """Return which number of a reading with several is compared, "" where there is no such reading."""
     several = any(row.others for row in summary.history)
-    return [said("A reading with several numbers shows the first, along x.")] if several else []
+    return said("A reading with several numbers shows the first, along x.") if several else ""
 
 
 def left_out_words(block: Iso230) -> str:
