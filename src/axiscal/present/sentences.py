@@ -287,23 +287,6 @@ def _equipment(each: Equipment) -> str:
     return ", ".join(part for part in (each.serial, certificate) if part)
 
 
-def setup_rows(summary: Summary) -> list[list[str]]:
-    """Return a row for each set-up: name, instrument, serial number, certificate, along, moves, noise, readings."""
-    return [
-        [
-            use.name,
-            use.instrument,
-            use.serial or said(UNSAID),
-            use.certificate or said(UNSAID),
-            use.direction,
-            " ".join(use.moves),
-            spelt(use.noise),
-            str(use.readings),
-        ]
-        for use in summary.setups
-    ]
-
-
 _CAUSES = {
     "scale": later("Scale of the {owner}"),
     "air": later("Refraction of air"),
