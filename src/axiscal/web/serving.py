@@ -22,13 +22,14 @@ _ASKING, _BURST, _PATIENCE, _HEAD = 100, 100, 5.0, 16 * 1024
 """Connections that have not asked to the end; those taken in at once; seconds to ask in; bytes of a request's head."""
 
 
-def serve_record(record: Path, port: int, language: str, ready: Callable[[str], None]) -> str:
+def serve_record(record: Path, port: int, ready: Callable[[str], None]) -> str:
     """Serve the page of a record until Ctrl-C; return a sentence on what was broken off, "" where nothing was.
 
-    language : of the page; port : 0 is any that is free; ready : called with the address once the page answers
+    Page and answers are in the language that is spoken.
+    port : 0 is any that is free; ready : called with the address once the page answers
     Raises RecordError if that is no record, InputError if the port is taken.
     """
-    counter = Counter.open(record, language)
+    counter = Counter.open(record)
     try:
         with _listening(port) as listener:
             admitted = Admission(int(listener.getsockname()[1]))

@@ -134,11 +134,10 @@ class CostShape(AnswerDocument):
 
 
 class PictureQuery(AnswerDocument):
-    """How wide the picture is, pixels, of which version, in which language."""
+    """How wide the picture is, pixels, of which version."""
 
     width: Annotated[float, Field(ge=200, le=2000, allow_inf_nan=False)]
     version: Annotated[int, Field(ge=0)] = 0
-    language: Annotated[str, Field(max_length=20)] = "en"
 
 
 class WaitQuery(AnswerDocument):

@@ -1,7 +1,7 @@
 // The dialogue: shows the newest state, sends what is typed, and says which state that answers.
 import { element, find, hear } from "/elements.js";
 import { drawDirection, shown, strip, unitText } from "/pictures.js";
-import { LANGUAGE, said, translate } from "/words.js";
+import { said, translate } from "/words.js";
 
 const ROOT = "/api/1";
 let state = null;
@@ -23,10 +23,8 @@ function show(id, visible) {
 }
 
 async function call(path, body) {
-  const headers = { "Accept-Language": LANGUAGE };
-  const posted = { method: "POST", headers: { ...headers, "Content-Type": "application/json" }, body: JSON.stringify(body) };
-  const asking = body === undefined ? { headers } : posted;
-  const answer = await fetch(ROOT + path, asking);
+  const posted = { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
+  const answer = await fetch(ROOT + path, body === undefined ? {} : posted);
   return { ok: answer.ok, status: answer.status, document: await answer.json() };
 }
 
@@ -207,7 +205,7 @@ function drawMachine() {
   const place = find(mounting ? "mount-drawing" : "machine-drawing"), width = Math.round(Math.min(place.clientWidth, 900));
   if (width < 200) return;
   const picture = place.querySelector("img") ?? place.appendChild(document.createElement("img"));
-  const asked = new URLSearchParams({ width, version: state.version, language: LANGUAGE });
+  const asked = new URLSearchParams({ width, version: state.version });
   picture.alt = said("How the instrument stands: {instrument}", { instrument: said(question.instrument) });
   if (picture.getAttribute("src") !== `/setup.svg?${asked}`) picture.src = `/setup.svg?${asked}`;
 }
