@@ -153,7 +153,7 @@ def test_a_whole_campaign_by_keyboard_alone(browser: Browser, tmp_path: Path) ->
         page.until("document.activeElement.id === 'field'")
         tab_to(page, "stop")
         page.press("Enter")
-        page.until("document.getElementById('table-words').textContent.startsWith('with its table')")
+        page.until("document.getElementById('stop-words').textContent.startsWith('Now ')")
         looked_at(page)
         assert focus(page) == "not-stop"
         page.press("Enter")
@@ -223,7 +223,7 @@ def test_the_page_speaks_german_and_so_do_its_answers(browser: Browser, tmp_path
         assert refused.startswith("„zwei“ ist ")
         tab_to(page, "stop")
         page.press("Enter")
-        page.until("document.getElementById('table-words').textContent.startsWith('mit ihrer Tabelle')")
+        page.until("document.getElementById('stop-words').textContent.startsWith('Jetzt ')")
         looked_at(page)
         assert page.complaints() == []
 

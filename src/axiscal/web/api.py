@@ -10,7 +10,6 @@ from typing import Annotated
 from fastapi import FastAPI, Query, Response
 from fastapi.responses import FileResponse
 
-from axiscal.present.guide.progress import TableLeft
 from axiscal.web.answering import ROOT, document, page_application, problem
 from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
@@ -25,7 +24,6 @@ from axiscal.web.shapes import (
     SkipRequest,
     StateShape,
     StepRequest,
-    TableQuery,
     TypedQuery,
     TypedShape,
     WaitQuery,
@@ -49,7 +47,6 @@ def application(counter: Counter, admitted: Admission) -> Guard:
     app.get("/setup.svg", include_in_schema=False)(api.setup_picture)
     app.get(f"{ROOT}/state", response_model=StateShape)(api.state)
     app.get(f"{ROOT}/typed", response_model=TypedShape)(api.typed)
-    app.get(f"{ROOT}/table", response_model=TableLeft)(api.table)
     app.get(f"{ROOT}/cost", response_model=CostShape)(api.cost)
     app.post(f"{ROOT}/readings", response_model=DoneShape)(api.keep)
     app.post(f"{ROOT}/skips", response_model=DoneShape)(api.skip)
@@ -73,10 +70,6 @@ class _Api:
     async def typed(self, query: Annotated[TypedQuery, Query()]) -> Response:
         """What a typed text would mean for the question that is open."""
         return document(self._counter.read(query.text))
-
-    async def table(self, query: Annotated[TableQuery, Query()]) -> Response:
-        """What the table of a control would reach if the campaign ended now."""
-        return document(await self._counter.ask(lambda desk: desk.table(query.control)))
 
     async def cost(self, query: Annotated[CostQuery, Query()]) -> Response:
         """What skipping the reading costs, or leaving its set-up."""

@@ -16,7 +16,7 @@ from axiscal.campaign.ending import Ended, because_text
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.language.spoken import decimals, said
 from axiscal.present.guide.answers import Value, answer
-from axiscal.present.guide.progress import TableLeft, results_beside, table_left
+from axiscal.present.guide.progress import results_beside
 from axiscal.present.guide.question import SURPRISING, Question, asked_text
 from axiscal.present.guide.taking_back import contradictions, doubted, others_doubted, take_back
 from axiscal.present.plan_answer import coming_answer
@@ -156,10 +156,6 @@ class Desk:
     def setup_picture(self, width: float) -> str:
         """Return the set-up of the next reading, on the machine, as SVG; "" if there is none.  width : pixels"""
         return picture_of_setup(self.campaign, width)
-
-    def table(self, control: str) -> TableLeft:
-        """Return what the table of a control would do if the campaign ended now; raises TableError for no control."""
-        return table_left(self.campaign, control)
 
     def cost(self, *, rest: bool) -> CostShape:
         """Return what skipping the reading costs, or leaving its set-up."""

@@ -317,27 +317,10 @@ function asksForNote(visible) {
   else home();
 }
 
-// What the table of the chosen control would reach; the choice is remembered.
-async function askTable() {
-  const control = find("control").value;
-  localStorage.setItem("control", control);
-  text("table-words", said("one moment"));
-  const { ok, document: table } = await call(`/table?control=${encodeURIComponent(control)}`);
-  if (control !== find("control").value) return;
-  const reached = () => said("with its table {expected} µm RMS is to be expected, without it {before}", { expected: shown(table.expected_um), before: shown(table.before_um) });
-  text("table-words", !ok ? table.sentence : table.refusal || reached());
-}
-
 function asksToStop(visible) {
   const p = state.progress, figures = { now: shown(p.now.rms_um), count: p.coming, minutes: shown(Math.ceil(p.left_minutes), 0), promised: shown(p.promised.rms_um) };
   text("stop-words", said("Now {now} µm RMS; with the readings to come ({count}), in about {minutes} minutes, {promised} µm.", figures));
   show("stopping", visible);
-  if (visible) {
-    const control = find("control"), last = localStorage.getItem("control");
-    control.replaceChildren(...state.controls.map((name) => element("option", name)));
-    control.value = state.controls.includes(last) ? last : "linuxcnc";
-    askTable();
-  }
   if (visible) find("not-stop").focus();
   else home();
 }
@@ -361,7 +344,6 @@ on("note-form", "submit", async () => {
   find("sentence").value = "";
   asksForNote(false);
 });
-on("control", "change", askTable);
 on("not-skip", "click", () => asksForReason(false));
 on("skip-form", "submit", async () => {
   const done = await plain("/skips", { reason: find("reason").value, rest: giving === "leave" });
