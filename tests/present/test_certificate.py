@@ -1,4 +1,4 @@
-"""The certificate and the CSV files: elements in the order of DCC 3.3.0, the numbers of the summary, schemas used."""
+"""The certificate and the CSV files: elements in the order of DCC 3.3.0, the numbers of the summary."""
 
 from __future__ import annotations
 
@@ -7,13 +7,11 @@ import io
 import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from axiscal.exceptions import ReadingError
-from axiscal.present.calibration_certificate import certificate, check_against
+from axiscal.present.calibration_certificate import certificate
 from axiscal.present.data_files import data_files
 from axiscal.present.result_document import result_json
 from axiscal.present.sentences import values_text
@@ -114,24 +112,6 @@ def test_numbers_are_written_as_the_schema_wants_them(root: ET.Element) -> None:
 def test_any_text_makes_a_certificate_that_parses() -> None:
     text = certificate(_with_every_text(five_axis_summary(2), HOSTILE + "\ud800\x07"))
     assert "alert(1)" in "".join(ET.fromstring(text).itertext())
-
-
-SCHEMA = """<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema" targetNamespace="https://ptb.de/dcc">
-<xs:element name="{name}"><xs:complexType><xs:sequence>
-<xs:any minOccurs="0" maxOccurs="unbounded" processContents="skip"/></xs:sequence>
-<xs:attribute name="schemaVersion"/></xs:complexType></xs:element></xs:schema>"""
-
-
-def test_a_schema_at_hand_is_used(tmp_path: Path) -> None:
-    schema, document = tmp_path / "dcc.xsd", certificate(five_axis_summary(2))
-    schema.write_text(SCHEMA.format(name="digitalCalibrationCertificate"))
-    check_against(schema, document, tmp_path / "c.xml")
-    schema.write_text(SCHEMA.format(name="other"))
-    with pytest.raises(ReadingError, match=r"c\.xml|another version"):
-        check_against(schema, document, tmp_path / "c.xml")
-    schema.write_text("<not a schema")
-    with pytest.raises(ReadingError, match="cannot be used"):
-        check_against(schema, document, tmp_path / "c.xml")
 
 
 def test_csv_files_hold_what_the_summary_holds() -> None:

@@ -26,9 +26,6 @@ def start(
         Path | None,
         typer.Argument(metavar="RECORD", help="The record to make; default: the campaign's name with .axiscal, here."),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Folder for the record, instead of RECORD.")
-    ] = None,
     compensation_active: Active = None,
     json: Json = False,
 ) -> None:
@@ -43,12 +40,8 @@ def start(
       axiscal step start campaign.toml mill.axiscal --compensation-active machine.ini
     """
 
-    if record is not None and out is not None:
-        raise typer.BadParameter("give either RECORD or --out, not both")
     description = answered(campaign_with_sisters(campaign, told=tell), compensation_active, asking=not json)
-    path = record or (out or Path()) / f"{campaign.stem}.axiscal"
-    if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
+    path = record or Path(f"{campaign.stem}.axiscal")
     with _begun(path, description) as opened:
         tell_out_of_reach(opened)
         tell_unasked(description)
