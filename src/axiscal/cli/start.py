@@ -12,7 +12,7 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.compensation_active import Active, answered
-from axiscal.cli.printing import say, say_document, tell
+from axiscal.cli.printing import say_either, tell
 from axiscal.cli.progress import tell_out_of_reach, tell_unasked
 from axiscal.description.campaign import CampaignDescription
 from axiscal.language.spoken import counted, said, speaking
@@ -46,15 +46,13 @@ def start(
         tell_out_of_reach(opened)
         tell_unasked(description)
         planned = opened.prepared()
-    if json:
-        say_document({"schema": "axiscal-start/1", "record": str(path)})
-    else:
-        with speaking(chosen(None)):
-            setups = counted("{count} set-up", "{count} set-ups", len(description.setups))
-            readings = counted("{count} reading", "{count} readings", len(planned))
-            ready = "{record} is ready: {machine}, {setups}, {readings} planned."
-            say(said(ready, record=path, machine=description.machine.name, setups=setups, readings=readings))
-            say(said("Take the readings: axiscal measure {record}", record=path))
+    with speaking(chosen(None)):
+        setups = counted("{count} set-up", "{count} set-ups", len(description.setups))
+        readings = counted("{count} reading", "{count} readings", len(planned))
+        ready = "{record} is ready: {machine}, {setups}, {readings} planned."
+        words = said(ready, record=path, machine=description.machine.name, setups=setups, readings=readings)
+        coming = said("Take the readings: axiscal measure {record}", record=path)
+        say_either(json, "axiscal-start/1", {"record": str(path)}, [words, coming])
 
 
 @contextmanager
