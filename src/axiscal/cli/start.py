@@ -11,7 +11,6 @@ import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json
-from axiscal.cli.compensation_active import Active, answered
 from axiscal.cli.printing import say_either, tell
 from axiscal.cli.progress import tell_out_of_reach, tell_unasked
 from axiscal.description.campaign import CampaignDescription
@@ -26,21 +25,18 @@ def start(
         Path | None,
         typer.Argument(metavar="RECORD", help="The record to make; default: the campaign's name with .axiscal, here."),
     ] = None,
-    compensation_active: Active = None,
     json: Json = False,
 ) -> None:
     """Begin a campaign: make its record.
 
-    The record carries both descriptions; later changes of the files do not touch it. Where nobody has said whether a
-    compensation is active on the control, a person at a terminal is asked.
+    The record carries both descriptions; later changes of the files do not touch it.
 
     \b
-    Examples:
+    Example:
       axiscal step start campaign.toml mill.axiscal
-      axiscal step start campaign.toml mill.axiscal --compensation-active machine.ini
     """
 
-    description = answered(campaign_with_sisters(campaign, told=tell), compensation_active, asking=not json)
+    description = campaign_with_sisters(campaign, told=tell)
     path = record or Path(f"{campaign.stem}.axiscal")
     with _begun(path, description) as opened:
         tell_out_of_reach(opened)

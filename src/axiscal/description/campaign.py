@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import glob
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -86,15 +85,6 @@ class CampaignDescription:
         known = ", ".join(f'"{setup.name}"' for setup in self.setups)
         remedy = "The set-ups are {known}"
         raise DescriptionError("there is no set-up {name}", remedy, self.source, name=shown(name), known=known)
-
-
-def with_compensation(description: CampaignDescription, active: bool | tuple[str, ...]) -> CampaignDescription:
-    """Return the campaign with the statement of an active compensation, in its text too, before the machine."""
-    said = json.dumps(active if isinstance(active, bool) else list(active), ensure_ascii=False)
-    lines = description.text.splitlines(keepends=True)
-    place = (Document.parse(description.text, description.source).line("machine") or 1) - 1
-    text = "".join([*lines[:place], f"compensation_active = {said}\n", *lines[place:]])
-    return replace(description, text=text, compensation_active=active)
 
 
 def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool = True) -> CampaignDescription:
