@@ -17,7 +17,7 @@ from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import said, speaking, spoken_now
 from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
-from axiscal.present.data_files import data_files
+from axiscal.present.data_files import READINGS, readings_csv
 from axiscal.present.result_document import result_json
 from axiscal.present.result_set import RECORD, result_set, write_manifest
 from axiscal.present.statement import NOT_KNOWN
@@ -73,8 +73,7 @@ def _delivered(
             write_report(summary, folder / "report.pdf", language)
         write_report(summary, folder / "certificate.xml")
         (folder / "data").mkdir()
-        for name, content in data_files(summary).items():
-            write_whole(folder / "data" / name, content)
+        write_whole(folder / "data" / READINGS, readings_csv(summary))
         write_manifest(folder, record_state(campaign), summary.versions)
     return summary
 
