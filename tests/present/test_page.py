@@ -31,7 +31,6 @@ from axiscal.present.summary import (
     SetupUse,
     Summary,
     TableOffer,
-    TruthCheck,
     Uncertainty,
 )
 from tests.generators.answers import aim, answer, answer_row
@@ -173,7 +172,6 @@ def five_axis_summary(readings: int = 60) -> Summary:
         ],
         target_rms_um=2.0,
         target_worst_um=4.0,
-        truth=TruthCheck(1.93, 1.71, 22.4),
         iso230=[block],
         agreement=ReadingAgreement(60, 59, 1.03, 0.4, words="59 of 60 readings agree with the others"),
         versions={"axiscal": "0.1.0", "numpy": "2.2.0"},

@@ -19,7 +19,6 @@ from axiscal.present.summary import (
     HistoryRow,
     Rejection,
     Summary,
-    TruthCheck,
     Uncertainty,
 )
 from tests.generators.answers import answer
@@ -102,7 +101,6 @@ SUMMARY = Summary(
     observability=["one sentence"],
     rejected=[Rejection(2, "laser", {"X": 1.0}, 99.0, "too far off")],
     warnings=[Finding("lack-of-fit", "EXX", "finer than this model")],
-    truth=TruthCheck(9.1, 8.8),
     versions={"numpy": "2", "axiscal": "0.1.0"},
 )
 
@@ -117,7 +115,6 @@ def test_the_document_is_what_the_contract_says() -> None:
     assert read.history[1].position == {"X": 120.0}
     assert document["unseen_rms_um"] == 0.5
     assert (document["U_um"], document["k"], document["U_axis_um"]) == (15.6, 1.71, {"x": 9.0, "y": 8.0, "z": 7.0})
-    assert (document["promised_rms_um"], document["reached_rms_um"]) == (9.1, 8.8)
 
 
 def test_numbers_keep_six_digits_and_zero_has_no_sign() -> None:

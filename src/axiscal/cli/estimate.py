@@ -11,7 +11,6 @@ import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs
-from axiscal.cli.compensation_active import Active, answered
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.placed_log import placed_log
 from axiscal.cli.printing import tell
@@ -39,7 +38,6 @@ def estimate(
     ] = None,
     log: Log = None,
     programs: Programs = Path("programs"),
-    compensation_active: Active = None,
     details: Details = False,
     json: Json = False,
 ) -> None:
@@ -53,17 +51,13 @@ def estimate(
     --log takes the readings from the log that measuring programs have written (axiscal plan --gcode CONTROLLER --log),
     beside those of READINGS.csv, if it is given.
 
-    Where nobody has said whether a compensation was active on the control, a person at a terminal is asked.
-
     \b
     Examples:
       axiscal data estimate campaign.toml readings.csv --out results
-      axiscal data estimate campaign.toml readings.csv --compensation-active false --out results
       axiscal data estimate campaign.toml --log axiscal_3F2A9C01.txt --programs programs --out results
     """
 
     description = campaign_with_sisters(campaign, target_needed=False, asking=False, told=tell)
-    description = answered(description, compensation_active, asking=not json)
     if readings is None and log is None:
         raise typer.BadParameter("give READINGS.csv or --log FILE")
     placed, extras = tuple[Reading, ...](), Extras()

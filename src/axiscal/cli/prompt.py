@@ -8,8 +8,8 @@ from __future__ import annotations
 from enum import Enum, auto
 from pathlib import Path
 
-from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
-from axiscal.answers.answer_words import minutes_text
+from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, standing_answer
+from axiscal.answers.answer_words import answer_text, columns, minutes_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.cli.printing import ask, say
@@ -18,7 +18,7 @@ from axiscal.cli.texts import um_text
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, said
 from axiscal.present.guide.answers import ACTIONS, Value, Word, action, answer
-from axiscal.present.guide.progress import Progress, controls_of, table_left
+from axiscal.present.guide.progress import Progress
 from axiscal.present.guide.question import BAND, SURPRISING, Question, mount_sentence, mount_steps
 from axiscal.present.guide.taking_back import contradictions, doubted, others_doubted, take_back
 from axiscal.record.events import Asked
@@ -162,8 +162,8 @@ class Prompt:
         coming = counted("{count} reading", "{count} readings", now.coming)
         minutes, promised = minutes_text(now.left_minutes, coming=True), um_text(now.promised.rms_um)
         say("  " + said(stands, now=um_text(now.now.rms_um), coming=coming, minutes=minutes, promised=promised))
-        for line in tables_lines(self.campaign):
-            say(f"  {line}")
+        rows = answer_text(standing_answer(self.campaign), "", "").rows
+        say("\n".join(columns(rows)) if rows else "")
         choice = said("Type yes to end it here and write the results, Enter to go on:")
         if ask(f"  {choice} ").strip().lower() not in ("yes", "y", said("yes")):
             return _Then.SAME
@@ -201,17 +201,6 @@ class Prompt:
             case "pause":
                 return _Then.PAUSE
         return _Then.SAME
-
-
-def tables_lines(campaign: Campaign) -> list[str]:
-    """Return what the table of each control would reach with the readings so far; those of one figure together."""
-    found: dict[str, list[str]] = {}
-    for control in controls_of(campaign):
-        left = table_left(campaign, control)
-        figures = {"expected": um_text(left.expected_um), "before": um_text(left.before_um)}
-        reached = said("with its table {expected} RMS is to be expected, without it {before}", **figures)
-        found.setdefault(left.refusal or reached, []).append(control)
-    return [f"{', '.join(names)}: {words}" for words, names in found.items()]
 
 
 def help_text() -> str:

@@ -15,7 +15,7 @@ import typer
 
 from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Json
-from axiscal.cli.printing import say, say_document, tell, tell_progress
+from axiscal.cli.printing import say_either, tell, tell_progress
 from axiscal.cli.texts import count_text
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import AxiscalError, InputError, StudyError
@@ -124,22 +124,19 @@ def _write(described: Study, results: Results, folder: Path, ran: Ran, json: boo
     write_whole(page, render(described, found).encode())
     ways = ways_of(described, found)
     said = verdicts(described, ways)
-    if json:
-        say_document({
-            "schema": "axiscal-study/1",
-            "cases": described.count,
-            "computed": ran.computed,
-            "there_before": ran.there,
-            "failed": ran.failed,
-            "said": said,
-            "ways": [_way_document(way) for way in ways],
-            "written": [str(page), str(table), str(results.path)],
-        })  # fmt: skip
-        return
-    for sentence in said:
-        say(sentence.replace("µ", "u"))  # as terminals have it; the page keeps µ
+    document = {
+        "cases": described.count,
+        "computed": ran.computed,
+        "there_before": ran.there,
+        "failed": ran.failed,
+        "said": said,
+        "ways": [_way_document(way) for way in ways],
+        "written": [str(page), str(table), str(results.path)],
+    }
     before = f", {ran.there} were there" if ran.there else ""
-    say(f"{count_text(ran.computed, 'case')} computed{before}. Written: {page}, {table}")
+    done = f"{count_text(ran.computed, 'case')} computed{before}. Written: {page}, {table}"
+    lines = [*(sentence.replace("µ", "u") for sentence in said), done]  # as terminals have it; the page keeps µ
+    say_either(json, "axiscal-study/1", document, lines)
 
 
 def _way_document(way: MeasuringWay) -> dict[str, object]:
@@ -170,13 +167,11 @@ def _foretell(described: Study, workers: int, json: bool) -> None:
     ways = described.count // described.machines
     hours = (ways * seconds[0] + (described.count - ways) * seconds[-1]) / 3600
     wrong = next((done.error for done in found if done.result is None), None)
-    if json:
-        document = {"cases": described.count, "ways": ways, "processor_hours": hours, "workers": workers}
-        say_document({"schema": "axiscal-study-dry-run/1", **document, "failed": wrong})
-    else:
-        taking = f"{hours:.2g} processor hours" if hours >= _HOUR else f"{60 * hours:.2g} processor minutes"
-        of = f"{count_text(ways, 'way')} on {count_text(described.machines, 'machine')}"
-        say(f"{count_text(described.count, 'case')}: {of}. By the first two: about {taking}, on {workers} at a time.")
+    taking = f"{hours:.2g} processor hours" if hours >= _HOUR else f"{60 * hours:.2g} processor minutes"
+    of = f"{count_text(ways, 'way')} on {count_text(described.machines, 'machine')}"
+    words = f"{count_text(described.count, 'case')}: {of}. By the first two: about {taking}, on {workers} at a time."
+    document = {"cases": described.count, "ways": ways, "processor_hours": hours, "workers": workers, "failed": wrong}
+    say_either(json, "axiscal-study-dry-run/1", document, [words])
     if wrong is not None:
         raise StudyError("One of the first two cases cannot be computed: {reason}", "Mend the study", reason=wrong)
 

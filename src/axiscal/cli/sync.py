@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import Json, own_record, records_here
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
 from axiscal.ports.postgres.database import opened_database
 from axiscal.ports.postgres.syncing import Synced, synced
@@ -54,20 +54,15 @@ def sync(
             path, head = opened.path, opened.name
     finally:
         database.close()
-    if json:
-        say_document(_document(path, found) | {"head": head})
-    else:
-        say(_words(path, found))
-        if found.set_back:
-            say(f"Mind: the store had seen event {found.set_back} in {path}: it was set back or changed since.")
+    back = f"Mind: the store had seen event {found.set_back} in {path}: it was set back or changed since."
+    lines = [_words(path, found), *([back] if found.set_back else [])]
+    say_either(json, "axiscal-sync/1", _document(path, found) | {"head": head}, lines)
 
 
 def _tell_prepared(address: str, new: bool, as_json: bool) -> None:
-    if as_json:
-        say_document({"schema": "axiscal-sync/1", "store": address, "prepared": new})
-        return
     state = "is a store now" if new else "is a store already"
-    say(f"{address} {state}. Let people in: GRANT {ROLES[1]} TO anna; to read alone: GRANT {ROLES[0]} TO otto.")
+    words = f"{address} {state}. Let people in: GRANT {ROLES[1]} TO anna; to read alone: GRANT {ROLES[0]} TO otto."
+    say_either(as_json, "axiscal-sync/1", {"store": address, "prepared": new}, [words])
 
 
 def _words(path: Path, found: Synced) -> str:
@@ -92,7 +87,6 @@ def _words(path: Path, found: Synced) -> str:
 
 def _document(path: Path, found: Synced) -> dict[str, object]:
     return {
-        "schema": "axiscal-sync/1",
         "record": str(path),
         "case": found.case,
         "campaign": found.campaign.id,

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import CampaignFile, Json
-from axiscal.cli.printing import say, say_document, tell, tell_progress
+from axiscal.cli.printing import say_either, tell, tell_progress
 from axiscal.cli.texts import count_text
 from axiscal.description.campaign import read_campaign
 from axiscal.document.durable import write_whole
@@ -18,7 +18,7 @@ from axiscal.exceptions import RecordError
 from axiscal.machine import load_machine
 from axiscal.ports.fleet.rehearsal import Imagined, rehearsed
 from axiscal.ports.fleet.type_learning import DIRECTIONS, DOUBT, Saving, learnt_type, saving
-from axiscal.ports.fleet.type_words import error_lines, summary_sentences
+from axiscal.ports.fleet.type_words import ErrorLine, error_lines, summary_sentences
 from axiscal.record.copies import carried_text
 from axiscal.record.opening import gathered
 from axiscal.units import to_unit
@@ -129,25 +129,22 @@ def _files(given: Sequence[Path]) -> list[Path]:
 
 
 def _show(prior: TypePrior, saved: Sequence[str], written: Path | None, as_json: bool) -> None:
-    if as_json:
-        say_document(_document(prior, saved, written))
-        return
-    for sentence in [*saved, *summary_sentences(prior)]:
-        say(sentence)
-    say(f"{'error':14} {'std stated':>12} {'by its type':>12} {'times stated':>13} {'in common':>12}")
-    for line in error_lines(prior):
-        unit = "urad" if line.angular else "um"
-        std = [f"{to_unit(each, unit):.3g} {unit}" for each in (line.stated, line.known)]
-        share = f"{line.share:.0%} ± {line.share_std:.0%}"
-        say(f"{line.name:14} {std[0]:>12} {std[1]:>12} {line.factor:>13.2f} {share:>12}")
-    if written is not None:
-        say(f"Written: {written}")
+    heads = f"{'error':14} {'std stated':>12} {'by its type':>12} {'times stated':>13} {'in common':>12}"
+    rows, files = map(_error_text, error_lines(prior)), [f"Written: {written}"] * (written is not None)
+    lines = (*saved, *summary_sentences(prior), heads, *rows, *files)
+    say_either(as_json, "axiscal-type-learnt/1", _document(prior, saved, written), lines)
+
+
+def _error_text(line: ErrorLine) -> str:
+    unit = "urad" if line.angular else "um"
+    std = [f"{to_unit(each, unit):.3g} {unit}" for each in (line.stated, line.known)]
+    share = f"{line.share:.0%} ± {line.share_std:.0%}"
+    return f"{line.name:14} {std[0]:>12} {std[1]:>12} {line.factor:>13.2f} {share:>12}"
 
 
 def _document(prior: TypePrior, saved: Sequence[str], written: Path | None) -> dict[str, object]:
     lines = error_lines(prior)
     return {
-        "schema": "axiscal-type-learnt/1",
         "records": [
             {
                 "file": each.file,
@@ -198,7 +195,5 @@ def rehearse(
         raise typer.BadParameter(f"a size lies above 0 and is at most {_LARGEST:g}", param_hint="--size")
     described = read_campaign(campaign)
     files = rehearsed(described, Imagined(size, common), machines, out, seed, lambda said: tell_progress(f"{said} ..."))
-    if json:
-        say_document({"schema": "axiscal-type-rehearsed/1", "records": [str(file) for file in files]})
-    else:
-        say(f"{count_text(len(files), 'record')} in {out}. Learn from them: axiscal type learn {out}")
+    words = f"{count_text(len(files), 'record')} in {out}. Learn from them: axiscal type learn {out}"
+    say_either(json, "axiscal-type-rehearsed/1", {"records": [str(file) for file in files]}, [words])

@@ -11,7 +11,7 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Source
 from axiscal.cli.arguments import Json, RecordFile
-from axiscal.cli.printing import say, say_document, tell_progress
+from axiscal.cli.printing import say, say_document, say_either, tell_progress
 from axiscal.document.durable import write_whole
 from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.check import Check
@@ -157,10 +157,7 @@ def _tell_read(file: Path, read: int, of: int) -> None:
 
 
 def _say_next(text: str, json: bool) -> None:
-    if json:
-        say_document({"schema": "axiscal-verify/1", "verdict": None, "next": text})
-    else:
-        say(text)
+    say_either(json, "axiscal-verify/1", {"verdict": None, "next": text}, [text])
 
 
 def _plan(check: Check, chosen: Places, plan: Path | None, json: bool) -> None:
@@ -168,11 +165,6 @@ def _plan(check: Check, chosen: Places, plan: Path | None, json: bool) -> None:
     sheet = check.sheet(chosen)
     if plan is not None:
         write_whole(plan, sheet.encode())
-    if json:
-        say_document({"schema": "axiscal-verify/1", "plan": rows})
-        return
-    for line in plan_lines(rows):
-        say(line)
-    if plan is not None:
-        values = ", ".join(name for name in sheet.splitlines()[0].split(",") if name.startswith("value"))
-        say(f"\nCopy {plan} to found.csv and left.csv, and fill in {values} without the tables and with them.")
+    values = ", ".join(name for name in sheet.splitlines()[0].split(",") if name.startswith("value"))
+    then = f"\nCopy {plan} to found.csv and left.csv, and fill in {values} without the tables and with them."
+    say_either(json, "axiscal-verify/1", {"plan": rows}, [*plan_lines(rows), *([] if plan is None else [then])])

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import glob
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -86,15 +85,6 @@ class CampaignDescription:
         known = ", ".join(f'"{setup.name}"' for setup in self.setups)
         remedy = "The set-ups are {known}"
         raise DescriptionError("there is no set-up {name}", remedy, self.source, name=shown(name), known=known)
-
-
-def with_compensation(description: CampaignDescription, active: bool | tuple[str, ...]) -> CampaignDescription:
-    """Return the campaign with the statement of an active compensation, in its text too, before the machine."""
-    said = json.dumps(active if isinstance(active, bool) else list(active), ensure_ascii=False)
-    lines = description.text.splitlines(keepends=True)
-    place = (Document.parse(description.text, description.source).line("machine") or 1) - 1
-    text = "".join([*lines[:place], f"compensation_active = {said}\n", *lines[place:]])
-    return replace(description, text=text, compensation_active=active)
 
 
 def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool = True) -> CampaignDescription:
@@ -296,33 +286,18 @@ _SLOWEST = 1e-3 / 60
 def read_driving(table: ProgramsTable, machine: Machine, document: Document) -> Driving:
     """Return how programs are driven; raises DescriptionError or UnitError at the line that is wrong."""
     faults, driving = Faults(), Driving(dwell=table.dwell, tcp=table.tcp)
-    for key in ("clearance", "order", "feed"):
-        with faults.noted(), document.placed("programs", key):
-            driving = stated(driving, machine, **{key: getattr(table, key)})
+    if table.clearance is not None:
+        with faults.noted(), document.placed("programs", "clearance"):
+            driving = replace(driving, clearance=_clearance(table.clearance, machine))
+    if table.order is not None:
+        with faults.noted(), document.placed("programs", "order"):
+            driving = replace(driving, order=tuple(tuple(group.split()) for group in table.order.split(",")))
+            move_groups(machine, driving)
+    if table.feed is not None:
+        with faults.noted(), document.placed("programs", "feed"):
+            driving = replace(driving, feed=_feed(table.feed))
     faults.refuse()
     return driving
-
-
-def stated(
-    driving: Driving,
-    machine: Machine,
-    clearance: str | None = None,
-    order: str | None = None,
-    feed: str | None = None,
-    dwell: bool | None = None,
-) -> Driving:
-    """Return the driving with what is said in its place; None leaves it as it is.  Raises as `read_driving` does.
-
-    clearance : "Z=-5 mm"; order : "Z,X Y"; feed : "500 mm/min"
-    """
-    if clearance is not None:
-        driving = replace(driving, clearance=_clearance(clearance, machine))
-    if order is not None:
-        driving = replace(driving, order=tuple(tuple(group.split()) for group in order.split(",")))
-        move_groups(machine, driving)
-    if feed is not None:
-        driving = replace(driving, feed=_feed(feed))
-    return driving if dwell is None else replace(driving, dwell=dwell)
 
 
 def _clearance(text: str, machine: Machine) -> tuple[str, float]:

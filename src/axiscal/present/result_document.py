@@ -86,11 +86,9 @@ def _position(position: Position | None) -> dict[str, float] | None:
 
 
 def _targets(summary: Summary) -> dict[str, Any]:
-    found = _kept(
+    return _kept(
         summary, "target_rms_um target_worst_um", target_U_um=summary.target_u_um, target_reached=summary.target_reached
     )
-    truth = "" if summary.truth is None else "promised_rms_um reached_rms_um"
-    return found | _kept(summary.truth, truth)
 
 
 def _agreement(found: ReadingAgreement) -> dict[str, Any]:

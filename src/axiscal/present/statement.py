@@ -105,11 +105,6 @@ def _figures(summary: Summary) -> Iterator[tuple[str, str]]:
         yield said("part of u that stays open with any reading"), quantity(summary.unseen_rms_um, "um")
     if summary.nonlinearity is not None:
         yield said("largest second order of a reading over its noise"), figure(summary.nonlinearity)
-    if summary.truth is not None:
-        truth = summary.truth
-        promised, reached = (quantity(each, "um") for each in (truth.promised_rms_um, truth.reached_rms_um))
-        text = said("{reached} RMS are left where u promised {promised}", reached=reached, promised=promised)
-        yield said("True errors, known here"), text
 
 
 def _sum(summary: Summary) -> str:

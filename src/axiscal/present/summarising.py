@@ -48,7 +48,6 @@ from axiscal.present.summary import (
     SetupUse,
     Summary,
     TableOffer,
-    TruthCheck,
     Uncertainty,
 )
 from axiscal.present.volume_error import bent_volume, volume_error
@@ -83,7 +82,6 @@ class Extras:
 
     tables: Sequence[TableOffer] = ()
     truth: VirtualMachine | None = None
-    truth_check: TruthCheck | None = None
     iso230: Sequence[Iso230] = ()
     files: Sequence[str] = ()
     warnings: Sequence[Finding] = ()
@@ -139,7 +137,6 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
         target_u_um=None if target.expanded is None else to_unit(target.expanded, "um"),
         target_reached=reaches(target, estimation),
-        truth=extras.truth_check,
         iso230=extras.iso230 or iso230_blocks(description, campaign.state.readings, estimation.left_out),
         versions=versions(),
         files=extras.files,

@@ -161,15 +161,6 @@ class TableEffect:
 
 
 @dataclass(frozen=True, slots=True)
-class TruthCheck:
-    """RMS promised by the estimate against RMS reached, where the truth is known."""
-
-    promised_rms_um: float
-    reached_rms_um: float
-    before_rms_um: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class Iso230:
     """ISO 230-2 figures of one axis: A, E, R, B, M by name.
 
@@ -259,7 +250,6 @@ class Summary:
     target_worst_um: float | None = None
     target_u_um: float | None = None
     target_reached: bool | None = None
-    truth: TruthCheck | None = None
     iso230: Sequence[Iso230] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     files: Sequence[str] = ()

@@ -18,7 +18,7 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import reading_unit, shown_coordinate, value_names
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
-from axiscal.present.guide.progress import Progress, controls_of, due
+from axiscal.present.guide.progress import Progress, due
 from axiscal.present.guide.question import BAND, Expectation, Question, axis_places, mount_sentence, mount_steps, ways
 from axiscal.present.guide.taking_back import last_step
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
@@ -72,7 +72,6 @@ def state_shape(campaign: Campaign, shown: Shown, results: Path) -> StateShape:
         minds=[spelt(each) for each in shown.minds],
         answer=None if shown.answer is None else _answer(campaign, shown.answer, results),
         results=results.name if state.finished is not None and (results / "report.html").is_file() else "",
-        controls=list(controls_of(campaign)),
     )
 
 

@@ -92,7 +92,6 @@ class StateShape(AnswerDocument):
     """All that the page shows. `last` names the state of the record, `version` this document.
 
     minds : what to mind about the last reading; answer : null until it is known for the first time
-    controls : those whose tables can be asked for
     """
 
     document: Literal["axiscal-page/1"] = "axiscal-page/1"
@@ -112,13 +111,6 @@ class StateShape(AnswerDocument):
     minds: list[str]
     answer: AnswerShape | None
     results: str
-    controls: list[str]
-
-
-class TableQuery(AnswerDocument):
-    """A control, by the name that `axiscal export --to` takes."""
-
-    control: Annotated[str, Field(max_length=40)]
 
 
 class CostQuery(AnswerDocument):
@@ -134,11 +126,10 @@ class CostShape(AnswerDocument):
 
 
 class PictureQuery(AnswerDocument):
-    """How wide the picture is, pixels, of which version, in which language."""
+    """How wide the picture is, pixels, of which version."""
 
     width: Annotated[float, Field(ge=200, le=2000, allow_inf_nan=False)]
     version: Annotated[int, Field(ge=0)] = 0
-    language: Annotated[str, Field(max_length=20)] = "en"
 
 
 class WaitQuery(AnswerDocument):
