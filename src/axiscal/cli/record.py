@@ -110,6 +110,8 @@ def record(
             say_document({"schema": "axiscal-record/1", **document})
         else:
             say(f"{message}\n{coming}")
+        if question is None:
+            campaign.go_on()
 
 
 def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:
