@@ -107,6 +107,8 @@ def record(
             document |= {"next": question_document(campaign, question)}
         coming = f"Ask for the next one: axiscal next {record}" if question is None else next_text(campaign, question)
         say_either(json, "axiscal-record/1", document, [message, coming])
+        if question is None:
+            campaign.go_on()
 
 
 def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:

@@ -234,7 +234,7 @@ def plan_basis(case: Case, readings: Sequence[Reading], doubts: Sequence[Doubt])
     noise = {setup.name: setup.noise for setup in case.description.setups}
     said = [f"sizes of {count} readings"] if len(case.sizes) and (count := _learnt_from(len(readings))) else []
     said += [f"{doubt.reading + 1} rejected" for doubt in doubts]
-    passed = int((readings[-1].time or 0.0) // EVERY) if readings else 0
+    passed = int(max((reading.time or 0.0 for reading in readings), default=0.0) // EVERY)
     if passed and any(setup.drift > 0 for setup in case.description.setups):
         said.append(f"{passed} times {EVERY / 60:.0f} min")
     other = [n for n, r in enumerate(readings, 1) if r.std is not None and not _alike(r.std, noise[r.setup])]
