@@ -58,9 +58,9 @@ def plan(
         bool,
         typer.Option(
             "--prove",
-            help="Prove the bound for readings anywhere in the travel, not only for the candidates. For machines whose "
-            "errors add up axis by axis, for set-ups that move two linear axes, and on charts of one or two "
-            "coordinates; takes seconds with one axis, minutes with three.",
+            help="Prove the bound for readings anywhere in the travel, not only for the candidates. For set-ups that "
+            "move up to three axes, and on charts of one coordinate without steps; takes seconds with one axis, "
+            "minutes with three.",
         ),
     ] = False,
     gap: Annotated[

@@ -10,12 +10,13 @@ from axiscal.exceptions import PlanError
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.bound.prove import prove, refuse_setup
+from axiscal.planning.bound.prove import prove
 from axiscal.planning.enough import enough
 from axiscal.planning.gains.candidate_rows import MEMORY
 from axiscal.planning.next_readings import CANDIDATES, columns_of, first_places, planned_places, posed
 from axiscal.planning.plan.plan import Plan, Progress, judged
 from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.step.smooth import regions
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +72,7 @@ def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...], pro
 def refuse_unless_provable(case: Case) -> None:
     """Raise PlanError where no proof for readings anywhere can be had, before any time is spent on a plan."""
     for index in range(len(case.description.setups)):
-        refuse_setup(case.observation, index)
+        regions(case.observation, index)
 
 
 @one_thread()
