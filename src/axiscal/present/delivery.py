@@ -47,7 +47,8 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
         controls = {each.controller: each.control for each in files if each.controller in described.controls}
         answer = answer_of(campaign, estimation, controls, written=True, anyway=extras.anyway)
         offers = [offer for name, each in made.items() for offer in _offers(name, each)]
-        best = min(files, key=lambda each: each.expected, default=None)
+        advised = {step.control for step in answer.steps}
+        best = min(files, key=lambda each: (each.controller not in advised, each.expected), default=None)
         summary = summarise(campaign, estimation, replace(extras, tables=offers, best=best, answer=answer))
         return _delivered(campaign, summary, made, out, language)
 

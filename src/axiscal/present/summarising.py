@@ -60,7 +60,7 @@ _WORDS = {
     "temperature": later("Temperature of the measured material and its expansion"),
     "artefact": later("Artefacts: calibrated lengths, and where they stand"),
     "detail": later("Detail of the machine that the curves do not follow"),
-    "prior": later("The machine's errors as far as these readings leave them open, at the stated sizes"),
+    "prior": later("The machine's errors as far as these readings leave them open"),
     "unseen": later("What no reading with the allowed set-ups can see"),
     "sizes": later("Sizes learnt from the readings, and a model that may be wrong"),
 }
