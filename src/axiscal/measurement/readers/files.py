@@ -29,9 +29,9 @@ from axiscal.document.ports import all_of
 from axiscal.exceptions import UnitError
 from axiscal.machine.names import AXIS_NAME
 from axiscal.measurement.readers import bed_map, renishaw
-from axiscal.measurement.readers.csv_readings import RawReading, of_positioning, read_readings, read_times
-from axiscal.measurement.readers.csv_table import Column, CsvTable, Row, parse_table
-from axiscal.measurement.readers.positioning import PositioningRows, read_positioning
+from axiscal.measurement.readers.csv_readings import RawReading, of_positioning, read_times, readings_of
+from axiscal.measurement.readers.csv_table import Column, CsvTable, Row, table_of
+from axiscal.measurement.readers.positioning import PositioningRows, positioning_rows
 from axiscal.measurement.readers.text import TextFile, read_text
 from axiscal.units import from_unit, parse_quantity
 
@@ -68,13 +68,13 @@ def read_any(path: str | Path) -> tuple[RawReading, ...]:
         return tuple(_node(node) for node in nodes)
     brought: list[FileReader] = all_of(PORTS)
     reader = next((each for each in brought if each.knows(file)), None)
-    return read_readings(path) if reader is None else tuple(reader.read(file))
+    return readings_of(table_of(file)) if reader is None else tuple(reader.read(file))
 
 
 def read_any_positioning(path: str | Path) -> PositioningRows:
     """Read an ISO 230-2 test, a table or a `.rtl` file; raises ReadingError."""
     file: TextFile = read_text(path)
-    return renishaw.rtl_positioning(file) if renishaw.is_rtl(file) else read_positioning(path)
+    return renishaw.rtl_positioning(file) if renishaw.is_rtl(file) else positioning_rows(table_of(file))
 
 
 def _node(node: bed_map.Node) -> RawReading:
@@ -106,7 +106,7 @@ def is_survey(file: TextFile) -> bool:
 
 def survey_readings(file: TextFile) -> tuple[RawReading, ...]:
     """Return the readings, first those of the way there, then those of the way back; raises ReadingError."""
-    head, table = _head(file), parse_table("\n".join(file.lines), file.name)
+    head, table = _head(file), table_of(file)
     station, ways, clock = _columns(table, head)
     _refuse_unread(table, ways, clock)
     places = [row.quantity(station) for row in table.rows]
