@@ -19,13 +19,12 @@ from axiscal.document.durable import is_running
 from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
 from axiscal.measurement.reading import Reading
 from axiscal.ports.postgres import database as database_module
-from axiscal.ports.postgres import tables
 from axiscal.ports.postgres.database import Database, opened_database, store_address
 from axiscal.ports.postgres.server_log import Entry, ServerLog, enter, entries, insert
 from axiscal.ports.postgres.tables import prepare
 from axiscal.record.events import Created, Noted, Recorded
 from axiscal.record.line_form import EventText, chained
-from axiscal.record.log import ChainedText
+from axiscal.record.log import ChainedText, chained_texts
 from axiscal.record.opening import opened_log
 from axiscal.record.store import Record
 from tests.generators.sisters import CAMPAIGN, MACHINE
@@ -445,9 +444,8 @@ def test_the_store_takes_no_name_that_is_none(log: ServerLog, database: Database
 def test_a_store_of_before_is_prepared_once_more(server: RunningServer, database: Database, form: int) -> None:
     database.rows(f"CREATE DATABASE earlier{form}")
     earlier = Database(store_address(server.address(f"earlier{form}")))
-    tables._make(earlier, tables._FIRST, "campaigns", "events")
-    if form > 1:
-        earlier.rows((ROOT / "tests" / "record" / "earlier" / "store-2.sql").read_text())
+    for script in range(1, form + 1):
+        earlier.rows((ROOT / "tests" / "record" / "earlier" / f"store-{script}.sql").read_text())
     with pytest.raises(RecordError, match="sync --prepare"):
         ServerLog.create(earlier, "mill", CREATED)
     assert [prepare(earlier), prepare(earlier)] == [True, False]
@@ -489,6 +487,33 @@ def test_what_a_measurer_holds_open_stops_nobody(log: ServerLog, server: Running
     measurer.close()
     other.close()
     assert log.last() == 6
+
+
+def test_an_entry_that_is_none_is_set_aside_by_the_owner_alone(
+    log: ServerLog, server: RunningServer, address: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    measurer = as_user(server, "measurer")
+    bad = [EventText(AT, "recorded", "{}"), EventText(AT, "noted", '{"text":"behind it"}')]
+    before, texts = log.state(), chained_texts(bad, log.name)
+    insert(measurer, log.entry.id, 3, texts)
+    with pytest.raises(RecordError, match=r"event 4: .*--quarantine store:.*:4"):
+        ServerLog.open(as_user(server, "measurer"), log.entry.id)
+    words = ["sync", "--quarantine", f"store:{log.entry.id}:4", "--store"]
+    assert run([*words, server.address(user="measurer")]) == 1
+    assert "may not do that" in " ".join(capsys.readouterr().err.split())
+    assert run([*words, address]) == 0
+    assert "2 events from 4 on set aside" in capsys.readouterr().out
+    again = ServerLog.open(as_user(server, "measurer"), log.entry.id)
+    assert again.state() == before
+    assert again.append(READING) == 4
+    with pytest.raises(RecordError, match="was set aside"):  # a laptop that still has it cannot bring it back
+        insert(measurer, log.entry.id, 4, texts[:1])
+    assert log._database.rows("SELECT count(*) FROM axiscal.events WHERE payload = '{}'")[0][0] >= 1
+    for text in ("store:4", f"store:{log.entry.id}:x"):
+        assert run(["sync", "--quarantine", text, "--store", address]) == 2
+    assert run(["sync", "--quarantine", f"store:{log.entry.id}:1", "--store", address]) == 1
+    again.close()
+    measurer.close()
 
 
 def test_only_serializable_transactions_add_events(log: ServerLog, server: RunningServer) -> None:

@@ -21,7 +21,7 @@ from axiscal.document.durable import write_whole
 from axiscal.exceptions import AxiscalError, InputError, StudyError
 from axiscal.language.spoken import counted, put
 from axiscal.numerics.stages import counting
-from axiscal.ports.study.cluster import Certificates, Cluster
+from axiscal.ports.study.cluster import Cluster
 from axiscal.ports.study.comparing import MeasuringWay, verdicts, ways_of
 from axiscal.ports.study.outcome import outcome
 from axiscal.ports.study.processes import Processes
@@ -47,9 +47,6 @@ def study(
     scheduler: Annotated[
         str | None, typer.Option(metavar="tcp://HOST:8786", help="Work on a Dask cluster that runs already.")
     ] = None,
-    tls_ca: Annotated[Path | None, typer.Option(metavar="FILE", help="Authority of a tls:// cluster.")] = None,
-    tls_cert: Annotated[Path | None, typer.Option(metavar="FILE", help="Certificate for a tls:// cluster.")] = None,
-    tls_key: Annotated[Path | None, typer.Option(metavar="FILE", help="Key of that certificate.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Compute only the cases that DIR lacks.")] = False,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say how many cases there are and how long they take, from the first two.")
@@ -75,7 +72,7 @@ def study(
         _foretell(described, workers or processors_here(), json)
         return
     folder = out or file.with_name(f"{file.stem}-results")
-    engine = _engine(described, workers, scheduler, Certificates(tls_ca, tls_cert, tls_key))
+    engine = _engine(described, workers, scheduler)
     again = f"axiscal study {file} --out {folder} --resume"
     with Results(folder, described.text, described.digest, versions(), resume) as results:
         ran = _run(described, results, engine, again)
@@ -87,9 +84,9 @@ def study(
         raise StudyError(what, "Mend the study, and begin another --out")
 
 
-def _engine(described: Study, workers: int | None, scheduler: str | None, files: Certificates) -> Engine:
+def _engine(described: Study, workers: int | None, scheduler: str | None) -> Engine:
     if scheduler is not None:
-        cluster = Cluster(scheduler, described.digest, files)
+        cluster = Cluster(scheduler, described.digest)
         if cluster.open_to_others:
             tell(f"Mind: whoever reaches {scheduler} can run anything on its workers. Use tls:// beyond this computer.")
         return cluster

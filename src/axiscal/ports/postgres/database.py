@@ -161,6 +161,11 @@ class Database:
         except _network_failures() as failure:
             found = failure.args[0] if failure.args else ""
             state = str(found.get("C", "")) if isinstance(found, dict) else ""
+            if not state and "SSL" in _words(failure):
+                self.close()
+                what = "The store cannot prove who it is: {reason}"
+                remedy = "Name its authority by SSL_CERT_FILE, or write ?sslmode=prefer in a network that you trust"
+                raise RecordError(what, remedy, self._named, reason=_words(failure)) from failure
             if not state or state.startswith(_GONE):
                 self.close()
                 what = "The store does not answer: {reason}"
@@ -258,10 +263,10 @@ def _line(address: StoreAddress) -> socket.socket:
 
 
 def _tls(address: StoreAddress) -> ssl.SSLContext | Literal[False] | None:
-    """Return the TLS of a connection: False for none, None where the server may choose."""
+    """Return the TLS of a connection: False for none, None where the server may choose; verified unless said."""
     if address.socket or address.sslmode == "disable":
         return False
-    if address.sslmode in ("", "prefer"):
+    if address.sslmode == "prefer":
         return None
     context = ssl.create_default_context()
     if address.sslmode == "require":
@@ -290,7 +295,8 @@ def opened_database(store: str | None = None) -> Database:
 VARIABLE = "AXISCAL_STORE"
 """The variable of the environment that names the store."""
 _FORM = "postgresql://USER@HOST/DATABASE"
-_MODES = "", "disable", "prefer", "require", "verify-ca", "verify-full"
+_VERIFIED = "verify-full"
+_MODES = "disable", "prefer", "require", "verify-ca", _VERIFIED
 """Of TLS, as PostgreSQL names them: none, where the server has it, always, with a certificate that is checked."""
 _IN_PASSWORDS = "in a password / is %2F, ? is %3F, # is %23 and @ is %40"
 _PORT, _LAST_PORT = 5432, 65535
@@ -302,7 +308,7 @@ class StoreAddress:
     """A database on a server.
 
     socket : the folder of its socket on this computer, "" for one reached by the network
-    sslmode : as PostgreSQL names it; "" as "prefer": TLS where the server has it
+    sslmode : as PostgreSQL names it
     """
 
     host: str
@@ -311,7 +317,7 @@ class StoreAddress:
     password: str | None = field(repr=False)
     database: str
     socket: str = ""
-    sslmode: str = ""
+    sslmode: str = _VERIFIED
 
     @property
     def shown(self) -> str:
@@ -339,7 +345,7 @@ def store_address(text: str | None, environment: Mapping[str, str] = os.environ)
         raise no_address
     if "@" in f"{parts.path}{parts.query}{parts.fragment}":  # the password was cut in two
         raise no_address
-    sslmode = options.pop("sslmode", environment.get("PGSSLMODE", ""))
+    sslmode = options.pop("sslmode", "") or environment.get("PGSSLMODE") or _VERIFIED
     host = unquote(options.pop("host", parts.hostname or environment.get("PGHOST", "localhost")))
     if options or sslmode not in _MODES:
         wrong = next(iter(options), f"sslmode={sslmode}")

@@ -92,7 +92,7 @@ class ServerLog(EventLog):
         """Return the log of a campaign, by its name or the beginning of its id, checked; raises RecordError."""
         with _closed_at_a_fault(database):
             refuse_other(database)
-            log = cls(database, _only(name, entries(database, name)), write=write)
+            log = cls(database, only_entry(name, entries(database, name)), write=write)
             log.last()
         return log
 
@@ -185,8 +185,12 @@ class ServerLog(EventLog):
                 self._take(number, text)
         except DamageError as error:
             what = "The campaign in the store is damaged: {reason}"
-            remedy = "Tell whoever keeps the store, to restore it from a backup; nothing was changed"
-            raise RecordError(what, remedy, self.path, reason=error) from error
+            remedy = (
+                "Tell whoever keeps the store: a backup has what was there, and this sets aside what cannot be: "
+                "axiscal sync --quarantine {path}:{first}"
+            )
+            first = len(self._texts) + 1
+            raise RecordError(what, remedy, self.path, reason=error, path=self.path, first=first) from error
 
     def _new(self) -> list[tuple[int, ChainedText]]:
         """Return the events behind those that are known, and the last one that is."""
@@ -194,7 +198,7 @@ class ServerLog(EventLog):
         until: int | None = None
         for source in self._sources:
             rows = self._database.rows(
-                "SELECT number, at, kind, payload, digest FROM axiscal.events "
+                "SELECT number, at, kind, payload, digest FROM axiscal.standing "
                 "WHERE campaign = CAST(:id AS uuid) AND number >= :first AND number <= :until ORDER BY number",
                 id=source.id,
                 first=known,
@@ -280,7 +284,7 @@ def _ancestors(database: Database, entry: Entry) -> list[Entry]:
     return found
 
 
-def _only(name: str, found: Sequence[Entry]) -> Entry:
+def only_entry(name: str, found: Sequence[Entry]) -> Entry:
     path, found = Path(f"{STORED}{name}"), [each for each in found if each.called == name or each.id.startswith(name)]
     if not found:
         raise RecordError("The store has no such campaign", "Look at its name, or send it there: axiscal sync", path)

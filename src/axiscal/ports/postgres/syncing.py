@@ -70,7 +70,7 @@ def _countersigned(database: Database, record: str, path: Path, there: Entry, te
     """Let the store keep how far it saw this file, and return the last event it had seen before and that has gone."""
     of_this = {"record": record, "copy": f"{own_hand().computer}:{path.resolve()}"}
     rows = database.rows(
-        "SELECT s.number, e.digest FROM axiscal.seen AS s JOIN axiscal.events AS e USING (campaign, number) "
+        "SELECT s.number, e.digest FROM axiscal.seen AS s JOIN axiscal.standing AS e USING (campaign, number) "
         "WHERE s.record = CAST(:record AS uuid) AND s.copy = :copy ORDER BY s.id DESC LIMIT 1",
         **of_this,
     )
