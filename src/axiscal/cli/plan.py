@@ -12,8 +12,8 @@ import typer
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say, say_document, tell, tell_progress
 from axiscal.cli.progress import tell_mind
+from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription, as_exact, stated
-from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
 from axiscal.document.durable import write_whole
 from axiscal.estimation.accuracy.other_tool import other_tool
 from axiscal.estimation.accuracy.unseen import seen_as_one
@@ -131,9 +131,8 @@ def plan(
     if gcode is not None:
         dialect(gcode)
     driven = _driven(campaign_with_sisters(campaign, target_needed=False, told=tell), clearance, order, feed, dwell)
-    for sentence in (unused_artefacts(driven), hardly_reached(driven)):
-        if sentence is not None:
-            tell_mind(sentence)
+    if (unused := unused_artefacts(driven.text)) is not None:
+        tell_mind(unused)
     ends, driven = not driven.target.empty, _aimed(driven, readings, target, budget)
     case = case_of(_without_tcp(driven) if no_tcp else driven)
     limits, how = _limits(case, readings, target, budget), Thoroughness(candidates, memory * 1e6)
