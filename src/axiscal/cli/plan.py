@@ -11,8 +11,8 @@ import typer
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say, say_document, tell, tell_progress
 from axiscal.cli.progress import tell_mind
+from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription, as_exact
-from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
 from axiscal.document.durable import write_whole
 from axiscal.estimation.accuracy.unseen import seen_as_one
 from axiscal.estimation.case import Case
@@ -101,9 +101,8 @@ def plan(
     if gcode is not None:
         dialect(gcode)
     described = campaign_with_sisters(campaign, target_needed=False, told=tell)
-    for sentence in (unused_artefacts(described), hardly_reached(described)):
-        if sentence is not None:
-            tell_mind(sentence)
+    if (unused := unused_artefacts(described)) is not None:
+        tell_mind(unused)
     ends, case = not described.target.empty, case_of(_aimed(described, readings, target, budget))
     limits, how = _limits(case, readings, target, budget), Thoroughness(candidates)
     refuse_endless(case, limits, candidates)

@@ -9,13 +9,15 @@ import glob
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from axiscal.description.campaign_schema import ProgramsTable
+from axiscal.description.artefacts import read_artefacts
+from axiscal.description.campaign_schema import CampaignTable, ProgramsTable, SistersTable
 from axiscal.description.particulars import NOTHING_SAID, Particulars, read_particulars
-from axiscal.description.target import Target, coordinate
+from axiscal.description.setups import Surroundings, read_setups
+from axiscal.description.stated_type_b import refers_to_20
+from axiscal.description.target import Target, coordinate, read_target
 from axiscal.description.usual import usual_machine
-from axiscal.document import Document, shown
+from axiscal.document import Document, read_model, shown
 from axiscal.exceptions import DescriptionError, Faults
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
 from axiscal.machine.entry import Sure
@@ -25,13 +27,6 @@ from axiscal.measurement.setup import Setup, Vector
 from axiscal.record.events import Mounted
 from axiscal.record.log import STORED
 from axiscal.units import format_quantity, parse_quantity
-
-if TYPE_CHECKING:
-    from axiscal.description.campaign_schema import CampaignTable
-
-if TYPE_CHECKING:
-    from axiscal.description.campaign_schema import SistersTable
-
 
 _PRINTERS = {"klipper", "marlin", "reprapfirmware"}
 _SCALES: dict[str | None, Sure] = {None: "roughly", "stated": "well", "estimate": "roughly"}
@@ -157,14 +152,6 @@ def _described(
     asking: bool,
     usual_doubts: bool = True,
 ) -> CampaignDescription:
-    from axiscal.description.artefacts import read_artefacts
-    from axiscal.description.campaign import read_driving
-    from axiscal.description.campaign_schema import CampaignTable
-    from axiscal.description.setups import Surroundings, read_setups
-    from axiscal.description.stated_type_b import refers_to_20
-    from axiscal.description.target import read_target
-    from axiscal.document import read_model
-
     table = read_model(document, CampaignTable)
     target = read_target(table.target, machine, document)
     artefacts = read_artefacts(table.artefacts, document)

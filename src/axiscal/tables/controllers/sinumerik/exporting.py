@@ -46,10 +46,6 @@ class Sinumerik(TableFormat):
     on_top = CEC_POINTS
     grid = (_STEP, float(np.radians(1e-3)))
 
-    def most(self, options: ExportOptions) -> int:
-        """Return how many points a table holds: the owner of the control sets its memory."""
-        return options.points or self.points
-
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
         """Return the files with their tables; raises TableError."""
         if options.unit != "mm":

@@ -48,7 +48,7 @@ def blocks_of(own: Sequence[CompensationTable], over: Sequence[CompensationTable
     for block in blocks:
         if len(block.values) > POINTS:
             what = "the CEC table of {axis} has {count} points, MD18342 allows {most}"
-            remedy = "take --points {most} or less"
+            remedy = "export without --on-top-of, or give coarser tables to it"
             raise TableError(what, remedy, axis=block.table.axis, count=len(block.values), most=POINTS)
     return blocks
 
