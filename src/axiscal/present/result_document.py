@@ -13,7 +13,6 @@ from axiscal.present.summary import (
     CurveSummary,
     HistoryRow,
     Position,
-    Rejection,
     Summary,
     TableOffer,
 )
@@ -138,6 +137,6 @@ def _table(offer: TableOffer, summary: Summary) -> dict[str, Any]:
     )
 
 
-def _rejection(rejection: Rejection) -> dict[str, Any]:
+def _rejection(rejection: HistoryRow) -> dict[str, Any]:
     found = _kept(rejection, "reading setup unit reason", value=rejection.value_um)
     return found | {"position": _position(rejection.position)}
