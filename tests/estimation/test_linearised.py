@@ -9,7 +9,8 @@ import pytest
 
 from axiscal.estimation.absorbed import absorbed
 from axiscal.estimation.learnt import Learnt, without_bad
-from axiscal.estimation.located import SETTLED, indices, located, moved_by
+from axiscal.estimation.located import SETTLED, located, moved_by
+from axiscal.estimation.stations import indices
 from axiscal.measurement.reading_rows import seen, shown_values
 from benchmarks.nonlinear.stations import read, tracers
 
@@ -30,9 +31,9 @@ def test_the_index_is_the_second_order_over_the_noise_of_machines_drawn_from_the
         total += (shown_values(observation, some, mean + step) - nominal - numbers.rows[:, :errors] @ step) ** 2
     each = np.sqrt(total / count / numbers.variances)
     expected = np.array([each[numbers.reading == index].max() for index in range(len(some))])
-    assert indices(found, some) == pytest.approx(expected, rel=0.5)
-    assert float(np.mean(indices(found, some) / expected)) == pytest.approx(1.0, abs=0.12)
-    assert indices(found, []).shape == (0,)
+    assert indices(found.knowledge, some) == pytest.approx(expected, rel=0.5)
+    assert float(np.mean(indices(found.knowledge, some) / expected)) == pytest.approx(1.0, abs=0.12)
+    assert indices(found.knowledge, []).shape == (0,)
 
 
 @pytest.mark.long

@@ -12,7 +12,8 @@ from axiscal.errors.actual import MovedErrors, deviation_of
 from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.learnt import Learnt
-from axiscal.estimation.located import GAUSSIAN, bent, indices, located
+from axiscal.estimation.located import bent, located
+from axiscal.estimation.stations import GAUSSIAN, indices
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
@@ -75,7 +76,7 @@ def test_location_errors_of_a_millimetre_and_a_milliradian_keep_their_bands() ->
         linear.append(_nees(absorbed(case, readings, {}), truth))
         known = located(Learnt(case), readings, {})
         exact.append(_nees(known, truth))
-        assert indices(known, readings).max() < GAUSSIAN
+        assert indices(known.knowledge, readings).max() < GAUSSIAN
     assert np.mean(linear) > 1.5
     assert 0.9 < np.mean(exact) < 1.1
 

@@ -17,11 +17,12 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Banded, Estimation, Stages, banded
 from axiscal.estimation.judged import judged
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.learnt import Learnt, posterior_of, progressed, turned, without_bad
+from axiscal.estimation.learnt import Learnt, posterior_of, turned, without_bad
 from axiscal.estimation.located import bent, located
 from axiscal.estimation.membership import Membership, membership
 from axiscal.estimation.mirrors import refuse_mirrors
 from axiscal.estimation.promise.posterior import Sorted
+from axiscal.estimation.stations import progressed
 from axiscal.estimation.timed import timed
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.stages import stage

@@ -87,16 +87,6 @@ class Distance:
         part: Array = now - first + self.direction_of(setup, shift, nominal) @ shift
         return part
 
-    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return Eᵀ(1 − uuᵀ)E/ρ, E what each unknown does to the line from the station to the tool, (m, k, k)."""
-        line = nominal.tcp - _found(setup)
-        away = np.maximum(np.linalg.norm(line, axis=1), _LEAST)
-        unit = line / away[:, None]
-        moved = np.stack([_moved(setup, u.name, nominal) for u in setup.unknowns], axis=2)
-        across = moved - unit[:, :, None] * np.einsum("mc,mck->mk", unit, moved)[:, None, :]
-        curved: Array = np.einsum("mcj,mck->mjk", across, across) / away[:, None, None]
-        return curved
-
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""
         need_station(setup, "the {instrument}'s other end")
@@ -140,14 +130,6 @@ class Distances:
         """Return what this one of them shows beside rows times unknowns, (m,)."""
         return _ONE.nonlinear_part(_alone(setup, _meant(direction)), direction, nominal)
 
-    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return the second derivatives by the unknowns of all of them, (m, k, k)."""
-        which = _meant(direction)
-        mine = [k for k, unknown in enumerate(setup.unknowns) if _own_name(unknown.name, which) is not None]
-        curved = np.zeros((nominal.count, len(setup.unknowns), len(setup.unknowns)))
-        curved[:, np.array(mine)[:, None], mine] = _ONE.curvature(_alone(setup, which), direction, nominal)
-        return curved
-
     def check(self, setup: Setup, machine: Machine) -> None:
         """Everything makes sense: where they stand is said."""
 
@@ -162,16 +144,6 @@ def of_each(unknowns: Sequence[Unknown], count: int) -> tuple[Unknown, ...]:
     own = [unknown for unknown in unknowns if unknown.name in _OWN]
     each = [replace(unknown, name=_numbered(unknown.name, k)) for k in range(count) for unknown in own]
     return (*each, *(unknown for unknown in unknowns if unknown.name not in _OWN))
-
-
-def _moved(setup: Setup, unknown: str, nominal: Nominal) -> Array:
-    """Return what a unit of an unknown does to the line from the station to the tool, (m, 3)."""
-    if unknown in TOOL:
-        moved: Array = nominal.tool[:, :, TOOL.index(unknown)]
-        return moved
-    if unknown in SHIFTS:
-        return np.broadcast_to(-np.eye(3)[SHIFTS.index(unknown)], (nominal.count, 3))
-    return np.zeros((nominal.count, 3)) if unknown == "zero" else ball_effect(setup, unknown, nominal)
 
 
 def _stated(setup: Setup) -> Array:
