@@ -149,6 +149,8 @@ def condition(
 ) -> Conditioned:
     """Return factors and mean after readings value_i = row_iᵀ a + v_i, v_i ~ N(0, noise_i), by QR. O(n³ + m n² + m³).
 
+    The same numbers as B&H eq. 21-23 and B&H eq. 31-33, without forming C.
+
     rows : (m, n); values : (m,); noise : (m,) variances, infinite where a reading does not count
     before : (m,) how many of the readings that count come before each
     Let C = S Sᵀ, W = rows S and K = W Wᵀ + N = L Lᵀ over those that count. Row i of X = L⁻¹ W is what reading i takes
