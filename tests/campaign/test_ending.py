@@ -157,7 +157,7 @@ def test_an_unreachable_row_ends_it_once_readings_have_taken_away_what_they_can(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     target, known = wanting([Want(POSITIONING, 1e-9)])
-    (row,) = known_rows(*known.banded, known.readings)
+    (row,) = known_rows(known.case, known.printed, known.readings)
     for floor, said in ((0.85, None), (0.95, "positioning X cannot be reached with these set-ups")):
         monkeypatch.setattr(ending, "known_rows", lambda *_, f=floor: (replace(row, floor=f * row.known),))
         assert standing(target, known) == said

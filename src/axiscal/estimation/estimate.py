@@ -14,7 +14,7 @@ from dataclasses import replace
 
 from axiscal.estimation.absorbed import absorbed, displayed, taken_as_normal
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import Banded, Estimation, Stages, banded
+from axiscal.estimation.estimation import Estimation, Stages, printed
 from axiscal.estimation.judged import judged
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.learnt import Learnt, posterior_of, turned, without_bad
@@ -107,10 +107,7 @@ def _of_likeliest(stated: Case, stages: Callable[[int], Stages], first: int) -> 
 def _estimation(stated: Case, stages: Stages, member: Membership | None = None, side: int = 0) -> Estimation:
     times, implausible, scales, as_shown = stages
     known = displayed(as_shown, times.readings)
-    if member is None:
-        wide = banded(known.case, known.knowledge, scales.found)
-    else:
-        wide = Banded(known.case, Knowledge(known.knowledge.observation, member.belief))
+    of_rivals = None if member is None else Knowledge(known.knowledge.observation, member.belief)
     return Estimation(
         stated,
         known.case,
@@ -119,7 +116,7 @@ def _estimation(stated: Case, stages: Stages, member: Membership | None = None, 
         times.seconds,
         known.innovations,
         (*implausible.values(), *scales.doubts.values()),
-        wide,
+        of_rivals or printed(known.knowledge, scales.found),
         stages,
         membership=member,
         side=side,
