@@ -7,19 +7,26 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.estimation.absorbed import absorbed
-from axiscal.estimation.learnt import Learnt, without_bad
+from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.case import Case
+from axiscal.estimation.learnt import without_bad
 from axiscal.estimation.located import SETTLED, located, moved_by
 from axiscal.estimation.stations import indices
+from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen, shown_values
 from benchmarks.nonlinear.stations import read, tracers
+
+
+def _located(case: Case, readings: list[Reading]) -> Absorbed:
+    kept = without_bad(case, readings, {})
+    return located(case.rescaled(kept.sizes), readings, [*kept.bad])
 
 
 @pytest.mark.long
 def test_the_index_is_the_second_order_over_the_noise_of_machines_drawn_from_the_belief() -> None:
     case = tracers("20 mm", "5 mm")
     _, readings = read(case, 1)
-    found = located(Learnt.of(case, without_bad(case, readings[::6], {})), readings[::6], {})
+    found = _located(case, readings[::6])
     some = readings[::18]
     observation, belief = found.knowledge.observation, found.knowledge.belief
     errors = observation.errors.size + len(observation.unknowns)
@@ -51,6 +58,6 @@ def test_what_a_better_place_moves_is_what_an_estimate_made_there_says() -> None
     assert moved > 1.0
     assert moved == pytest.approx(float(np.sqrt(np.mean(step**2))), rel=0.05)
     assert moved_by(replace(before, left_out=frozenset(range(len(some)))), some, better) == 0.0
-    settled = located(Learnt.of(case, without_bad(case, some, {})), some, {})
+    settled = _located(case, some)
     again = settled.case.linear_about(settled.knowledge.belief.mean)
     assert moved_by(settled, some, again) < SETTLED

@@ -68,7 +68,7 @@ class _AlongAxis:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Alike:
+class _SameAxes:
     """Terms of the same axes.
 
     terms : indices of these; owner : (n,) per column the position in `terms`; columns : (n,) where they stand in A
@@ -118,20 +118,20 @@ def _along(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> _AlongA
     return _AlongAxis(nodes, positions, weighted, weighted.sum(axis=1))
 
 
-def _groups(model: ErrorModel, axes: Sequence[_AlongAxis]) -> list[_Alike]:
+def _groups(model: ErrorModel, axes: Sequence[_AlongAxis]) -> list[_SameAxes]:
     """Return the terms with the same axes together."""
     found = dict[tuple[int, ...], list[int]]()
     for index, term in enumerate(model.terms):
         found.setdefault(tuple(sorted(term.axes)), []).append(index)
-    return [_alike(model, axes, *each) for each in found.items()]
+    return [_same_axes(model, axes, *each) for each in found.items()]
 
 
-def _alike(model: ErrorModel, axes: Sequence[_AlongAxis], own: tuple[int, ...], terms: list[int]) -> _Alike:
+def _same_axes(model: ErrorModel, axes: Sequence[_AlongAxis], own: tuple[int, ...], terms: list[int]) -> _SameAxes:
     each = [model.terms[i] for i in terms]
     columns = [np.arange(term.columns.start, term.columns.stop) for term in each]
     owner = np.repeat(np.arange(len(terms)), [len(mine) for mine in columns])
     rows = {axis: np.hstack([_factor(term, axis, axes[axis].positions) for term in each]) for axis in own}
-    return _Alike(terms, owner, np.concatenate(columns), rows)
+    return _SameAxes(terms, owner, np.concatenate(columns), rows)
 
 
 def _factor(term: Term, axis: int, positions: Array) -> Array:
@@ -142,7 +142,7 @@ def _factor(term: Term, axis: int, positions: Array) -> Array:
     return term.sides[side].rows(positions)[:, term.pairs[:, side]]
 
 
-def _mean(axes: Sequence[_AlongAxis], levers: Array, mine: _Alike) -> Array:
+def _mean(axes: Sequence[_AlongAxis], levers: Array, mine: _SameAxes) -> Array:
     """Return E[H] of terms, (3, n).  levers : (terms, 3, ...) at the nodes of all axes"""
     left = averaged([a.plain for a in axes], levers[mine.terms], tuple(mine.rows))[mine.owner]
     for axis, rows in mine.rows.items():
@@ -150,7 +150,7 @@ def _mean(axes: Sequence[_AlongAxis], levers: Array, mine: _Alike) -> Array:
     return left.T
 
 
-def _crossed(axes: Sequence[_AlongAxis], levers: Array, first: _Alike, second: _Alike) -> Array:
+def _crossed(axes: Sequence[_AlongAxis], levers: Array, first: _SameAxes, second: _SameAxes) -> Array:
     """Return E[rowᵀ row'] of terms with others, (n, m).  levers : (terms, c, ...) of the directions that count"""
     shared = tuple(sorted({*first.rows, *second.rows}))
     products = np.einsum("fc...,gc...->fg...", levers[first.terms], levers[second.terms])
@@ -160,7 +160,7 @@ def _crossed(axes: Sequence[_AlongAxis], levers: Array, first: _Alike, second: _
     return left
 
 
-def _integrals(line: _AlongAxis, axis: int, first: _Alike, second: _Alike) -> Array:
+def _integrals(line: _AlongAxis, axis: int, first: _SameAxes, second: _SameAxes) -> Array:
     """Return E[ℓ_i φ φ'] along an axis, (k, n, m); φ is 1 where a row does not depend on it."""
     constant = np.ones((len(line.positions), 1))
     one, other = (each.rows.get(axis, constant) for each in (first, second))

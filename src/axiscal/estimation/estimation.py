@@ -14,7 +14,6 @@ from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.case import Case
 from axiscal.estimation.judged import Doubt, objection
 from axiscal.estimation.knowledge import Knowledge, blocks
-from axiscal.estimation.learnt import Learnt
 from axiscal.estimation.machine_estimate import Estimate, map_grid, rest_means
 from axiscal.estimation.membership import Membership
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
@@ -27,12 +26,17 @@ from axiscal.numerics.threads import one_thread
 
 
 class Stages(NamedTuple):
-    """How an estimation was found, which the next one begins with."""
+    """How an estimation was found.
+
+    implausible, bad : readings that cannot be, and those that others contradict, by index
+    absorbed : what is known at the sizes as learnt; found : the posterior, None before the first reading
+    """
 
     timed: Timed
     implausible: Mapping[int, Doubt]
-    learnt: Learnt
+    bad: Mapping[int, Doubt]
     absorbed: Absorbed
+    found: Posterior | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +79,7 @@ class Estimation:
     @property
     def posterior(self) -> Posterior | None:
         """The posterior of errors, set-ups and sizes; None before the first reading."""
-        return self.stages.learnt.found
+        return self.stages.found
 
     @property
     def agreement(self) -> Agreement:

@@ -2,33 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterator, Sequence
 from itertools import combinations
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.judged import Doubt
 from axiscal.estimation.promise.agreement import Turned
 from axiscal.estimation.promise.posterior import Posterior, Sorted, sorted_out
 from axiscal.estimation.promise.problem import problem
 from axiscal.measurement.reading import Reading
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Learnt:
-    """case : with the sizes as learnt; doubts : the readings that others contradict, by index
-
-    found : the posterior; None before the first reading
-    """
-
-    case: Case
-    doubts: Mapping[int, Doubt] = field(default_factory=dict)
-    found: Posterior | None = None
-
-    @classmethod
-    def of(cls, case: Case, kept: Sorted) -> Learnt:
-        """Return what readings teach, their posterior still to come.  case : as stated"""
-        return cls(case.rescaled(kept.sizes), {index: Doubt(index, each.z) for index, each in kept.bad.items()})
 
 
 def posterior_of(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Posterior:

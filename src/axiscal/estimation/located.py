@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -11,7 +11,6 @@ import numpy as np
 from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.learnt import Learnt
 from axiscal.estimation.stations import GAUSSIAN, indices
 from axiscal.measurement.reading import Reading, drawn
 from axiscal.measurement.reading_rows import linear_values, places_of, seen
@@ -23,15 +22,15 @@ _LINEAR = 1e-2
 """RMS over all directions, in σ, of what the exact machine would change: less is not worth a second round."""
 
 
-def located(learnt: Learnt, readings: Sequence[Reading], implausible: Iterable[int]) -> Absorbed:
+def located(case: Case, readings: Sequence[Reading], left_out: Collection[int] = ()) -> Absorbed:
     """Return what readings make known, linearised about the machine and the stations that they show until these stay.
 
     A distance is linear about the assumed place of its station, so a better place makes a better estimate. Large errors
     of the machine also separate the exact chain from its rows. A round that asks for more than the one before goes half
     as far, and so do those after it: else the rounds would swing.
+    case : with the sizes as learnt; left_out : indices of readings that do not count
     """
-    left_out = {*implausible, *learnt.doubts}
-    known = absorbed(learnt.case, readings, left_out)
+    known = absorbed(case, readings, left_out)
     share, last = 1.0, np.inf
     for _ in range(_ROUNDS):
         mean = known.knowledge.belief.mean
