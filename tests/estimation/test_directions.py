@@ -58,7 +58,7 @@ def test_rms_and_worst_are_those_of_heights_of_the_belief() -> None:
     low, high = np.array(yardstick.box).T
     poses = rng.uniform(low, high, (500, len(low)))
     rows = errors.rows(poses, rng.choice([-1.0, 1.0], poses.shape))[:, 2]
-    belief = found.banded.knowledge.belief
+    belief = found.printed.belief
     coefficients = (belief.sample(rng, 3000) - belief.mean)[:, : errors.size]
     heights = coefficients @ rows.T
     shift = heights.mean(axis=1, keepdims=True) if yardstick.zeroed[2] else 0.0

@@ -46,7 +46,7 @@ def test_the_result_of_one_campaign_is_the_prior_of_the_next(tmp_path: Path) -> 
     for kept in (1.0, 0.8):
         description = read_campaign(_campaign(tmp_path, f'prior = "last.axiscal"\nkept = {kept}'), target_needed=False)
         with Campaign.create(tmp_path / f"new{kept}.axiscal", description) as campaign:
-            new, size, before = campaign.estimate(ended=True), old.case.errors.size, old.banded.knowledge.belief
+            new, size, before = campaign.estimate(ended=True), old.case.errors.size, old.printed.belief
             rest = old.case.errors.functions[0].rest ** 2 * np.eye(size)
             rest[old.case.errors.names["EXX_reversal"].columns] = 0.0
             expected = kept**2 * (before.covariance[:size, :size] + rest)

@@ -16,7 +16,7 @@ from axiscal.measurement.reading_rows import Seen
 from axiscal.numerics import Array
 
 
-@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Absorbed:
     """case : with the set-ups that were read from other sides than they say; left_out : readings that do not count
 

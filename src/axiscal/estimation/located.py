@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -11,31 +11,26 @@ import numpy as np
 from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.learnt import Learnt
+from axiscal.estimation.stations import GAUSSIAN, indices
 from axiscal.measurement.reading import Reading, drawn
-from axiscal.measurement.reading_rows import linear_values, places_of, seen, shown_by_each
+from axiscal.measurement.reading_rows import linear_values, places_of, seen
 from axiscal.numerics import Array
-from axiscal.numerics.remembered import remembered
 from axiscal.numerics.threads import one_thread
 
 _ROUNDS = 12
 _LINEAR = 1e-2
 """RMS over all directions, in σ, of what the exact machine would change: less is not worth a second round."""
-GAUSSIAN = 0.3
-"""Below, the Gaussian is the posterior to the digits printed."""
-_DRAWS, _SEED = 64, 20260101
-"""Draws tell a root mean square within a tenth; the seed is any."""
 
 
-def located(learnt: Learnt, readings: Sequence[Reading], implausible: Iterable[int]) -> Absorbed:
+def located(case: Case, readings: Sequence[Reading], left_out: Collection[int] = ()) -> Absorbed:
     """Return what readings make known, linearised about the machine and the stations that they show until these stay.
 
     A distance is linear about the assumed place of its station, so a better place makes a better estimate. Large errors
     of the machine also separate the exact chain from its rows. A round that asks for more than the one before goes half
     as far, and so do those after it: else the rounds would swing.
+    case : with the sizes as learnt; left_out : indices of readings that do not count
     """
-    left_out = {*implausible, *learnt.doubts}
-    known = absorbed(learnt.case, readings, left_out)
+    known = absorbed(case, readings, left_out)
     share, last = 1.0, np.inf
     for _ in range(_ROUNDS):
         mean = known.knowledge.belief.mean
@@ -61,7 +56,7 @@ def _towards(case: Case, mean: Array, share: float) -> Array:
 def bent(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:
     """Return what is known with rows taken at the machine as it is believed, where those of the nominal one mislead."""
     about = known.case.about
-    if about is None or float(np.max(indices(known, readings), initial=0.0)) <= GAUSSIAN:
+    if about is None or float(np.max(indices(known.knowledge, readings), initial=0.0)) <= GAUSSIAN:
         return known
     for _ in range(_ROUNDS):
         case = known.case.linear_about(known.knowledge.belief.mean, bent=True)
@@ -94,35 +89,6 @@ SETTLED = 1e-3
 """RMS of the change over all directions, in σ, at which rounds end."""
 
 
-def indices(known: Absorbed, readings: Sequence[Reading]) -> Array:
-    """Return the index ν of each reading, the largest of its numbers, (readings,).
-
-    With J the rows in use and z standard normal the second order of reading i is
-
-        r_i = f_i(m + F z) − f_i(m) − J_i F z,    ν_i = √(E r_i²)/σ_i
-
-    m, F Fᵀ mean and covariance of the belief. It is the posterior to the digits printed if no ν_i is above 0.3.
-    Importance sampling on seven cases shows a mean shift below 0.05 σ up to ν = 0.26.
-    """
-    return _indices(known, tuple(readings))
-
-
-@remembered
-def _indices(known: Absorbed, readings: tuple[Reading, ...]) -> Array:
-    """Return the same: where rows bend is asked while estimating, and again for the report."""
-    observation, belief = known.knowledge.observation, known.knowledge.belief
-    if not readings:
-        return np.zeros(0)
-    numbers = seen(observation, readings)
-    errors = observation.errors.size + len(observation.unknowns)
-    apart = belief.factor[:errors] @ np.random.default_rng(_SEED).standard_normal((belief.size, _DRAWS))
-    mean = belief.mean[:errors]
-    shown = shown_by_each(observation, readings, np.vstack([mean, mean + apart.T]))
-    beyond = shown[1:] - shown[0] - (numbers.rows[:, :errors] @ apart).T
-    index = np.sqrt(np.sum(beyond**2, axis=0) / _DRAWS) / np.sqrt(numbers.variances)
-    return np.maximum.reduceat(index, np.searchsorted(numbers.reading, np.arange(len(readings))))
-
-
 _MOST = 200
 """Readings whose index is looked for: of time; drawn, they are the worst one or are like it."""
 _ROUNDING = 1e-9
@@ -147,6 +113,6 @@ def linearity(estimation: Estimation) -> Linearity:
     some = drawn(estimation.readings, _MOST)
     if not some:
         return Linearity(0.0, None)
-    found = indices(estimation.stages.absorbed, some)
+    found = indices(estimation.stages.absorbed.knowledge, some)
     worst, largest = some[int(np.argmax(found))], float(found.max())
     return Linearity(largest if largest > _ROUNDING else 0.0, worst.numbered(estimation.readings.index(worst)))

@@ -239,13 +239,6 @@ class Observation:
             unknowns = self.own_values(setup, point)
             yield np.stack([model.shown(mounted, along, nominal, actual, unknowns) for along in each], axis=1)
 
-    def curvatures(self, setup: int, poses: Array) -> Array:
-        """Return the Hessian of each number by the unknowns of the set-up, (numbers of readings, numbers, k, k)."""
-        mounted, nominal = self.setups[setup], self._nominal(self.setups[setup], poses)
-        own, model = np.array(mounted.direction), model_of(mounted)
-        each = [own if along is None else along for along in directions_of(mounted)]
-        return np.stack([model.curvature(mounted, direction, nominal) for direction in each], axis=1)
-
     def own_values(self, setup: int, point: Array) -> dict[str, float]:
         """Return the unknowns of one set-up by name.  point : (k,) errors, then unknowns"""
         names = [unknown.name for unknown in self.setups[setup].unknowns]

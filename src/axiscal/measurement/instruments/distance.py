@@ -90,17 +90,6 @@ class Distance:
         part: Array = now - first + self.direction_of(setup, direction, nominal) @ (station.found - station.stated)
         return part
 
-    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return Eᵀ(1 − uuᵀ)E/ρ, E what each unknown does to the line from the station to the tool, (m, k, k)."""
-        station = _Station.meant(setup, direction)
-        line = nominal.tcp - station.found
-        away = np.maximum(np.linalg.norm(line, axis=1), _LEAST)
-        unit = line / away[:, None]
-        moved = np.stack([_moved(setup, station.own(u.name), nominal) for u in setup.unknowns], axis=2)
-        across = moved - unit[:, :, None] * np.einsum("mc,mck->mk", unit, moved)[:, None, :]
-        curved: Array = np.einsum("mcj,mck->mjk", across, across) / away[:, None, None]
-        return curved
-
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""
         if not setup.stations:

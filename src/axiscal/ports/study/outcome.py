@@ -192,14 +192,14 @@ def curves_held(estimation: Estimation, machine: VirtualMachine) -> float:
     names = [term.name for term in machine.model.terms]
     inside = [
         _curve(estimation, name, machine.curves[names.index(name)])
-        for name in estimation.banded.case.errors.names
+        for name in estimation.case.errors.names
         if name in names
     ]
     return float(np.mean(np.concatenate(inside)))
 
 
 def _curve(estimation: Estimation, name: str, truth: Curve) -> Array:
-    function = estimation.banded.case.errors.names[name]
+    function = estimation.case.errors.names[name]
     positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], _POSITIONS)
     mean, std = estimation.estimate().curve(name, positions)
     held: Array = (np.abs(truth(positions) - mean) <= BAND * std).astype(float)

@@ -62,7 +62,7 @@ class Progress(AnswerDocument):
             left_minutes=to_unit(campaign.seconds(places) - machine, "min"),
             before=KnownTo.of(case.yardstick.measure(case.prior)),
             now=KnownTo.of(known.accuracy),
-            promised=KnownTo.of(promised(*known.banded, places) if places else known.accuracy),
+            promised=KnownTo.of(promised(known.case, known.printed, places) if places else known.accuracy),
             floor_um=to_unit(reachable_rms(case), "um"),
             goals=goals_text(campaign.description.target),
         )
