@@ -101,7 +101,7 @@ def plan(
     if gcode is not None:
         dialect(gcode)
     described = campaign_with_sisters(campaign, target_needed=False)
-    if (unused := unused_artefacts(described)) is not None:
+    if (unused := unused_artefacts(described.text)) is not None:
         tell_mind(unused)
     ends, case = not described.target.empty, case_of(_aimed(described, readings, target, budget))
     limits, how = _limits(case, readings, target, budget), Thoroughness(candidates)

@@ -82,10 +82,8 @@ def _set_aside(database: Database, text: str, as_json: bool) -> None:
     refuse_other(database)
     found = only_entry(name, entries(database, name))
     count = quarantined(database, found.id, int(first))
-    if as_json:
-        say_document({"schema": "axiscal-sync/1", "campaign": found.id, "name": found.name, "set_aside": count})
-        return
-    say(f"store:{found.called}: {count_text(count, 'event')} from {first} on set aside; the database keeps them.")
+    words = f"store:{found.called}: {count_text(count, 'event')} from {first} on set aside; the database keeps them."
+    say_either(as_json, "axiscal-sync/1", {"campaign": found.id, "name": found.name, "set_aside": count}, [words])
 
 
 def _words(path: Path, found: Synced) -> str:

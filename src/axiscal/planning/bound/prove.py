@@ -9,7 +9,6 @@ with a margin for rounding, without intervals.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple

@@ -117,8 +117,8 @@ class Question(AnswerDocument):
 
     def surprise(self, values: Array) -> float:
         """Return by how many standard deviations the most surprising of the numbers is away.  values : (k,) m or rad"""
-        pairs = zip(to_unit(values, self.unit).tolist(), self.expected, strict=True)
-        return max(BAND * abs(value - each.mean) / each.half for value, each in pairs)
+        means, halves = np.array([(each.mean, each.half) for each in self.expected]).T
+        return float(np.max(BAND * np.abs(to_unit(values, self.unit) - means) / halves))
 
 
 def go_text(places: Sequence[AxisPlace]) -> str:
