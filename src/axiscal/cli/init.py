@@ -94,7 +94,7 @@ def init(
     say(
         f"{machine_file}: change it to what your machine is, then: axiscal machine check {machine_file}\n"
         f"{campaign}: {setups} offered; a plan takes what is worth mounting\n"
-        f"Then: axiscal plan {campaign}, axiscal start {campaign}, axiscal measure or axiscal serve{look}"
+        f"Then: axiscal plan {campaign}, axiscal step start {campaign}, axiscal measure or axiscal serve{look}"
     )
 
 

@@ -34,7 +34,7 @@ def question_text(campaign: Campaign, asked: Asked) -> str:
         f"  coming    {coming}" if coming else "",
         f"  {'at       ' if setup.artefact else 'the way  '} {touch}" if touch else "",
         f"  parked    {parked}" if parked else "",
-        f'  then      axiscal record {campaign.path} "{values}"',
+        f'  then      axiscal step record {campaign.path} "{values}"',
     ]
     return "\n".join(line for line in lines if line)
 

@@ -210,4 +210,4 @@ def rehearse(
     if json:
         say_document({"schema": "axiscal-type-rehearsed/1", "records": [str(file) for file in files]})
     else:
-        say(f"{count_text(len(files), 'record')} in {out}. Learn from them: axiscal type learn {out}")
+        say(f"{count_text(len(files), 'record')} in {out}. Learn from them: axiscal shop type learn {out}")

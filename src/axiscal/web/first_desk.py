@@ -174,7 +174,7 @@ class FirstDesk:
             campaign=files.texts["campaign.toml"],
             setups=files.setups,
             look=list(begun.look),
-            after=[f"axiscal machine check {machine}", f"axiscal plan {campaign}", f"axiscal start {campaign}"],
+            after=[f"axiscal machine check {machine}", f"axiscal plan {campaign}", f"axiscal step start {campaign}"],
         )
         return files, shape
 

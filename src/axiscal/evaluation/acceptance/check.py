@@ -261,7 +261,7 @@ def as_found_and_left(
 ) -> tuple[tuple[Reading, ...], tuple[Reading, ...]]:
     """Return the readings without and with the tables; raises SourceError, InputError, ControlError.
 
-    text : names the source as `axiscal run` does; wanted : the places
+    text : names the source as `axiscal step run` does; wanted : the places
     """
     kind, _, rest = text.partition(":")
     seed = _seed(kind, rest)

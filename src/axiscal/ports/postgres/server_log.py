@@ -76,7 +76,7 @@ class ServerLog(EventLog):
             refuse_other(database)
             with database.transaction(f"name {name}"):
                 if entries(database, name):
-                    remedy = "Go on with it by `axiscal next`, or give the campaign another name"
+                    remedy = "Go on with it by `axiscal step next`, or give the campaign another name"
                     raise RecordError("The store has a campaign of this name already", remedy, f"{STORED}{name}")
                 enter(database, entry)
                 insert(database, entry.id, 0, [first])
@@ -277,7 +277,9 @@ def _ancestors(database: Database, entry: Entry) -> list[Entry]:
 def _only(name: str, found: Sequence[Entry]) -> Entry:
     path, found = Path(f"{STORED}{name}"), [each for each in found if each.called == name or each.id.startswith(name)]
     if not found:
-        raise RecordError("The store has no such campaign", "Look at its name, or send it there: axiscal sync", path)
+        raise RecordError(
+            "The store has no such campaign", "Look at its name, or send it there: axiscal shop sync", path
+        )
     if len(found) > 1:
         ids = ", ".join(entry.id[:_SHOWN] for entry in found)
         remedy = "Name one by its id: {known}"
