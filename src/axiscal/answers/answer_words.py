@@ -248,7 +248,7 @@ def _checked(checked: TablesChecked | None) -> str:
     if checked is None:
         return ""
     return said(
-        "Checked at {places} new places: found {found} -> left {left} um, {verdict}.",
+        "Checked at {places} new places: found {found} um, left {left} um, {verdict}.",
         places=checked.places,
         found=digits(checked.found),
         left=digits(checked.left, checked.tolerance),

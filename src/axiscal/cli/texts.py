@@ -60,7 +60,7 @@ def accuracy_text(known: Accuracy, rms: float | None, worst: float | None) -> st
         text if target is None else said("{figure} (target {target})", figure=text, target=micrometres(target))
         for text, target in figures
     )
-    return said("standard uncertainty RMS {rms}, worst {worst}", rms=found, worst=largest)
+    return said("RMS {rms}, worst {worst}", rms=found, worst=largest)
 
 
 def count_text(count: int, noun: str) -> str:
