@@ -301,6 +301,5 @@ def cost_sentence(words: str) -> str:
 def _rows(campaign: Campaign, places: Sequence[Place]) -> tuple[KnownRow, ...]:
     """Return how well rows will be known after these places."""
     known = campaign.estimate()
-    case, knowledge = known.banded
-    coming = blank_readings(case.description.setups, places)
-    return known_rows(case, knowledge.read(coming), [*known.readings, *coming])
+    coming = blank_readings(known.case.description.setups, places)
+    return known_rows(known.case, known.printed.read(coming), [*known.readings, *coming])

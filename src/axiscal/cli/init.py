@@ -11,7 +11,6 @@ from typing import Annotated, TypeVar
 import typer
 
 from axiscal.answers.answer_words import ending
-from axiscal.cli.arguments import Language
 from axiscal.cli.printing import ask, complain, say
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.first_files import (
@@ -54,13 +53,6 @@ def init(
         list[str] | None, typer.Option(metavar="NAME", help=f"{', '.join(OFFERED)}; may be given several times.")
     ] = None,
     target: Annotated[str | None, typer.Option(metavar="U", help='The uncertainty wanted, such as "10 um".')] = None,
-    page: Annotated[
-        bool, typer.Option("--page", help="Ask on a page in the browser, with a look at the files.")
-    ] = False,
-    port: Annotated[
-        int, typer.Option(min=0, max=65535, show_default=False, help="Of the page; default: any that is free.")
-    ] = 0,
-    language: Language = None,
 ) -> None:
     """Write a first machine.toml and campaign.toml.
 
@@ -72,7 +64,6 @@ def init(
     \b
     Examples:
       axiscal init mill
-      axiscal init mill --page
       axiscal init mill --machine three-axis-mill --instrument interferometer --instrument ballbar --target "20 um"
       axiscal init mill --from ~/linuxcnc/configs/mill/mill.ini --instrument ballbar --target "30 um"
     """
@@ -80,20 +71,15 @@ def init(
         raise typer.BadParameter("give either --machine or --from, not both")
     if ini is None and (chain is not None or limits):
         raise typer.BadParameter(f"{'--limits' if chain is None else '--chain'} belongs to --from")
-    if page:
-        if limits:
-            raise typer.BadParameter("the page asks for --limits itself")
-        _on_page(folder, machine, ini, chain or "", tuple(instrument or ()), target or "", port, chosen(language))
-        return
     try:
-        with speaking(chosen(language)):
+        with speaking(chosen(None)):
             begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
             names = instrument or _until_right(lambda: _instruments(begun))
             files = first_files(begun, names, target) if target else _until_right(lambda: _with_target(begun, names))
     except EOFError:
         raise DescriptionError("Nobody answered", "Give --machine or --from, --instrument and --target") from None
     write_files(folder, files.texts)
-    with speaking(chosen(language)):
+    with speaking(chosen(None)):
         say("\n".join(_written(folder / "machine.toml", folder / "campaign.toml", files.setups, begun.look)))
 
 
@@ -109,27 +95,6 @@ def _written(machine: Path, campaign: Path, setups: int, look: Sequence[str]) ->
         file=campaign,
     )
     yield from ending({said("Next"): [f"axiscal machine check {machine}", f"axiscal plan {campaign}"]})
-
-
-def _on_page(
-    folder: Path,
-    machine: str | None,
-    ini: Path | None,
-    chain: str,
-    instruments: tuple[str, ...],
-    target: str,
-    port: int,
-    language: str,
-) -> None:
-    from axiscal.web.first_desk import FirstDesk, Preselection
-    from axiscal.web.serving import serve_first
-
-    desk = FirstDesk(folder, Preselection(machine, ini, chain, instruments, target), Path.home())
-    told = "It ends when the files are written; with Ctrl-C nothing is."
-    if serve_first(desk, port, language, lambda address: say(f"Open {address}\n{told}")):
-        say(f"{folder / 'machine.toml'} and {folder / 'campaign.toml'} are written.")
-    else:
-        say("Ended; nothing was written.")
 
 
 def _built_in(machine: str | None) -> Beginning:

@@ -13,7 +13,7 @@ from axiscal.answers.answer_words import ending
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Source
 from axiscal.cli.arguments import Json, RecordFile
-from axiscal.cli.printing import say, say_document, tell_progress
+from axiscal.cli.printing import say, say_document, say_either
 from axiscal.document.durable import write_whole
 from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.check import Check
@@ -125,14 +125,14 @@ def _read_live(check: Check, source: str, places: Places, files: tuple[Path, Pat
     person, (before, after) = own_hand().person, check.sheets(places, *files)
     (bare, held), (compensated, in_force) = (_opening(check, source, loaded, active) for active in (False, True))
     if not before.complete():
-        before.fill(bare, _tell_read, Taken(person, source, held))
+        before.fill(bare, Taken(person, source, held))
         if not after.complete():
             return (
                 f"{before.file} holds the readings as found. Load the exported files and switch them on, then give the "
                 f"same command again: it reads as left, into {after.file}."
             )
     if not after.complete():
-        after.fill(compensated, _tell_read, Taken(person, source, in_force))
+        after.fill(compensated, Taken(person, source, in_force))
     return ""
 
 
@@ -157,15 +157,8 @@ def _opening(
     return lambda: attached_to(host, check.description.machine, in_force), in_force.files
 
 
-def _tell_read(file: Path, read: int, of: int) -> None:
-    tell_progress(f"{file}: reading {read} of {of}")
-
-
 def _say_next(text: str, json: bool) -> None:
-    if json:
-        say_document({"schema": "axiscal-verify/1", "verdict": None, "next": text})
-    else:
-        say(text)
+    say_either(json, "axiscal-verify/1", {"verdict": None, "next": text}, [text])
 
 
 def _plan(check: Check, places: Places, plan: Path | None, command: str, json: bool) -> None:
@@ -174,12 +167,9 @@ def _plan(check: Check, places: Places, plan: Path | None, command: str, json: b
     sheet = check.sheet(places)
     if plan is not None:
         write_whole(plan, sheet.encode())
-    if json:
-        say_document({"schema": "axiscal-verify/1", "plan": rows})
-        return
     with speaking(chosen(None)):
-        for line in (*plan_lines(rows), *ending({said("Next"): _steps(sheet, plan, command)})):
-            say(line)
+        lines = [*plan_lines(rows), *ending({said("Next"): _steps(sheet, plan, command)})]
+    say_either(json, "axiscal-verify/1", {"plan": rows}, lines)
 
 
 def _steps(sheet: str, plan: Path | None, command: str) -> list[str]:

@@ -114,14 +114,8 @@ def _figures(summary: Summary) -> Iterator[tuple[str, str]]:
     yield said("U {where}, worst place", where=where), quantity(found.worst, "um")
     if summary.unseen_rms_um > 0:
         yield said("part of u that stays open with any reading"), quantity(summary.unseen_rms_um, "um")
-    if summary.linear is not None:
-        yield said("Linear, at the tool"), said("to {size}", size=quantity(summary.linear.bound_um, "um"))
-        yield said("largest second order of a reading over its noise"), figure(summary.linear.index)
-    if summary.truth is not None:
-        truth = summary.truth
-        promised, reached = (quantity(each, "um") for each in (truth.promised_rms_um, truth.reached_rms_um))
-        text = said("{reached} RMS are left where u promised {promised}", reached=reached, promised=promised)
-        yield said("True errors, known here"), text
+    if summary.nonlinearity is not None:
+        yield said("largest second order of a reading over its noise"), figure(summary.nonlinearity)
 
 
 def _sum(summary: Summary) -> str:
