@@ -128,3 +128,11 @@ def test_the_control_that_leaves_least_is_advised_and_the_first_of_equals() -> N
     assert best_control(rows, ["a", "b", "c"]) == "b"
     assert best_control(rows, ["c", "b", "a"]) == "c"
     assert best_control(rows, []) == ""
+
+
+def test_one_place_measures_no_positioning() -> None:
+    """Both sides of one place show backlash; positioning then is over the travel that may be read."""
+    rows = _rows(concluded(CASE, _readings([(0.3, 1), (0.3, -1)])))
+    positioning = rows["positioning X"]
+    assert np.ptp(positioning.lines[0].positions) > 0.5
+    assert not positioning.measured

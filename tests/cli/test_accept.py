@@ -163,7 +163,7 @@ def test_a_mistake_is_named_accepted_and_taken_back(
     before, found = known(path)
     assert (found.contradicts, found.withheld, found.explained[0].mistake) == (True, False, wrong.cause)
     assert run(["status", str(path), "--details"]) == 0
-    assert f"axiscal accept {path} {wrong.cause}" in capsys.readouterr().out
+    assert f"axiscal step accept {path} {wrong.cause}" in capsys.readouterr().out
     assert run(["accept", str(path), wrong.cause, "--setup", wrong.setup]) == 0
     said = capsys.readouterr().out.splitlines()
     assert said[0].startswith("Before: The readings contradict each other")
@@ -235,7 +235,7 @@ def test_a_finished_campaign_is_taken_back_first(tmp_path: Path, capsys: pytest.
     with Campaign.open(path) as campaign:
         campaign.finish("enough")
     assert run(["accept", str(path), "unit"]) == 1
-    assert "Take the end back with `axiscal undo`" in " ".join(capsys.readouterr().err.split())
+    assert "Take the end back with `axiscal step undo`" in " ".join(capsys.readouterr().err.split())
     assert run(["undo", str(path)]) == 0
     assert run(["accept", str(path), "unit"]) == 0
 
@@ -249,7 +249,7 @@ def test_without_a_cause_it_lists_what_is_named_and_writes_nothing(
     named, change, then = capsys.readouterr().out.splitlines()
     assert named.startswith('unit, more than a million : 1: all values of "X again" are 0.001 times')
     assert change == '  Accepted: the values of "X again" so far are multiplied by 1000.'
-    assert then == f"Accept one: axiscal accept {path} CAUSE"
+    assert then == f"Accept one: axiscal step accept {path} CAUSE"
     assert run(["accept", str(path), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["agreement"]["explained"][0]["mistake"] == "unit"
     assert path.read_bytes() == content

@@ -204,7 +204,7 @@ def test_a_finished_campaign_says_so(started: Command) -> None:
     assert "readings agree" not in ended  # none was taken
     found = json.loads(started("status", "m.axiscal", "--json").out)
     assert (found["agreement"]["readings"], found["agreement"]["contradict"]) == (0, False)
-    started("next", "m.axiscal").refused("The campaign is finished", "axiscal undo")
+    started("next", "m.axiscal").refused("The campaign is finished", "axiscal step undo")
     assert "took back the end" in started("undo", "m.axiscal").out.lower()
     assert started("next", "m.axiscal").status == 0
 
@@ -310,7 +310,7 @@ def test_a_run_is_not_overwritten_and_can_be_resumed(axiscal: Command, tmp_path:
     failed_text = " ".join(failed.err.split())
     assert failed.status == 1
     assert "there are 2 readings in it" in failed_text
-    assert "2 readings are kept in d/campaign.axiscal; go on with: axiscal run c.toml" in failed_text
+    assert "2 readings are kept in d/campaign.axiscal; go on with: axiscal step run c.toml" in failed_text
     axiscal("run", "c.toml", "--source", "csv:two.csv", "--out", "d").refused("holds a campaign already", "--resume")
     (tmp_path / "four.csv").write_text("value_um\n1\n2\n3\n4\n")
     resumed = axiscal("run", "c.toml", "--source", "csv:four.csv", "--out", "d", "--resume", "--json")
@@ -392,7 +392,7 @@ def test_ctrl_c_keeps_the_readings_and_says_how_to_go_on(tmp_path: Path) -> None
     _, err = process.communicate(timeout=60)
     text = " ".join(err.split())
     assert process.returncode == 1
-    assert "Stopped by Ctrl-C. 2 readings are kept in d/campaign.axiscal; go on with: axiscal run c.toml" in text
+    assert "Stopped by Ctrl-C. 2 readings are kept in d/campaign.axiscal; go on with: axiscal step run c.toml" in text
     assert "--resume" in text
     assert "Traceback" not in text
 

@@ -313,3 +313,18 @@ def test_the_schema_marks_a_slip(tmp_path: Path, good: str, bad: str) -> None:
     assert fits(tomllib.loads(text), schema, schema)
     assert text.count(good) == 1
     assert not fits(tomllib.loads(text.replace(good, bad)), schema, schema)
+
+
+def test_at_a_terminal_a_wrong_answer_is_asked_for_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A slip at the last question does not throw the answers to the others away."""
+    typed = io.StringIO("mill\n\n700 300\n700 300 300\nlasor\ninterferometer\n20\n20 um\n")
+    monkeypatch.setattr(typed, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr("sys.stdin", typed)
+    assert app.run(["init", str(tmp_path)]) == 0
+    refused = capsys.readouterr().err
+    assert [word in refused for word in ('"mill"', "700 300", "lasor", '"20"')] == [True] * 4
+    campaign = read_campaign(tmp_path / "campaign.toml")
+    assert campaign.machine.axes[0].length == pytest.approx(0.7)
+    assert {setup.instrument for setup in campaign.setups} == {"interferometer"}

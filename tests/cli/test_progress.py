@@ -21,10 +21,10 @@ def target(readings: int | None = None, rms: float | None = None, budget: float 
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
-        (target(120), "reading 3 of 120: standard uncertainty RMS 2 um"),
-        (target(120, 1e-6), "reading 3 of at most 120: standard uncertainty RMS 2 um (target 1 um)"),
-        (target(120, budget=600.0), "reading 3 of at most 120: standard uncertainty RMS 2 um"),
-        (target(rms=1e-6), "reading 3: standard uncertainty RMS 2 um (target 1 um)"),
+        (target(120), "reading 3 of 120: RMS 2 um"),
+        (target(120, 1e-6), "reading 3 of at most 120: RMS 2 um (target 1 um)"),
+        (target(120, budget=600.0), "reading 3 of at most 120: RMS 2 um"),
+        (target(rms=1e-6), "reading 3: RMS 2 um (target 1 um)"),
     ],
 )
 def test_of_how_many(asked: Target, said: str) -> None:
@@ -35,4 +35,10 @@ def test_of_how_many(asked: Target, said: str) -> None:
 def test_how_many_were_taken_is_no_number_of_a_reading() -> None:
     reading = Reading("laser", (0.0,), (0,), 0.0, number=5)
     said = progress_line(Milestone(3, reading, KNOWN, 60.0), target(120))
-    assert said.startswith("reading 5, 3 taken of 120: standard uncertainty RMS 2 um")
+    assert said.startswith("reading 5, 3 taken of 120: RMS 2 um")
+
+
+def test_a_line_with_all_that_may_be_wanted_fits_a_terminal() -> None:
+    reading = Reading("laser", (0.0,), (0,), 0.0, number=53)
+    known = Accuracy(4.861e-6, 6.742e-6, 4.861e-6, 6.742e-6)
+    assert len(progress_line(Milestone(53, reading, known, 1674.0), target(120, 5e-6))) < 80

@@ -139,7 +139,7 @@ def test_readings_that_are_left_out_are_not_compared() -> None:
 
 def test_a_check_of_the_tables_says_found_left_and_its_verdict() -> None:
     text = _screen(answer(verdict="reached", rows=[POSITIONING], checked=CHECKED))
-    assert "Checked at 12 new places: found 27 -> left 4.9 um, PASS." in text
+    assert "Checked at 12 new places: found 27 um, left 4.9 um, PASS." in text
 
 
 def test_no_figure_stands_where_uncertainty_is_withheld() -> None:

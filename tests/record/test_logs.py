@@ -148,7 +148,7 @@ def test_a_number_that_is_none_is_refused_whole(keeping: Keeping) -> None:
 def test_of_two_that_know_the_same_one_wins_and_the_other_gets_a_sentence(keeping: Keeping) -> None:
     with keeping.create() as one, keeping.open(one.path) as other:
         assert one.append(recorded(1e-6), after=1) == 2
-        with pytest.raises(OvertakenError, match=r"Another process has written .* `axiscal status`"):
+        with pytest.raises(OvertakenError, match=r"Another process has written .* `axiscal step status`"):
             other.append(recorded(2e-6), after=1)
         assert other.append(recorded(3e-6), after=2) == 3
         assert one.append(recorded(4e-6)) == 4  # whoever does not say what he knows comes behind

@@ -110,7 +110,7 @@ def test_creation_that_loses_a_race_leaves_the_winner(path: Path, monkeypatch: p
 def test_an_entry_by_another_process_is_noticed(record: Record) -> None:
     with Record.open(record.path) as other:
         other.append(recorded(1e-6))
-    with pytest.raises(RecordError, match=r"Another process has written.*axiscal status"):
+    with pytest.raises(RecordError, match=r"Another process has written.*axiscal step status"):
         record.append(recorded(2e-6), after=1)
     assert [reading.value for reading in record.state().readings] == [1e-6]
 

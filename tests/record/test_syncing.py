@@ -233,7 +233,7 @@ def test_the_command_says_what_was_done(
     with Record.create("mill.axiscal", Created("", "", "", "", {})) as record:
         record.append(Noted("x"))
     assert run(["sync", "mill.axiscal"]) == 1
-    assert "axiscal sync --prepare" in " ".join(capsys.readouterr().err.split())
+    assert "axiscal shop sync --prepare" in " ".join(capsys.readouterr().err.split())
     assert [run(["sync", "--prepare"]), run(["sync", "--prepare", "--json"])] == [0, 0]
     assert "is a store now" in capsys.readouterr().out
     said = list[str]()

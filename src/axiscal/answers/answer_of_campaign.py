@@ -93,9 +93,13 @@ def answer_of(
 
 
 def standing_answer(campaign: Campaign) -> ResultAnswer:
-    """Return the answer of a campaign as it stands, with what tables would leave that are made of it."""
+    """Return the answer of a campaign as it stands, with what tables would leave that are made of it.
+
+    A record that lies among the results of its campaign has them written.
+    """
     known = campaign.so_far()
-    return answer_of(campaign, known, {} if known.agreement.withheld else dict(_controls(known)))
+    written = campaign.state.finished is not None and campaign.path.with_name("result.json").exists()
+    return answer_of(campaign, known, {} if known.agreement.withheld else dict(_controls(known)), written=written)
 
 
 def _controls(known: Estimation) -> Iterator[tuple[str, Control]]:

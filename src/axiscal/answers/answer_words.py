@@ -248,7 +248,7 @@ def _checked(checked: TablesChecked | None) -> str:
     if checked is None:
         return ""
     return said(
-        "Checked at {places} new places: found {found} -> left {left} um, {verdict}.",
+        "Checked at {places} new places: found {found} um, left {left} um, {verdict}.",
         places=checked.places,
         found=digits(checked.found),
         left=digits(checked.left, checked.tolerance),
@@ -263,9 +263,11 @@ def _commands(steps: Sequence[NextStep], record: str, results: str) -> Iterator[
         if step.code == "load":
             yield said("load {folder} (README.txt there), then", folder=f"{beside}tables/{step.control}")
         elif step.code == "next":
-            yield f"axiscal next {record} --beyond"
+            yield f"axiscal step next {record} --beyond"
+        elif step.code == "undo":
+            yield f"axiscal step undo {record}"
         elif step.code == "accept":
-            yield f"axiscal accept {record} {step.mistake}"
+            yield f"axiscal step accept {record} {step.mistake}"
         elif step.code == "finish":
             yield f"axiscal finish {record} --out {shlex.quote(results or 'results')}"
         elif step.control:

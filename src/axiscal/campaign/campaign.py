@@ -181,7 +181,7 @@ class Campaign(Closing):
         """Return what has been asked and not been answered; raises RecordError if that is nothing."""
         self._refuse_finished()
         if self.state.pending is None:
-            remedy = "Ask for one with `axiscal next`, or say where a reading was taken with --setup and --at"
+            remedy = "Ask for one with `axiscal step next`, or say where a reading was taken with --setup and --at"
             raise RecordError("No reading has been asked for", remedy, self.path)
         return self.state.pending
 
@@ -228,7 +228,7 @@ class Campaign(Closing):
     def undo(self) -> Undoable:
         """Take back the last reading, skip, accepted mistake or finish, and return it; its question is open again."""
         if not self.state.undo:
-            raise RecordError("There is nothing to take back", "Go on with `axiscal next`", self.path)
+            raise RecordError("There is nothing to take back", "Go on with `axiscal step next`", self.path)
         step = self.state.undo[-1]
         self._append(Undone(step.number))
         return step
@@ -396,5 +396,5 @@ class Campaign(Closing):
 
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:
-            remedy = "Take the end back with `axiscal undo`, or start a new campaign"
+            remedy = "Take the end back with `axiscal step undo`, or start a new campaign"
             raise RecordError("The campaign is finished: {finished}", remedy, self.path, finished=self.state.finished)

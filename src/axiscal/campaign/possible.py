@@ -44,7 +44,7 @@ def described(record: EventLog) -> CampaignDescription:
     """Return the description that a record carries; raises RecordError where what happened cannot be on its machine."""
     created = record.state().created
     if created is None:
-        raise RecordError("The record is empty", "Start a campaign with `axiscal start`", record.path)
+        raise RecordError("The record is empty", "Start a campaign with `axiscal step start`", record.path)
     description = created_description(created)
     _refuse_impossible(record.events(), description, record.path)
     return with_mounted(description, record.state().mounted)

@@ -55,7 +55,7 @@ def _named(campaign: Campaign) -> tuple[dict[str, object], list[str]]:
         odds = f"{each.odds:.0f}" if each.odds < _MOST else "more than a million"
         words, change = mistake_words(each, known), change_words(acceptance(each, known))
         lines += [f"{each.mistake}, {odds} : 1: {words}.", f"  Accepted: {change}."]
-    lines.append(f"Accept one: axiscal accept {campaign.path} CAUSE")
+    lines.append(f"Accept one: axiscal step accept {campaign.path} CAUSE")
     return {"agreement": agreement_document(known.agreement)}, lines
 
 
@@ -68,7 +68,7 @@ def _accepted(campaign: Campaign, cause: str, setup: str | None) -> tuple[dict[s
         f"Before: {agreement_words(before, campaign.path)}.",
         f"Accepted: {change}.",
         f"Now: {agreement_words(now, campaign.path)}.",
-        f"Go on: axiscal next {campaign.path}; take it back: axiscal undo {campaign.path}",
+        f"Go on: axiscal step next {campaign.path}; take it back: axiscal step undo {campaign.path}",
     ]
     agreements = {"before": agreement_document(before.agreement), "agreement": agreement_document(now.agreement)}
     return {"accepted": cause, "change": change, **agreements}, lines

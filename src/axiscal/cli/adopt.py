@@ -63,6 +63,6 @@ def _lines(record: Path, branch: Path, found: Adopted, readings: int) -> list[st
     if found.undone:
         numbers = ", ".join(map(str, found.undone))
         lines.append(
-            f"The branch took back reading {numbers}, which stands here: axiscal undo takes back what is last."
+            f"The branch took back reading {numbers}, which stands here: axiscal step undo takes back what is last."
         )
     return lines

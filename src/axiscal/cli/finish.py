@@ -11,8 +11,7 @@ from axiscal.present.result_set import RECORD
 def finish(record: OwnRecord, out: Out, anyway: Anyway = False, details: Details = False, json: Json = False) -> None:
     """End a campaign and write its results.
 
-    A campaign that is finished already is written again, into the same folder if you like; `axiscal undo` takes the end
-    back.
+    A finished campaign is written again, into the same folder if you like; `axiscal step undo` takes the end back.
 
     \b
     Example:

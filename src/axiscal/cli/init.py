@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 import typer
 
-from axiscal.cli.printing import ask, say
-from axiscal.cli.texts import count_text
+from axiscal.answers.answer_words import ending
+from axiscal.cli.printing import ask, complain, say
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.first_files import (
     Beginning,
+    FirstFiles,
     first_files,
     linear_travels,
     of_builtin,
@@ -24,9 +25,12 @@ from axiscal.description.first_files import (
 )
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
-from axiscal.exceptions import DescriptionError
+from axiscal.exceptions import DescriptionError, InputError
+from axiscal.language.spoken import counted, said, speaking
 from axiscal.machine import builtin_names
+from axiscal.present.whose_language import chosen
 
+_Answer = TypeVar("_Answer")
 _MACHINE, _INSTRUMENT, _TARGET = "three-axis-mill", "dial", "20 um"
 """What an empty answer stands for."""
 
@@ -67,32 +71,70 @@ def init(
         raise typer.BadParameter("give either --machine or --from, not both")
     if ini is None and (chain is not None or limits):
         raise typer.BadParameter(f"{'--limits' if chain is None else '--chain'} belongs to --from")
-    begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
-    which = f"Which instruments are there? Several with blanks between; Enter for {_INSTRUMENT}"
-    names = instrument or _asked(which, OFFERED).replace(",", " ").split() or [_INSTRUMENT]
-    wanted = target or _asked(f"How well is the tool point to be known, 95 %? Enter for {_TARGET}", ()) or _TARGET
-    files = first_files(begun, names, wanted)
+    try:
+        with speaking(chosen(None)):
+            begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
+            names = instrument or _until_right(lambda: _instruments(begun))
+            files = first_files(begun, names, target) if target else _until_right(lambda: _with_target(begun, names))
+    except EOFError:
+        raise DescriptionError("Nobody answered", "Give --machine or --from, --instrument and --target") from None
     write_files(folder, files.texts)
-    look = f"\nLook at, in machine.toml: {'; '.join(begun.look)}." if begun.look else ""
-    setups = count_text(files.setups, "set-up")
-    machine_file, campaign = folder / "machine.toml", folder / "campaign.toml"
-    say(
-        f"{machine_file}: change it to what your machine is, then: axiscal machine check {machine_file}\n"
-        f"{campaign}: {setups} offered; a plan takes what is worth mounting\n"
-        f"Then: axiscal plan {campaign}, axiscal start {campaign}, axiscal measure or axiscal serve{look}"
+    with speaking(chosen(None)):
+        say("\n".join(_written(folder / "machine.toml", folder / "campaign.toml", files.setups, begun.look)))
+
+
+def _written(machine: Path, campaign: Path, setups: int, look: Sequence[str]) -> Iterator[str]:
+    """Yield what was written, what to look at in it, and what to do next."""
+    yield said("{file}: change it to what your machine is", file=machine)
+    if look:
+        yield said("Look at, in {file}: {places}.", file=machine, places="; ".join(look))
+    yield counted(
+        "{file}: {count} set-up offered",
+        "{file}: {count} set-ups offered; a plan takes what is worth mounting",
+        setups,
+        file=campaign,
     )
+    yield from ending({said("Next"): [f"axiscal machine check {machine}", f"axiscal plan {campaign}"]})
 
 
 def _built_in(machine: str | None) -> Beginning:
     """Return a built-in machine; of one that is not given its travels are asked as well."""
     if machine is not None:
         return of_builtin(machine)
-    question = f"Which built-in machine is most like yours? Enter for {_MACHINE}"
-    begun = of_builtin(_asked(question, builtin_names()) or _MACHINE)
+    question = said("Which built-in machine is most like yours? Enter for {machine}", machine=_MACHINE)
+    begun = _until_right(lambda: of_builtin(_asked(question, builtin_names()) or _MACHINE))
+    return _until_right(lambda: _as_long(begun))
+
+
+def _as_long(begun: Beginning) -> Beginning:
     usual = linear_travels(begun)
     each = " ".join(f"{length:g}" for length in usual.values())
-    words = _asked(f"How far do {' '.join(usual)} travel, in mm? Enter for {each}", ()).replace(",", " ").split()
+    question = said("How far do {axes} travel, in mm? Enter for {usual}", axes=" ".join(usual), usual=each)
+    words = _asked(question, ()).replace(",", " ").split()
     return with_travels(begun, _lengths(list(usual), words)) if words else begun
+
+
+def _instruments(begun: Beginning) -> list[str]:
+    question = said("Which instruments are there? Several with blanks between; Enter for {usual}", usual=_INSTRUMENT)
+    names = _asked(question, OFFERED).replace(",", " ").split() or [_INSTRUMENT]
+    first_files(begun, names, _TARGET)  # refuses those that it has none for
+    return names
+
+
+def _with_target(begun: Beginning, names: Sequence[str]) -> FirstFiles:
+    question = said("How well is the tool point to be known, 95 %? Enter for {usual}", usual=_TARGET)
+    return first_files(begun, names, _asked(question, ()) or _TARGET)
+
+
+def _until_right(answer: Callable[[], _Answer]) -> _Answer:
+    """Return what a person answers; at a terminal a refusal is shown and the question asked again."""
+    while True:
+        try:
+            return answer()
+        except InputError as refusal:
+            if not sys.stdin.isatty():
+                raise
+            complain(str(refusal))
 
 
 def _lengths(axes: Sequence[str], words: Sequence[str]) -> dict[str, float]:
@@ -115,11 +157,14 @@ def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path
     if asking:
         open_ = {letter: unit for letter, unit in lacking_limits(ini).items() if letter not in given}
         for letter, unit in open_.items():
-            words = _asked(f"From where to where does {letter} move, in {unit}, such as -300 0?", ())
+            words = _asked(
+                said("From where to where does {axis} move, in {unit}, such as -300 0?", axis=letter, unit=unit), ()
+            )
             given |= [_limits(f"{letter} {words}")]
     found = machine_of(ini, given)
     if asking and chain is None and not found.build.sure:
-        chain = _asked(f"How is it built? Primed axes carry the workpiece; Enter for {found.build.chain}", ()) or None
+        how = said("How is it built? Primed axes carry the workpiece; Enter for {chain}", chain=found.build.chain)
+        chain = _asked(how, ()) or None
     return of_ini(found, file, folder, chain)
 
 
@@ -137,9 +182,7 @@ def _limits(text: str) -> tuple[str, tuple[float, float]]:
 
 
 def _asked(question: str, known: Iterable[str]) -> str:
+    """Return what is typed; raises EOFError where nobody is there."""
     names = ", ".join(known)
     say(f"{question}{f' ({names})' if names else ''}")
-    try:
-        return ask("> ").strip()
-    except EOFError:
-        raise DescriptionError("Nobody answered", "Give --machine or --from, --instrument and --target") from None
+    return ask("> ").strip()

@@ -17,14 +17,14 @@ def note(
     text: Annotated[list[str], typer.Argument(metavar="TEXT", help="What is to be kept.")],
     renewed: Annotated[
         list[str] | None,
-        typer.Option(metavar="AXIS", help="An axis of which nothing is as it was found, for `axiscal due`."),
+        typer.Option(metavar="AXIS", help="An axis of which nothing is as it was found, for `axiscal shop due`."),
     ] = None,
     json: Json = False,
 ) -> None:
     """Keep a sentence in the record.
 
     Such as who measured, how warm it was, or what was repaired. It changes nothing that is computed, is shown by
-    `axiscal status`, and may come after the end of the campaign.
+    `axiscal step status`, and may come after the end of the campaign.
 
     \b
     Example:

@@ -98,4 +98,7 @@ def standing_screen(campaign: Campaign) -> str:
     with speaking(chosen(None)):
         if planned is not None:
             return plan_screen(planned, str(path))
-        return screen(standing_answer(campaign), words, str(path), str(results_beside(path)))
+        answer = standing_answer(campaign)
+        written = any(step.code == "load" for step in answer.steps)
+        results = str(path.parent).removeprefix(".") if written else str(results_beside(path))
+        return screen(answer, words, str(path), results)

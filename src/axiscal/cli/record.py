@@ -89,7 +89,7 @@ def record(
             asked = campaign.skip(reason, rest=leave is not None)
             done = "Left the set-up at" if leave is not None else "Skipped"
             message = f"{done} {asked_text(campaign, asked)}: {reason.strip()}\n{cost_sentence(costs)}"
-            message += f" To stay: axiscal undo {record}" if costs else ""
+            message += f" To stay: axiscal step undo {record}" if costs else ""
             document = {"skipped": asked.reading, "set_up_left": leave is not None, "costs": costs}
         else:
             typed = _understood(campaign, text, std, at, setup, approach)  # first: what is misspelt is said at once
@@ -105,7 +105,9 @@ def record(
         question = campaign.next() if then_next else None
         if question is not None:
             document |= {"next": question_document(campaign, question)}
-        coming = f"Ask for the next one: axiscal next {record}" if question is None else next_text(campaign, question)
+        coming = (
+            f"Ask for the next one: axiscal step next {record}" if question is None else next_text(campaign, question)
+        )
         say_either(json, "axiscal-record/1", document, [message, coming])
         if question is None:
             campaign.go_on()
@@ -124,11 +126,11 @@ def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:
         campaign.adopt(tuple(each.under(number) for number, each in enumerate(placed, start=first)))
         count = len(campaign.state.readings)
         words = f"Kept {count_text(len(placed), 'reading')} of {log} ({count} so far)."
-        coming = f"Ask for the next one: axiscal next {record}"
+        coming = f"Ask for the next one: axiscal step next {record}"
         say_either(as_json, "axiscal-record/1", {"logged": len(placed), "readings": count}, [words, coming])
 
 
-_REMEDY = "Take it again (axiscal undo, then axiscal record), or record it with --accept if it is right."
+_REMEDY = "Take it again (axiscal step undo, then axiscal step record), or record it with --accept if it is right."
 
 
 def _doubt(campaign: Campaign) -> tuple[float | None, str]:
@@ -148,7 +150,7 @@ def _left(campaign: Campaign, place: Place) -> str:
     asked = campaign.state.pending
     if asked is None or asked.place.setup == place.setup or not (costs := cost_words(campaign, rest=True)):
         return ""
-    stay = "to stay, take this back: axiscal undo"
+    stay = "to stay, take this back: axiscal step undo"
     return f'this leaves "{asked.place.setup}", which costs, where nothing more is read there: {costs}; {stay}.'
 
 
@@ -163,7 +165,7 @@ def _assumed(campaign: Campaign, reading: Reading, approach: str | None) -> str:
     example = " ".join(f"{name}+" for name in silent)
     return (
         f"without --approach nothing is supposed of the side from which {' and '.join(silent)} came{wider}. "
-        f'If you know it, take this back (axiscal undo) and add it, as in --approach "{example}".'
+        f'If you know it, take this back (axiscal step undo) and add it, as in --approach "{example}".'
     )
 
 

@@ -55,7 +55,7 @@ def run_loop(
     """
 
     description, seconds = read_campaign(campaign), parse_quantity(timeout, "time")
-    again = f'axiscal run {campaign} --source "{source}" --out {out} --resume'
+    again = f'axiscal step run {campaign} --source "{source}" --out {out} --resume'
     mend(out)
     with ExitStack() as stack:
         opened = _kept_campaign(out / RECORD, description, resume)

@@ -48,7 +48,7 @@ def _lines(campaign: Campaign) -> list[str]:
     lines = [
         f"{description.machine.name}: {count_text(len(state.readings), 'reading')}, "
         f"{format_quantity(status.seconds, 'min', 3)} of machine time",
-        accuracy_text(status.accuracy, target.rms, target.worst),
+        said("standard uncertainty {accuracy}", accuracy=accuracy_text(status.accuracy, target.rms, target.worst)),
     ]
     if state.readings:
         lines.append(agreement_words(campaign.estimate(), campaign.path))

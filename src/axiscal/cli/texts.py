@@ -34,7 +34,7 @@ def question_text(campaign: Campaign, asked: Asked) -> str:
         f"  coming    {coming}" if coming else "",
         f"  {'at       ' if setup.artefact else 'the way  '} {touch}" if touch else "",
         f"  parked    {parked}" if parked else "",
-        f'  then      axiscal record {campaign.path} "{values}"',
+        f'  then      axiscal step record {campaign.path} "{values}"',
     ]
     return "\n".join(line for line in lines if line)
 
@@ -60,7 +60,7 @@ def accuracy_text(known: Accuracy, rms: float | None, worst: float | None) -> st
         text if target is None else said("{figure} (target {target})", figure=text, target=micrometres(target))
         for text, target in figures
     )
-    return said("standard uncertainty RMS {rms}, worst {worst}", rms=found, worst=largest)
+    return said("RMS {rms}, worst {worst}", rms=found, worst=largest)
 
 
 def count_text(count: int, noun: str) -> str:

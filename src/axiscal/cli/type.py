@@ -195,5 +195,5 @@ def rehearse(
         raise typer.BadParameter(f"a size lies above 0 and is at most {_LARGEST:g}", param_hint="--size")
     described = read_campaign(campaign)
     files = rehearsed(described, Imagined(size, common), machines, out, seed)
-    words = f"{count_text(len(files), 'record')} in {out}. Learn from them: axiscal type learn {out}"
+    words = f"{count_text(len(files), 'record')} in {out}. Learn from them: axiscal shop type learn {out}"
     say_either(json, "axiscal-type-rehearsed/1", {"records": [str(file) for file in files]}, [words])

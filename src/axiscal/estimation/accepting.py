@@ -34,7 +34,7 @@ def named(known: Estimation, cause: str, setup: str | None, path: Path) -> Accep
         what = 'The readings do not name "{cause}" of "{setup}" at more than {most:g} : 1; they name {others}'
         if setup is None:
             what = 'The readings do not name "{cause}" at more than {most:g} : 1; they name {others}'
-        remedy = "Look at what they name: axiscal accept {path}"
+        remedy = "Look at what they name: axiscal step accept {path}"
         raise RecordError(what, remedy, path, cause=cause, setup=setup, most=NAMED, others=others, path=path)
     if len({one.setups for one in mine}) > 1 and setup is None:
         names = ", ".join(dict.fromkeys(f'"{one.setups[0]}"' for one in mine))

@@ -35,7 +35,7 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
     if record is None:
         return text
     cause = found.explained[0].mistake
-    return said("{text}. If so: axiscal accept {record} {cause}", text=text, record=record, cause=cause)
+    return said("{text}. If so: axiscal step accept {record} {cause}", text=text, record=record, cause=cause)
 
 
 def mistake_words(each: Explained, known: Estimation) -> str:

@@ -144,7 +144,7 @@ def type_prior(text: str) -> TypePrior:
         _check(found)
     except (InputError, ValueError, KeyError, TypeError, AttributeError, RecursionError, OverflowError) as error:
         what = "what the type has taught cannot be read: {reason}"
-        raise RecordError(what, "Learn it anew with `axiscal type learn`", reason=error) from None
+        raise RecordError(what, "Learn it anew with `axiscal shop type learn`", reason=error) from None
     return found
 
 

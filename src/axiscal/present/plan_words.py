@@ -130,7 +130,7 @@ def _alike(answer: PlannedAnswer) -> str:
     if answer.alike is None:
         return ""
     return said(
-        'Here a zero that comes and goes looks like a curve: read {count} of "{setup}" once more, {minutes} min.',
+        'Drift of the zero of "{setup}" would pass for a curve: repeat {count} of its readings, {minutes} min.',
         setup=answer.alike.setup,
         count=answer.alike.readings,
         minutes=put("{minutes:.1g}", minutes=answer.alike.minutes),

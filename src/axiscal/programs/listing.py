@@ -39,7 +39,7 @@ def listing(readings: Sequence[Listed]) -> str:
 
 
 def form(readings: Sequence[Listed]) -> str:
-    """Return readings.csv, whose last columns are to be filled in for `axiscal estimate`; parked axes stay empty."""
+    """Return readings.csv, the last columns to be filled in for `axiscal data estimate`; parked axes stay empty."""
     values = columns_of([reading.setup for reading in readings])
     header = ["reading", "setup", *_axis_columns(readings[0].axes), "approach", *values]
     rows = [[str(r.number), r.setup.name, *_moving(r), _moving_sides(r), *[""] * len(values)] for r in readings]

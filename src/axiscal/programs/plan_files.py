@@ -61,9 +61,9 @@ def _readme(made: Sequence[Program], controller: str) -> str:
     lines += [
         "",
         "The .csv beside each program says which reading is where, and after how many seconds (stops not counted).",
-        "Write what was read into the last column of readings.csv, in um or urad: it is then a file for",
-        "axiscal estimate. Its rows are in the order of the programs. The number of a reading is the same there, in",
-        "the program, in the report and in messages. Take out the rows that were not read; numbers stay as they are.",
+        "Write what was read into the last column of readings.csv, in um or urad: it is then a file for axiscal data",
+        "estimate. Its rows are in the order of the programs. The number of a reading is the same there, in the",
+        "program, in the report and in messages. Take out the rows that were not read; numbers stay as they are.",
         "",
     ]
     notes = dict.fromkeys(note for program in made for note in program.notes)

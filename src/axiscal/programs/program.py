@@ -328,7 +328,7 @@ _TOUCHED = (
 _BY_ITSELF = ("THE PROGRAM TOUCHES EACH BALL AND WRITES A LOG", "PROBE IN THE SPINDLE - SPINDLE OFF")
 _LOGGED = (
     "At a reading the program touches its ball: pole, four sides, pole again, fast and then slowly, and writes each "
-    "touch into the log. axiscal estimate --log and axiscal record --log read it with the lists beside the programs.",
+    "touch into the log. axiscal data estimate --log and step record --log read it with the lists beside the programs.",
     "Try the probe by hand first: it must open and close. A ball is looked for within 4 mm of its stated place.",
 )
 

@@ -44,7 +44,7 @@ Pose = Mapping[str, Quantity]
 def estimate(campaign: Case | str | Path, readings: Sequence[Reading] | str | Path) -> Estimated:
     """Return what readings make known of a machine.
 
-    campaign : a case, or the file campaign.toml; readings : of `Reading`, or a file that `axiscal estimate` reads
+    campaign : a case, or the file campaign.toml; readings : of `Reading`, or a file that `axiscal data estimate` reads
     Raises InputError with file, line, value and remedy.
     """
     description = campaign.description if isinstance(campaign, Case) else ours(_CAMPAIGN)(campaign, target_needed=False)

@@ -56,7 +56,7 @@ def _content(row: EventText) -> tuple[str, str, str]:
 def carried_text(path: Path) -> str:
     """Return what a campaign names as its prior as text that a record can carry; raises RecordError.
 
-    path : of a campaign record, or of what `axiscal type learn` wrote
+    path : of a campaign record, or of what `axiscal shop type learn` wrote
     """
     try:
         with path.open("rb") as file:
@@ -64,7 +64,9 @@ def carried_text(path: Path) -> str:
         if start[:1] == b"{" and _TYPE in start.decode("utf-8", "replace"):
             return path.read_text(encoding="utf-8")
     except UnicodeDecodeError:
-        raise RecordError("The file of the type is damaged", "Learn it anew with `axiscal type learn`", path) from None
+        raise RecordError(
+            "The file of the type is damaged", "Learn it anew with `axiscal shop type learn`", path
+        ) from None
     except OSError:
         pass  # the record says what is wrong with it
     return heritage_text(path)

@@ -178,7 +178,7 @@ class Story:
             for each in stored:
                 after._fold(each)
         except EventOrderError as error:
-            remedy = "Look at it with `axiscal status`; nothing was written"
+            remedy = "Look at it with `axiscal step status`; nothing was written"
             raise RecordError("This cannot follow what the record holds: {error}", remedy, path, error=error) from error
         after.events = [*self.events, *stored]
         return after
@@ -250,7 +250,7 @@ def chained_texts(rows: Iterable[EventText], chain: str = EMPTY) -> list[Chained
 def refuse_overtaken(last: int, after: int | None, path: Path) -> None:
     """Raise OvertakenError where a log has gone on since the caller looked at it."""
     if after is not None and last != after:
-        remedy = "Look at it with `axiscal status`, then give the command again"
+        remedy = "Look at it with `axiscal step status`, then give the command again"
         raise OvertakenError("Another process has written to this record in the meantime", remedy, path)
 
 

@@ -74,7 +74,7 @@ def standing(path: Path) -> Standing:
     runs = _runs(content)
     found = _placed(content, runs, marks)
     if not found:
-        remedy = "Name a record that `axiscal start` or `axiscal run` has made, or restore it from a copy"
+        remedy = "Name a record that `axiscal step start` or `axiscal step run` has made, or restore it from a copy"
         raise RecordError("No entry of a record stands whole here", remedy, path)
     placed = {EMPTY, *(line.chain for line in found.values())}
     own = [mark for mark in marks if mark.last not in found or mark.chain == found[mark.last].chain]

@@ -199,7 +199,7 @@ class Record(EventLog):
 def refuse_existing(path: Path) -> None:
     """Raise RecordError if there is something at `path` already."""
     if path.exists():
-        remedy = "Go on with it by `axiscal next`, or name another file for the record"
+        remedy = "Go on with it by `axiscal step next`, or name another file for the record"
         raise RecordError("This file exists already", remedy, path)
 
 
@@ -249,7 +249,7 @@ def _form(path: Path) -> int:
         return form or FORM
     if any(isinstance(read_mark(start[at:]), Mark) for at in MARKS):
         raise DamageError("its first lines are not as they were written")
-    remedy = "Name a record that `axiscal start` or `axiscal run` has made"
+    remedy = "Name a record that `axiscal step start` or `axiscal step run` has made"
     raise RecordError("This file is not a campaign record", remedy, path)
 
 
@@ -258,7 +258,7 @@ def _start_of(path: Path) -> bytes:
         with path.open("rb") as file:
             return file.read(START)
     except FileNotFoundError:
-        raise RecordError("There is no such record", "Start one with `axiscal start CAMPAIGN`", path) from None
+        raise RecordError("There is no such record", "Start one with `axiscal step start CAMPAIGN`", path) from None
     except IsADirectoryError:
         inside = next(iter(sorted(path.glob("*.axiscal"))), "a file *.axiscal")
         raise RecordError("This is a folder", "Name the record in it: {inside}", path, inside=inside) from None
@@ -307,7 +307,7 @@ def restoring(path: Path) -> str:
         if form_of(file.read(BLOCK)) == SQLITE:
             return said("Restore it from a copy; {left}", left=left)
     new = path.with_name(f"{path.stem}-salvaged.axiscal")
-    command = f"axiscal salvage {path} {new}"
+    command = f"axiscal data salvage {path} {new}"
     return said("Restore it from a copy, or save what stands whole: {command}; {left}", command=command, left=left)
 
 

@@ -120,5 +120,5 @@ def _refuse_other_approach(row: Row, text: str, request: Request) -> None:
 
 def _other(row: Row, found: str, asked: str, request: Request) -> SourceError:
     what = "this row is of {found}, but reading {reading} is asked for at {asked}"
-    remedy = "Give the readings in the order asked, or evaluate them as they are with `axiscal estimate`"
+    remedy = "Give the readings in the order asked, or evaluate them as they are with `axiscal data estimate`"
     return SourceError(what, remedy, row.file, row.line, found=found, reading=request.reading, asked=asked)

@@ -232,7 +232,7 @@ def seen_by(setup: Setup) -> Seen | None:
 
 
 def line_of(setup: Setup, readings: Sequence[Reading], machine: Machine, whole: bool = False) -> AxisLine:
-    """Return the line of a set-up that reads one: what was read of it, or may be where nothing was.
+    """Return the line of a set-up that reads one: what was read of it, or may be where that is one place or none.
 
     whole : as far as it may be read, whatever was
     """
@@ -242,7 +242,8 @@ def line_of(setup: Setup, readings: Sequence[Reading], machine: Machine, whole: 
     if mine:
         at = np.array([reading.pose for reading in mine])
         stands = np.median(at, axis=0)
-        ends = ends if whole else (float(at[:, axis].min()), float(at[:, axis].max()))
+        if not whole and np.ptp(at[:, axis]) > _SAME:
+            ends = float(at[:, axis].min()), float(at[:, axis].max())
     poses = np.tile(stands, (PLACES, 1))
     poses[:, axis] = np.linspace(*ends, PLACES)
     return AxisLine(axis, poses, setup.name, *_places(mine, axis))

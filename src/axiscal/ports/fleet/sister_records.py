@@ -32,7 +32,7 @@ from axiscal.record.payload import encode
 from axiscal.units import format_quantity
 
 RENEWED = re.compile(r"\(renewed: ([\w, ]+)\)$")
-"""How a note ends that says which axes were renewed, as `axiscal note --renewed` writes it."""
+"""How a note ends that says which axes were renewed, as `axiscal step note --renewed` writes it."""
 _TRAVEL = 0.01
 """Share by which travels may differ in one type: what is rounded in a description, and no other size."""
 

@@ -34,13 +34,22 @@ _NAP = 0.02
 _SENTENCES = {
     "28P01": (later("The store does not take this password"), later("Put the right one into PGPASSWORD")),
     "28000": (later("The store does not let this user in"), later("Ask whoever keeps it for an account")),
-    "3D000": (later("The server has no such database"), later("Make one with createdb, then: axiscal sync --prepare")),
+    "3D000": (
+        later("The server has no such database"),
+        later("Make one with createdb, then: axiscal shop sync --prepare"),
+    ),
     "42501": (
         later("This user may not do that in the store"),
         later("Ask for the role axiscal_measurer; to read, axiscal_reader"),
     ),
-    "42P01": (later("The database is no store yet"), later("Prepare it once, as its owner: axiscal sync --prepare")),
-    "3F000": (later("The database is no store yet"), later("Prepare it once, as its owner: axiscal sync --prepare")),
+    "42P01": (
+        later("The database is no store yet"),
+        later("Prepare it once, as its owner: axiscal shop sync --prepare"),
+    ),
+    "3F000": (
+        later("The database is no store yet"),
+        later("Prepare it once, as its owner: axiscal shop sync --prepare"),
+    ),
     "55P03": (later("Another program holds this campaign and is writing"), later("Wait, then give the command again")),
 }
 """What is said for the states of SQL that a person can do something about."""
@@ -173,7 +182,7 @@ class Database:
                 raise UnreachableError(what, remedy, self._named, reason=_words(failure)) from failure
             if state in (_UNIQUE, *_SECOND):
                 what = "Another process has written to this record in the meantime"
-                remedy = "Look at it with `axiscal status`, then give the command again"
+                remedy = "Look at it with `axiscal step status`, then give the command again"
                 error = OvertakenError if state == _UNIQUE else _ConflictError
                 raise error(what, remedy, self._named) from failure
             other = later("The store refuses it: {reason}"), later("Ask whoever keeps the store")

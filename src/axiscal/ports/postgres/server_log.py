@@ -75,7 +75,7 @@ class ServerLog(EventLog):
 
         def begun() -> None:
             if entries(database, name):
-                remedy = "Go on with it by `axiscal next`, or give the campaign another name"
+                remedy = "Go on with it by `axiscal step next`, or give the campaign another name"
                 raise RecordError("The store has a campaign of this name already", remedy, f"{STORED}{name}")
             enter(database, entry)
             insert(database, entry.id, 0, [first])
@@ -187,7 +187,7 @@ class ServerLog(EventLog):
             what = "The campaign in the store is damaged: {reason}"
             remedy = (
                 "Tell whoever keeps the store: a backup has what was there, and this sets aside what cannot be: "
-                "axiscal sync --quarantine {path}:{first}"
+                "axiscal shop sync --quarantine {path}:{first}"
             )
             first = len(self._texts) + 1
             raise RecordError(what, remedy, self.path, reason=error, path=self.path, first=first) from error
@@ -287,7 +287,9 @@ def _ancestors(database: Database, entry: Entry) -> list[Entry]:
 def only_entry(name: str, found: Sequence[Entry]) -> Entry:
     path, found = Path(f"{STORED}{name}"), [each for each in found if each.called == name or each.id.startswith(name)]
     if not found:
-        raise RecordError("The store has no such campaign", "Look at its name, or send it there: axiscal sync", path)
+        raise RecordError(
+            "The store has no such campaign", "Look at its name, or send it there: axiscal shop sync", path
+        )
     if len(found) > 1:
         ids = ", ".join(entry.id[:_SHOWN] for entry in found)
         remedy = "Name one by its id: {known}"

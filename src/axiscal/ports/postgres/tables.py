@@ -181,7 +181,7 @@ def refuse_other(database: Database) -> None:
     form = _form(database)
     if form < FORM:
         what = "This store was made by an earlier axiscal (form {form}; this one needs {known})"
-        remedy = "Prepare it once more, as its owner: axiscal sync --prepare; what it holds stays"
+        remedy = "Prepare it once more, as its owner: axiscal shop sync --prepare; what it holds stays"
         raise RecordError(what, remedy, database.address.shown, form=form, known=FORM)
     if form > FORM:
         what = "This store was made by a newer axiscal (form {form}; this one knows {known})"
