@@ -25,10 +25,14 @@ def begun(folder: Path, files: Mapping[str, str], *commands: Words) -> None:
 
 @cache
 def _made(files: tuple[tuple[str, str], ...], commands: tuple[Words, ...]) -> tempfile.TemporaryDirectory[str]:
+    """Return the folder after these commands; those that begin alike share what the first of them did."""
     made = tempfile.TemporaryDirectory()
-    for name, text in files:
-        Path(made.name, name).write_text(text)
+    if not commands:
+        for name, text in files:
+            Path(made.name, name).write_text(text)
+        return made
+    *before, words = commands
+    shutil.copytree(_made(files, tuple(before)).name, made.name, dirs_exist_ok=True)
     with open(os.devnull, "w") as nowhere, chdir(made.name), redirect_stdout(nowhere), redirect_stderr(nowhere):
-        for words in commands:
-            assert app.run(words) == 0, words
+        assert app.run(words) == 0, words
     return made

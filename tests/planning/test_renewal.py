@@ -124,8 +124,11 @@ def test_what_may_yet_be_needed_stays_while_sizes_are_unsure() -> None:
 def test_a_target_beyond_many_readings_more_is_left_to_other_set_ups() -> None:
     two = replace(ASKED, here=Places.one(0, np.array([0.5, 0.3, 0.2]), np.zeros(3)))
     left = ASKED.lattice.within(ASKED.lattice.setups == 0).within(slice(0, 8))
-    known = two.yardstick.measure(taken(two, left).belief)
-    assert len(renewed(two, Limits(readings=9, rms=known.floor), left)) == 0
+    alone, both = ASKED.lattice.within(ASKED.lattice.setups == 0), ASKED.lattice
+    of_one, of_all, known = (two.yardstick.measure(taken(two, each).belief) for each in (alone, both, left))
+    assert of_all.rms < 0.8 * of_one.rms
+    assert len(renewed(two, Limits(rms=0.9 * of_one.rms), left)) == 0
+    assert len(renewed(two, Limits(readings=9, rms=known.floor), left)) > 0  # which these do not bring within nine
     assert len(renewed(two, Limits(readings=9, rms=known.rms), left)) > 0
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -110,7 +111,8 @@ def record(
         )
         say_either(json, "axiscal-record/1", document, [message, coming])
         if question is None:
-            campaign.go_on()
+            with suppress(RecordError):  # the reading is kept; what cannot be added to it is found out by `next`
+                campaign.go_on()
 
 
 def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:

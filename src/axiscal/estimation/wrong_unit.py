@@ -114,11 +114,13 @@ def other_unit(observation: Observation, readings: Sequence[Reading]) -> OtherUn
             continue
         sizes = sizes_of(observation.machine, observation.setups, Learnable("roughly", usual=True, inherited=False))
         posed = problem(observation, mine, sizes)
-        stated = sized(posed).log_evidence
-        odds = {factor: (_multiplied(posed, factor) - stated) / np.log(10.0) for factor in FACTORS}
-        best = max(odds, key=lambda factor: odds[factor])
-        if odds[best] > _CERTAIN:
-            return OtherUnit(setup.name, best, float(odds[best]))
+        multiplied = {factor: _multiplied(posed, factor) for factor in FACTORS}
+        best = max(multiplied, key=lambda factor: multiplied[factor])
+        if not np.isfinite(multiplied[best]):  # the usual case, in which the evidence as written need not be found
+            continue
+        odds = (multiplied[best] - sized(posed).log_evidence) / np.log(10.0)
+        if odds > _CERTAIN:
+            return OtherUnit(setup.name, best, float(odds))
     return None
 
 

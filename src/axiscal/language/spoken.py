@@ -117,7 +117,7 @@ def resaid(thing: _Thing) -> _Thing:
         found = replace(thing, **new)
     elif isinstance(thing, dict):
         found = {resaid(key): resaid(value) for key, value in thing.items()}
-    elif isinstance(thing, (list, tuple)) and not hasattr(thing, "_fields"):
+    elif isinstance(thing, (list, tuple)) and not (hasattr(thing, "_fields") or _SILENT.issuperset(map(type, thing))):
         found = type(thing)(resaid(each) for each in thing)
     return cast("_Thing", found)
 

@@ -63,9 +63,7 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
     everything = tuple(int(s) for s in np.unique(task.lattice.setups))
     if len(everything) == 1:
         return everything
-    base = Scores(Pool(task.observation, _thinned(task), task.memory), task.state)
-    meter, times = RunningAccuracy.of(task.yardstick, base.state.factor), clock(task)
-
+    base, meter, times = *_coarse(task), clock(task)
     longest = np.inf
 
     def key(setups: Setups) -> tuple[float, float]:
@@ -81,6 +79,20 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
         sets = [s for count in range(1, len(everything) + 1) for s in combinations(everything, count)]
         return min(sets, key=key)
     return _grown(everything, key)
+
+
+def within_reach(task: Task, limits: Limits) -> bool:
+    """Return whether picks reach the accuracy with all set-ups together."""
+    scores, meter = _coarse(task)
+    everything = tuple(int(s) for s in np.unique(task.lattice.setups))
+    return filled(scores, meter, limits, clock(task), everything, most=_TRIED).met
+
+
+def _coarse(task: Task) -> tuple[Scores, RunningAccuracy]:
+    """Return the gains of a thinned lattice, and the accuracy before any reading."""
+    lattice = task.lattice.within(np.arange(0, len(task.lattice), max(1, len(task.lattice) // _COARSE)))
+    scores = Scores(Pool(task.observation, lattice, task.memory), task.state)
+    return scores, RunningAccuracy.of(task.yardstick, scores.state.factor)
 
 
 def _grown(everything: Setups, key: Callable[[Setups], tuple[float, float]]) -> Setups:
@@ -177,11 +189,6 @@ def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, 
         return fitting
 
     return allowed
-
-
-def _thinned(task: Task) -> Places:
-    step = max(1, len(task.lattice) // _COARSE)
-    return task.lattice.within(np.arange(0, len(task.lattice), step))
 
 
 _PLACING = 4

@@ -17,7 +17,7 @@ from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import RunningAccuracy
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import drop, exchange, fitted, polish
-from axiscal.planning.plan.greedy import Setups, Trial, affordable, filled
+from axiscal.planning.plan.greedy import Setups, Trial, affordable, filled, within_reach
 from axiscal.planning.plan.order import arriving, beside, counting, in_order, returns, seconds_along
 from axiscal.planning.plan.task import Clock, Limits, Patience, Task, clock
 
@@ -36,7 +36,7 @@ def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0, uns
 
     limits : what is left of them; patience : operations that climbing off the lattice may take
     unsure : factor by which what is foreseen may yet become larger, as learnt sizes do: what may be needed stays
-    None are returned where there is no time for any of these set-ups, or they fall short by much and there are others.
+    None are returned where there is no time for any of these set-ups, or they fall short by much and others do not.
     """
     times = clock(task)
     left = _mountable(limits, times, left)
@@ -47,7 +47,7 @@ def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0, uns
         trial = _begun(task, limits, times, Pool(task.observation, lattice, task.memory), setups, left)
         others = np.setdiff1d(task.lattice.setups, setups) if limits.accurate else np.zeros(0, dtype=np.intp)
         trial = _filled(task, limits, times, trial, others)
-        if len(others) and not trial.met:
+        if len(others) and not trial.met and within_reach(task, limits):
             return Places.none(left.poses.shape[1])
         exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
