@@ -1,7 +1,7 @@
 """Readings chosen together: take one out, put the best one in, until no exchange helps.
 
-On the lattice a reading and its replacement cost O(M) to look at. Afterwards the exact step moves every reading off the
-lattice, given all the others.
+On the lattice a reading and its replacement cost O(M) to look at. Afterwards all readings move off the lattice at once,
+and each climbs, given all the others.
 In the end the plan fits its limits: no reading that an accuracy does not need, none for which there is no time.
 """
 
@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.ties import ALIKE, first_best, ranked
@@ -23,9 +22,7 @@ from axiscal.planning.plan.greedy import Trial, affordable, filled
 from axiscal.planning.plan.move_all import moved
 from axiscal.planning.plan.order import seconds_of
 from axiscal.planning.plan.task import Clock, Limits, Patience, Task, work_of_climb
-from axiscal.planning.step.best_step import best_of
 from axiscal.planning.step.climb import Climb
-from axiscal.planning.step.starts_stacked import adds_up
 
 _SWEEPS = 50
 """Sweeps end where no exchange helps; this only ends what would go round."""
@@ -37,9 +34,6 @@ _WORTH = 1e-6
 _WORTH_OF_MANY = 2e-3
 _FEW = 120
 _CANDIDATES = 4
-_ROUNDS = 1
-"""Looks along exact lines: the next round of the plan goes on from there."""
-_SMALL = 60
 _WORK = 4e9
 """Floating point operations after which an exchange ends: by work, not by the clock, for the same plan anywhere."""
 
@@ -131,27 +125,17 @@ def _better(scores: Scores, slot: int, allowed: Allowed) -> Places | None:
 
 
 def _climbed(pool: Pool, scorer: Scorer, gains: Array, old: Places) -> Places:
-    """Return the best reading found from a reading and the best candidates.
+    """Return the best reading found from a reading and the best candidates, by Newton's steps and looks.
 
     scorer : without the reading
     Cells visited by others are taken for fresh ones meanwhile: their edges would cut every line into small pieces.
     """
-    lattice = pool.lattice
     order = ranked(gains, ALIKE, _CANDIDATES)
-    if np.all(np.isfinite(gains)) and _small(pool, scorer.observation):
-        return best_of(scorer, lattice).place
-    begun = Places.joined([old, lattice.within(order[np.isfinite(gains[order])])])
+    begun = Places.joined([old, pool.lattice.within(order[np.isfinite(gains[order])])])
     climbs = [_climb(scorer, setup, *begun.of(setup)) for setup, _ in begun.by_setup()]
     best = climbs[first_best(np.array([climb.gains.max() for climb in climbs]), ALIKE)]
     top = first_best(best.gains, ALIKE)
     return Places.one(best.setup, *(part[top] for part in best.readings))
-
-
-def _small(pool: Pool, observation: Observation) -> bool:
-    """Whether a search over everything costs no more than climbing from a few places."""
-    used = [int(setup) for setup in np.unique(pool.lattice.setups)]
-    free = pool.size <= 2 * _SMALL and all(observation.setups[setup].chart is None for setup in used)
-    return free and all(adds_up(observation, setup) for setup in used)
 
 
 def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb:
@@ -159,7 +143,6 @@ def _climb(scorer: Scorer, setup: int, poses: Array, approaches: Array) -> Climb
     climb.newton(3)
     climb = climb.distinct().best(1, 0.0, 1.0)
     climb.uphill()
-    climb.finish(_ROUNDS)
     return climb
 
 

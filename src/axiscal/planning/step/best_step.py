@@ -127,7 +127,8 @@ def best_of(scorer: Scorer, lattice: Places) -> Step:
 def _highest(climbs: list[Climb]) -> list[Climb]:
     """Return the few that stand highest after climbing by looks, which cost less than exact lines."""
     for climb in climbs:
-        climb.uphill()
+        if len(climb.ground.ends) > 1:
+            climb.uphill()
     best = max(climb.gains.max() for climb in climbs)
     highest = [climb.distinct().best(_LAST, _NEARLY, best) for climb in climbs]
     return [climb for climb in highest if len(climb.gains)]

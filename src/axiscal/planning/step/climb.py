@@ -162,8 +162,6 @@ class Climb:
 
     def uphill(self) -> None:
         """Climb by Newton's steps, and by looks along every coordinate, until neither leads higher."""
-        if len(self.ground.ends) == 1:
-            return
         for _ in range(_ROUNDS):
             self.newton(_NEWTON)
             before = self.gains.copy()
