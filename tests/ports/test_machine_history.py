@@ -69,7 +69,7 @@ def test_between_campaigns_it_is_what_the_tables_of_the_last_one_leave(folder: P
     for piece, axes in ((before, ()), (renewed, ("X",))):
         left = WornMachine(first, shop.aging, axes).rms
         np.testing.assert_allclose(piece[:, 1], [left(year - begun) for year in piece[:, 0]], rtol=1e-12)
-    assert before[-1, 0] == renewed[0, 0] == machine.happened[0].year
+    assert before[-1, 0] == renewed[0, 0] == machine.renewed[0]
     assert renewed[0, 1] > 1.5 * before[-1, 1]
     assert after[0, 0] == renewed[-1, 0] == year_of(datetime(2024, 9, 1, 8, tzinfo=UTC))
     now = np.interp(year_of(TODAY), after[:, 0], after[:, 1])

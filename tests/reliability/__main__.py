@@ -68,7 +68,7 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("--row", type=int, action="append", help="only this row of the table, from 1")
     parser.add_argument("--python", action="append", default=[], help="an interpreter with what the package needs")
     args = parser.parse_args(words)
-    print("| row | what was tried | how many | lost | |\n|---|---|---|---|---|", flush=True)
+    print("| row | what was tried | how many | lost or wrong | |\n|---|---|---|---|---|", flush=True)
     begin, lost, kept = time.monotonic(), 0, Kept("reliability-long" if args.long else "reliability")
     for number, tried in enumerate(trials(args.long, args.python)):
         if args.row and number + 1 not in args.row:

@@ -162,11 +162,7 @@ def _iso_picture(
 
 
 def _uprights(of: MachineHistory, low: float, high: float) -> list[Figure]:
-    return [
-        line_trace([each.year, each.year], [low, high], "var(--worst)", 1.2, "dot")
-        for each in of.happened
-        if each.renewed
-    ]
+    return [line_trace([year, year], [low, high], "var(--worst)", 1.2, "dot") for year in of.renewed]
 
 
 _STEPS, _PLACES = 40, 61
@@ -199,27 +195,18 @@ class Parameter:
     found: tuple[Found, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Happened:
-    """What a person noted: when, what, and which axes were renewed."""
-
-    year: float
-    text: str
-    renewed: tuple[str, ...]
-
-
 @dataclass(frozen=True, eq=False, slots=True)
 class MachineHistory:
     """A machine over the years.
 
-    due : as `axiscal due` has it; records : in the order of time
+    due : as `axiscal due` has it; records : in the order of time; renewed : years in which axes were renewed
     left : pieces of (year, RMS of what is left with the tables of the last campaign, m), (k, 2) each
     """
 
     due: DueMachine
     records: tuple[MachineRecord, ...]
     parameters: tuple[Parameter, ...]
-    happened: tuple[Happened, ...]
+    renewed: tuple[float, ...]
     left: tuple[Array, ...]
 
 
@@ -238,11 +225,8 @@ def year_of(at: datetime) -> float:
 
 def _history(machine: DueMachine, shop: Shop, today: datetime) -> MachineHistory:
     records = tuple(shop.histories[machine.digest])
-    happened = tuple(
-        Happened(year_of(moment(note.at)), note.text, renewed_axes([note.text]))
-        for record in records
-        for note in record.notes
-    )
+    notes = (note for record in records for note in record.notes)
+    renewed = tuple(year_of(moment(note.at)) for note in notes if renewed_axes([note.text]))
     begun = [year_of(moment(record.begun)) for record in records]
     until = max(year_of(today), begun[-1]) + _FAR
     if machine.due is not None:
@@ -250,7 +234,7 @@ def _history(machine: DueMachine, shop: Shop, today: datetime) -> MachineHistory
     pieces = list[Array]()
     for record, start, end in zip(records, begun, [*begun[1:], until], strict=True):
         pieces += _left(record, shop, start, end)
-    return MachineHistory(machine, records, _parameters(records, shop, begun), happened, tuple(pieces))
+    return MachineHistory(machine, records, _parameters(records, shop, begun), renewed, tuple(pieces))
 
 
 def _left(record: MachineRecord, shop: Shop, start: float, end: float) -> list[Array]:
