@@ -277,8 +277,6 @@ class Result(Fields):
         None,
         description="whether one of these is reached, with what no reading can see; null where none is set",
     )
-    promised_rms_um: float | None = Field(None, description="only where the truth is known: `rms_um` again")
-    reached_rms_um: float | None = Field(None, description="only where the truth is known: what was reached")
     history: list[Milestone] = Field(description="how well the machine was known after each reading")
     errors: dict[str, ErrorCurve] = Field(description="error motions by ISO 230-1 name, reversals among them")
     plane_errors: dict[str, PlaneMap] = Field(description="errors of two axes together by name, such as EZXY")

@@ -21,7 +21,7 @@ from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.machine import machine_from_text
 from axiscal.ports.fleet.rehearsal import Imagined
 from axiscal.ports.fleet.type_learning import learnt_type
-from axiscal.ports.fleet.type_page import summary_sentences
+from axiscal.ports.fleet.type_words import summary_sentences
 from tests.generators.sisters import read_on, shop, slide, write_record
 
 

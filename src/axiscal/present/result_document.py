@@ -13,7 +13,6 @@ from axiscal.present.summary import (
     CurveSummary,
     HistoryRow,
     Position,
-    Rejection,
     Summary,
     TableOffer,
 )
@@ -86,11 +85,9 @@ def _position(position: Position | None) -> dict[str, float] | None:
 
 
 def _targets(summary: Summary) -> dict[str, Any]:
-    found = _kept(
+    return _kept(
         summary, "target_rms_um target_worst_um", target_U_um=summary.target_u_um, target_reached=summary.target_reached
     )
-    truth = "" if summary.truth is None else "promised_rms_um reached_rms_um"
-    return found | _kept(summary.truth, truth)
 
 
 def _agreement(found: ReadingAgreement) -> dict[str, Any]:
@@ -140,6 +137,6 @@ def _table(offer: TableOffer, summary: Summary) -> dict[str, Any]:
     )
 
 
-def _rejection(rejection: Rejection) -> dict[str, Any]:
+def _rejection(rejection: HistoryRow) -> dict[str, Any]:
     found = _kept(rejection, "reading setup unit reason", value=rejection.value_um)
     return found | {"position": _position(rejection.position)}

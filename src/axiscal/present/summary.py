@@ -40,6 +40,7 @@ class HistoryRow:
 
     unit : of `value_um`, `others`, `innovation`, `innovation_std`: "um" except for angle readings
     others : the further numbers of a reading that has several, such as a sphere's along y and z
+    reason : why it was not believed, "" where it was
     """
 
     reading: int
@@ -51,10 +52,15 @@ class HistoryRow:
     rms_um: float
     worst_um: float
     minutes: float
-    rejected: bool = False
     unit: str = "um"
     approach: str = ""
     others: tuple[float, ...] = ()
+    reason: str = ""
+
+    @property
+    def rejected(self) -> bool:
+        """Whether it was not believed."""
+        return self.reason != ""
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -123,18 +129,6 @@ class Finding:
 
 
 @dataclass(frozen=True, slots=True)
-class Rejection:
-    """A reading that was not believed, and why."""
-
-    reading: int
-    setup: str
-    position: Position
-    value_um: float
-    reason: str
-    unit: str = "um"
-
-
-@dataclass(frozen=True, slots=True)
 class TableOffer:
     """A compensation file, and what it leaves uncorrected in words (empty: nothing).
 
@@ -158,15 +152,6 @@ class TableEffect:
     before: float
     after: float
     expected: float
-
-
-@dataclass(frozen=True, slots=True)
-class TruthCheck:
-    """RMS promised by the estimate against RMS reached, where the truth is known."""
-
-    promised_rms_um: float
-    reached_rms_um: float
-    before_rms_um: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,17 +237,14 @@ class Summary:
     planes: Sequence[PlaneSummary] = ()
     observability: Sequence[str] = ()
     questions: Sequence[str] = ()
-    rejected: Sequence[Rejection] = ()
     warnings: Sequence[Finding] = ()
     tables: Sequence[TableOffer] = ()
     target_rms_um: float | None = None
     target_worst_um: float | None = None
     target_u_um: float | None = None
     target_reached: bool | None = None
-    truth: TruthCheck | None = None
     iso230: Sequence[Iso230] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
-    files: Sequence[str] = ()
     record: RecordState | None = None
     agreement: ReadingAgreement = NOTHING_READ
     volume: VolumeError | None = None
@@ -274,3 +256,8 @@ class Summary:
     checksums: Mapping[str, str] = field(default_factory=dict)
     ended: str = ""
     nonlinearity: float | None = None
+
+    @property
+    def rejected(self) -> Sequence[HistoryRow]:
+        """The readings that were not believed."""
+        return [row for row in self.history if row.rejected]
