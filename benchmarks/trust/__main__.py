@@ -116,6 +116,7 @@ read out and back. The first three figures of a cell are of machines whose U is 
 
 Nothing but `axiscal verify` shows a turned sign of all readings. In the rows "lengths" all readings are longer alike,
 and [type B](../promise.md#what-no-reading-shows) counts; in the others instruments and temperatures are perfect.
+20 µm/m are 1.7 standard deviations of what type B says of these lengths: a ratio near 1.7 is what it promises.
 `make trust PART=attacks MACHINES={machines}` goes on where it stopped; `MINUTES=30` stops it.
 `ONLY="step; bump"` shows such rows and leaves the page as it is.
 
