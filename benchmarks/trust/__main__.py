@@ -134,6 +134,21 @@ complete in the volume and missing in readings that come soon after the axis has
 |---|---|---|---|
 """
 
+_SINCE = """
+## Since then
+As in both tables above, planned places, {machines} machines in each cell: plans interleave readings along one axis, and
+the model has two rows more, a reversal that varies and one that needs a way.
+(`make trust PART=since MACHINES={machines}`)
+
+| inside, ratio, above 1.5, withheld | planned |
+|---|---|
+"""
+_CHANGED = (
+    "nothing", "drift", "zero", "growth", "one bad", "three bad", "step", "pitch of 10 mm, 5 µm", "pitch of 50", "bump",
+    "reversal", "7 readings", "lengths: 20", "air",
+)  # fmt: skip
+"""Attacks on one axis that interleaved readings, or the rows of reversals, bear on."""
+
 _BEDS = """
 ## Beds of printers
 The densest bed map of each owner's printer, {machines} of five types, is the truth, the plane of best fit taken off.
@@ -286,6 +301,15 @@ def _foreign(args: argparse.Namespace) -> Iterator[str]:
     yield from foreign_lines(kept, machines)
 
 
+def _since(args: argparse.Namespace) -> Iterator[str]:
+    which, planned = beginning_with(_CHANGED), ("planned",)
+    kept, machines = attacked(args.attacked, args.processes, 60 * args.minutes, which, planned)
+    if not machines:
+        return
+    yield _SINCE.format(machines=machines).strip("\n")
+    yield from attack_rows(kept, machines, which, planned)
+
+
 def _beds(_: argparse.Namespace) -> Iterator[str]:
     if not available():
         return
@@ -318,6 +342,7 @@ PARTS: dict[str, Callable[[argparse.Namespace], Iterator[str]]] = {
     "display": _displays,
     "attacks": _attacks,
     "foreign": _foreign,
+    "since": _since,
     "tables": _tables,
 }
 
