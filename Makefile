@@ -7,7 +7,7 @@ LOCK := $(BIN)/pip-compile --quiet --generate-hashes --strip-extras --allow-unsa
 PEERS := trieste torch others
 CONTROLS := $(or $(AXISCAL_CONTROLS),../shared/controls)
 COVERING := tests/document tests/description tests/measurement tests/evaluation tests/record tests/tables tests/programs \
-	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py tests/cli/test_type.py tests/web/test_first.py \
+	tests/cli/test_init.py tests/cli/test_export.py tests/cli/test_bad_readings.py tests/cli/test_type.py \
 	tests/linuxcnc/test_patched_configuration.py tests/ports/test_study_file.py
 
 .PHONY: help demo demo-linuxcnc howto-linuxcnc test test-long check quick golden bench bench-peers docs docs-site languages trust certify controls reliability fuzz fuzz-coverage coverage mutants requests audit lock clean distclean
@@ -62,7 +62,7 @@ test-long: .venv/dev.stamp $(if $(wildcard $(CONTROLS)),.venv-controls/stamp)
 # Whole rooms where their tests take seconds, else the files that do.
 QUICK := description docs/test_constants.py docs/test_house.py docs/test_shapes.py document errors/test_gauge.py \
 	estimation/test_alignment.py estimation/test_belief_properties.py estimation/test_criterion.py estimation/test_directions.py \
-	estimation/test_other_tool.py estimation/test_yardstick.py evaluation/test_around_a_turn.py evaluation/test_evaluation.py \
+	estimation/test_yardstick.py evaluation/test_around_a_turn.py evaluation/test_evaluation.py \
 	evaluation/test_evaluation_properties.py evaluation/test_kinematic.py machine measurement/test_displacement.py \
 	measurement/test_instrument_files.py numerics present/test_edges.py present/test_wording.py programs/test_programs.py \
 	python/test_surface.py record units

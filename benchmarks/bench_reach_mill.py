@@ -19,11 +19,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
-from axiscal.measurement.candidates import arrivals_of, chart_candidates
-from axiscal.measurement.charts.chart import has_room
+from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.place import Places
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.bound.chart_boxes import largest_on_chart
 from axiscal.planning.gains.covariance import Covariance
 from benchmarks.rests_as_noise import left_with_rests_as_noise
 
@@ -37,8 +35,6 @@ _ASKED = {
     "bar, lasers, squares": (4.14, 2.60),
     "bar, lasers, squares, levels": (3.30, 1.83),
 }
-RANDOM = 1_000_000
-"""Poses at which a proof is tried, in parts."""
 
 
 def _setup(name: str, instrument: str, keys: str) -> str:
@@ -104,31 +100,6 @@ def figures(case: Case) -> tuple[int, float, float]:
     return len(places), 1e6 * left, 1e6 * case.yardstick.unseen_rms
 
 
-def _proof() -> None:
-    """Compare a proof at a ball with what random poses see."""
-    ball = '[[artefacts]]\nname = "ball"\nballs = { low = ["200 mm", "0 mm", "-80 mm"] }\n'
-    case = _case(ball + _setup("nest", "rtest", 'artefact = "ball"'), "", "dmu60")
-    observation, (setup,) = case.observation, case.description.setups
-    chart, rng = setup.chart, np.random.default_rng(0)
-    assert chart is not None
-    std = np.sqrt(observation.prior_variances())
-    reach = std[:, None] * rng.standard_normal((observation.size, 4))
-    low, high = np.array([chart.bounds(number)[:2] for number in range(2)]).T
-    best, tried = 0.0, 0
-    for _ in range(RANDOM // 20_000):
-        places, sides = low + (high - low) * rng.uniform(size=(20_000, 2)), rng.choice([-1.0, 1.0], size=(20_000, 2))
-        taken = has_room(chart, places, sides)
-        poses, come = (
-            chart.poses(places[taken]),
-            arrivals_of(observation.machine, setup, chart, places[taken], sides[taken]),
-        )
-        seen = observation.rows_each(0, poses, come)
-        best = max(best, float(np.max(sum(np.sum((each.rows @ reach) ** 2, axis=1) for each in seen))))
-        tried += len(poses)
-    found = largest_on_chart(observation, 0, reach, best, 0.01, 1_000_000)
-    print(f"proof at a ball, gap 1 %: {found.upper / best:.5f} times the largest of {tried:,} random poses")
-
-
 def _row(name: str, case: Case, asked: tuple[float, float]) -> None:
     count, left, endless = figures(case)
     noisy = left_with_rests_as_noise(case, everything(case))
@@ -145,7 +116,6 @@ def main() -> None:
     for name, asked in _ASKED.items():
         setups = "".join(parts[part] for part in name.split(", "))
         _row(name, _case(setups, "aligned = true"), asked)
-    _proof()
 
 
 if __name__ == "__main__":

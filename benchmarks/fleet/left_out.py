@@ -39,7 +39,7 @@ def missed(printer: Printer, case: Case, count: int) -> Missed:
     """Return what so many readings leave of the shape: offset and tilt, which every owner sets anew, are taken off."""
     read = even_nodes(count)
     known = concluded(case, printer.readings(read))
-    knowledge, poses = known.banded.knowledge, printer.nodes
+    knowledge, poses = known.printed, printer.nodes
     seen = knowledge.observation.rows(0, poses, np.ones_like(poses))
     basis = plane_basis()
     rows = seen.rows - basis @ (basis.T @ seen.rows)

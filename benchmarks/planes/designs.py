@@ -33,7 +33,7 @@ def outcome(plane: Plane, count: int, planned: bool, together: bool) -> Outcome:
     campaign, machine = plane.texts(count, together)
     case = Case(campaign_from_texts(campaign, "campaign.toml", machine, "map"))
     read = _planned(plane, case, count) if planned else even_grid(plane, count)
-    known = concluded(case, [_reading(plane, node) for node in read]).banded.knowledge
+    known = concluded(case, [_reading(plane, node) for node in read]).printed
     poses = plane.nodes
     seen = known.observation.rows(0, poses, np.ones_like(poses))
     loose = seen.variances - known.observation.setups[0].noise ** 2

@@ -302,9 +302,9 @@ def outcome(attack: Attack, places: str, scales: str, seed: int) -> Outcome:
         for setup in described.setups
     )
     known = concluded(replace(met.stated, description=replace(described, setups=setups)), met.readings)
-    belief = known.banded.knowledge.belief
+    belief = known.printed.belief
     size = met.sizes_left(known.estimate().deviation(*met.places))
-    inside = float(np.mean(size <= expanded(known.banded.case.yardstick, belief).space))
+    inside = float(np.mean(size <= expanded(known.case.yardstick, belief).space))
     return Outcome(float(np.sqrt(np.mean(size**2))) / known.accuracy.rms, inside, known.agreement.withheld)
 
 

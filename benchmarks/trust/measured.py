@@ -93,12 +93,11 @@ def _by_spline(case: Measured, readings: Sequence[Reading]) -> float:
 
 def predicted(estimation: Estimation, poses: Array, approaches: Array) -> tuple[Array, Array]:
     """Return what the only set-up would read without noise, and its standard deviation, rests included: (m,)."""
-    wide = estimation.banded
-    plain = wide.case.observation
+    plain = estimation.case.observation
     seen = plain.rows(0, poses, approaches)
     loose = seen.variances - plain.setups[0].noise ** 2
-    known = wide.knowledge.belief.factor[: plain.size]
-    mean: Array = seen.rows @ wide.knowledge.belief.mean[: plain.size]
+    known = estimation.printed.belief.factor[: plain.size]
+    mean: Array = seen.rows @ estimation.printed.belief.mean[: plain.size]
     return mean, np.sqrt(np.sum((seen.rows @ known) ** 2, axis=1) + loose)
 
 

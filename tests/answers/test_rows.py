@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from axiscal.answers.answer_of_campaign import best_control
 from axiscal.answers.rows import AnsweredRow, answered
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.case import Case
@@ -119,3 +120,11 @@ def test_the_case_of_another_set_up_that_was_not_read_adds_no_row() -> None:
     case = Case(replace(CASE.description, setups=(SETUP, second)))
     known = concluded(case, _readings(BOTH))
     assert [line.setup for row in answered(known, {}) for line in row.lines] == ["laser", "laser"]
+
+
+def test_the_control_that_leaves_least_is_advised_and_the_first_of_equals() -> None:
+    rows = [replace(row, left={"a": 0.5 * row.found, "b": 0.2 * row.found, "c": 0.2001 * row.found})
+            for row in answered(_known(both=True), {})]  # fmt: skip
+    assert best_control(rows, ["a", "b", "c"]) == "b"
+    assert best_control(rows, ["c", "b", "a"]) == "c"
+    assert best_control(rows, []) == ""

@@ -82,11 +82,11 @@ def test_it_is_reached_by_the_figure_that_is_printed(gapped: Estimation, share: 
 
 
 def test_it_is_not_reached_by_readings_that_contradict_each_other(gapped: Estimation) -> None:
-    found, scales = gapped.posterior, gapped.stages.learnt
+    found = gapped.posterior
     assert found is not None
     for explained, said in (((), CONTRADICT), ((Explained("sign", 1e6, (0,)),), "rms target reached")):
         agreement = replace(found.agreement, p=1e-6, explained=explained)
-        stages = gapped.stages._replace(learnt=replace(scales, found=replace(found, agreement=agreement)))
+        stages = gapped.stages._replace(found=replace(found, agreement=agreement))
         known = replace(gapped, stages=stages)
         assert standing(asked(1.01 * gapped.accuracy.rms), known) == said
         assert standing(asked(0.99 * gapped.accuracy.rms), known) is None
@@ -157,7 +157,7 @@ def test_an_unreachable_row_ends_it_once_readings_have_taken_away_what_they_can(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     target, known = wanting([Want(POSITIONING, 1e-9)])
-    (row,) = known_rows(*known.banded, known.readings)
+    (row,) = known_rows(known.case, known.printed, known.readings)
     for floor, said in ((0.85, None), (0.95, "positioning X cannot be reached with these set-ups")):
         monkeypatch.setattr(ending, "known_rows", lambda *_, f=floor: (replace(row, floor=f * row.known),))
         assert standing(target, known) == said

@@ -16,11 +16,12 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.planning.promise import asked, foreseen
-from axiscal.present.delivery import reached
-from axiscal.tables.effect import Deviation
+from axiscal.tables.effect import Deviation, rms, tour
+from axiscal.tables.offer import POSES, spread_poses
 
 SHARE = 0.95
 """Of the first lines that the simulated truth has to bear out."""
@@ -93,7 +94,15 @@ def _played(
         campaign.finish()
         answer, known = standing_answer(campaign), campaign.so_far()
         line = screen(answer, "", "c.axiscal", "results").splitlines()[0]
-        return line, answer, reached(campaign.case().yardstick, known.estimate(), truth)
+        return line, answer, _missed(known.estimate(), truth)
+
+
+def _missed(estimate: Estimate, truth: Deviation) -> float:
+    """Return the RMS over the volume of the true deviation less the estimated one, m, the motion of the part off."""
+    poses, sides = spread_poses(estimate) if estimate.sample is None else tour(estimate.sample[:POSES], estimate.box)
+    missed = truth(poses, sides) - estimate.deviation(poses, sides)
+    left = missed if estimate.alignment is None else estimate.alignment.left(poses, missed)
+    return rms(left, estimate.counted)
 
 
 def _random(rng: np.random.Generator) -> CampaignDescription:

@@ -72,7 +72,7 @@ def held(name: str, seed: int, times: float) -> list[Held]:
 
 
 def _rows(known: Estimation, truth: VirtualMachine) -> Iterator[Held]:
-    estimate, (case, knowledge) = known.estimate(), known.banded
+    estimate, case, knowledge = known.estimate(), known.case, known.printed
     for asked in asked_rows(known.stated.description, known.readings):
         row = known_row(asked, case, knowledge.belief, read=True)
         if asked.map is None:

@@ -238,7 +238,7 @@ def test_finishing_beside_another_campaign_writes_nothing(started: Command) -> N
         ["record", "m.axiscal", "1 um", "--skip", "why"],
         ["record", "m.axiscal", "--skip", "why", "--std", "1 um"],
         ["record", "m.axiscal", "1 um", "--setup", "laser"],
-        ["start", "c.toml", "r.axiscal", "--out", "d"],
+        ["start", "c.toml", "r.axiscal", "d"],
         ["run", "c.toml", "--out", "d"],
         ["finish", "m.axiscal"],
         ["machine"],

@@ -98,7 +98,7 @@ class RejectedReading(Fields):
 class Warning(Fields):
     """An entry of `warnings`."""
 
-    code: str = Field(description="accepted, aliasing, prior-misfit, drift, outlier, unobservable, …")
+    code: str = Field(description="accepted, prior-misfit, drift, outlier, unobservable, …")
     error: str | None = Field(description="the error it is about")
     text: str = Field(description="in words")
 
@@ -267,11 +267,8 @@ class Result(Fields):
     worst_um: float | None = Field(description="largest standard deviation in the volume")
     unseen_rms_um: float = Field(description="what no allowed reading can take away")
     budget: list[BudgetSource] = Field(description="where the uncertainty comes from")
-    linear_to_um: float | None = Field(
-        description="no machine within the bands differs by more from its first order at the tool"
-    )
     nonlinearity: float | None = Field(
-        description="largest index of non-linearity of a reading, or a bound on it; above 0.3 it is no Gaussian"
+        description="largest index of non-linearity of a reading; above 0.3 it is no Gaussian"
     )
     target_rms_um: float | None = Field(description="the RMS asked for")
     target_worst_um: float | None = Field(description="the worst asked for")
@@ -280,8 +277,6 @@ class Result(Fields):
         None,
         description="whether one of these is reached, with what no reading can see; null where none is set",
     )
-    promised_rms_um: float | None = Field(None, description="only where the truth is known: `rms_um` again")
-    reached_rms_um: float | None = Field(None, description="only where the truth is known: what was reached")
     history: list[Milestone] = Field(description="how well the machine was known after each reading")
     errors: dict[str, ErrorCurve] = Field(description="error motions by ISO 230-1 name, reversals among them")
     plane_errors: dict[str, PlaneMap] = Field(description="errors of two axes together by name, such as EZXY")

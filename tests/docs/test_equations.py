@@ -383,7 +383,7 @@ def test_the_best_configuration_of_all_joints() -> None:
     low, high = np.array([axis.travel for axis in machine().axes]).T
     grid = np.stack(np.meshgrid(*np.linspace(low, high, 25).T, indexing="ij"), axis=-1).reshape(-1, 3)
     rows = np.vstack([observation.rows(0, grid, np.ones_like(grid)).rows, chosen.row])
-    weight, noise = root.gram.matrix, 1e-12
+    weight, noise = root.gram, 1e-12
     along = rows @ covariance
     falls = np.einsum("ij,jk,ik->i", along, weight, along) / (noise + np.einsum("ij,ij->i", along, rows))
     assert falls[-1] == pytest.approx(chosen.gain, rel=1e-9)

@@ -214,7 +214,7 @@ def test_both_locks_agree() -> None:
 def test_every_dependency_has_its_reason_on_the_page_of_decisions() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     page = (ROOT / "docs" / "decisions" / "index.md").read_text(encoding="utf-8")
-    extras = [project["optional-dependencies"][extra] for extra in ("dask", "parquet", "postgres")]
+    extras = [project["optional-dependencies"][extra] for extra in ("dask", "postgres")]
     names = [re.split(r"[<>=]", each)[0] for each in [*project["dependencies"], *chain(*extras)]]
     assert [name for name in names if f"**{name}**" not in page] == []
 

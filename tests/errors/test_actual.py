@@ -6,11 +6,8 @@ import numpy as np
 import pytest
 
 from axiscal.errors.actual import MovedErrors, deviation_of, deviations_of, levers_at
-from axiscal.errors.linear_bound import linear_along, linear_to, linear_ways, longest_arm
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import whole_travel
 from axiscal.machine import builtin_names, load_machine
-from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array, rigid
 from tests.generators.machines import random_machine, random_poses
 
@@ -75,63 +72,3 @@ def test_left_jacobian_is_the_derivative_of_the_rotation() -> None:
             turned = (rigid.rotation(vector + step) - rigid.rotation(vector - step))[0] / 2e-6
             spin = turned @ rigid.rotation(vector)[0].T
             assert [spin[2, 1], spin[0, 2], spin[1, 0]] == pytest.approx(jacobian[:, c], abs=1e-8)
-
-
-@pytest.mark.parametrize(("name", "factor"), [("dmu60", 1.0), ("dmu60", 10.0), ("three-axis-mill", 30.0)])
-def test_no_machine_is_farther_from_linear_than_the_bound(name: str, factor: float) -> None:
-    model, rng = ErrorModel(load_machine(name)), np.random.default_rng(3)
-    box, worst = whole_travel(model), 0.0
-    for _ in range(40):
-        poses, sides = random_poses(model.machine, 100, rng)
-        at = _drawn(model, rng, factor)
-        sizes = np.array([np.abs(f.rows(f.coordinates(poses)) @ at[f.columns]).max() for f in model.terms])
-        exact = deviation_of(model, at, poses, sides).displacement
-        left = np.linalg.norm(exact - model.rows(poses, sides) @ at, axis=1).max()
-        worst = max(worst, left / linear_to(model, sizes, box))
-    assert 0.02 < worst < 1.0
-
-
-@pytest.mark.parametrize("name", builtin_names())
-@pytest.mark.parametrize("factor", [1.0, 20.0])
-def test_no_machine_is_farther_from_linear_along_a_direction_than_its_bound(name: str, factor: float) -> None:
-    model, rng = ErrorModel(load_machine(name)), np.random.default_rng(4)
-    _held_along(model, rng, factor)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("seed", range(12))
-def test_nor_is_a_made_up_machine(seed: int) -> None:
-    _held_along(ErrorModel(random_machine(seed)), np.random.default_rng(seed), 5.0)
-
-
-def _held_along(model: ErrorModel, rng: np.random.Generator, factor: float) -> None:
-    """Hold the exact chain of machines that are drawn, and of those with every error at its size, to the bounds."""
-    box, worst = whole_travel(model), 0.0
-    for _ in range(15):
-        poses, sides = random_poses(model.machine, 60, rng)
-        at = _drawn(model, rng, factor)
-        sizes = np.array([np.abs(f.rows(f.coordinates(poses)) @ at[f.columns]).max() for f in model.terms])
-        left = deviation_of(model, at, poses, sides).displacement - model.rows(poses, sides) @ at
-        bound = linear_ways(model, sizes, box)
-        assert np.all(np.abs(left).max(axis=0) <= bound * (1 + 1e-9) + 1e-15)
-        worst = max(worst, float((np.abs(left).max(axis=0) / np.maximum(bound, 1e-15)).max()))
-    assert worst > 5e-4
-
-
-def test_a_height_over_a_bed_is_nearer_to_linear_than_the_tool_in_space() -> None:
-    model = ErrorModel(load_machine("printer-gantry"))
-    sizes = np.array([2 * np.sqrt(np.diag(f.covariance).max()) for f in model.terms])
-    box = (*whole_travel(model),)
-    low = tuple((0.0, 1e-3) if axis.name == "Z" else side for axis, side in zip(model.machine.axes, box, strict=True))
-    along, space = (linear_along(model, sizes, low, ways) for ways in ((False, False, True), (True, True, True)))
-    assert along < space / 5
-    assert space == linear_to(model, sizes, low)
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_no_arm_is_longer_than_the_longest(seed: int) -> None:
-    machine = random_machine(seed)
-    poses, _ = random_poses(machine, 200, np.random.default_rng(seed))
-    at = frames(machine, poses)
-    arms = np.linalg.norm(at.tcp - at.origins, axis=2).max()
-    assert arms <= longest_arm(machine, tuple(axis.travel for axis in machine.axes)) * (1 + 1e-12)

@@ -14,7 +14,7 @@ from axiscal.estimation.agreement_words import farthest, membership_words
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Rival
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import Estimation, banded
+from axiscal.estimation.estimation import Estimation, printed
 from axiscal.estimation.membership import Membership
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import carried_over
@@ -96,16 +96,15 @@ def test_bands_are_those_of_the_posterior_and_wider_where_readings_disagree() ->
     known = concluded(CASE, read(machine(2), 12))
     found = known.posterior
     assert found is not None
-    assert banded(known.case, known.knowledge, None) == (known.case, known.knowledge)
+    assert printed(known.knowledge, None) is known.knowledge
     for c2, times in ((1.0, 1.0), (4.0, 4.0)):
         agreed = replace(found.agreement, c2=c2)
-        wide = banded(known.case, known.knowledge, replace(found, agreement=agreed))
-        belief, size = wide.knowledge.belief, len(found.mean)
-        assert wide.case is known.case
+        wide = printed(known.knowledge, replace(found, agreement=agreed))
+        belief, size = wide.belief, len(found.mean)
         assert belief.mean == pytest.approx(found.mean)
         assert belief.covariance == pytest.approx(times * found.covariance, abs=1e-9 * float(found.covariance.max()))
-        assert size == wide.knowledge.observation.errors.size + len(wide.knowledge.observation.unknowns)
-        assert not wide.knowledge.observation.cells
+        assert size == wide.observation.errors.size + len(wide.observation.unknowns)
+        assert not wide.observation.cells
 
 
 def sister(chance: float, count: int, away: float = 0.0, told: float = 0.49) -> Estimation:
@@ -128,7 +127,7 @@ def sister(chance: float, count: int, away: float = 0.0, told: float = 0.49) -> 
     known = SimpleNamespace(
         membership=member,
         case=SimpleNamespace(errors=errors),
-        banded=SimpleNamespace(knowledge=SimpleNamespace(belief=belief)),
+        printed=SimpleNamespace(belief=belief),
     )
     return cast("Estimation", known)
 

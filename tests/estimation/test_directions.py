@@ -17,7 +17,6 @@ from axiscal.description.first_files import first_files, of_builtin
 from axiscal.errors.volume import volume_moments
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
 from axiscal.estimation.accuracy.expanded import expanded
-from axiscal.estimation.accuracy.other_tool import other_tool
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
@@ -59,7 +58,7 @@ def test_rms_and_worst_are_those_of_heights_of_the_belief() -> None:
     low, high = np.array(yardstick.box).T
     poses = rng.uniform(low, high, (500, len(low)))
     rows = errors.rows(poses, rng.choice([-1.0, 1.0], poses.shape))[:, 2]
-    belief = found.banded.knowledge.belief
+    belief = found.printed.belief
     coefficients = (belief.sample(rng, 3000) - belief.mean)[:, : errors.size]
     heights = coefficients @ rows.T
     shift = heights.mean(axis=1, keepdims=True) if yardstick.zeroed[2] else 0.0
@@ -88,7 +87,7 @@ def test_all_three_directions_are_what_nobody_says() -> None:
 
 def test_the_criterion_is_blind_to_what_moves_the_nozzle_sideways() -> None:
     of = known().case.errors.names
-    alone, every = (each.case.yardstick.root.gram.matrix for each in (known(), known(_EVERY)))
+    alone, every = (each.case.yardstick.root.gram for each in (known(), known(_EVERY)))
     sideways, up = of["EXX"].columns, of["EZX"].columns
     assert np.abs(alone[sideways, sideways]).max() == 0.0
     np.testing.assert_allclose(alone[up, up], every[up, up], atol=1e-12)
@@ -131,15 +130,6 @@ def test_what_files_are_said_to_leave_is_of_the_height() -> None:
     heights = unknown_rms(found, poses, sides)
     assert heights == pytest.approx(known().accuracy.rms, rel=0.1)
     assert unknown_rms(replace(found, counted=(True, True, True)), poses, sides) > 3 * heights
-
-
-def test_a_longer_tool_costs_the_height_what_its_leaning_costs() -> None:
-    found = known()
-    yardstick, belief = found.case.yardstick, found.knowledge.belief
-    every = other_tool(found.case.errors, belief, yardstick.box)
-    alone = other_tool(found.case.errors, belief, yardstick.box, counted=yardstick.counted)
-    assert alone.stated < 0.3 * every.stated
-    assert alone.longer < every.longer
 
 
 @pytest.mark.parametrize("line", ["directions = []", 'directions = ["up"]', 'directions = "z"'])

@@ -1,4 +1,4 @@
-"""Last year's campaign as this year's prior, the curves that have changed since, and drift while measuring."""
+"""Last year's campaign as this year's prior, and the curves that have changed since."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.changes import changes
-from axiscal.estimation.zero_drift import trend
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.present.findings import findings
@@ -47,7 +46,7 @@ def test_the_result_of_one_campaign_is_the_prior_of_the_next(tmp_path: Path) -> 
     for kept in (1.0, 0.8):
         description = read_campaign(_campaign(tmp_path, f'prior = "last.axiscal"\nkept = {kept}'), target_needed=False)
         with Campaign.create(tmp_path / f"new{kept}.axiscal", description) as campaign:
-            new, size, before = campaign.estimate(ended=True), old.case.errors.size, old.banded.knowledge.belief
+            new, size, before = campaign.estimate(ended=True), old.case.errors.size, old.printed.belief
             rest = old.case.errors.functions[0].rest ** 2 * np.eye(size)
             reversal = old.case.errors.names["EXX_reversal"]
             rest[reversal.columns] *= reversal.rest**2 / old.case.errors.functions[0].rest ** 2
@@ -111,19 +110,3 @@ def test_an_inherited_prior_stays_where_noises_and_rests_are_learnt(tmp_path: Pa
     widths = [np.linalg.norm(each.knowledge.belief.factor[curve.columns]) for each in (stated, learnt)]
     assert widths[1] > widths[0]
     assert any(finding.text.startswith("laser, noise: ") for finding in findings(learnt))
-
-
-def test_drift_shows_in_repeated_readings(tmp_path: Path) -> None:
-    setup = read_campaign(_campaign(tmp_path), target_needed=False).setups[0]
-    rng = np.random.default_rng(1)
-
-    def repeated(rate: float) -> list[Reading]:
-        places = [0.1 + 0.2 * (i % 4) for i in range(24)]
-        noise = 0.3e-6 * rng.standard_normal(24)
-        return [Reading("laser", (x,), (1,), x * 1e-5 + rate * i + noise[i], time=i) for i, x in enumerate(places)]
-
-    rate, std, _ = trend(repeated(0.2e-6), setup)
-    assert abs(rate - 0.2e-6) < 4 * std
-    assert rate > 4 * std
-    still, std, _ = trend(repeated(0.0), setup)
-    assert abs(still) < 4 * std

@@ -1,4 +1,4 @@
-"""Readings of a coarse display, against exact integrals and against the coverage that rounded readings leave."""
+"""Readings of a coarse display or within bounds, against exact integrals, weighted draws, and coverage."""
 
 from __future__ import annotations
 
@@ -7,12 +7,27 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from axiscal.estimation.inference.odd_readings import Fitted, sited, sites
+from axiscal.errors.prior import matern52
+from axiscal.estimation.inference.intervals import Fitted, Sites, sited, sites
 from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.numerics.gaussian import lower_root
 from benchmarks.trust.displays import held
 from tests.generators.one_axis import observed, readings_at
 
 _CURVE = 10.0
+_AT = np.array([0.0, 0.15, 0.3, 0.5, 0.5, 0.75, 0.9, 0.9])
+_DRAWS = 200_000
+
+
+def _root() -> Array:
+    return _CURVE * lower_root(matern52(np.abs(_AT[:, None] - _AT) / 0.2) + 1e-9 * np.eye(len(_AT)))
+
+
+def _by_sites(root: Array, found: Sites) -> tuple[Array, Array]:
+    covariance = np.linalg.inv(np.eye(root.shape[1]) + (root.T / found.variances) @ root)
+    mean = root @ covariance @ (root.T @ (found.values / found.variances))
+    return mean, np.sqrt(np.diag(root @ covariance @ root.T))
 
 
 @pytest.mark.parametrize(("step", "shown"), [(1.0, 0.3), (8.0, 24.0), (40.0, -40.0), (100.0, 0.0)])
@@ -46,3 +61,24 @@ def test_only_readings_of_a_coarse_display_are_changed() -> None:
     changed = sited(coarse, [*readings, Reading("it", (0.4,), (1,), 20e-6, std=1e-6)])
     assert changed[-1].value == 20e-6
     assert all(abs(new.value - old.value) < 20e-6 and new.std for new, old in zip(changed, readings, strict=False))
+
+
+@pytest.mark.parametrize("bound", [3.0, 6.0, 12.0])
+def test_bounded_readings_leave_what_many_weighted_draws_leave(bound: float) -> None:
+    rng, root = np.random.default_rng(5), _root()
+    truth = root @ rng.standard_normal(len(_AT))
+    shown = truth + rng.standard_normal(len(_AT)) + bound * rng.uniform(-1, 1, len(_AT))
+    noise, steps = np.full(len(_AT), 1 + bound**2 / 3), np.full(len(_AT), 2 * bound)
+    mean, std = _by_sites(root, sites(Fitted(root, noise, shown, np.arange(len(_AT))), steps, np.ones(len(_AT))))
+    loose = np.linalg.inv(np.eye(len(_AT)) + (root.T / (2 * noise)) @ root)  # draws come from a wider normal
+    white = rng.standard_normal((_DRAWS, len(_AT)))
+    drawn = loose @ root.T @ (shown / (2 * noise)) + white @ lower_root(loose).T
+    draws = drawn @ root.T
+    inside = norm.cdf(shown + bound - draws) - norm.cdf(shown - bound - draws)
+    weights = np.exp(0.5 * np.sum(white**2 - drawn**2, axis=1)) * np.prod(inside, axis=1)
+    weights /= weights.sum()
+    assert 1 / np.sum(weights**2) > 500
+    exact = weights @ draws
+    spread = np.sqrt(weights @ (draws - exact) ** 2)
+    assert np.max(np.abs(mean - exact) / spread) < 0.15
+    assert std == pytest.approx(spread, rel=0.15)  # where two intervals meet the density is not normal: 12 %

@@ -12,7 +12,7 @@ from axiscal.estimation.absorbed import absorbed, displayed
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case, Rival
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.inference.odd_readings import sited
+from axiscal.estimation.inference.intervals import sited
 from axiscal.estimation.judged import judged
 from axiscal.estimation.machine_estimate import Estimate, rest_means
 from axiscal.estimation.membership import membership

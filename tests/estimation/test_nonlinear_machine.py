@@ -11,8 +11,8 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.actual import MovedErrors, deviation_of
 from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
-from axiscal.estimation.learnt import Learnt
-from axiscal.estimation.located import GAUSSIAN, bent, indices, located
+from axiscal.estimation.located import bent, located
+from axiscal.estimation.stations import GAUSSIAN, indices
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
@@ -73,9 +73,9 @@ def test_location_errors_of_a_millimetre_and_a_milliradian_keep_their_bands() ->
         machine, readings = _read(case, seed)
         truth = _truth(case, machine)
         linear.append(_nees(absorbed(case, readings, {}), truth))
-        known = located(Learnt(case), readings, {})
+        known = located(case, readings)
         exact.append(_nees(known, truth))
-        assert indices(known, readings).max() < GAUSSIAN
+        assert indices(known.knowledge, readings).max() < GAUSSIAN
     assert np.mean(linear) > 1.5
     assert 0.9 < np.mean(exact) < 1.1
 
@@ -83,14 +83,14 @@ def test_location_errors_of_a_millimetre_and_a_milliradian_keep_their_bands() ->
 def test_a_machine_in_service_is_taken_as_linear() -> None:
     case = _case("15 um", "30 urad")
     _, readings = _read(case, 3)
-    assert located(Learnt(case), readings, {}).case.about is None
+    assert located(case, readings).case.about is None
 
 
 def test_the_rounds_end_where_the_exact_chain_gives_the_readings() -> None:
     """At the end the rows and the chain say the same of every reading: the mean is a fixed point."""
     case = _case("3 mm", "3 mrad")
     _, readings = _read(case, 1)
-    known = located(Learnt(case), readings, {})
+    known = located(case, readings)
     assert known.case.about is not None
     poses, sides = (np.array([getattr(r, name) for r in readings], dtype=float) for name in ("pose", "approach"))
     mean = known.knowledge.belief.mean[: case.errors.size]
@@ -106,7 +106,7 @@ def test_rows_at_the_machine_as_believed_bring_bands_and_parameters_to_agreement
     for seed in range(4):
         machine, readings = _read(case, seed)
         truth = _truth(case, machine)
-        known = located(Learnt(case), readings, {})
+        known = located(case, readings)
         chord.append(_nees(known, truth))
         there = bent(known, readings)
         assert isinstance(there.case.errors, MovedErrors)

@@ -163,7 +163,7 @@ def test_a_reading_in_mm_is_not_believed_and_others_do_not_make_it_so() -> None:
             found, other = estimate(readings[:count]), estimate(others)
             for each in (found, other):
                 assert [(d.reading, d.implausible) for d in each.outliers] == [(2, True)]
-            np.testing.assert_array_equal(found.banded.knowledge.belief.mean, other.banded.knowledge.belief.mean)
+            np.testing.assert_array_equal(found.printed.belief.mean, other.printed.belief.mean)
             curve = found.estimate().curve("EXX", at)
             assert np.all(np.abs(curve.mean - clean.mean) < 0.5 * clean.std)
 

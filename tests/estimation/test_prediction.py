@@ -46,8 +46,7 @@ class Known:
     def estimation(self) -> Estimation:
         """Return it as one."""
         case = SimpleNamespace(errors=self.errors, description=SimpleNamespace(machine=self.errors.machine))
-        banded = SimpleNamespace(case=case, knowledge=SimpleNamespace(belief=self.belief))
-        return cast("Estimation", SimpleNamespace(case=case, banded=banded))
+        return cast("Estimation", SimpleNamespace(case=case, printed=SimpleNamespace(belief=self.belief)))
 
 
 def known(seed: int = 1) -> Known:

@@ -9,63 +9,11 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.promise.posterior import sorted_out
-from axiscal.estimation.stations import BentReadings, closed_form, polished
+from axiscal.estimation.stations import BentReadings, closed_form, indices, polished
 from axiscal.exceptions import AmbiguityError
-from axiscal.machine import load_machine
-from axiscal.measurement.instruments.distance import Distance
-from axiscal.measurement.instruments.kind import Nominal
-from axiscal.measurement.instruments.tracker import Tracker
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.setup import Setup, Unknown
-from axiscal.numerics import Array
 from benchmarks.nonlinear.stations import read, tracers
 from tests.generators.problems import stated
-
-
-class _At(Nominal):
-    """Tool points anywhere, whatever machine would bring a tool there."""
-
-    def __init__(self, places: Array) -> None:
-        super().__init__(load_machine("three-axis-mill"), np.zeros((len(places), 3)), ())
-        self.__dict__["tcp"] = places
-
-
-_CORNERS = np.array([[x, y, z] for x in (0.0, 0.5) for y in (0.0, 0.5) for z in (0.0, 0.5)])
-
-
-@pytest.mark.parametrize(("std", "expected"), [(0.1, 1.08e5), (5e-3, 270.0), (1e-4, 0.108)])
-def test_the_index_of_a_distance_is_that_of_the_design(std: float, expected: float) -> None:
-    """Eight corners of a cube of half a metre, σ = 0.3 um; the largest of √(μ² + τ²)/σ."""
-    names = ("station_x", "station_y", "station_z")
-    setup = Setup(
-        "s", "tracer", (0.0, 0.0, 1.0), (0,), (0.0,) * 3, 3e-7, tuple(Unknown(name, std) for name in names),
-        0.0, 0.0, 1.0, (0.0,) * 3, "+", station=(0.8, -0.3, 0.1),
-    )  # fmt: skip
-    curved = Distance().curvature(setup, np.zeros(3), _At(_CORNERS)) * std**2
-    index = np.sqrt((np.trace(curved, axis1=1, axis2=2) / 2) ** 2 + np.einsum("mij,mji->m", curved, curved) / 2) / 3e-7
-    assert index.max() == pytest.approx(expected, rel=0.01)
-
-
-def test_the_curvature_of_a_tracker_is_the_difference_of_what_it_shows() -> None:
-    names = ("turn_x", "turn_y", "turn_z")
-    setup = Setup(
-        "t", "tracker", (0.0, 0.0, 1.0), (0,), (0.0,) * 3, 1e-5, tuple(Unknown(name, 0.1) for name in names),
-        0.0, 0.0, 1.0, (0.0,) * 3, "+", station=(1.0, -0.3, 0.1),
-    )  # fmt: skip
-    at, direction, step = _At(_CORNERS), np.array([0.6, 0.0, 0.8]), 1e-3
-    from axiscal.measurement.instruments.kind import Actual
-
-    still = Actual(np.zeros((8, 3)), np.zeros((8, 3)))
-
-    def shown(turn: Array) -> Array:
-        return Tracker().shown(setup, direction, at, still, dict(zip(names, turn.tolist(), strict=True)))
-
-    found = Tracker().curvature(setup, direction, at)
-    for j in range(3):
-        for k in range(3):
-            one, two = step * np.eye(3)[j], step * np.eye(3)[k]
-            second = (shown(one + two) - shown(one - two) - shown(two - one) + shown(-one - two)) / (4 * step**2)
-            assert found[:, j, k] == pytest.approx(second, abs=1e-5)
 
 
 @pytest.mark.long
@@ -74,7 +22,7 @@ def test_stations_anywhere_within_300_mm_are_found_from_the_prior_as_from_closed
     case = tracers("300 mm", "100 mm")
     machine, readings = read(case, seed)
     problem = BentReadings(case, readings)
-    assert float(np.max(problem.second_order(case.prior.mean, case.prior.factor))) > 1e8
+    assert float(np.max(indices(case.knowledge, readings))) > 1e4
     damped, by_form = (
         polished(problem, start) for start in (case.prior.mean, closed_form(case, readings, case.prior.mean))
     )

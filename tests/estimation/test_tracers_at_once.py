@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 
@@ -11,8 +9,7 @@ from axiscal.estimation import mirrors
 from axiscal.estimation.absorbed import absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.learnt import mode
-from axiscal.estimation.stations import BentReadings, Optimum, closed_form
+from axiscal.estimation.stations import BentReadings, Optimum, closed_form, mode
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
@@ -80,20 +77,6 @@ def test_a_mirror_image_of_one_of_them_is_refused_with_its_number() -> None:
     _, readings = read_at_once(case, 0, 12, flat=0.2)
     with pytest.raises(AmbiguityError, match=r'station [1-4] of "beams" fits its readings as well'):
         concluded(case, readings)
-
-
-def test_the_second_order_of_each_number_is_that_of_its_tracer() -> None:
-    case, apart = at_once("5 mm", "10 mm"), tracers("5 mm", "10 mm")
-    _, readings = read_at_once(case, 1, 3)
-    same = [
-        Reading(setup.name, r.pose, r.approach, r.values[number], time=0.0)
-        for r in readings
-        for number, setup in enumerate(apart.description.setups)
-    ]
-    found = BentReadings(case, readings).second_order(case.prior.mean, case.prior.factor)
-    expected = BentReadings(apart, same).second_order(apart.prior.mean, apart.prior.factor)
-    np.testing.assert_allclose(found, expected, rtol=1e-10)
-    assert re.fullmatch(r"zero_\d", case.description.setups[0].unknowns[0].name)
 
 
 def test_a_station_of_several_that_fits_in_two_places_is_named_with_both() -> None:

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
+from axiscal.description.sizes import NONE_VARY
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Rival
-from axiscal.estimation.inference.odd_readings import Fitted
 from axiscal.estimation.membership import shares_of_rivals
-from axiscal.estimation.promise.problem import Inherited
+from axiscal.estimation.promise.dense import Dense
+from axiscal.estimation.promise.problem import Inherited, problem
 from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior, individual, is_type_text, rivals, type_prior
 from axiscal.exceptions import RecordError
 from axiscal.machine import machine_from_text
@@ -191,9 +192,9 @@ def test_how_probable_each_belief_is_after_readings_is_bayes_rule_written_out(se
                for factor, weight, shift in ((1.0, 0.2, 0.0), (0.3, 0.5, 1e-6), (4.0, 0.6, 0.0))]  # fmt: skip
     expected = []
     for rival in beliefs:
-        numbers = Fitted.of(CASE.observation, readings, (rival.belief.mean, rival.belief.covariance))
-        seen = multivariate_normal(cov=numbers.covariance())
-        expected.append(np.log(rival.weight) + float(seen.logpdf(numbers.values)))
+        posed = problem(CASE.observation, readings, NONE_VARY, rival.belief, usual=False)
+        seen = multivariate_normal(cov=Dense(posed).covariance(np.zeros(0)))
+        expected.append(np.log(rival.weight) + float(seen.logpdf(posed.values)))
     shares = np.exp(np.array(expected) - max(expected))
     found = shares_of_rivals(beliefs, replace(CASE, inherited=beliefs[-1].belief), readings, {})
     assert found == pytest.approx(shares / shares.sum(), rel=1e-5)

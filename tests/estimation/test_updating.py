@@ -87,7 +87,7 @@ def test_the_history_is_what_was_known_after_each_reading() -> None:
     readings[15] = replace(readings[15], value=2.0)
     known = concluded(case, readings)
     moments, final, implausible = path(known), known.stages.absorbed, known.stages.implausible
-    twin = absorbed(known.stages.learnt.case, [])
+    twin = absorbed(known.stages.absorbed.case, [])
     assert 15 in implausible
     assert len(moments) == 25
     assert moments[0] == (twin.case.yardstick.measure(twin.knowledge.belief), None, 0.0)
@@ -120,7 +120,7 @@ def test_where_stations_stand_and_what_cannot_be_is_known_from_the_first_reading
     assert [each.found for each in shown.case.description.setups] != [each.found for each in case.description.setups]
     assert 7 in known.stages.implausible
     moments = path(known)
-    twin = absorbed(known.stages.learnt.case.linear_as(shown.case), [])
+    twin = absorbed(shown.case, [])
     for count, moment in enumerate(moments[1:-1], start=1):
         twin = _after_one(twin, readings[count - 1], count - 1 not in shown.left_out)
         np.testing.assert_allclose(moment.accuracy, twin.case.yardstick.measure(twin.knowledge.belief), rtol=1e-7)

@@ -10,7 +10,7 @@ import pytest
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import path
-from axiscal.estimation.inference.odd_readings import Fitted
+from axiscal.estimation.inference.intervals import Fitted
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen, visited_by
 from axiscal.numerics import Array
@@ -35,15 +35,6 @@ def test_mean_and_variance_are_those_of_conditioning_on_all_readings() -> None:
     expected, variance = _conditioned(problem, readings, precisions)
     assert found == pytest.approx(expected, abs=1e-11)
     assert spread == pytest.approx(variance, rel=1e-5)
-
-
-def test_the_covariance_is_that_of_the_numbers_before_any_was_read() -> None:
-    problem = mixed()
-    readings = drawn(problem)
-    fitted, observation = Fitted.of(problem.observation, readings), visited_by(problem.observation, readings)
-    rows, variances, _, _ = seen(observation, readings)
-    expected = rows @ observation.prior_covariance() @ rows.T + np.diag(variances)
-    assert fitted.covariance() == pytest.approx(expected, rel=1e-9, abs=1e-9 * float(expected.max()))
 
 
 def test_the_history_ends_where_the_estimate_does() -> None:

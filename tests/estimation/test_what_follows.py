@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.changes import _change
 from axiscal.estimation.estimate import concluded, estimated
-from axiscal.estimation.estimation import Banded, as_standard, expanded_uncertainty
+from axiscal.estimation.estimation import Estimation, as_standard, expanded_uncertainty
 from axiscal.estimation.inheritance import drifted
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.located import _towards
@@ -23,25 +24,26 @@ from axiscal.numerics.gaussian import unique_root
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 
 
-def banded_with(seed: int, rest: float = 0.3e-6) -> Banded:
+def known_with(seed: int, rest: float = 0.3e-6) -> Estimation:
     """Return a belief of the axis whose curve is any."""
     rng, described = np.random.default_rng(seed), CASE.description
     case = Case(replace(described, machine=described.machine.with_rests({"EXX": rest})))
     size = case.knowledge.belief.size
     root = 1e-6 * rng.standard_normal((size, size))
-    return Banded(case, Knowledge(case.observation, Belief(2e-6 * rng.standard_normal(size), root @ root.T)))
+    knowledge = Knowledge(case.observation, Belief(2e-6 * rng.standard_normal(size), root @ root.T))
+    return cast("Estimation", SimpleNamespace(case=case, printed=knowledge))
 
 
 def test_a_change_is_the_chi_square_of_the_difference_with_both_uncertainties() -> None:
-    before, now = banded_with(1), banded_with(2, 0.5e-6)
+    before, now = known_with(1), known_with(2, 0.5e-6)
     function = now.case.errors.names["EXX"]
     found = _change(before, now, function)
     means, covariances = [], []
     for each, rest in ((before, 0.3e-6), (now, 0.5e-6)):
         own = each.case.errors.names["EXX"]
         rows = own.basis.rows(function.basis.control_positions)
-        covariance = each.knowledge.belief.covariance[own.columns, own.columns]
-        means.append(rows @ each.knowledge.belief.mean[own.columns])
+        covariance = each.printed.belief.covariance[own.columns, own.columns]
+        means.append(rows @ each.printed.belief.mean[own.columns])
         covariances.append(rows @ covariance @ rows.T + rest**2 * np.eye(len(rows)))
     difference = means[1] - means[0]
     square = difference @ np.linalg.solve(covariances[0] + covariances[1], difference)
@@ -52,16 +54,16 @@ def test_a_change_is_the_chi_square_of_the_difference_with_both_uncertainties() 
     assert found.position == pytest.approx(function.basis.control_positions[worst])
     assert (found.name, found.angular, found.rotary) == ("EXX", False, False)
     single = _change(before, now, now.case.errors.names["EXX_reversal"])
-    moved = now.knowledge.belief.mean - before.knowledge.belief.mean
+    moved = now.printed.belief.mean - before.printed.belief.mean
     assert single.size == pytest.approx(float(moved[now.case.errors.names["EXX_reversal"].columns][0]))
 
 
 def test_what_is_left_of_a_curve_is_a_share_of_it_and_the_rest_anew() -> None:
     """By drawing: x' = ρ x + √(1 − ρ²) x₀ with x of what was known and x₀ of what is stated."""
     rng, kept = np.random.default_rng(5), 0.8
-    before = banded_with(3)
+    before = known_with(3)
     size = CASE.errors.size
-    mean, covariance = before.knowledge.belief.mean[:size], before.knowledge.belief.covariance[:size, :size]
+    mean, covariance = before.printed.belief.mean[:size], before.printed.belief.covariance[:size, :size]
     stated = CASE.errors.prior_covariance()
     found = drifted(SimpleNamespace(mean=mean, covariance=covariance), stated, kept)  # type: ignore[arg-type]
     old = mean + rng.standard_normal((40_000, size)) @ unique_root(covariance).T
@@ -74,10 +76,10 @@ def test_what_is_left_of_a_curve_is_a_share_of_it_and_the_rest_anew() -> None:
 def test_an_expanded_uncertainty_stands_for_a_standard_one_by_the_factor_of_today() -> None:
     known = concluded(CASE, read(machine(1), 24))
     now = expanded_uncertainty(known)
-    knowledge = known.banded.knowledge
+    knowledge = known.printed
     rms = known.case.yardstick.measure(knowledge.belief).rms
-    assert as_standard(known.banded.case, knowledge, now.space) == pytest.approx(rms, rel=1e-6)
-    assert as_standard(known.banded.case, knowledge, 3 * now.space) == pytest.approx(3 * rms, rel=1e-6)
+    assert as_standard(known.case, knowledge, now.space) == pytest.approx(rms, rel=1e-6)
+    assert as_standard(known.case, knowledge, 3 * now.space) == pytest.approx(3 * rms, rel=1e-6)
     assert 1.9 < now.space / rms < 3.0
 
 

@@ -277,7 +277,8 @@ def test_the_command_plans_and_judges(record: Path, tmp_path: Path, capsys: pyte
     shown = capsys.readouterr().out
     assert shown.count("predicted: as found") == 8
     assert all(f"from {p['approach']}" in shown for p in planned)
-    assert f"Copy {plan} to found.csv and left.csv, and fill in value_um" in " ".join(shown.split())
+    assert f"copy {plan} to found.csv and left.csv fill in value_um: found.csv without" in " ".join(shown.split())
+    assert shown.endswith("--found found.csv --left left.csv\n")
     truth = simulator().drawn(SEED)
     with Campaign.open(record, write=False) as campaign:
         estimate = campaign.estimate(ended=True).estimate()

@@ -87,9 +87,8 @@ def standing(record: Path, language: str, folder: Path) -> tuple[dict[str, Any],
     copy = Path(shutil.copy(record, folder / f"{language}.axiscal"))
     with Campaign.open(copy) as campaign, speaking(language):
         desk = Desk(campaign, lambda states: None)
-        desk.speak(language)
         desk.think()
-        state = desk.states[language].model_dump(mode="json")["answer"]
+        state = desk.state.model_dump(mode="json")["answer"]
         screen = standing_screen(campaign)
     return state["document"], [of_state(state), of_screen(screen)]
 

@@ -234,7 +234,7 @@ _COLOURS = ("var(--soft)", "var(--truth)", "var(--accent)")
 
 
 def _label(text: str, x: float, y: float) -> Figure:
-    return {"text": text, "x": x, "y": y, "yanchor": "middle", "font": {"size": 11, "color": "var(--ink)"}}
+    return {"text": text, "x": x, "y": y, "font": {"size": 11, "color": "var(--ink)"}}
 
 
 def _timed(name: str, folder: Path) -> tuple[Loop, float]:

@@ -84,11 +84,11 @@ def test_priors_are_read_in_si_units() -> None:
         "ECC_reversal",
         "X0C",
     ]
-    assert errors["EXX"] == ErrorEntry("EXX", 10e-6, knots=13, length=0.15, line=15)
-    assert errors["EZX"] == ErrorEntry("EZX", 5e-6, spacing=0.05, line=16)
-    assert errors["C0Y"] == ErrorEntry("C0Y", 30e-6, line=17)
-    assert errors["EYX"] == ErrorEntry("EYX", 5e-6, knots=13, rest=0.5e-6, line=19)
-    assert errors["EXY"] == ErrorEntry("EXY", 5e-6, length=0.09, rest_estimated=True, line=20, fine=True)
+    assert errors["EXX"] == ErrorEntry("EXX", 10e-6, knots=13, length=0.15)
+    assert errors["EZX"] == ErrorEntry("EZX", 5e-6, spacing=0.05)
+    assert errors["C0Y"] == ErrorEntry("C0Y", 30e-6)
+    assert errors["EYX"] == ErrorEntry("EYX", 5e-6, knots=13, rest=0.5e-6)
+    assert errors["EXY"] == ErrorEntry("EXY", 5e-6, length=0.09, rest_estimated=True, fine=True)
     assert errors["ECC"].std == pytest.approx(math.radians(5 / 3600))
     assert (errors["ECC"].axis, errors["ECC"].kind, errors["ECC"].component) == ("C", "motion", 5)
 

@@ -52,7 +52,7 @@ def test_each_number_is_that_of_a_tracer_alone(located: bool) -> None:
     whole = Observation(model, (together,))
     point = rng.normal(0.0, 1e-5, model.size + len(together.unknowns))
     shown, beyond = whole.shown(0, poses, sides, point), whole.nonlinear_part(0, poses, sides)
-    rows, curved = whole.rows_each(0, poses, sides), whole.curvatures(0, poses)
+    rows = whole.rows_each(0, poses, sides)
     assert (whole.numbers(0, poses, sides).rows[:, 1] == rows[1].rows).all()
     names = [unknown.name for unknown in together.unknowns]
     assert names[:5] == ["zero_1", "station_x_1", "station_y_1", "station_z_1", "zero_2"]
@@ -66,9 +66,6 @@ def test_each_number_is_that_of_a_tracer_alone(located: bool) -> None:
         assert not rows[number].rows[:, others].any()
         np.testing.assert_array_equal(shown[:, number], single.shown(0, poses, sides, point[columns])[:, 0])
         np.testing.assert_array_equal(beyond[:, number], single.nonlinear_part(0, poses, sides)[:, 0])
-        mine = curved[:, number]
-        np.testing.assert_array_equal(mine[:, np.array(at)[:, None], at], single.curvatures(0, poses)[:, 0])
-        assert np.count_nonzero(mine) == np.count_nonzero(single.curvatures(0, poses)[:, 0])
 
 
 def test_a_reading_of_all_takes_the_time_of_one() -> None:

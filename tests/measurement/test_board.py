@@ -152,7 +152,7 @@ def test_a_board_that_is_put_down_again_is_the_same_board_at_another_place() -> 
 
 
 @pytest.mark.parametrize("number", [0, 3])
-def test_columns_and_second_derivatives_are_those_of_where_balls_stand(number: int) -> None:
+def test_columns_are_those_of_where_balls_stand(number: int) -> None:
     (setup,) = described(board()).setups[number : number + 1]
     assert setup.artefact is not None
     balls, step = np.arange(4), 1e-4
@@ -165,12 +165,6 @@ def test_columns_and_second_derivatives_are_those_of_where_balls_stand(number: i
     for one in names:
         slope = (stands(**{one: step}) - stands(**{one: -step})) / (2 * step)
         np.testing.assert_allclose(setup.artefact.moves(one, balls), slope, atol=1e-8)
-        for other in set(names) - {one}:
-            signs = [(a, b) for a in (step, -step) for b in (step, -step)]
-            bend = sum(np.sign(a * b) * stands(**{one: a, other: b}) for a, b in signs) / (4 * step**2)
-            np.testing.assert_allclose(setup.artefact.bends(one, other, balls), bend, atol=1e-6)
-        twice = (stands(**{one: step}) + stands(**{one: -step}) - 2 * stands()) / step**2
-        np.testing.assert_allclose(setup.artefact.bends(one, one, balls), twice, atol=1e-6)
 
 
 @pytest.mark.parametrize(

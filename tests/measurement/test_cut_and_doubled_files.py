@@ -12,7 +12,7 @@ from axiscal.measurement.readers.csv_readings import read_times
 from axiscal.measurement.readers.csv_table import parse_table
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.readers.text import MOST_LINES
-from tests.measurement.test_instrument_files import MAP, MESH, OWN, RTL
+from tests.measurement.test_instrument_files import MAP, MESH, RTL
 from tests.measurement.test_level_survey import SURVEY
 
 NODES = "\n".join(MAP.split("\n")[:2])
@@ -47,15 +47,6 @@ def test_what_stands_around_a_mesh_does_not_count(tmp_path: Path) -> None:
     assert [(each.position, each.value) for each in read_any(path)] == [(each.position, each.value) for each in plain]
     path.write_text(MESH + "[gcode_macro]\n")
     assert read_any(path) == plain
-
-
-def test_an_angle_of_an_exchange_file_is_an_angle(tmp_path: Path) -> None:
-    path = tmp_path / "own.csv"
-    path.write_text(OWN.replace("EXX,+,10,1.5,um", "EAX,+,10,1.5,urad"))
-    turned, straight = read_any(path)
-    assert (turned.error, turned.dimension) == ("EAX", "angle")
-    assert turned.value == pytest.approx(1.5e-6)
-    assert (straight.error, straight.dimension) == ("EXX", "length")
 
 
 def test_remarks_of_a_survey_may_be_apart_and_alone(tmp_path: Path) -> None:

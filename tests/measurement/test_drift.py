@@ -19,7 +19,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.dense import Dense
 from axiscal.estimation.promise.problem import problem as posed_of
-from axiscal.estimation.zero_drift import paths, trend
+from axiscal.estimation.zero_drift import paths
 from axiscal.exceptions import DescriptionError, ReadingError, UnitError
 from axiscal.machine import load_machine
 from axiscal.measurement.drift import MEMORY, STEP, Course, wandering
@@ -160,28 +160,6 @@ def test_the_report_says_how_large_a_stated_drift_was() -> None:
     assert drift.std < drift.prior_std / 3
 
 
-def test_a_drift_that_nobody_stated_is_noticed_at_a_marker() -> None:
-    silent = _description(STILL)
-    machine = Simulator(silent.machine, silent.setups).drawn(3)
-    still = _readings(machine, silent, 3)
-    moving = [replace(r, value=r.value + 4e-6 * (r.time or 0.0) / 7200) for r in still]
-    said = [f.text for f in findings(_estimated(silent, moving)) if f.code == "drift"]
-    assert any('The zero of "laser" moved by' in text and "state drift =" in text for text in said)
-    assert not [f for f in findings(_estimated(silent, still)) if f.code == "drift"]
-
-
-def test_a_reversal_whose_sides_nobody_told_is_not_taken_for_drift() -> None:
-    silent = _description(STILL)
-    machine = Simulator(silent.machine, silent.setups).drawn(3)
-    there = [
-        replace(r, approach=(0,), value=4e-6, pose=(0.1 * i,), time=10.0 * i)
-        for i, r in enumerate(_readings(machine, silent, 3)[:10])
-    ]
-    back = [replace(r, value=-4e-6, time=200.0 - (r.time or 0.0)) for r in there]
-    assert trend([*there, *back], silent.setups[0]).rate != 0
-    assert not [f for f in findings(_estimated(silent, [*there, *reversed(back)])) if f.code == "drift"]
-
-
 def test_readings_that_do_not_tell_their_times_are_named_where_the_zero_may_drift() -> None:
     drifting, still = _description().setups, _description(STILL).setups
     timed = Reading("laser", (0.1,), (1,), 0.0, time=5.0)
@@ -189,16 +167,6 @@ def test_readings_that_do_not_tell_their_times_are_named_where_the_zero_may_drif
     assert found.code == "drift"
     assert "add a column time" in found.text
     assert untimed([timed], drifting) == untimed([replace(timed, time=None)], still) == []
-
-
-def test_a_trend_needs_a_place_read_three_times() -> None:
-    setup = _description(STILL).setups[0]
-    two = [Reading("laser", (0.1,), (1,), 1e-6 * t, time=t) for t in (0.0, 60.0)]
-    assert trend(two, setup) == (0.0, 0.0, 0.0)
-    assert trend([*two, replace(two[0], time=None)], setup) == (0.0, 0.0, 0.0)
-    found = trend([*two, replace(two[0], value=120e-6, time=120.0)], setup)
-    assert found.rate == pytest.approx(1e-6)
-    assert found.seconds == 120.0
 
 
 def test_the_likelihood_of_the_readings_counts_the_drift_as_the_belief_does() -> None:

@@ -66,11 +66,6 @@ kinematics: corexy
 #*# min_y = 20.0
 #*# max_y = 50.0
 """
-OWN = """# axiscal-csv 1
-run_id,axis,error,direction,target,value,unit,u_std,t_c,time
-1,X,EXX,+,10,1.5,um,0.2,20.1,
-1,X,EXX,-,10,-0.5,µm,,,
-"""
 BED = """chain = "w-b-X-Y-t"
 [axes.X]
 travel = ["0 mm", "100 mm"]
@@ -163,30 +158,18 @@ def test_a_klipper_mesh_has_all_its_nodes(tmp_path: Path) -> None:
         (MESH.replace("0.112500, ", ""), "line 8.*2 heights"),
         (MESH.replace("y_count = 2", "y_count = 3"), "3 rows are announced, and there are 2"),
         (MESH + "#*# [bed_mesh hot]\n", "2 meshes are saved here: default, hot"),
-        (OWN.replace("EXX,+", "EXQ,+"), "line 3"),
-        (OWN.replace("EXX,+", "EYY,+"), "line 3.*not an error of axis 'X'"),
-        (OWN.replace("1.5,um", "1.5,urad"), "line 3.*EXX is not given in urad"),
-        (OWN.replace("1.5,um", "1.5,lb"), "line 3"),
-        (OWN.replace("EXX,+", "EXX,up"), "line 3.*direction 'up'"),
-        (OWN.replace("1.5,um,0.2", "1.5,um,-1"), "line 3.*u_std is -1"),
-        (OWN.replace("value", "values"), "line 2"),
     ],
 )
-def test_a_broken_map_or_exchange_file_is_an_error_with_its_line(tmp_path: Path, text: str, message: str) -> None:
+def test_a_broken_map_is_an_error_with_its_line(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(ReadingError, match=message):
         read_any(_file(tmp_path, text))
 
 
-def test_maps_and_exchange_files_find_their_set_up(tmp_path: Path) -> None:
+def test_maps_find_their_set_up(tmp_path: Path) -> None:
     campaign = _campaign('direction = "-z"', 'direction = "x"')
     nodes = placed_readings(read_any(_file(tmp_path, MAP)), campaign, "map")
     assert {reading.setup for reading in nodes} == {"0"}
     assert nodes[0].value == pytest.approx(-41e-6)  # the bed is low, the tool too high over it
-    one_axis = _campaign('direction = "z"', 'direction = "x"\nmoves = ["X"]')
-    up, down = placed_readings(read_any(_file(tmp_path, OWN)), one_axis, "own")
-    assert (up.setup, up.approach) == ("1", (1, 0))
-    assert (up.value, up.std) == pytest.approx((1.5e-6, 2e-7))
-    assert (down.approach, down.std) == ((-1, 0), None)
     with pytest.raises(ReadingError, match=r"line 4: no set-up reads a length along z while X, Y moves"):
         placed_readings(read_any(_file(tmp_path, MAP)), _campaign('direction = "x"'), "map")
 

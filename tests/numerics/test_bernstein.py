@@ -1,4 +1,4 @@
-"""The largest length of a sum of curves: enclosed, and found, as a dense grid finds it."""
+"""The largest ratio over boxes: against dense sampling, against ratios whose maximum is known, and with few boxes."""
 
 from __future__ import annotations
 
@@ -6,84 +6,106 @@ import numpy as np
 import pytest
 
 from axiscal.numerics import Array
-from axiscal.numerics.bernstein import BezierCurve, along, bernstein, steepest, uphill
-
-GRID = {1: 4001, 2: 241, 3: 61}
+from axiscal.numerics.bernstein import Forms, Patches, bernstein, largest_ratio, misfit, patches
 
 
-def curves(generator: np.random.Generator, axes: int, degree: int, width: int = 4) -> list[BezierCurve]:
-    """Return random curves of a few pieces that hang together."""
-    found = []
-    for _ in range(axes):
-        edges = np.concatenate([[0.0], np.cumsum(generator.uniform(0.5, 2.0, 4))])
-        control = generator.normal(size=(4, degree + 1, width))
-        control[1:, 0] = control[:-1, -1]
-        found.append(BezierCurve(edges[:-1], edges[1:], control))
-    return found
+def _forms(seed: int, degree: int = 6) -> Forms:
+    """Return a polynomial above zero over another one, of a degree in both coordinates."""
+    rng = np.random.default_rng(seed)
+    half = degree // 2 + 1
+    above, below = rng.normal(size=(2, 3, half, half))
+
+    def squares(places: Array, of: Array) -> Array:
+        values = np.array([np.polynomial.polynomial.polyval2d(places[:, 0], places[:, 1], each) for each in of])
+        total: Array = np.sum(values**2, axis=0)
+        return total
+
+    return lambda places: (squares(places, above), 0.05 + squares(places, below))
 
 
-def on_a_grid(fixed: Array, pieces: list[BezierCurve]) -> float:
-    """Return the largest squared length on a dense grid, ends included."""
-    total = fixed.reshape((1,) * len(pieces) + (-1,))
-    for k, curve in enumerate(pieces):
-        values = along(curve, np.linspace(curve.left[0], curve.right[-1], GRID[len(pieces)]))
-        total = total + values.reshape((1,) * k + (-1,) + (1,) * (len(pieces) - k - 1) + values.shape[1:])
-    return float(np.max(np.sum(total**2, axis=-1)))
+BREAKS = np.array([-1.0, -0.2, 0.5, 1.0]), np.array([-1.0, 0.3, 1.0])
 
 
-@pytest.mark.parametrize("axes", [1, 2, 3])
-@pytest.mark.parametrize("degree", [3, 4])
-@pytest.mark.parametrize("seed", range(4))
-def test_the_largest_is_enclosed(axes: int, degree: int, seed: int) -> None:
-    generator = np.random.default_rng(seed)
-    pieces, fixed = curves(generator, axes, degree), generator.normal(size=4)
-    found, best = steepest(fixed, pieces, 0.0, 1e-3, 200_000), on_a_grid(fixed, pieces)
-    assert found.lower <= found.upper <= found.lower * (1 + 2e-3)
+def _over(forms: Forms, degree: tuple[int, ...], breaks: tuple[Array, ...] = BREAKS) -> Patches:
+    """Return the forms over all boxes between breaks."""
+    low, high = (
+        np.stack([g.ravel() for g in np.meshgrid(*(each[part] for each in breaks), indexing="ij")], axis=1)
+        for part in (slice(None, -1), slice(1, None))
+    )
+    return patches(forms, low, high, degree)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_place_of_a_million_is_better(seed: int) -> None:
+    forms = _forms(seed)
+    found = largest_ratio(_over(forms, (6, 6)))
+    tried = np.random.default_rng(99).uniform(-1, 1, (1_000_000, 2))
+    above, below = forms(tried)
+    best = float((above / below).max())
     assert best <= found.upper
-    assert found.lower >= best * (1 - 2e-3)
-    assert lengths(fixed, pieces, found.places[:1])[0] == pytest.approx(found.lower, rel=1e-9)
+    assert found.upper <= found.lower * (1 + 2e-6)
+    assert found.lower >= best * (1 - 1e-4), "corners come close to the place itself"
+    at = forms(found.place[None])
+    assert float(at[0][0] / at[1][0]) == pytest.approx(found.lower, rel=1e-9)
 
 
-def test_a_search_that_is_cut_short_still_encloses() -> None:
-    generator = np.random.default_rng(0)
-    pieces, fixed = curves(generator, 3, 3), generator.normal(size=4)
-    best = on_a_grid(fixed, pieces)
-    for boxes in (0, 1, 100, 3000):
-        assert steepest(fixed, pieces, 0.0, 1e-6, boxes).upper >= best
+def test_a_maximum_that_is_known_is_found() -> None:
+    """1 / (1 + (x − 0.31)² + 2 (y + 0.62)²): one, at (0.31, −0.62)."""
+
+    def forms(places: Array) -> tuple[Array, Array]:
+        x, y = places.T
+        return np.ones(len(x)), 1 + (x - 0.31) ** 2 + 2 * (y + 0.62) ** 2
+
+    found = largest_ratio(_over(forms, (2, 2)))
+    assert found.lower == pytest.approx(1.0, rel=2e-6)
+    np.testing.assert_allclose(found.place, [0.31, -0.62], atol=2e-3)
+    assert found.upper >= 1.0
 
 
-def test_what_is_below_the_level_is_not_looked_at() -> None:
-    generator = np.random.default_rng(1)
-    pieces, fixed = curves(generator, 2, 3), generator.normal(size=4)
-    best = on_a_grid(fixed, pieces)
-    found = steepest(fixed, pieces, 10 * best, 1e-3, 200_000)
-    assert best <= found.upper <= 10 * best * (1 + 1e-3)
+def test_what_is_known_saves_boxes_and_few_boxes_still_bound() -> None:
+    forms = _forms(3)
+    whole = largest_ratio(_over(forms, (6, 6)))
+    again = largest_ratio(_over(forms, (6, 6)), known=whole.lower)
+    assert again.boxes <= whole.boxes
+    assert again.upper == pytest.approx(whole.upper, rel=2e-6)
+    poor = largest_ratio(_over(forms, (6, 6)), boxes=0)
+    assert poor.boxes < whole.boxes
+    assert poor.upper >= whole.lower
 
 
-def test_uphill_gains_and_stays_inside() -> None:
-    generator = np.random.default_rng(2)
-    pieces, fixed = curves(generator, 2, 3), generator.normal(size=4)
-    low, high = np.zeros(2), np.array([curve.right[-1] for curve in pieces])
-    begun = generator.uniform(low, high, (40, 2))
-    before, ended = lengths(fixed, pieces, begun), uphill(fixed, pieces, begun)
-    assert np.all(lengths(fixed, pieces, ended) >= before)
-    assert lengths(fixed, pieces, ended).max() == pytest.approx(on_a_grid(fixed, pieces), rel=1e-3)
-    assert np.all((low <= ended) & (ended <= high))
+def test_a_degree_that_is_too_low_is_noticed() -> None:
+    assert misfit(_forms(1), _over(_forms(1), (6, 6))) < 1e-11
+    assert misfit(_forms(1), _over(_forms(1), (6, 5))) > 1e-6
+    assert misfit(_forms(1), _over(_forms(1), (5, 6))) > 1e-6
 
 
-def test_uphill_finds_the_top_of_a_parabola() -> None:
-    """(t − 1)² − 4 in [0, 2] is longest at t = 1; its Bernstein points are −3, −5, −3."""
-    curve = BezierCurve(np.zeros(1), np.full(1, 2.0), np.array([[[-3.0], [-5.0], [-3.0]]]))
-    assert uphill(np.zeros(1), [curve], np.array([[0.9]]))[0, 0] == pytest.approx(1.0, abs=1e-3)
+@pytest.mark.parametrize("axes", [1, 3])
+@pytest.mark.parametrize("seed", range(3))
+def test_lines_and_boxes_of_three_are_enclosed(axes: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    curves = rng.normal(size=(axes, 4, 4))
+
+    def forms(places: Array) -> tuple[Array, Array]:
+        """The squared length of a sum of cubics, one per axis, over one."""
+        seen = sum(np.polynomial.polynomial.polyval(at, each).T for at, each in zip(places.T, curves, strict=True))
+        return np.asarray(np.sum(np.square(seen), axis=1)), np.ones(len(places))
+
+    breaks = tuple(np.sort(rng.uniform(-1, 1, 4)) for _ in range(axes))
+    found = largest_ratio(_over(forms, (6,) * axes, breaks), gap=1e-3)
+    tried = np.stack([rng.uniform(each[0], each[-1], 300_000) for each in breaks], axis=1)
+    best = float(forms(tried)[0].max())
+    assert best <= found.upper <= found.lower * (1 + 2e-3)
+    assert forms(found.place[None])[0][0] == pytest.approx(found.lower, rel=1e-9)
 
 
-def lengths(fixed: Array, pieces: list[BezierCurve], places: Array) -> Array:
-    """Return the squared lengths at places (m, q)."""
-    total = np.tile(fixed, (len(places), 1))
-    for k, curve in enumerate(pieces):
-        total += along(curve, places[:, k])
-    result: Array = np.sum(total**2, axis=1)
-    return result
+def test_a_coordinate_of_one_value_has_degree_nought() -> None:
+    def forms(places: Array) -> tuple[Array, Array]:
+        return 2 + places[:, 0] - (places[:, 1] - 0.25) ** 2, np.ones(len(places))
+
+    low, high = np.array([[0.0, -1.0], [1.0, -1.0]]), np.array([[0.0, 1.0], [1.0, 1.0]])
+    found = largest_ratio(patches(forms, low, high, (0, 2)))
+    assert found.lower == pytest.approx(3.0, rel=1e-5)
+    np.testing.assert_allclose(found.place, [1.0, 0.25], atol=2e-3)
 
 
 def test_bernstein_polynomials_sum_to_one_and_hold_lines() -> None:

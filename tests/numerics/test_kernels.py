@@ -10,14 +10,11 @@ from tests.generators.kernels import kernels, under
 
 _DRAWS = """
 import numpy as np
-from axiscal.tables.controllers.sinumerik.surfaces import products
-from axiscal.tables.export_options import ExportOptions
 from axiscal.errors.model import ErrorModel
 from axiscal.ports.fleet.rehearsal import Imagined, VirtualType
 from axiscal.ports.fleet.sisters.hierarchy import prior_units
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator
-from tests.tables.test_sinumerik_surfaces import known
 from tests.generators.planes import bed, poses_of, table
 from tests.generators.sisters import slide
 
@@ -34,8 +31,6 @@ for name, machine in {"dmu60": load_machine("dmu60"), "bed": bed(), "table": tab
     for plane in model.planes:
         found[f"shapes of {plane.name} of {name}"] = scaled(plane.rows(plane.coordinates(poses)))
 found["a sister"] = scaled(VirtualType(slide(), Imagined(), 1).machine(2)[1])
-for number, product in enumerate(products(known(), ExportOptions(), 1000, 1e-6)):
-    found[f"product {number}"] = scaled(product.first.added) + scaled(product.second.added)
 """
 _CAMPAIGN = """
 from pathlib import Path

@@ -11,7 +11,6 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.accuracy.criterion import volume_root
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.exceptions import PlanError
 from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
@@ -54,7 +53,12 @@ def test_with_lever_arms_the_degree_grows_and_the_certificate_holds() -> None:
     assert certified.upper <= certified.lower * (1 + 2e-6)
 
 
-def test_a_rotary_axis_is_no_polynomial() -> None:
-    _, scorer = _known(table(), 1, (0, 1))
-    with pytest.raises(PlanError, match="no polynomials of two coordinates"):
-        certified_gain(scorer, 0)
+def test_along_an_axis_that_turns_the_certificate_holds() -> None:
+    machine = table()
+    _, scorer = _known(machine, 1, (0, 1))
+    certified = certified_gain(scorer, 0)
+    tried = poses_of(machine, 30_000, 8)
+    tried[:, 2:] = certified.pose[2:]
+    best = scorer.at(0, tried, np.ones_like(tried)).max()
+    assert certified.lower * (1 - 1e-3) <= best <= certified.upper
+    assert certified.upper <= certified.lower * (1 + 2e-6)

@@ -48,7 +48,7 @@ def test_the_gain_of_one_number_is_the_ratio_of_the_paper() -> None:
     row = known.observation.rows(int(place.setups[0]), place.poses, place.approaches).rows[0]
     noise, size = asked.observation.setups[place.setups[0]].noise, asked.root.size
     h = known.covariance @ row
-    expected = h[:size] @ asked.root.gram.matrix @ h[:size] / (noise**2 + row @ h)
+    expected = h[:size] @ asked.root.gram @ h[:size] / (noise**2 + row @ h)
     assert dense.gain(_known(asked), asked.root.gram, place) == pytest.approx(expected, rel=1e-12)
     after = dense.value(dense.after_readings(_known(asked), place), asked.root.gram)
     assert dense.value(_known(asked), asked.root.gram) - after == pytest.approx(expected, rel=1e-6)

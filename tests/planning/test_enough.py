@@ -58,7 +58,7 @@ def test_the_u_that_is_foreseen_is_that_of_the_result(more: str) -> None:
     for seed in (1, 2, 3):
         readings = measured(Simulator(of.machine, of.setups).drawn(seed), of, places, seed)
         known = concluded(case, readings)
-        found.append(known_rows(*known.banded, known.readings)[0].known)
+        found.append(known_rows(known.case, known.printed, known.readings)[0].known)
     assert there.known == pytest.approx(median(found), rel=0.2)
 
 

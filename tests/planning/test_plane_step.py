@@ -11,13 +11,11 @@ from axiscal.estimation.accuracy import criterion
 from axiscal.estimation.accuracy.criterion import volume_root
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.exceptions import PlanError
 from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
-from axiscal.planning.bound.prove import refuse_unless_polynomial
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.step.best_step import best_step
 from tests.generators.planes import bed, centred, matern, poses_of, probe
@@ -79,9 +77,3 @@ def test_the_exact_greedy_sequence_over_a_plane_is_the_published_one() -> None:
     rows = observation.rows(0, places, np.ones_like(places)).rows
     even = Belief(np.zeros(model.size), covariance).update(rows, np.zeros(9), np.full(9, 1e-3))
     assert criterion.value(even, root) == pytest.approx(GRID, abs=1e-6)
-
-
-def test_a_proof_is_refused_where_two_axes_act_together() -> None:
-    observation = Observation(ErrorModel(machine_from_text(SQUARE)), (probe(machine_from_text(SQUARE)),))
-    with pytest.raises(PlanError, match="two of its axes act together, EZXY"):
-        refuse_unless_polynomial(observation, 0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -11,14 +12,14 @@ from axiscal.exceptions import PlanError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
-from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.planning.bound.lower_bound import lower_bound
-from axiscal.planning.bound.prove import prove, refuse_unless_polynomial
+from axiscal.planning.bound.prove import _everywhere, prove
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.step.smooth import regions
 from tests.generators.designs import levered, problem, random_poses, splines
 
 
@@ -102,29 +103,36 @@ def test_a_plan_without_readings_leaves_what_there_was() -> None:
     assert prove(asked.state, asked.lattice, Places.none(1)).bound.value == pytest.approx(asked.state.value)
 
 
-def test_one_turning_axis_alone_is_no_polynomial() -> None:
-    asked = levered(50)
-    with pytest.raises(PlanError, match="C turns"):
-        refuse_unless_polynomial(replace_moves(asked, (0,)), 0)
-    refuse_unless_polynomial(replace_moves(asked, (1,)), 0)
+@pytest.mark.long
+def test_no_random_plan_over_a_turning_table_is_below_it() -> None:
+    asked, generator = levered(100), np.random.default_rng(5)
+    plan = make_plan(asked, Limits(readings=6), bounded=False)
+    bound = prove(asked.state, asked.lattice, plan.places, 0.1).bound.value
+    assert 0.5 * plan.value < bound <= plan.value
+    for _ in range(200):
+        poses, approaches = random_poses(asked, generator, 6)
+        places = Places(generator.integers(0, 2, 6), poses, approaches)
+        assert bound <= asked.state.after_readings(places).value
 
 
-def replace_moves(asked: Task, moves: tuple[int, ...]) -> Observation:
-    """Return the observation with set-ups that move only some axes."""
-    return replace(asked.observation, setups=tuple(replace(s, moves=moves) for s in asked.observation.setups))
+def test_an_instrument_that_looks_another_way_at_every_place_is_refused() -> None:
+    asked = splines(3, 4, 0.1, 50)
+    setups = tuple(replace(s, instrument="tracer", station=(0.0, 0.0, -0.3)) for s in asked.observation.setups)
+    with pytest.raises(PlanError, match="no polynomial of where it is"):
+        regions(replace(asked.observation, setups=setups), 0)
 
 
-def test_lever_arms_are_refused() -> None:
-    asked = levered(50)
-    with pytest.raises(PlanError, match="do not simply add up"):
-        prove(asked.state, asked.lattice, asked.lattice.at(0))
+def test_four_axes_together_are_refused() -> None:
+    with pytest.raises(PlanError, match="4 coordinates without steps, more than 3"):
+        regions(splines(4, 4, 0.1, 50).observation, 0)
 
 
 @pytest.mark.long
 def test_a_proof_that_closes_no_more_ends_with_the_gap_that_is_left() -> None:
     asked = plates()
-    plan, rounds = make_plan(asked, Limits(readings=9), bounded=False), list[str]()
-    proof = prove(asked.state, asked.lattice, plan.places, 1e-9, rounds.append)
-    assert 1 < len(rounds) < 40
+    plan = make_plan(asked, Limits(readings=9), bounded=False)
+    with patch("axiscal.planning.bound.prove._everywhere", wraps=_everywhere) as rounds:
+        proof = prove(asked.state, asked.lattice, plan.places, 1e-9)
+    assert 1 < rounds.call_count < 40
     assert 1e-9 < proof.gap < 0.2
     assert 0 < proof.bound.value <= plan.value

@@ -18,7 +18,7 @@ from axiscal.ports.study.study_case import Stop
 from axiscal.ports.study.study_file import read_study
 from tests.ports.texts import CAMPAIGN, STUDY, written
 
-REPLANNED = STUDY.replace('"even"', '"replanned"').split("[grid]")[0]
+REPLANNED = STUDY.split("[grid]")[0] + 'method = "replanned"\n'
 LEARNT = CAMPAIGN.replace('sure = "exactly"', 'sure = "roughly"')
 FAR = CAMPAIGN.replace('"3 um"', '"1 nm"')
 """No readings reach it: what ends it is that some in a row hardly help."""

@@ -30,9 +30,9 @@ def _found(study: Study, seed: int = 1) -> dict[str, Done]:
     rng = np.random.default_rng(seed)
     own = 4 + rng.normal(size=MACHINES)
     found = {}
-    for choices, draw in study.ways():
+    for choices in study.ways():
         both = len(choices["setups"]) == 2
-        for case in (c for c in study.cases() if c.variant.choices == study.variant(choices, draw).choices):
+        for case in (c for c in study.cases() if c.variant.choices == study.variant(choices).choices):
             U = (
                 own[case.machine]
                 - both

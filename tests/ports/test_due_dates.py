@@ -90,7 +90,7 @@ def test_what_is_left_is_what_machines_that_drift_show(renewed: tuple[str, ...])
     known = concluded(Case(slide()), read_on(1))
     errors, kept = known.case.errors, 0.905 * 0.995
     rng, size = np.random.default_rng(9), errors.size
-    mean, factor = known.banded.knowledge.belief.mean[:size], known.banded.knowledge.belief.factor[:size]
+    mean, factor = known.printed.belief.mean[:size], known.printed.belief.factor[:size]
     rho = 0.0 if renewed else kept
     then = mean[:, None] + factor @ rng.standard_normal((factor.shape[1], 4000))
     fresh = errors.prior_root() @ rng.standard_normal((size, 4000))
@@ -114,7 +114,7 @@ def test_what_all_sisters_have_does_not_wear_off(taught: TypePrior, renewed: tup
     described, readings = slide(prior=taught.text()), read_on(7)[::3]
     known = concluded(case_of(described), readings)
     errors, kept = known.case.errors, 0.905 * 0.995
-    mean, prior, size = known.banded.knowledge.belief.mean[: errors.size], over(taught, errors), errors.size
+    mean, prior, size = known.printed.belief.mean[: errors.size], over(taught, errors), errors.size
     own = individual(taught, errors)
     equation = data_equation(known.case.observation, readings)
     rng, count = np.random.default_rng(9), 4000
@@ -271,7 +271,7 @@ def test_what_is_left_with_tables_is_what_a_machine_that_drifts_shows(asked: str
     described = campaign_from_texts(text, "campaign.toml", TWO_ERRORS, "machine.toml")
     known = concluded(Case(described), [*read_on(1), *(replace(r, setup="square") for r in read_on(2))])
     kept, rng, size = 0.905 * 0.995, np.random.default_rng(9), known.case.errors.size
-    mean, factor = known.banded.knowledge.belief.mean[:size], known.banded.knowledge.belief.factor[:size]
+    mean, factor = known.printed.belief.mean[:size], known.printed.belief.factor[:size]
     estimate = known.estimate()
     poses = np.tile(np.linspace(0.0, 0.5, 201)[:, None], (2, 1))
     sides = np.repeat([[1.0], [-1.0]], 201, axis=0)

@@ -84,7 +84,7 @@ def test_figures_are_those_of_the_campaigns(folder: Path) -> None:
     for found, record in zip(figures["EXX"].found, machine.records, strict=True):
         with Campaign.open(record.file, write=False) as campaign:
             known = campaign.estimate(ended=True)
-        function, belief = known.case.errors.names["EXX"], known.banded.knowledge.belief
+        function, belief = known.case.errors.names["EXX"], known.printed.belief
         curve = function.rows(np.linspace(0.0, 0.5, 61)) @ belief.mean[function.columns]
         np.testing.assert_allclose(found.mean, np.ptp(curve), rtol=1e-6)
         assert 0 < found.std < 5e-6

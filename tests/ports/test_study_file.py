@@ -17,12 +17,11 @@ HEAD = '[study]\ncampaign = "campaign.toml"\nmachines = 3\n'
 
 def test_cases_are_every_combination_with_every_machine(tmp_path: Path) -> None:
     grid = '[grid]\n"target.rms" = ["2 um", "3 um"]\n"setups[*].noise" = ["0.3 um", "1 um", "2 um"]\n'
-    drawn = '[random]\ndraws = 2\n"setups[dial].noise" = { between = ["1 um", "3 um"] }\n'
-    study = read_study(written(tmp_path, HEAD + grid.replace("setups[*]", "setups[laser]") + drawn))
+    study = read_study(written(tmp_path, HEAD + grid.replace("setups[*]", "setups[laser]")))
     cases = list(study.cases())
-    assert study.count == len(cases) == 2 * 3 * 2 * 3
+    assert study.count == len(cases) == 2 * 3 * 3
     assert len({case.key for case in cases}) == len(cases)
-    assert [case.machine for case in cases] == [0, 1, 2] * 12
+    assert [case.machine for case in cases] == [0, 1, 2] * 6
 
 
 def test_a_choice_changes_what_it_names_and_nothing_else(tmp_path: Path) -> None:
@@ -36,21 +35,6 @@ def test_a_choice_changes_what_it_names_and_nothing_else(tmp_path: Path) -> None
     stds = {entry.name: entry.std for entry in changed.machine.errors}
     assert stds == pytest.approx({entry.name: entry.std for entry in base.machine.errors} | {"EXX": 9e-6})
     assert variant.truth == base.machine.text
-
-
-def test_draws_are_the_same_again_and_lie_between_their_ends(tmp_path: Path) -> None:
-    drawn = (
-        '[random]\ndraws = 60\n"setups[*].noise" = { between = ["0.3 um", "3 um"], scale = "log" }\n'
-        '"errors.EXX.knots" = { between = [8, 11] }\n"target.criterion" = { of = ["volume", "joint"] }\n'
-    )
-    study = read_study(written(tmp_path, HEAD + drawn))
-    values = [study.drawn_values(draw) for draw in range(study.draws)]
-    assert values == [study.drawn_values(draw) for draw in range(study.draws)]
-    noises = [float(value["setups[*].noise"].removesuffix(" um")) for value in values]
-    assert all(0.3 <= noise <= 3 for noise in noises)
-    assert 0.3 < sum(noise < 0.3 * 10**0.5 for noise in noises) / len(noises) < 0.7
-    assert {value["errors.EXX.knots"] for value in values} == {8, 9, 10, 11}
-    assert {value["target.criterion"] for value in values} == {"volume", "joint"}
 
 
 FAULTS = [
@@ -70,11 +54,6 @@ FAULTS = [
     ('[grid]\n"prior.times" = [0]\n', 5, "is no factor", ""),
     ('[grid]\n"prior.times" = ["3"]\n', 5, "is no factor", ""),
     ('[grid]\nmachine = ["five.toml"]\n', 5, "cannot vary", ""),
-    ('[random]\n"target.rms" = { between = ["1 um", "2 um"] }\n', 4, "no number of draws", "draws = 100"),
-    ('[random]\ndraws = 3\n"target.rmss" = { between = ["1 um", "2 um"] }\n', 6, "rmss", '"rms"'),
-    ('[random]\ndraws = 3\n"target.rms" = { between = ["1 um", "2 mm"] }\n', 6, "one unit", ""),
-    ('[random]\ndraws = 3\n"target.rms" = { between = ["2 um", "1 um"] }\n', 6, "does not increase", ""),
-    ('[random]\ndraws = 3\n"target.rms" = { betwen = ["1 um", "2 um"] }\n', 6, "does not say what to draw", ""),
     ('[results]\nkeep = ["minuts"]\n', 5, "nothing that can be kept", '"minutes"'),
     ("[gird]\n", 4, 'unknown key "gird"', '"grid"'),
 ]

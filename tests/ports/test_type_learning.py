@@ -21,7 +21,7 @@ from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.machine import machine_from_text
 from axiscal.ports.fleet.rehearsal import Imagined
 from axiscal.ports.fleet.type_learning import learnt_type
-from axiscal.ports.fleet.type_page import summary_sentences
+from axiscal.ports.fleet.type_words import summary_sentences
 from tests.generators.sisters import read_on, shop, slide, write_record
 
 
@@ -105,7 +105,7 @@ def test_a_sister_is_known_with_fewer_readings_and_a_stranger_is_named(taught: s
     assert most is not None
     sisters = min((rival.belief for rival in strange.membership.rivals), key=lambda each: np.trace(each.covariance))
     columns = next(term.columns for term in strange.case.errors.terms if term.name == most.name)
-    apart = strange.banded.knowledge.belief.mean[columns] - sisters.mean[columns]
+    apart = strange.printed.belief.mean[columns] - sisters.mean[columns]
     away = np.abs(apart) / np.sqrt(np.diagonal(sisters.covariance)[columns])
     assert np.min(np.abs(away - most.away)) < 1e-9
     assert "not like its sisters" in membership_words(strange)

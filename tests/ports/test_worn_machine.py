@@ -102,7 +102,7 @@ class Twin:
         new = _drawn(zero, self.own, self.rng, count)
         for term in errors.terms:
             later[term.columns] = (new if AXES[term.name] == renewed else aged)[term.columns]
-        left = common + later - self.known.banded.knowledge.belief.mean[: errors.size][:, None]
+        left = common + later - self.known.printed.belief.mean[: errors.size][:, None]
         poses, _ = self.known.case.yardstick.poses
         rests = self.rng.standard_normal((len(errors.rests), len(poses), count))
         loose = errors.levers(poses) * errors.rests[:, None, None]

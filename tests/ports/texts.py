@@ -27,7 +27,6 @@ STUDY = """[study]
 campaign = "campaign.toml"
 machines = 2
 stop = { readings = 6 }
-method = "even"
 [grid]
 "setups" = [["laser"], ["laser", "dial"]]
 """

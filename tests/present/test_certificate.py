@@ -1,4 +1,4 @@
-"""The certificate and the CSV files: elements in the order of DCC 3.3.0, the numbers of the summary, schemas used."""
+"""The certificate and the CSV file: elements in the order of DCC 3.3.0, the numbers of the summary."""
 
 from __future__ import annotations
 
@@ -7,14 +7,12 @@ import io
 import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from axiscal.exceptions import ReadingError
-from axiscal.present.calibration_certificate import certificate, check_against
-from axiscal.present.data_files import data_files
+from axiscal.present.calibration_certificate import certificate
+from axiscal.present.data_files import readings_csv
 from axiscal.present.result_document import result_json
 from axiscal.present.sentences import values_text
 from tests.present.test_page import HOSTILE, _with_every_text, five_axis_summary
@@ -116,46 +114,25 @@ def test_any_text_makes_a_certificate_that_parses() -> None:
     assert "alert(1)" in "".join(ET.fromstring(text).itertext())
 
 
-SCHEMA = """<xs:schema xmlns:xs="http://www.w3.org/2001/XMLSchema" targetNamespace="https://ptb.de/dcc">
-<xs:element name="{name}"><xs:complexType><xs:sequence>
-<xs:any minOccurs="0" maxOccurs="unbounded" processContents="skip"/></xs:sequence>
-<xs:attribute name="schemaVersion"/></xs:complexType></xs:element></xs:schema>"""
-
-
-def test_a_schema_at_hand_is_used(tmp_path: Path) -> None:
-    schema, document = tmp_path / "dcc.xsd", certificate(five_axis_summary(2))
-    schema.write_text(SCHEMA.format(name="digitalCalibrationCertificate"))
-    check_against(schema, document, tmp_path / "c.xml")
-    schema.write_text(SCHEMA.format(name="other"))
-    with pytest.raises(ReadingError, match=r"c\.xml|another version"):
-        check_against(schema, document, tmp_path / "c.xml")
-    schema.write_text("<not a schema")
-    with pytest.raises(ReadingError, match="cannot be used"):
-        check_against(schema, document, tmp_path / "c.xml")
-
-
-def test_csv_files_hold_what_the_summary_holds() -> None:
+def test_the_csv_file_holds_what_the_summary_holds() -> None:
     summary = five_axis_summary(12)
-    rows = {name: list(csv.DictReader(io.StringIO(text.decode()))) for name, text in data_files(summary).items()}
-    assert [row["reading"] for row in rows["readings.csv"]] == [str(n) for n in range(1, 13)]
-    assert len(rows["curves.csv"]) == sum(len(curve.position) for curve in summary.curves)
-    first = rows["curves.csv"][0]
-    assert float(first["mean"]) == pytest.approx(summary.curves[0].mean[0], rel=1e-5)
-    assert float(first["half_width_95"]) == pytest.approx(1.96 * summary.curves[0].std[0], rel=1e-5)
-    assert len(rows["constants.csv"]) == len(summary.constants)
+    rows = list(csv.DictReader(io.StringIO(readings_csv(summary).decode())))
+    assert [row["reading"] for row in rows] == [str(n) for n in range(1, 13)]
+    assert [float(row["value"]) for row in rows] == pytest.approx(
+        [each.value_um for each in summary.history[1:]], rel=1e-5
+    )
 
 
 def test_all_numbers_of_a_reading_are_in_its_row() -> None:
     summary = five_axis_summary(3)
     last = replace(summary.history[-1], others=(0.25, -3.5))
     shown = replace(summary, history=[*summary.history[:-1], last])
-    rows = list(csv.DictReader(io.StringIO(data_files(shown)["readings.csv"].decode())))
+    rows = list(csv.DictReader(io.StringIO(readings_csv(shown).decode())))
     assert [(row["value_2"], row["value_3"]) for row in rows] == [("", ""), ("", ""), ("0.25", "-3.5")]
-    assert b"value_2" not in data_files(summary)["readings.csv"]
+    assert b"value_2" not in readings_csv(summary)
     assert result_json(shown)["history"][-1]["others"] == [0.25, -3.5]
     assert values_text(last.values, "um").endswith(" / 0.25 / \N{MINUS SIGN}3.50\N{NO-BREAK SPACE}µm")
 
 
 def test_a_name_that_a_spreadsheet_would_compute_is_shielded() -> None:
-    files = data_files(_with_every_text(five_axis_summary(2), "=1+1"))
-    assert b"'=1+1" in files["readings.csv"]
+    assert b"'=1+1" in readings_csv(_with_every_text(five_axis_summary(2), "=1+1"))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -15,7 +14,6 @@ from axiscal.exceptions import SummaryError
 from axiscal.machine import load_machine
 from axiscal.machine.questions import which_way
 from axiscal.present.calibration_certificate import certificate
-from axiscal.present.figures import accuracy, innovations
 from axiscal.present.page import render
 from axiscal.present.result_document import result_json
 from axiscal.present.summary import ConstantSummary, CurveSummary, HistoryRow, Summary, Uncertainty
@@ -68,7 +66,7 @@ def test_extreme_figures_still_make_a_page(size: float) -> None:
     )
     constant = ConstantSummary("C0Y", words("C0Y"), size, size, size, "urad")
     page = render(_bare(curves=[curve], constants=[constant], rms_um=size, worst_um=size))
-    assert page.count('class="picture"') == 3 + 3  # the accuracy and the curve, at three widths
+    assert page.count('class="picture"') == 3  # the curve, at three widths
     assert not re.search(r"\b(?:nan|inf)\b", page.split("<main>")[1].split("</main>")[0])
 
 
@@ -85,37 +83,6 @@ def test_a_curve_whose_lengths_differ_is_refused_by_name(field: str) -> None:
     curve = replace(_plain_curve([0.0, 1.0], 1.0), **{field: [1.0]})  # type: ignore[arg-type]
     with pytest.raises(SummaryError, match=f"{field} of EXX has 1 values for 2 positions"):
         render(_bare(curves=[curve]))
-
-
-def test_a_surprise_off_the_scale_stands_at_the_edge_as_a_triangle() -> None:
-    rows = [HistoryRow(n, "a", {"X": 1.0}, 1.0, z, 1.0, 1.0, 2.0, 1.0) for n, z in ((1, 0.5), (2, 900.0), (3, -40.0))]
-    drawn = innovations(_bare(history=rows, readings=3))
-    assert drawn is not None
-    usual, unusual, _ = drawn["data"]
-    assert usual["y"] == [0.5]
-    assert list(zip(unusual["y"], unusual["marker"]["symbol"], strict=True)) == [
-        (6.0, "triangle-up"),
-        (-6.0, "triangle-down"),
-    ]
-
-
-def test_labels_of_lines_that_end_together_do_not_overlap() -> None:
-    rows = [HistoryRow(n, "a", None, None, None, None, 5.0, 5.01, 0.0) for n in range(2)]
-    figure = accuracy(_bare(history=rows))
-    low, high = figure["layout"]["yaxis"]["range"]
-    margin = figure["layout"]["margin"]
-    pixels = (figure["layout"]["height"] - margin["t"] - margin["b"]) / (high - low)
-    ends = [label for label in figure["layout"]["annotations"] if label["x"] == 1]
-    heights = sorted(label["y"] * pixels + label["yshift"] for label in ends)
-    assert len(heights) == 2
-    assert min(b - a for a, b in pairwise(heights)) >= 16
-
-
-@pytest.mark.parametrize(("unseen", "drawn"), [(0.6, True), (0.4, False), (0.04, False)])
-def test_what_cannot_be_seen_is_drawn_as_far_as_it_counts(unseen: float, drawn: bool) -> None:
-    rows = [HistoryRow(n, None, None, None, None, None, rms, 9.0, 0.0) for n, rms in enumerate((50.0, 5.0))]
-    labels = str(accuracy(_bare(history=rows, rms_um=5.0, unseen_rms_um=unseen))["layout"]["annotations"])
-    assert ("cannot be seen" in labels) is drawn
 
 
 AT_ODDS = ReadingAgreement(24, 11, 80.0, 1e-9, True, words="The readings contradict each other (p = 1e-09)")

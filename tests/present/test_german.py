@@ -7,7 +7,6 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import pytest
 
@@ -17,7 +16,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.language.spoken import Said, resaid, speaking
 from axiscal.present.page import render
-from axiscal.present.printed import _Document
+from axiscal.present.printed import filled
 from axiscal.present.result_document import result_json
 from axiscal.present.summarising import Extras, summarise
 from axiscal.present.summary import Summary
@@ -115,7 +114,7 @@ def _shown(summary: Summary, language: str) -> set[str]:
     """Return all sentences of page and PDF."""
     with speaking(language), TemporaryDirectory() as folder:
         page = _without_names(render(summary))
-        paper = _texts(_Document(resaid(summary), Path(folder)).content())
+        paper = re.findall(r'"((?:[^"\\]|\\.)*)"', filled(summary, Path(folder)))
     found = {part.strip() for text in (page, *paper) for part in re.split(r"\n|(?<=[.;:]) ", text)}
     return {text for text in found if PROSE.search(text)}
 
@@ -125,13 +124,3 @@ def _without_names(page: str) -> str:
     bare = re.sub(r"<(script|style)\b.*?</\1>", "", page, flags=re.DOTALL)
     aloud = " \n ".join(re.findall(r'(?:aria-label|title)="([^"]*)"', bare))
     return html.unescape(f"{re.sub(r'<[^>]*>', chr(10), bare)}\n{aloud}")
-
-
-def _texts(value: Any) -> Iterator[str]:
-    if isinstance(value, str):
-        yield value
-    elif isinstance(value, dict):
-        yield from (text for key, each in value.items() if key != "messages" for text in _texts(each))
-        yield from value.get("messages", {}).values()
-    elif isinstance(value, list | tuple):
-        yield from (text for each in value for text in _texts(each))

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.language.spoken import speaking
-from axiscal.present.data_files import LISTED, data_files, listed
+from axiscal.present.data_files import LISTED, listed, readings_csv
 from axiscal.present.page import render
 from axiscal.present.printed import pdf
 from tests.present.test_page import five_axis_summary
@@ -29,7 +29,7 @@ def test_a_usual_campaign_is_listed_whole() -> None:
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_the_page_lists_the_first_ones_and_names_the_file_of_all(language: str) -> None:
     summary = five_axis_summary(_MANY)
-    kept = data_files(summary)["readings.csv"]
+    kept = readings_csv(summary)
     assert kept.count(b"\n") == _MANY + 1
     with speaking(language):
         page = render(summary)
@@ -52,6 +52,6 @@ def test_the_paper_does_the_same(tmp_path: Path) -> None:
     words = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     flat = re.sub(r"\s+", " ", words)
     assert f"The first {LISTED} of {_MANY} readings are listed here" in flat
-    assert hashlib.sha256(data_files(summary)["readings.csv"]).hexdigest() in flat.replace(" ", "")
+    assert hashlib.sha256(readings_csv(summary)).hexdigest() in flat.replace(" ", "")
     numbers = [int(each) for each in re.findall(r"^\s*(\d+)(?: ×)?\s+set-up", words, re.MULTILINE)]
     assert numbers == [*range(1, LISTED + 1)]

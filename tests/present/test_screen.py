@@ -35,6 +35,16 @@ def _screen(found: ResultAnswer) -> str:
     )
 
 
+@pytest.mark.parametrize("advised", ["klipper", "marlin", "reprapfirmware"])
+def test_the_control_whose_tables_are_to_be_loaded_has_a_column(advised: str) -> None:
+    built = load_machine("printer-gantry")
+    rows = [answer_row(row, built, True, ("klipper", "marlin", "reprapfirmware")) for row in rows_of(built)]
+    steps = [NextStep(code="load", control=advised), NextStep(code="verify", control=advised)]
+    heading = screen(answer(rows=rows).model_copy(update={"steps": steps}), "", "bed.axiscal", "out").splitlines()[1]
+    assert advised in heading.split()
+    assert f"verify bed.axiscal --to {advised}" in screen(answer(rows=rows, steps=steps), "", "bed.axiscal", "out")
+
+
 @pytest.mark.parametrize("language", sorted(LANGUAGES))
 @pytest.mark.parametrize("verdict", ["measured", "reached", "more", "unreachable", "contradict"])
 @pytest.mark.parametrize("name", ["three-axis-mill", "dmu60"])

@@ -12,6 +12,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import Accepted
 from axiscal.record.events import (
     Asked,
+    Continued,
     Created,
     Event,
     EventOrderError,
@@ -46,7 +47,9 @@ accepted = (
     | st.builds(Accepted, st.just("shifted"), st.tuples(st.text()), factor=st.sampled_from([1.0, -1.0]))
     | st.builds(Accepted, st.just("swapped"), st.lists(st.text(), min_size=2, max_size=2, unique=True).map(tuple))
 )
-event = recorded | asked | skipped | noted | mounted | accepted | st.builds(Finished, st.text()) | st.just(Undone(0))
+continued = st.builds(Continued, st.text())
+others = recorded | asked | skipped | noted | mounted | accepted | st.builds(Finished, st.text()) | st.just(Undone(0))
+event = others | continued
 
 
 def stored(events: list[Event]) -> list[Stored]:
@@ -126,6 +129,14 @@ def test_taking_back_restores_what_was_before(drawn: list[Event]) -> None:
         before.finished,
         before.undo,
     )
+
+
+@given(st.lists(event, max_size=25))
+def test_that_it_goes_on_is_said_of_these_readings_alone(drawn: list[Event]) -> None:
+    events = possible(drawn)
+    since = [each for each in events if not isinstance(each, Planned | Asked | Noted)]
+    last = since[-1]
+    assert fold(stored(events)).continued == (last.basis if isinstance(last, Continued) else None)
 
 
 @given(st.lists(recorded | asked, max_size=20))

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from threading import Event, Thread
 
@@ -18,13 +19,12 @@ from axiscal.document.durable import is_running
 from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
 from axiscal.measurement.reading import Reading
 from axiscal.ports.postgres import database as database_module
-from axiscal.ports.postgres import tables
 from axiscal.ports.postgres.database import Database, opened_database, store_address
 from axiscal.ports.postgres.server_log import Entry, ServerLog, enter, entries, insert
 from axiscal.ports.postgres.tables import prepare
 from axiscal.record.events import Created, Noted, Recorded
 from axiscal.record.line_form import EventText, chained
-from axiscal.record.log import ChainedText
+from axiscal.record.log import ChainedText, chained_texts
 from axiscal.record.opening import opened_log
 from axiscal.record.store import Record
 from tests.generators.sisters import CAMPAIGN, MACHINE
@@ -345,10 +345,13 @@ def test_what_the_server_still_does_while_its_answer_is_lost_is_kept_once(
     other, begun, at_work = Database(store_address(address)), Event(), list[Thread]()
 
     def done_later(query: str, values: dict[str, object]) -> None:
-        with other.transaction(log.entry.id):
-            other.rows(query, **values)
-            begun.set()
-            time.sleep(0.5)  # a look in the meantime finds nothing
+        with suppress(OvertakenError):
+            other._tried(lambda: slowly(query, values))
+
+    def slowly(query: str, values: dict[str, object]) -> None:
+        other.rows(query, **values)
+        begun.set()
+        time.sleep(0.5)  # a look in the meantime finds nothing
 
     def unheard(query: str, **values: object) -> bool:
         at_work.append(Thread(target=done_later, args=(query, values)))
@@ -361,8 +364,8 @@ def test_what_the_server_still_does_while_its_answer_is_lost_is_kept_once(
         assert log.append(READING, READING, after=3 if known else None) == 5
     finally:
         del database.at_once
-    assert log.last() == 5
     at_work[0].join(20.0)  # its own answer may still be on the way
+    assert log.last() == 5
     other.close()
 
 
@@ -437,10 +440,12 @@ def test_the_store_takes_no_name_that_is_none(log: ServerLog, database: Database
         enter(database, Entry("00000000-0000-0000-0000-000000000002", "another", log.entry.id, 2))
 
 
-def test_a_store_of_before_is_prepared_once_more(server: RunningServer, database: Database) -> None:
-    database.rows("CREATE DATABASE earlier")
-    earlier = Database(store_address(server.address("earlier")))
-    tables._make(earlier, tables._FIRST, "campaigns", "events")
+@pytest.mark.parametrize("form", [1, 2])
+def test_a_store_of_before_is_prepared_once_more(server: RunningServer, database: Database, form: int) -> None:
+    database.rows(f"CREATE DATABASE earlier{form}")
+    earlier = Database(store_address(server.address(f"earlier{form}")))
+    for script in range(1, form + 1):
+        earlier.rows((ROOT / "tests" / "record" / "earlier" / f"store-{script}.sql").read_text())
     with pytest.raises(RecordError, match="sync --prepare"):
         ServerLog.create(earlier, "mill", CREATED)
     assert [prepare(earlier), prepare(earlier)] == [True, False]
@@ -458,19 +463,66 @@ def test_a_newer_store_is_refused(server: RunningServer, database: Database) -> 
     newer.close()
 
 
-def test_the_lock_of_another_program_is_waited_for_and_then_said(
-    log: ServerLog, database: Database, server: RunningServer, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(database_module, "_LOCK", 50)
-    log.close()  # it comes back with the shorter patience
-    other = Database(store_address(server.address()))
-    for connected in (False, True):  # in several questions, and in one
-        if connected:
-            log.last()
-        with other.transaction(log.entry.id), pytest.raises(RecordError, match="holds this campaign"):
-            log.append(Noted("x"))
+HELD = {
+    "advisory locks": "SELECT pg_advisory_lock(n) FROM generate_series(-100, 100) AS n",
+    "a table": "LOCK TABLE axiscal.events, axiscal.campaigns IN ACCESS SHARE MODE",
+    "all events, read": "SELECT count(*) FROM axiscal.events JOIN axiscal.campaigns ON id = campaign",
+    "an event of its own": "SELECT 1",
+}
+
+
+@pytest.mark.parametrize("statement", HELD.values(), ids=HELD)
+def test_what_a_measurer_holds_open_stops_nobody(log: ServerLog, server: RunningServer, statement: str) -> None:
+    """Somebody adds an event, keeps the transaction open, and ends it after others have added theirs."""
+    measurer, row = as_user(server, "measurer"), EventText(AT, "noted", '{"text":"mine"}')
+    other = ServerLog.open(as_user(server, "measurer"), log.entry.id)
+
+    def kept_open() -> None:
+        measurer.rows(statement)
+        insert(measurer, log.entry.id, 3, [ChainedText(row, chained(log.name, row))])
+        assert [log.append(Noted("x")), other.append(Noted("y")), log.append(Noted("z"))] == [4, 5, 6]
+
+    with pytest.raises(OvertakenError, match="in the meantime"):
+        measurer._tried(kept_open)
+    measurer.close()
     other.close()
-    assert log.append(Noted("x")) == 4
+    assert log.last() == 6
+
+
+def test_an_entry_that_is_none_is_set_aside_by_the_owner_alone(
+    log: ServerLog, server: RunningServer, address: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    measurer = as_user(server, "measurer")
+    bad = [EventText(AT, "recorded", "{}"), EventText(AT, "noted", '{"text":"behind it"}')]
+    before, texts = log.state(), chained_texts(bad, log.name)
+    insert(measurer, log.entry.id, 3, texts)
+    with pytest.raises(RecordError, match=r"event 4: .*--quarantine store:.*:4"):
+        ServerLog.open(as_user(server, "measurer"), log.entry.id)
+    words = ["sync", "--quarantine", f"store:{log.entry.id}:4", "--store"]
+    assert run([*words, server.address(user="measurer")]) == 1
+    assert "may not do that" in " ".join(capsys.readouterr().err.split())
+    assert run([*words, address]) == 0
+    assert "2 events from 4 on set aside" in capsys.readouterr().out
+    again = ServerLog.open(as_user(server, "measurer"), log.entry.id)
+    assert again.state() == before
+    assert again.append(READING) == 4
+    with pytest.raises(RecordError, match="was set aside"):  # a laptop that still has it cannot bring it back
+        insert(measurer, log.entry.id, 4, texts[:1])
+    assert log._database.rows("SELECT count(*) FROM axiscal.events WHERE payload = '{}'")[0][0] >= 1
+    for text in ("store:4", f"store:{log.entry.id}:x"):
+        assert run(["sync", "--quarantine", text, "--store", address]) == 2
+    assert run(["sync", "--quarantine", f"store:{log.entry.id}:1", "--store", address]) == 1
+    again.close()
+    measurer.close()
+
+
+def test_only_serializable_transactions_add_events(log: ServerLog, server: RunningServer) -> None:
+    measurer, row = as_user(server, "measurer"), EventText(AT, "noted", '{"text":"mine"}')
+    measurer.rows("SET default_transaction_isolation = 'read committed'")
+    with pytest.raises(RecordError, match="only a serializable transaction"):
+        insert(measurer, log.entry.id, 3, [ChainedText(row, chained(log.name, row))])
+    measurer.close()
+    assert log.last() == 3
 
 
 def test_commands_go_on_over_the_store(

@@ -130,7 +130,7 @@ def test_two_people_sign_and_nobody_twice(path: Path, key: Path, monkeypatch: py
     monkeypatch.setenv(KEY, str(key.with_name("otto.pem")))
     assert run(["sign", str(path)]) == 0
     with Record.open(path) as record:
-        assert [text.row.kind for text in record.texts()[-3:]] == ["recorded", "signed", "signed"]
+        assert [text.row.kind for text in record.texts()[-3:]] == ["continued", "signed", "signed"]
         otto = public(path)
         assert not checked(path.read_bytes(), [anna, otto]).faults
         assert "of a key that was not given" in checked(path.read_bytes(), [otto]).faults[0]
@@ -165,7 +165,7 @@ def test_a_copy_and_a_salvaged_record_keep_their_signature(path: Path, key: Path
     with Record.open(new, write=False) as record:
         found = signed_until(record.texts())
     assert found is not None
-    assert (found.number, found.holds) == (6, True)
+    assert (found.number, found.holds) == (7, True)
 
 
 def test_a_signature_of_other_events_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -27,7 +27,7 @@ from axiscal.record.line_form import EventText
 from axiscal.record.payload import encode
 from axiscal.record.store import content_of
 from tests.generators.texts import machine_text
-from tests.measurement.test_instrument_files import MAP, MESH, OWN, RTL
+from tests.measurement.test_instrument_files import MAP, MESH, RTL
 from tests.measurement.test_level_survey import SURVEY
 from tests.measurement.test_readers import READINGS, TRUTH
 from tests.reliability.old_tables import GOOD, INI, read_machine, read_old_table
@@ -90,7 +90,6 @@ KINDS = (
     _kind("test.rtl", RTL, read_any),
     _kind("heightmap.csv", MAP, read_any),
     _kind("printer.cfg", MESH, read_any),
-    _kind("own.csv", OWN, read_any),
     _kind("survey.txt", SURVEY, read_any),
     Kind("mill.axiscal", _record(), _recorded),
     _kind("machine.ini", INI, read_machine),

@@ -127,7 +127,7 @@ COMMANDS: Mapping[str, Command] = {
     "due": Command(_words("due . --calendar out.ics --target 4_um"), MEASURED, out="out.ics"),
     "check": Command(_words(f"check {RECORD} --plan out.csv"), MEASURED, out="out.csv"),
     "verify": Command(_words(f"verify {RECORD} --points 5 --plan out.csv"), MEASURED, out="out.csv"),
-    "type learn": Command(_words("type learn . --out out.type.json --page out.html"), TWO, out="out.type.json"),
+    "type learn": Command(_words("type learn . --out out.type.json"), TWO, out="out.type.json"),
     "study": Command(STUDIED_HERE, again=(*STUDIED_HERE, "--resume"), out="out"),
 }
 

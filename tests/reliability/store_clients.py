@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from axiscal.exceptions import RecordError
-from axiscal.ports.postgres.database import Database, lock_number, store_address
+from axiscal.ports.postgres.database import Database, store_address
 from axiscal.ports.postgres.server_log import Entry, ServerLog, entries
 from axiscal.ports.postgres.syncing import synced
 from axiscal.ports.postgres.tables import prepare
@@ -115,17 +115,28 @@ def _synced(server: RunningServer, record: Record, name: str) -> None:
         database.close()
 
 
+def _appended_by_sql(campaign: str) -> str:
+    """Return a statement that adds an event behind the last one of a campaign, as a program of one's own may."""
+    payload = """'{"text":""}'"""
+    digest = f"encode(sha256(convert_to(concat_ws(' ', digest, 'noted', {payload}), 'UTF8')), 'hex')"
+    return (
+        f"SELECT axiscal.append(campaign, number, ARRAY['noted'], ARRAY[{payload}], ARRAY[at], ARRAY[{digest}]) "
+        f"FROM axiscal.events WHERE campaign = '{campaign}' ORDER BY number DESC LIMIT 1"
+    )
+
+
 def _wild(drawn: random.Random, campaign: str) -> str:
     """Return a statement of somebody who means no good."""
     text = drawn.choice(
         ("''", "NULL", "'{}'", "repeat('x', 10000)", "E'\\n'", "'../../etc'", "'created'", "'recorded'")
     )
     which = drawn.choice((f"'{campaign}'", "gen_random_uuid()", "NULL"))
-    number = drawn.choice(("0", "1", "-1", "NULL", "9223372036854775807", str(lock_number(campaign))))
+    number = drawn.choice(("0", "1", "-1", "NULL", "9223372036854775807"))
+    seconds = drawn.choice((*9 * (0.1,), 6))
     arrays = ", ".join(drawn.choice((f"ARRAY[{text}]::text[]", "'{}'", "NULL", "ARRAY['a','b']")) for _ in range(4))
     return drawn.choice(
         (
-            f"SELECT axiscal.append({which}, {number}, {number}, {arrays})",
+            f"SELECT axiscal.append({which}, {number}, {arrays})",
             f"SELECT axiscal.enter({which}, {text}, {which}, {number})",
             f"SELECT axiscal.enter(gen_random_uuid(), 'made up {drawn.random()}', NULL, NULL)",
             f"SELECT axiscal.saw({which}, {text}, {which}, {number})",
@@ -135,6 +146,8 @@ def _wild(drawn: random.Random, campaign: str) -> str:
             "START TRANSACTION; LOCK TABLE axiscal.events; SELECT pg_sleep(2); COMMIT",
             "START TRANSACTION; LOCK TABLE axiscal.events IN ACCESS SHARE MODE; SELECT pg_sleep(0.1); COMMIT",
             "SELECT pg_sleep(0.05)",
+            "SELECT pg_advisory_lock(n) FROM generate_series(1, 100) AS n",
+            f"START TRANSACTION; {_appended_by_sql(campaign)}; SELECT pg_sleep({seconds}); COMMIT",
             "ALTER TABLE axiscal.events DISABLE TRIGGER ALL",
             "DROP SCHEMA axiscal CASCADE",
         )
@@ -160,6 +173,8 @@ def statements(count: int, seed: int = 11) -> Trial:
             for _ in range(count):
                 with suppress(RecordError):
                     bad.rows(_wild(drawn, campaign))
+                with suppress(RecordError):
+                    bad.rows("ROLLBACK")  # else everything behind a refusal is refused unread
             os._exit(0)
         longest, value, ended = 0.0, 0, (0, 0)
         with ServerLog.open(_opened(server), SHARED) as log:

@@ -1,4 +1,4 @@
-"""ISG_CSV holds what two axes do together as a table of the later one over both; ETALON_EXCHANGE says what it leaves.
+"""ISG_CSV holds what two axes do together as a table of the later one over both.
 
 The reader here is a twin of what the kernel's documentation says: columns under a header, a block for each `#`, linear
 between the points of a grid.
@@ -55,11 +55,6 @@ def test_the_kernel_holds_a_warped_bed(tmp_path: Path) -> None:
     assert np.std(left) < 0.1 * np.std(warped(X, Y))
     assert "as a table of the later one over both" in files["README.txt"]
     assert "no table over one axis holds it" not in files["README.txt"]
-
-
-def test_the_other_format_says_what_it_leaves(tmp_path: Path) -> None:
-    record = estimated(tmp_path, klipper_file(X, Y, warped(X, Y)), "printer.cfg", planes=PLANE)
-    assert "what two axes do together (EZXY: " in exported(record, "isg-etalon")["README.txt"]
 
 
 def _surface(seed: int, over: str = "Z") -> SampledError:

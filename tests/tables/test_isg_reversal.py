@@ -57,10 +57,9 @@ def error(text: str, at: float, side: str) -> float:
     return float(np.interp(1e4 * at, points, values)) / 1e4
 
 
-@pytest.mark.parametrize("controller", ["isg", "isg-etalon"])
-def test_the_reversal_is_in_a_bilateral_table_of_its_axis(controller: str) -> None:
+def test_the_reversal_is_in_a_bilateral_table_of_its_axis() -> None:
     estimate = known()
-    made = export(estimate, controller, ExportOptions())
+    made = export(estimate, "isg", ExportOptions())
     assert {name for name in made.files if name.startswith("ssfk")} == {"ssfk_X.lis", "ssfk_C.lis"}
     reversal = estimate.model.names["EXX_reversal"]
     for at in (-50.0, 30.0, 77.0, 350.0):

@@ -5,14 +5,12 @@ Every format is written and read by hand here; the machine is known, so that wha
 
 from __future__ import annotations
 
-import io
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import whole_travel
@@ -324,75 +322,6 @@ def test_without_a_word_the_beginning_asks_and_so_does_the_note(
     assert "WAS A COMPENSATION ACTIVE WHILE MEASURING" in (tmp_path / "t" / "README.txt").read_text()
 
 
-class Terminal(io.StringIO):
-    """A person at a terminal who types these lines."""
-
-    def isatty(self) -> bool:
-        return True
-
-
-def at_a_terminal(monkeypatch: pytest.MonkeyPatch, typed: str) -> None:
-    monkeypatch.setattr("sys.stdin", Terminal(typed))
-    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
-
-
-def said_in(record: Path) -> bool | tuple[str, ...] | None:
-    with Campaign.open(record, write=False) as campaign:
-        return campaign.description.compensation_active
-
-
-@pytest.mark.parametrize(
-    ("typed", "kept"), [("false\n", False), ("maybe\nyes\n", True), ("\n", None), ("", None), ("X.comp\n", "X.comp")]
-)
-def test_a_person_at_a_terminal_is_asked_and_the_record_keeps_the_answer(
-    typed: str,
-    kept: bool | str | None,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    described(tmp_path)
-    (tmp_path / "X.comp").write_text(comp(0))
-    monkeypatch.chdir(tmp_path)
-    capsys.readouterr()
-    at_a_terminal(monkeypatch, typed)
-    assert run(["start", "campaign.toml", "a.axiscal"]) == 0
-    said = capsys.readouterr().err
-    assert "Is a compensation active" in said
-    assert ("Mind: Is a compensation" in said) == (kept is None)
-    expected = (str(tmp_path / "X.comp"),) if kept == "X.comp" else kept
-    assert said_in(tmp_path / "a.axiscal") == expected
-
-
-def test_nobody_is_asked_by_a_script(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Neither without a terminal nor where a document is asked for."""
-    described(tmp_path)
-    at_a_terminal(monkeypatch, "true\n")
-    assert run(["start", str(tmp_path / "campaign.toml"), str(tmp_path / "a.axiscal"), "--json"]) == 0
-    assert said_in(tmp_path / "a.axiscal") is None
-
-
-def test_what_is_active_can_be_an_option(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    described(tmp_path)
-    (tmp_path / "X.comp").write_text(comp(0))
-    capsys.readouterr()
-    command = ["estimate", str(tmp_path / "campaign.toml"), str(tmp_path / "readings.csv"), "--out"]
-    option = ["--compensation-active", str(tmp_path / "X.comp")]
-    assert run([*command, str(tmp_path / "o"), *option]) == 0
-    assert "Is a compensation active" not in capsys.readouterr().err
-    added = comp_added((tmp_path / "o" / "tables" / "linuxcnc" / "X.comp").read_text(), 1)
-    assert np.corrcoef(added, np.interp(PROBES, AT, OLD_UP))[0, 1] > 0.99
-    assert run([*command, str(tmp_path / "p"), "--compensation-active", "perhaps.comp"]) == 1
-    assert "perhaps.comp" in capsys.readouterr().err
-    assert not (tmp_path / "p").exists()
-    recorded_text = CAMPAIGN.format(active="compensation_active = true\n")
-    (tmp_path / "campaign.toml").write_text(recorded_text)
-    assert run([*command, str(tmp_path / "q"), *option]) == 1
-    assert "and they do not say the same" in " ".join(capsys.readouterr().err.split())
-    (tmp_path / "campaign.toml").write_text(CAMPAIGN.format(active='compensation_active = ["X.comp"]\n'))
-    assert run([*command, str(tmp_path / "r"), *option]) == 0
-
-
 def test_none_was_active(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record = recorded(tmp_path, "compensation_active = false\n")
     assert "compensation" not in capsys.readouterr().err
@@ -481,13 +410,11 @@ def test_a_folder_of_an_export_is_an_old_compensation(tmp_path: Path) -> None:
     assert [Path(file.name).name for file in read_old([str(tmp_path)])] == ["X.comp"]
 
 
-@pytest.mark.parametrize("controller", ["isg", "isg-etalon"])
-def test_isg_gets_old_and_new_together(controller: str) -> None:
+def test_isg_gets_old_and_new_together() -> None:
     """An old table of its own points, read as the kernel does: EXX and a squareness, and one that is not described."""
     old = "// old\nC0Y\n2.0e-5\n#\nX EXX EZX\n0 0 0\n110 0.011 0.002\n300 0.030 -0.001\n"
-    plain, above = exported(controller), exported(controller, OldFile("volcomp.csv", old))
-    name = next(file for file in above.files if file.startswith("volcomp") and not file.endswith("lis"))
-    before, after = isg_of(plain.files[name]), isg_of(above.files[name])
+    plain, above = exported("isg"), exported("isg", OldFile("volcomp.csv", old))
+    before, after = (isg_of(made.files["volcomp.csv"]) for made in (plain, above))
     at = np.linspace(0, 300, 31)
     for error, values in (("EXX", [0, 0.011, 0.030]), ("EZX", [0, 0.002, -0.001])):
         added = np.interp(at, *after[error]) - np.interp(at, *before[error])
@@ -496,14 +423,7 @@ def test_isg_gets_old_and_new_together(controller: str) -> None:
 
 
 def isg_of(text: str) -> dict[str, tuple[list[float], list[float]]]:
-    """Return positions and values by error, of either form, by hand: mm and rad."""
-    if text.startswith("["):
-        blocks = re.findall(r"\[(\w+)\]\s*(?:VALUE = (\S+)|Gridpoints = \{([^}]*)\})", text)
-        rows = {
-            n: [[0.0, float(v)]] if v else [list(map(float, r.split())) for r in g.split("\n") if r]
-            for n, v, g in blocks
-        }
-        return {name: ([p for p, _ in table], [v for _, v in table]) for name, table in rows.items()}
+    """Return positions and values by error, by hand: mm and rad."""
     found: dict[str, tuple[list[float], list[float]]] = {}
     for block in re.sub(r"//.*", "", text).split("#"):
         header, *lines = [line.split() for line in block.splitlines() if line.strip()]

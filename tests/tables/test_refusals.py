@@ -115,23 +115,21 @@ def test_an_axis_with_a_number_is_none_of_linuxcncs() -> None:
         export(read_of(machine), "linuxcnc-volumetric", ExportOptions())
 
 
-@pytest.mark.parametrize("controller", ["isg", "isg-etalon"])
-def test_an_axis_that_the_isg_kernel_does_not_know_is_refused(controller: str) -> None:
+def test_an_axis_that_the_isg_kernel_does_not_know_is_refused() -> None:
     axes = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100), "U": (0, 50)}
     machine = machine_from_text(machine_text("w-b-X-Y-Z-U-t", axes, {"EXU": ("10 um", 7, 150)}, name="M"))
     with pytest.raises(TableError, match="EXU is not an error that the ISG kernel knows"):
-        export(read_of(machine), controller, ExportOptions())
+        export(read_of(machine), "isg", ExportOptions())
 
 
-@pytest.mark.parametrize("controller", ["isg", "isg-etalon"])
-def test_nothing_to_hold_is_said(controller: str) -> None:
+def test_nothing_to_hold_is_said() -> None:
     axes = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}
     machine = machine_from_text(machine_text("w-b-X-Y-Z-t", axes, {"EZXY": ("10 um", 7, 150)}, name="M"))
     nothing = replace(
         read_of(machine), belief=Belief(np.zeros(ErrorModel(machine).size), 1e-20 * np.eye(ErrorModel(machine).size))
     )
     with pytest.raises(TableError, match="there is no deviation that these files could hold"):
-        export(nothing, controller, ExportOptions())
+        export(nothing, "isg", ExportOptions())
 
 
 def test_a_spacing_is_of_an_axis_of_the_machine() -> None:
@@ -195,7 +193,7 @@ def test_an_axis_has_one_number_in_these_controls(controller: str) -> None:
         options.numbered(THREE)
 
 
-@pytest.mark.parametrize("controller", ["isg-etalon", "linuxcnc-volumetric"])
+@pytest.mark.parametrize("controller", ["isg", "linuxcnc-volumetric"])
 def test_the_error_in_space_needs_three_linear_axes(controller: str) -> None:
     with pytest.raises(TableError, match="the machine has 2 linear axes"):
         export(read_of(LATHE), controller, ExportOptions())

@@ -109,14 +109,6 @@ def test_the_sum_that_md32720_must_allow_is_that_of_the_tables() -> None:
         assert float(stated[1]) == pytest.approx(value, abs=2e-4)
 
 
-def test_a_control_with_more_memory_gets_finer_tables_and_one_with_less_coarser_ones() -> None:
-    counts = {}
-    for points in (9, 200):
-        enc = variables(exported(points=points).files["AX_EEC.INI"])
-        counts[points] = sum(key[2] == "AX1" for key in enc["A_ENC_COMP"])
-    assert counts[9] <= 9 < counts[200]
-
-
 def test_more_points_than_md18342_can_allow_are_refused() -> None:
     at = np.linspace(0.0, 2.0, 2001)
     flat = np.zeros(2001)
@@ -125,7 +117,6 @@ def test_more_points_than_md18342_can_allow_are_refused() -> None:
         sinumerik.blocks_of([table], [])
 
 
-@pytest.mark.parametrize(("options", "message"), [({"encoder": 3}, "systems 1 and 2"), ({"points": 1}, "Take 2 to")])
-def test_a_measuring_system_or_table_that_there_is_not(options: dict[str, int], message: str) -> None:
-    with pytest.raises(TableError, match=message):
-        exported(**options)
+def test_a_measuring_system_that_there_is_not() -> None:
+    with pytest.raises(TableError, match="systems 1 and 2"):
+        exported(encoder=3)

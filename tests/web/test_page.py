@@ -153,7 +153,7 @@ def test_a_whole_campaign_by_keyboard_alone(browser: Browser, tmp_path: Path) ->
         page.until("document.activeElement.id === 'field'")
         tab_to(page, "stop")
         page.press("Enter")
-        page.until("document.getElementById('table-words').textContent.startsWith('with its table')")
+        page.until("document.getElementById('stop-words').textContent.startsWith('Now ')")
         looked_at(page)
         assert focus(page) == "not-stop"
         page.press("Enter")
@@ -197,7 +197,7 @@ def test_a_campaign_of_the_five_axis_machine_by_keyboard_alone(browser: Browser,
 
 @pytest.mark.long
 @pytest.mark.chromium
-def test_the_page_speaks_german_and_programs_are_answered_in_english(browser: Browser, tmp_path: Path) -> None:
+def test_the_page_speaks_german_and_so_do_its_answers(browser: Browser, tmp_path: Path) -> None:
     record = started(tmp_path)
     page = browser.page(1400, 900)
     with served(record, "--language", "de") as server:
@@ -218,12 +218,12 @@ def test_the_page_speaks_german_and_programs_are_answered_in_english(browser: Br
         looked_at(page)
         page.press("Enter")
         assert page.value("document.getElementById('sign').textContent").startswith("+ wo das Werkzeug")
-        assert server.state()["question"]["sign"].startswith("+ where the tool")
+        assert server.state()["question"]["sign"].startswith("+ wo das Werkzeug")
         refused = server.call("typed?text=zwei").document["sentence"]
-        assert refused == '"zwei" is no reading and no word known here. Type ? for what can be typed.'
+        assert refused.startswith("„zwei“ ist ")
         tab_to(page, "stop")
         page.press("Enter")
-        page.until("document.getElementById('table-words').textContent.startsWith('mit ihrer Tabelle')")
+        page.until("document.getElementById('stop-words').textContent.startsWith('Jetzt ')")
         looked_at(page)
         assert page.complaints() == []
 

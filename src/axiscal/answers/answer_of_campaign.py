@@ -88,7 +88,7 @@ def answer_of(
         minutes=_digits(to_unit(seconds, "min")),
         clocked=campaign.state.clocked is not None,
         withheld=withheld,
-        steps=list(_steps(campaign, known, verdict, list(controls), written)),
+        steps=list(_steps(campaign, known, verdict, best_control(rows, list(controls)), written)),
     )
 
 
@@ -118,9 +118,16 @@ def agreement_of(estimation: Estimation) -> ReadingAgreement:
     return ReadingAgreement(found.count, found.agreeing, found.c2, found.p, found.contradicts, named, words)
 
 
-def _steps(
-    campaign: Campaign, known: Estimation, verdict: Verdict, offered: Sequence[str], written: bool
-) -> Iterator[NextStep]:
+def best_control(rows: Sequence[AnsweredRow], names: Sequence[str]) -> str:
+    """Return the control whose tables leave the least of all rows, to two digits; of equals the first, "" of none."""
+
+    def share(name: str) -> float:
+        return float(f"{sum(row.left[name] / row.found for row in rows if row.left and row.found):.1e}")
+
+    return min(names, key=share, default="")
+
+
+def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str, written: bool) -> Iterator[NextStep]:
     """Yield what to do next: read on or accept a mistake where that helps, else load tables and check, or end."""
     ended = campaign.state.finished is not None
     if verdict in ("more", "contradict", "nothing"):
@@ -131,10 +138,9 @@ def _steps(
         reading: StepCode = "next" if full else "measure"
         yield NextStep(code="accept", mistake=explained[0].mistake) if explained else NextStep(code=reading)
     elif written:
-        wanted = [name for name in reversed(campaign.description.controls) if name in offered]
-        if wanted:
-            yield NextStep(code="load", control=wanted[0])
-        yield NextStep(code="verify", control=next(iter(wanted), ""))
+        if control:
+            yield NextStep(code="load", control=control)
+        yield NextStep(code="verify", control=control)
     else:
         yield NextStep(code="finish")
 
@@ -291,6 +297,5 @@ def cost_sentence(words: str) -> str:
 def _rows(campaign: Campaign, places: Sequence[Place]) -> tuple[KnownRow, ...]:
     """Return how well rows will be known after these places."""
     known = campaign.estimate()
-    case, knowledge = known.banded
-    coming = blank_readings(case.description.setups, places)
-    return known_rows(case, knowledge.read(coming), [*known.readings, *coming])
+    coming = blank_readings(known.case.description.setups, places)
+    return known_rows(known.case, known.printed.read(coming), [*known.readings, *coming])

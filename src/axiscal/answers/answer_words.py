@@ -298,7 +298,8 @@ def screen(answer: ResultAnswer, agreement: str, record: str, results: str, repo
     first, below = first_lines(text.first), [line for sentence in text.sentences for line in wrapped(sentence)]
     last = [*below, *ending({said("Next"): text.commands, said("Report"): [report] if report else []})]
     room = LINES - len(first) - len(last) - 1
-    return "\n".join([*first, *_table(measured_rows(answer, room), room), *last])
+    advised = next((step.control for step in answer.steps if step.control), "")
+    return "\n".join([*first, *_table(measured_rows(answer, room), room, advised), *last])
 
 
 def first_lines(line: FirstLine) -> list[str]:
@@ -307,10 +308,11 @@ def first_lines(line: FirstLine) -> list[str]:
     return [whole] if len(whole) <= WIDTH else [line.verdict, f"  {'   '.join(line.parts[1:])}"]
 
 
-def _table(groups: Sequence[Sequence[AnswerRow]], room: int) -> Iterator[str]:
+def _table(groups: Sequence[Sequence[AnswerRow]], room: int, advised: str) -> Iterator[str]:
     """Yield a header and a line for each group of rows, with as many controls as there is width for.
 
     room : lines below the header; the last group, the volume, stays where some have to go
+    advised : the control whose tables are to be loaded; it stays where others have to go
     """
     if not groups:
         return
@@ -318,7 +320,7 @@ def _table(groups: Sequence[Sequence[AnswerRow]], room: int) -> Iterator[str]:
     if len(groups) > room:
         hidden = sum(map(len, groups[room - 2 : -1]))
         groups = [*groups[: room - 2], groups[-1]]
-    controls = controls_of(groups)[:_LEFT]
+    controls = sorted(controls_of(groups), key=lambda name: name == advised)[-_LEFT:]
     lines = columns(cells(groups, controls))
     while controls and max(map(len, lines)) > WIDTH:
         controls = controls[1:]

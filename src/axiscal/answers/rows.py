@@ -12,7 +12,7 @@ import numpy as np
 
 from axiscal.errors.volume import Counted
 from axiscal.estimation.accuracy.expanded import reach
-from axiscal.estimation.estimation import Banded, Estimation
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import Functional
 from axiscal.estimation.functionals.known import KnownRow, known_row, with_one_more
@@ -49,9 +49,11 @@ def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[Answer
     turned = with_one_more(known, [each.lines[0] for each in found if _unturned(each)])
     if turned is None:
         return tuple(found)
-    maps = {each.want.row: each.map for each in asked}
+    errors, maps = known.case.errors, {each.want.row: each.map for each in asked}
     return tuple(
-        replace(each, then=_u(functional, turned)) if _unturned(each) and functional is not None else each
+        replace(each, then=reach(functional.spectra(errors, turned.factor)))
+        if _unturned(each) and functional is not None
+        else each
         for each, functional in ((each, maps[each.row]) for each in found)
     )
 
@@ -64,7 +66,7 @@ def _unturned(row: AnsweredRow) -> bool:
 def _row(asked: AskedRow, functional: Functional, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
     """Return a row along lines."""
     estimate = known.estimate()
-    case, belief = known.banded.case, known.banded.knowledge.belief
+    case, belief = known.case, known.printed.belief
     variances = functional.spectra(case.errors, belief.factor).sum(axis=1)
     if functional.angular:
         at, left = functional.rows(case.errors) @ estimate.mean, dict[str, Array]()
@@ -82,10 +84,6 @@ def _row(asked: AskedRow, functional: Functional, known: Estimation, controls: M
         largest=float(np.sqrt(np.max(found))),
         left={name: float(np.sqrt(np.mean(_squares(functional, each) + variances))) for name, each in left.items()},
     )
-
-
-def _u(functional: Functional, known: Banded) -> float:
-    return reach(functional.spectra(known.case.errors, known.knowledge.belief.factor))
 
 
 def _squares(functional: Functional, row: Array) -> Array:
@@ -109,7 +107,7 @@ def _volume(asked: AskedRow, known: Estimation, controls: Mapping[str, Control])
 
     here = estimate.deviation(*where)
     return AnsweredRow(
-        **vars(known_row(asked, known.banded.case, known.banded.knowledge.belief, bool(known.readings))),
+        **vars(known_row(asked, known.case, known.printed.belief, bool(known.readings))),
         found=size(here),
         largest=float(np.hypot(_farthest(shape(here), estimate.counted), unknown)),
         left={

@@ -49,6 +49,7 @@ from axiscal.record.accepted import Accepted
 from axiscal.record.copies import refuse_other, write_copy
 from axiscal.record.events import (
     Asked,
+    Continued,
     Event,
     Finished,
     Gap,
@@ -138,7 +139,7 @@ class Campaign(Closing):
         if not self.prepared():
             return Ended("nothing is left to measure")
         asked = Asked(self.state.free, self.state.plan[0])
-        if not beyond and self._over_budget(self.seconds([asked.place])):
+        if not beyond and self._over_budget([asked.place]):
             return Ended(BUDGET)
         self._append(asked)
         return asked
@@ -149,7 +150,8 @@ class Campaign(Closing):
         A reading taken where it was planned, and believed, leaves the plan as it is: how sharp a belief becomes does
         not depend on values.
         """
-        if not self._plan_stands():
+        stands = bool(self.state.plan) and not self.state.renew and self._plan_basis() == self.state.plan_basis
+        if not stands:
             known, left = self.estimate(), self.state.plan
             places = self._planner(
                 known.case, known.to_plan_by, known.readings, known.outliers, self._not_to_read(), left
@@ -158,12 +160,9 @@ class Campaign(Closing):
                 self._append(Planned(places, self._plan_basis()))
         return self.state.plan
 
-    def _plan_stands(self) -> bool:
-        return bool(self.state.plan) and not self.state.renew and self._plan_basis() == self.state.plan_basis
-
     def _plan_basis(self) -> str:
-        if not self.state.readings:  # no size was learnt, nothing rejected
-            return ""
+        if self.state.continued is not None or not self.state.readings:
+            return self.state.continued or ""  # without readings no size was learnt, nothing rejected
         known = self.estimate()
         return plan_basis(known.case, known.readings, known.outliers)
 
@@ -172,6 +171,11 @@ class Campaign(Closing):
         gone = [self.description.setup(each.name) for each in self.state.mounted]
         places = [Place(setup.name, setup.park, (0,) * len(setup.park)) for setup in gone]
         return (*self.state.skipped, *(Gap(Asked(0, place), "it has gone", True) for place in places))
+
+    def go_on(self) -> None:
+        """Keep in the record that no limit is reached, where that is so: the next command then estimates nothing."""
+        if self.state.continued is None and self.reached() is None:
+            self._append(Continued(self._plan_basis()))
 
     def open_question(self) -> Asked:
         """Return what has been asked and not been answered; raises RecordError if that is nothing."""
@@ -258,13 +262,11 @@ class Campaign(Closing):
 
     def reached(self, ended: bool = False) -> str | None:
         """Return the target that is reached, in words; None if there is none.  ended : no other readings follow"""
-        target = self.description.target
-        if (said := count_reached(target, len(self.state.readings))) is not None:
-            return said
-        if target.accurate and self.state.readings:
-            follows_from = ("standing", ended, self.state.readings)
-            said = self._memo.answer(follows_from, lambda: standing(target, self._said(ended)))
-        return said or (BUDGET if self._over_budget(self._times().seconds) else None)
+        target, readings = self.description.target, self.state.readings
+        said = count_reached(target, len(readings))
+        if said is None and target.accurate and readings and (ended or self.state.continued is None):
+            said = self._memo.answer(("standing", ended, readings), lambda: standing(target, self._said(ended)))
+        return said or (BUDGET if self._over_budget() else None)
 
     def looked_at_again(self) -> State:
         """Return the state as the file has it now."""
@@ -383,9 +385,9 @@ class Campaign(Closing):
         readings = self.state.readings
         return self._memo.answer(("timed", readings), lambda: timed(self.case(), readings))
 
-    def _over_budget(self, seconds: float) -> bool:
+    def _over_budget(self, places: Sequence[Place] = ()) -> bool:
         budget = self.description.target.budget
-        return budget is not None and seconds > budget
+        return budget is not None and self.seconds(places) > budget
 
     def _milestone(self) -> Milestone:
         readings = self.state.readings

@@ -74,7 +74,7 @@ def _said(target: Target, known: Estimation) -> str | None:
         return None
     if not target.lines and first is not None:
         return None if _unread(target, known) else f"{first.wanted.name} {_REACHED}"
-    rows = [row for row in known_rows(*known.banded, known.readings) if row.row.kind != "volume"]
+    rows = [row for row in known_rows(known.case, known.printed, known.readings) if row.row.kind != "volume"]
     missing = [row for row in rows if row.reached is False]
     if not missing and (first is not None or not volume):
         return ALL_REACHED
@@ -146,7 +146,8 @@ def out_of_reach(
 def _nearer(before: Estimation, now: Estimation) -> bool:
     """Return whether a row with a limit is known better than it was, by more than what hardly counts."""
     old, new = (
-        {row.row: row for row in known_rows(*each.banded, ()) if row.limit is not None} for each in (before, now)
+        {row.row: row for row in known_rows(each.case, each.printed, ()) if row.limit is not None}
+        for each in (before, now)
     )
     return any(row.known < _HARDLY * old[name].known for name, row in new.items() if not row.settled)
 

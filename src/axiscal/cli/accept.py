@@ -9,7 +9,7 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.opened import opened_to_write
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say_either
 from axiscal.estimation.accepting import acceptance, change_words
 from axiscal.estimation.agreement_words import agreement_document, agreement_words, mistake_words
 
@@ -42,10 +42,7 @@ def accept(
     else:
         with opened_to_write(record) as campaign:
             document, lines = _accepted(campaign, cause, setup)
-    if json:
-        say_document({"schema": "axiscal-accept/1", **document})
-    else:
-        say("\n".join(lines))
+    say_either(json, "axiscal-accept/1", document, lines)
 
 
 def _named(campaign: Campaign) -> tuple[dict[str, object], list[str]]:

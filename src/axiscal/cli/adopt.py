@@ -10,7 +10,7 @@ import typer
 from axiscal.campaign.adopting import Adopted, adopted
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.opened import opened_to_write
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
 from axiscal.record.opening import opened_log
 
@@ -44,19 +44,9 @@ def adopt(
         with opened_log(branch, write=False) as other:
             found = adopted(campaign, own, other, same_mounting, again, mounted_anew)
         readings = len(campaign.state.readings)
-    if json:
-        document = {"record": str(record), "branch": str(branch), "taken": found.taken, "readings": readings}
-        say_document(
-            {
-                "schema": "axiscal-adopt/1",
-                **document,
-                "taken_back_there": list(found.undone),
-                "taken_back_here": found.back,
-            }
-        )
-    else:
-        for line in _lines(record, branch, found, readings):
-            say(line)
+    document = {"record": str(record), "branch": str(branch), "taken": found.taken, "readings": readings}
+    taken_back = {"taken_back_there": list(found.undone), "taken_back_here": found.back}
+    say_either(json, "axiscal-adopt/1", document | taken_back, _lines(record, branch, found, readings))
 
 
 def _lines(record: Path, branch: Path, found: Adopted, readings: int) -> list[str]:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import Json
-from axiscal.cli.printing import complain, say, say_document
+from axiscal.cli.printing import complain, say_either
 from axiscal.cli.texts import count_text
 from axiscal.exceptions import RecordError
 from axiscal.ports.fleet.shop_list import Brought, brought
@@ -35,15 +35,13 @@ def bring(
             done.append((record, brought(folder, record)))
         except RecordError as fault:
             faults.append(fault)
-    if json:
-        rows = [
-            {"record": str(record), "file": str(found.file), "what": found.what, "events": found.events}
-            for record, found in done
-        ]
-        say_document({"schema": "axiscal-bring/1", "brought": rows, "refused": [str(each) for each in faults]})
-    else:
-        for record, found in done:
-            say(_words(record, found))
+    rows = [
+        {"record": str(record), "file": str(found.file), "what": found.what, "events": found.events}
+        for record, found in done
+    ]
+    document = {"brought": rows, "refused": [str(each) for each in faults]}
+    if json or done:
+        say_either(json, "axiscal-bring/1", document, [_words(*each) for each in done])
     for refused in faults:
         complain(str(refused))
     if faults:

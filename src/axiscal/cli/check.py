@@ -10,7 +10,7 @@ import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
-from axiscal.cli.printing import say, say_document, tell_progress
+from axiscal.cli.printing import say_either
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document.durable import write_whole
 from axiscal.measurement.readers.files import read_any
@@ -66,10 +66,7 @@ def check(
         return
     described = asked.case.description
     judged = asked.judged(placed_readings(read_any(found), described, found), tables_active or tables is not None)
-    if json:
-        say_document(_document(judged, share))
-    else:
-        say(_said(judged, share))
+    say_either(json, "axiscal-check/1", _document(judged, share), [_said(judged, share)])
 
 
 def _usual(begun: datetime) -> float:
@@ -79,18 +76,13 @@ def _usual(begun: datetime) -> float:
 
 
 def _planned(asked: QuickCheck, readings: int, plan: Path | None, as_json: bool) -> None:
-    places = asked.planned(readings, lambda said: tell_progress(f"{said} ..."))
+    places = asked.planned(readings)
     sheet = asked.sheet(places)
     if plan is not None:
         write_whole(plan, sheet.encode())
-    if as_json:
-        say_document({"schema": "axiscal-check/1", "places": sheet.splitlines(), "readings": len(places)})
-        return
-    say(
-        sheet.rstrip("\n")
-        if plan is None
-        else f"{len(places)} places are in {plan}: fill in the values, then check it."
-    )
+    lines = sheet.splitlines()
+    told = lines if plan is None else [f"{len(places)} places are in {plan}: fill in the values, then check it."]
+    say_either(as_json, "axiscal-check/1", {"places": lines, "readings": len(places)}, told)
 
 
 def _said(judged: Checked, kept: float) -> str:
@@ -105,7 +97,6 @@ def _said(judged: Checked, kept: float) -> str:
 
 def _document(judged: Checked, kept: float) -> dict[str, object]:
     return {
-        "schema": "axiscal-check/1",
         "in_order": judged.in_order,
         "chance": judged.chance,
         "chi_square": judged.chi_square,

@@ -9,7 +9,7 @@ import typer
 
 from axiscal.campaign.possible import described
 from axiscal.cli.arguments import Json, RecordFile
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
 from axiscal.exceptions import NewerError
 from axiscal.record.copies import write_copy
@@ -42,12 +42,10 @@ def copy_record(
         readings = _readings(log)
         write_copy(log, target)
         last, name = log.last(), log.name
-    if json:
-        document = {"copy": str(target), "readings": readings, "event": last, "hash": name}
-        say_document({"schema": "axiscal-copy/1", **document})
-    else:
-        count = count_text(last, "event") if readings is None else count_text(readings, "reading")
-        say(f"{target} holds {count}, up to event {last} of the record, {name[:12]}.")
+    count = count_text(last, "event") if readings is None else count_text(readings, "reading")
+    document = {"copy": str(target), "readings": readings, "event": last, "hash": name}
+    words = f"{target} holds {count}, up to event {last} of the record, {name[:12]}."
+    say_either(json, "axiscal-copy/1", document, [words])
 
 
 def _readings(log: EventLog) -> int | None:

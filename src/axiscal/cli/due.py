@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import Json, Records, positive_length
-from axiscal.cli.printing import say, say_document, tell
+from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text, micrometres
 from axiscal.document.durable import write_whole
 from axiscal.estimation.type_prior import type_prior
@@ -61,16 +61,11 @@ def due(
     """
     rms, worst = (None if each is None else positive_length(each) for each in (target, tolerance))
     taught = None if of_type is None else type_prior(carried_text(of_type))
-    found = due_dates(records_of(folder), _day(today), Wanted(rms, worst, tables, taught, again), tell)
+    found = due_dates(records_of(folder), _day(today), Wanted(rms, worst, tables, taught, again))
     if calendar_file is not None:
         write_whole(calendar_file, calendar(found.machines, datetime.now(UTC)).encode())
-    if json:
-        say_document(_document(found))
-        return
-    for line in _lines(found, tables, worst):
-        say(line)
-    if calendar_file is not None:
-        say(f"Written: {calendar_file}")
+    written = [] if calendar_file is None else [f"Written: {calendar_file}"]
+    say_either(json, "axiscal-due/1", _document(found), [*_lines(found, tables, worst), *written])
 
 
 def _day(text: str | None) -> date:
@@ -128,7 +123,6 @@ def _again(machine: DueMachine) -> str:
 def _document(found: Shop) -> dict[str, object]:
     (once, once_std), (year, year_std) = found.aging.at_once, found.aging.yearly
     return {
-        "schema": "axiscal-due/1",
         "machines": [
             {
                 "machine": each.name,

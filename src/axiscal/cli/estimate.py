@@ -11,10 +11,8 @@ import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs
-from axiscal.cli.compensation_active import Active, answered
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.placed_log import placed_log
-from axiscal.cli.printing import tell
 from axiscal.cli.progress import tell_unasked
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
@@ -39,7 +37,6 @@ def estimate(
     ] = None,
     log: Log = None,
     programs: Programs = Path("programs"),
-    compensation_active: Active = None,
     details: Details = False,
     json: Json = False,
 ) -> None:
@@ -47,23 +44,19 @@ def estimate(
 
     Columns: setup, X_mm, Y_mm, ... B_deg, approach, value_um (value_urad for angles); parked axes may be left out.
     The columns of an ISO 230-2 test (target_mm, direction, run, deviation_um) or a Renishaw .rtl file do for a campaign
-    with one set-up and one moving axis. Bed maps of RepRapFirmware (heightmap.csv) and Klipper (printer.cfg), and files
-    that begin with "# axiscal-csv 1", find their set-up by the direction that it reads.
+    with one set-up and one moving axis. Bed maps of RepRapFirmware (heightmap.csv) and Klipper (printer.cfg) find their
+    set-up by the direction that it reads.
 
     --log takes the readings from the log that measuring programs have written (axiscal plan --gcode CONTROLLER --log),
     beside those of READINGS.csv, if it is given.
 
-    Where nobody has said whether a compensation was active on the control, a person at a terminal is asked.
-
     \b
     Examples:
       axiscal data estimate campaign.toml readings.csv --out results
-      axiscal data estimate campaign.toml readings.csv --compensation-active false --out results
       axiscal data estimate campaign.toml --log axiscal_3F2A9C01.txt --programs programs --out results
     """
 
-    description = campaign_with_sisters(campaign, target_needed=False, asking=False, told=tell)
-    description = answered(description, compensation_active, asking=not json)
+    description = campaign_with_sisters(campaign, target_needed=False, asking=False)
     if readings is None and log is None:
         raise typer.BadParameter("give READINGS.csv or --log FILE")
     placed, extras = tuple[Reading, ...](), Extras()

@@ -69,9 +69,6 @@ def export(
     pivots: Annotated[
         bool, typer.Option("--pivots", help="linuxcnc: put where rotary axes lie into xyzac- or xyzbc-trt-kins.")
     ] = False,
-    points: Annotated[
-        int | None, typer.Option(metavar="N", help="sinumerik: the most points of a table (MD38000, MD18342).")
-    ] = None,
     measuring_system: Annotated[
         int, typer.Option(metavar="1|2", help="sinumerik: the measuring system that encoder compensation is for.")
     ] = 1,
@@ -118,17 +115,17 @@ def export(
     if to == "list":
         say("\n".join(registry.controllers()))
         return
-    options = _options(
-        spacing,
-        _numbers(number or [], coordinates, to),
-        unit,
-        template,
-        name,
-        mesh,
-        flip,
-        pivots,
-        points,
-        measuring_system,
+    options = ExportOptions(
+        spacing=_spacing(spacing or []),
+        unit=unit,
+        numbers=_numbers(number or [], coordinates, to),
+        template=None if template is None else _text(template),
+        template_name=str(template or "the template"),
+        name=name,
+        mesh=mesh,
+        flip=flip,
+        pivots=pivots,
+        encoder=measuring_system,
     )
     loader = None if load is None else _loader(load, to)
     options = replace(options, old_files=read_old(on_top_of or ()))
@@ -171,25 +168,6 @@ def _offered(estimate: Estimate, to: str, options: ExportOptions, ini: Path | No
     from axiscal.ports.linuxcnc.configuring import export_into
 
     return export_into(ini, estimate, options)
-
-
-def _options(
-    spacings: list[str] | None,
-    numbers: dict[str, tuple[int, ...]],
-    unit: str,
-    template: Path | None,
-    name: str,
-    mesh: int | None,
-    flip: bool,
-    pivots: bool,
-    points: int | None,
-    encoder: int,
-) -> ExportOptions:
-    text = None if template is None else _text(template)
-    shown = "the template" if template is None else str(template)
-    return ExportOptions(
-        _spacing(spacings or []), unit, numbers, text, shown, name, mesh, flip, pivots, points, encoder
-    )
 
 
 def _spacing(texts: list[str]) -> float | dict[str, float] | None:

@@ -10,7 +10,6 @@ from typing import Annotated
 
 import typer
 
-from axiscal.cli.arguments import Language
 from axiscal.cli.printing import ask, say
 from axiscal.cli.texts import count_text
 from axiscal.description.first_campaign import OFFERED
@@ -27,7 +26,6 @@ from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import builtin_names
-from axiscal.present.whose_language import chosen
 
 _MACHINE, _INSTRUMENT, _TARGET = "three-axis-mill", "dial", "20 um"
 """What an empty answer stands for."""
@@ -51,13 +49,6 @@ def init(
         list[str] | None, typer.Option(metavar="NAME", help=f"{', '.join(OFFERED)}; may be given several times.")
     ] = None,
     target: Annotated[str | None, typer.Option(metavar="U", help='The uncertainty wanted, such as "10 um".')] = None,
-    page: Annotated[
-        bool, typer.Option("--page", help="Ask on a page in the browser, with a look at the files.")
-    ] = False,
-    port: Annotated[
-        int, typer.Option(min=0, max=65535, show_default=False, help="Of the page; default: any that is free.")
-    ] = 0,
-    language: Language = None,
 ) -> None:
     """Write a first machine.toml and campaign.toml.
 
@@ -69,7 +60,6 @@ def init(
     \b
     Examples:
       axiscal init mill
-      axiscal init mill --page
       axiscal init mill --machine three-axis-mill --instrument interferometer --instrument ballbar --target "20 um"
       axiscal init mill --from ~/linuxcnc/configs/mill/mill.ini --instrument ballbar --target "30 um"
     """
@@ -77,11 +67,6 @@ def init(
         raise typer.BadParameter("give either --machine or --from, not both")
     if ini is None and (chain is not None or limits):
         raise typer.BadParameter(f"{'--limits' if chain is None else '--chain'} belongs to --from")
-    if page:
-        if limits:
-            raise typer.BadParameter("the page asks for --limits itself")
-        _on_page(folder, machine, ini, chain or "", tuple(instrument or ()), target or "", port, chosen(language))
-        return
     begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
     which = f"Which instruments are there? Several with blanks between; Enter for {_INSTRUMENT}"
     names = instrument or _asked(which, OFFERED).replace(",", " ").split() or [_INSTRUMENT]
@@ -96,27 +81,6 @@ def init(
         f"{campaign}: {setups} offered; a plan takes what is worth mounting\n"
         f"Then: axiscal plan {campaign}, axiscal start {campaign}, axiscal measure or axiscal serve{look}"
     )
-
-
-def _on_page(
-    folder: Path,
-    machine: str | None,
-    ini: Path | None,
-    chain: str,
-    instruments: tuple[str, ...],
-    target: str,
-    port: int,
-    language: str,
-) -> None:
-    from axiscal.web.first_desk import FirstDesk, Preselection
-    from axiscal.web.serving import serve_first
-
-    desk = FirstDesk(folder, Preselection(machine, ini, chain, instruments, target), Path.home())
-    told = "It ends when the files are written; with Ctrl-C nothing is."
-    if serve_first(desk, port, language, lambda address: say(f"Open {address}\n{told}")):
-        say(f"{folder / 'machine.toml'} and {folder / 'campaign.toml'} are written.")
-    else:
-        say("Ended; nothing was written.")
 
 
 def _built_in(machine: str | None) -> Beginning:

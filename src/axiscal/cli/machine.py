@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import Json
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say, say_either
 from axiscal.errors.gauge import machine_check
 from axiscal.errors.gauge_words import undescribed
 from axiscal.machine import builtin_names, load_machine
@@ -32,12 +32,9 @@ def list_machines(json: Json = False) -> None:
     """
 
     machines = {name: load_machine(name) for name in builtin_names()}
-    if json:
-        rows = [{"name": key, "title": machine.name, "chain": machine.chain} for key, machine in machines.items()]
-        say_document({"schema": "axiscal-machines/1", "machines": rows})
-        return
-    for key, machine in machines.items():
-        say(f"{key:20} {machine.chain:24} {machine.name}")
+    rows = [{"name": key, "title": machine.name, "chain": machine.chain} for key, machine in machines.items()]
+    lines = (f"{key:20} {machine.chain:24} {machine.name}" for key, machine in machines.items())
+    say_either(json, "axiscal-machines/1", {"machines": rows}, lines)
 
 
 @app.command("show")
@@ -69,28 +66,20 @@ def check(
     machine = load_machine(str(file))
     hidden, absent = machine_check(machine), undescribed(machine)
     open_ones = (*questions(machine), *which_way(machine))
-    if json:
-        axes = [axis.name for axis in machine.axes]
-        errors = list(machine.error_names)
-        say_document(
-            {
-                "schema": "axiscal-machine/1",
-                "name": machine.name,
-                "axes": axes,
-                "errors": errors,
-                "observability": [*hidden, *([absent] if absent else [])],
-                "questions": list(open_ones),
-            }
-        )
-        return
-    say(f"{machine.name}: {machine.chain}, {len(machine.error_names)} errors described.")
-    for axis in machine.axes:
-        side = "carries the workpiece" if axis.workpiece_side else "carries the tool"
-        say(f"  {axis.name:3} {axis.travel_text}, {side}")
-    for question in open_ones:
-        say(f"Mind: {question}")
-    say("What no reading of the tool point can see:" if hidden else "Readings of the tool point can see every error.")
-    for sentence in hidden:
-        say(f"- {sentence}")
-    if absent:
-        say(absent)
+    document = {
+        "name": machine.name,
+        "axes": [axis.name for axis in machine.axes],
+        "errors": list(machine.error_names),
+        "observability": [*hidden, *([absent] if absent else [])],
+        "questions": list(open_ones),
+    }
+    carries = {True: "carries the workpiece", False: "carries the tool"}
+    lines = [
+        f"{machine.name}: {machine.chain}, {len(machine.error_names)} errors described.",
+        *(f"  {axis.name:3} {axis.travel_text}, {carries[axis.workpiece_side]}" for axis in machine.axes),
+        *(f"Mind: {question}" for question in open_ones),
+        "What no reading of the tool point can see:" if hidden else "Readings of the tool point can see every error.",
+        *(f"- {sentence}" for sentence in hidden),
+        *([absent] if absent else []),
+    ]
+    say_either(json, "axiscal-machine/1", document, lines)

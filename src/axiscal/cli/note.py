@@ -8,7 +8,7 @@ import typer
 
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.opened import opened_to_write
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
 
 
@@ -36,7 +36,6 @@ def note(
         said = f" (renewed: {', '.join(renewed)})" if renewed else ""
         campaign.note(" ".join(text) + said)
         kept = campaign.state.notes
-    if json:
-        say_document({"schema": "axiscal-note/1", "note": kept[-1].text, "at": kept[-1].at, "notes": len(kept)})
-    else:
-        say(f"Noted; it is on the disk ({count_text(len(kept), 'note')} so far).")
+    document = {"note": kept[-1].text, "at": kept[-1].at, "notes": len(kept)}
+    words = f"Noted; it is on the disk ({count_text(len(kept), 'note')} so far)."
+    say_either(json, "axiscal-note/1", document, [words])

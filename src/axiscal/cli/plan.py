@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -10,24 +9,22 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import CampaignFile, Json
-from axiscal.cli.printing import say, say_document, tell, tell_progress
+from axiscal.cli.printing import say, say_document
 from axiscal.cli.progress import tell_mind
-from axiscal.description.campaign import CampaignDescription, as_exact, stated
-from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
+from axiscal.description.artefacts import unused_artefacts
+from axiscal.description.campaign import CampaignDescription, as_exact
 from axiscal.document.durable import write_whole
-from axiscal.estimation.accuracy.other_tool import other_tool
 from axiscal.estimation.accuracy.unseen import seen_as_one
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import speaking
-from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.enough import few_more
 from axiscal.planning.feasibility import reached_unread, refuse_endless, refuse_out_of_reach
 from axiscal.planning.next_readings import CANDIDATES, placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Proposal, Thoroughness, proposed, proven, refuse_unless_provable
+from axiscal.planning.proposal import Thoroughness, proposed, proven, refuse_unless_provable
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.present.machine_drawing.setup_picture import plan_picture
 from axiscal.present.plan_answer import plan_answer
@@ -54,26 +51,6 @@ def plan(
     log: Annotated[
         bool, typer.Option("--log", help="Programs touch spheres by themselves and log it for estimate and record.")
     ] = False,
-    dwell: Annotated[
-        bool | None,
-        typer.Option("--dwell/--stop", help="Programs wait the reading time at a reading, or stop (unless said)."),
-    ] = None,
-    feed: Annotated[
-        str | None, typer.Option(metavar="FEED", help='Feed of the last millimetres to a reading: "500 mm/min".')
-    ] = None,
-    order: Annotated[
-        str | None, typer.Option(metavar="GROUPS", help='Axes that move together, one group after another: "Z,X Y".')
-    ] = None,
-    clearance: Annotated[
-        str | None,
-        typer.Option(metavar="AXIS=PLACE", help='What goes clear before other axes move, and at the end: "Z=-5 mm".'),
-    ] = None,
-    no_tcp: Annotated[
-        bool,
-        typer.Option(
-            "--no-tcp", help="Programs in touch for a control that cannot hold the tool point: short pieces, all axes."
-        ),
-    ] = False,
     picture: Annotated[
         Path | None, typer.Option(metavar="FILE.svg", help="Draw each set-up on the machine, and where it is read.")
     ] = None,
@@ -81,9 +58,9 @@ def plan(
         bool,
         typer.Option(
             "--prove",
-            help="Prove the bound for readings anywhere in the travel, not only for the candidates. For machines whose "
-            "errors add up axis by axis, for set-ups that move two linear axes, and on charts of one or two "
-            "coordinates; takes seconds with one axis, minutes with three.",
+            help="Prove the bound for readings anywhere in the travel, not only for the candidates. For set-ups that "
+            "move up to three axes, and on charts of one coordinate without steps; takes seconds with one axis, "
+            "minutes with three.",
         ),
     ] = False,
     gap: Annotated[
@@ -92,12 +69,6 @@ def plan(
             metavar="PERCENT", help="End --prove when the bound is known this well; 0.5 unless said.", min=0.01
         ),
     ] = None,
-    memory: Annotated[
-        int,
-        typer.Option(
-            metavar="MB", help="Memory for the candidates' rows; beyond it they are made anew, slower.", min=1
-        ),
-    ] = 1000,
     details: Annotated[
         bool, typer.Option("--details", help="List the readings first, and how far they are from the best plan.")
     ] = False,
@@ -107,15 +78,14 @@ def plan(
 
     It says how well each row is then known, the minutes, and what to mount in turn. Nothing is recorded. Without
     options the campaign's own target counts. --readings and --budget ask for the best plan of so many readings, or of
-    so much time. --target alone plans within the campaign's own readings and budget. --clearance, --order, --feed and
-    --dwell replace what [programs] of the campaign says.
+    so much time. --target alone plans within the campaign's own readings and budget. [programs] of the
+    campaign says how programs go to readings.
 
     \b
     Examples:
       axiscal plan campaign.toml --readings 40
       axiscal plan campaign.toml --target "2 um" --json
       axiscal plan campaign.toml --budget "2 h" --gcode linuxcnc --out programs
-      axiscal plan campaign.toml --readings 40 --gcode fanuc --clearance "Z=0 mm" --feed "500 mm/min" --dwell
       axiscal plan campaign.toml --readings 40 --gcode linuxcnc --log
       axiscal plan campaign.toml --readings 40 --picture where.svg
       axiscal plan campaign.toml --readings 12 --prove
@@ -130,13 +100,11 @@ def plan(
         raise PlanError("--picture draws an SVG file, and {name} is none", remedy, name=picture.name)
     if gcode is not None:
         dialect(gcode)
-    driven = _driven(campaign_with_sisters(campaign, target_needed=False, told=tell), clearance, order, feed, dwell)
-    for sentence in (unused_artefacts(driven), hardly_reached(driven)):
-        if sentence is not None:
-            tell_mind(sentence)
-    ends, driven = not driven.target.empty, _aimed(driven, readings, target, budget)
-    case = case_of(_without_tcp(driven) if no_tcp else driven)
-    limits, how = _limits(case, readings, target, budget), Thoroughness(candidates, memory * 1e6)
+    described = campaign_with_sisters(campaign, target_needed=False)
+    if (unused := unused_artefacts(described.text)) is not None:
+        tell_mind(unused)
+    ends, case = not described.target.empty, case_of(_aimed(described, readings, target, budget))
+    limits, how = _limits(case, readings, target, budget), Thoroughness(candidates)
     refuse_endless(case, limits, candidates)
     if prove:
         refuse_unless_provable(case)
@@ -145,9 +113,9 @@ def plan(
     if (unread := reached_unread(case, limits)) is not None:
         tell_mind(unread)
         limits = few_more(limits)
-    proposal = proposed(case, limits, how, lambda step: tell_progress(f"{step} ..."))
+    proposal = proposed(case, limits, how)
     if prove:
-        proposal = proven(case, proposal, how, _share(case, gap), lambda step: tell_progress(f"{step} ..."))
+        proposal = proven(case, proposal, how, _share(case, gap))
     if picture is not None:
         title = f"Where {case.description.machine.name} is read"
         write_whole(picture, plan_picture(title, case.description, placed(case, proposal.plan)).encode())
@@ -162,7 +130,7 @@ def plan(
         return
     with speaking(chosen(None)):
         if details:
-            say("\n".join([*plan_list(answer), *_minds(case, proposal)]))
+            say("\n".join([*plan_list(answer), *(f"Mind: {part.text}" for part in seen_as_one(case.yardstick))]))
         say(plan_screen(answer, str(campaign), written))
 
 
@@ -211,31 +179,7 @@ def _limits(case: Case, readings: int | None, target: str | None, budget: str | 
     return Limits.of(own)
 
 
-def _driven(
-    description: CampaignDescription, clearance: str | None, order: str | None, feed: str | None, dwell: bool | None
-) -> CampaignDescription:
-    """Return the campaign with what the command line says of its programs; raises InputError."""
-    machine, setups = description.machine, description.setups
-    driving = stated(setups[0].driving, machine, clearance, order, feed, dwell)
-    return replace(description, setups=tuple(replace(setup, driving=driving) for setup in setups))
-
-
-def _without_tcp(description: CampaignDescription) -> CampaignDescription:
-    """Return the campaign with programs that do not ask the control to hold the tool point."""
-    setups = (replace(setup, driving=replace(setup.driving, tcp=False)) for setup in description.setups)
-    return replace(description, setups=tuple(setups))
-
-
 def _programs(case: Case, made: Plan, controller: str, out: Path, log: bool) -> list[Path]:
     out.mkdir(parents=True, exist_ok=True)
     machine, setups = case.description.machine, case.description.setups
     return write_programs(machine, setups, placed(case, made), controller, out, log)
-
-
-def _minds(case: Case, proposal: Proposal) -> Iterator[str]:
-    """Yield what else there is to know: what acts on all as one, and what a longer tool would cost."""
-    yield from (f"Mind: {part.text}" for part in seen_as_one(case.yardstick))
-    blanks = blank_readings(case.description.setups, placed(case, proposal.plan))
-    known, yardstick = case.knowledge.read(blanks), case.yardstick
-    if words := other_tool(case.errors, known.belief, yardstick.box, counted=yardstick.counted).words:
-        yield f"Mind: {words}"

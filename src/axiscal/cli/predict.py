@@ -9,7 +9,7 @@ import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say_either
 from axiscal.estimation.prediction import PosePrediction, predict_poses
 from axiscal.measurement.readers.axes import read_poses
 
@@ -32,13 +32,11 @@ def predict(
     wanted = read_poses(poses)
     with Campaign.open(record, write=False) as campaign:
         found = predict_poses(campaign.estimate(ended=True), wanted, poses)
-    if json:
-        rows = [{"mean_um": each.mean_um, "std_um": each.std_um} for each in found]
-        say_document({"schema": "axiscal-predict/1", "poses": rows})
-        return
-    say(f"{'pose':>5} {'x':>18} {'y':>18} {'z':>18}   um, mean and standard deviation")
-    for number, each in enumerate(found, start=1):
-        say(f"{number:5} " + " ".join(_cell(each, axis) for axis in range(3)))
+    rows = [{"mean_um": each.mean_um, "std_um": each.std_um} for each in found]
+    heads = f"{'pose':>5} {'x':>18} {'y':>18} {'z':>18}   um, mean and standard deviation"
+    cells = (" ".join(_cell(each, axis) for axis in range(3)) for each in found)
+    lines = [heads, *(f"{number:5} {each}" for number, each in enumerate(cells, start=1))]
+    say_either(json, "axiscal-predict/1", {"poses": rows}, lines)
 
 
 def _cell(found: PosePrediction, axis: int) -> str:

@@ -6,7 +6,7 @@ import json
 import re
 import sys
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TextIO
 
 WIDTH = 100
@@ -23,12 +23,6 @@ def say(text: str) -> None:
 def tell(text: str) -> None:
     """Write a line about the progress to stderr."""
     _write(sys.stderr, text + "\n")
-
-
-def tell_progress(text: str) -> None:
-    """Write a line about the work that goes on to a terminal; where nobody looks, nothing is written."""
-    if sys.stderr.isatty():
-        tell(text)
 
 
 def rewrite(text: str) -> None:
@@ -48,6 +42,14 @@ def complain(text: str) -> None:
 def say_document(document: Mapping[str, object]) -> None:
     """Write one JSON document to stdout."""
     say(json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def say_either(as_json: bool, schema: str, document: Mapping[str, object], lines: Iterable[str]) -> None:
+    """Write an answer to stdout: as a JSON document of a schema, or as lines for people."""
+    if as_json:
+        say_document({"schema": schema, **document})
+    else:
+        say("\n".join(lines))
 
 
 def ask(prompt: str) -> str:

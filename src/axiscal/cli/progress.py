@@ -11,8 +11,8 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.milestones import Milestone
 from axiscal.cli.printing import rewrite, tell
 from axiscal.cli.texts import accuracy_text
+from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
 from axiscal.description.target import Target
 from axiscal.language.spoken import again, put, said, speaking
 from axiscal.machine.questions import questions
@@ -63,7 +63,7 @@ def progress_line(milestone: Milestone, target: Target) -> str:
 
 def tell_unasked(description: CampaignDescription) -> None:
     """Ask what the descriptions leave open: sizes that can hardly be meant, a compensation that may be active."""
-    open_yet = unasked(description), unused_artefacts(description), hardly_reached(description)
+    open_yet = unasked(description), unused_artefacts(description.text)
     for question in (*questions(description.machine), *open_yet):
         if question:
             tell_mind(question)

@@ -13,7 +13,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, Log, Programs, RecordFile
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.placed_log import placed_log
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text, next_text, question_document
 from axiscal.description.placed_readings import placed_approach, placed_pose
 from axiscal.exceptions import ReadingError, RecordError
@@ -106,10 +106,9 @@ def record(
         if question is not None:
             document |= {"next": question_document(campaign, question)}
         coming = f"Ask for the next one: axiscal next {record}" if question is None else next_text(campaign, question)
-        if json:
-            say_document({"schema": "axiscal-record/1", **document})
-        else:
-            say(f"{message}\n{coming}")
+        say_either(json, "axiscal-record/1", document, [message, coming])
+        if question is None:
+            campaign.go_on()
 
 
 def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:
@@ -123,12 +122,10 @@ def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:
                 raise RecordError(what, "This log was recorded before", log, number=each.line)
         first = campaign.state.free
         campaign.adopt(tuple(each.under(number) for number, each in enumerate(placed, start=first)))
-        if as_json:
-            count = len(campaign.state.readings)
-            say_document({"schema": "axiscal-record/1", "logged": len(placed), "readings": count})
-            return
-        say(f"Kept {count_text(len(placed), 'reading')} of {log} ({len(campaign.state.readings)} so far).")
-        say(f"Ask for the next one: axiscal next {record}")
+        count = len(campaign.state.readings)
+        words = f"Kept {count_text(len(placed), 'reading')} of {log} ({count} so far)."
+        coming = f"Ask for the next one: axiscal next {record}"
+        say_either(as_json, "axiscal-record/1", {"logged": len(placed), "readings": count}, [words, coming])
 
 
 _REMEDY = "Take it again (axiscal undo, then axiscal record), or record it with --accept if it is right."

@@ -11,7 +11,6 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import OwnRecord, ReportLanguage
 from axiscal.cli.printing import say
 from axiscal.exceptions import RecordError
-from axiscal.present.calibration_certificate import check_against
 from axiscal.present.delivery import write_report
 from axiscal.present.result_set import write_manifest
 from axiscal.present.summarising import Extras, summarise
@@ -24,15 +23,12 @@ def report(
         Path | None,
         typer.Option(metavar="FILE.html", help="Where to write it, .html, .pdf or .xml; default: beside the record."),
     ] = None,
-    schema: Annotated[
-        Path | None, typer.Option(metavar="dcc.xsd", help="The schema that a certificate is compared with.")
-    ] = None,
     language: ReportLanguage = None,
 ) -> None:
     """Write the report of a campaign, finished or not.
 
     The report is a page that needs no network, a PDF, or a certificate. FILE.xml is a Digital Calibration Certificate
-    (DCC 3.3.0). Your key, if any, signs it (XAdES). --schema compares it with PTB's schema, which you have to have.
+    (DCC 3.3.0). Your key, if any, signs it (XAdES).
 
     The page and the PDF are in the language that --language or AXISCAL_LANGUAGE names, else in that of campaign.toml
     ([report] language), else in English; the certificate is in English.
@@ -41,28 +37,18 @@ def report(
     Examples:
       axiscal report mill.axiscal --out mill.html
       axiscal report mill.axiscal --out mill.pdf --language de
-      axiscal report mill.axiscal --out mill.xml --schema dcc.xsd
+      axiscal report mill.axiscal --out mill.xml
     """
 
     target = record.with_suffix(".html") if out is None else _page(out)
     with Campaign.open(record, write=False) as campaign:
-        summary = summarise(campaign, campaign.estimate(ended=True), Extras(files=[str(record)]))
+        summary = summarise(campaign, campaign.estimate(ended=True), Extras())
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target, language)
     if summary.record is not None and key_file().exists():
         write_manifest(target.parent, summary.record, summary.versions, f"manifest-{target.name}.json", target)
-    say(f"The report is in {target}.{_compared(target, schema)}")
-
-
-def _compared(target: Path, schema: Path | None) -> str:
-    """Return what a certificate was compared with; raises ReadingError where it is not as its schema wants it."""
-    if target.suffix.lower() != ".xml":
-        return ""
-    signed = f"signed with {key_file()}" if key_file().exists() else "unsigned"
-    if schema is None:
-        return f" It was compared with no schema (--schema dcc.xsd), and is {signed}."
-    check_against(schema, target.read_bytes(), target)
-    return f" It is as {schema} wants it, and {signed}."
+    signed = f" It is {'signed with ' + str(key_file()) if key_file().exists() else 'unsigned'}."
+    say(f"The report is in {target}.{signed if target.suffix.lower() == '.xml' else ''}")
 
 
 def _page(out: Path) -> Path:

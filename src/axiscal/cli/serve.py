@@ -8,6 +8,7 @@ import typer
 
 from axiscal.cli.arguments import Language, OwnRecord
 from axiscal.cli.printing import say, tell
+from axiscal.language.spoken import speaking
 from axiscal.present.whose_language import chosen
 from axiscal.web.serving import serve_record
 
@@ -29,8 +30,8 @@ def serve(
       axiscal serve mill.axiscal
     """
     tell("Looking at what is known and planned; a plan that is not made yet takes up to a minute")
-    spoken = chosen(language)
-    left = serve_record(
-        record, port, spoken, lambda address: say(f"Open {address}\nEnd it with Ctrl-C; every reading is kept.")
-    )
+    with speaking(chosen(language)):
+        left = serve_record(
+            record, port, lambda address: say(f"Open {address}\nEnd it with Ctrl-C; every reading is kept.")
+        )
     say(f"Ended; every reading is kept. {left}".rstrip())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.opened import opened_to_write
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say_either
 from axiscal.cli.texts import signed_text
 from axiscal.record.signing import key_file, make_key
 
@@ -24,8 +24,6 @@ def sign(record: OwnRecord, json: Json = False) -> None:
         campaign.sign()
         found = campaign.signed()
         assert found is not None
-        if json:
-            document = {"record": str(record), "event": found.number, **found.by._asdict(), "holds": found.holds}
-            say_document({"schema": "axiscal-signature/1", **document})
-        else:
-            say(f"{record}: {signed_text(campaign)}. Public key: {found.by.key}. Keep {key_file()} to yourself.")
+        document = {"record": str(record), "event": found.number, **found.by._asdict(), "holds": found.holds}
+        words = f"{record}: {signed_text(campaign)}. Public key: {found.by.key}. Keep {key_file()} to yourself."
+        say_either(json, "axiscal-signature/1", document, [words])

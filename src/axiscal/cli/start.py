@@ -11,8 +11,7 @@ import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json
-from axiscal.cli.compensation_active import Active, answered
-from axiscal.cli.printing import say, say_document, tell
+from axiscal.cli.printing import say_either
 from axiscal.cli.progress import tell_out_of_reach, tell_unasked
 from axiscal.description.campaign import CampaignDescription
 from axiscal.language.spoken import counted, said, speaking
@@ -26,42 +25,30 @@ def start(
         Path | None,
         typer.Argument(metavar="RECORD", help="The record to make; default: the campaign's name with .axiscal, here."),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Folder for the record, instead of RECORD.")
-    ] = None,
-    compensation_active: Active = None,
     json: Json = False,
 ) -> None:
     """Begin a campaign: make its record.
 
-    The record carries both descriptions; later changes of the files do not touch it. Where nobody has said whether a
-    compensation is active on the control, a person at a terminal is asked.
+    The record carries both descriptions; later changes of the files do not touch it.
 
     \b
-    Examples:
+    Example:
       axiscal step start campaign.toml mill.axiscal
-      axiscal step start campaign.toml mill.axiscal --compensation-active machine.ini
     """
 
-    if record is not None and out is not None:
-        raise typer.BadParameter("give either RECORD or --out, not both")
-    description = answered(campaign_with_sisters(campaign, told=tell), compensation_active, asking=not json)
-    path = record or (out or Path()) / f"{campaign.stem}.axiscal"
-    if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
+    description = campaign_with_sisters(campaign)
+    path = record or Path(f"{campaign.stem}.axiscal")
     with _begun(path, description) as opened:
         tell_out_of_reach(opened)
         tell_unasked(description)
         planned = opened.prepared()
-    if json:
-        say_document({"schema": "axiscal-start/1", "record": str(path)})
-    else:
-        with speaking(chosen(None)):
-            setups = counted("{count} set-up", "{count} set-ups", len(description.setups))
-            readings = counted("{count} reading", "{count} readings", len(planned))
-            ready = "{record} is ready: {machine}, {setups}, {readings} planned."
-            say(said(ready, record=path, machine=description.machine.name, setups=setups, readings=readings))
-            say(said("Take the readings: axiscal measure {record}", record=path))
+    with speaking(chosen(None)):
+        setups = counted("{count} set-up", "{count} set-ups", len(description.setups))
+        readings = counted("{count} reading", "{count} readings", len(planned))
+        ready = "{record} is ready: {machine}, {setups}, {readings} planned."
+        words = said(ready, record=path, machine=description.machine.name, setups=setups, readings=readings)
+        coming = said("Take the readings: axiscal measure {record}", record=path)
+        say_either(json, "axiscal-start/1", {"record": str(path)}, [words, coming])
 
 
 @contextmanager

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import math
-import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
 from typing import Annotated
@@ -15,23 +12,21 @@ import typer
 
 from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Json
-from axiscal.cli.printing import say, say_document, tell, tell_progress
+from axiscal.cli.printing import say_either, tell
 from axiscal.cli.texts import count_text
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import AxiscalError, InputError, StudyError
 from axiscal.language.spoken import counted, put
 from axiscal.numerics.stages import counting
-from axiscal.ports.study.cluster import Certificates, Cluster
+from axiscal.ports.study.cluster import Cluster
 from axiscal.ports.study.comparing import MeasuringWay, verdicts, ways_of
 from axiscal.ports.study.outcome import outcome
 from axiscal.ports.study.processes import Processes
-from axiscal.ports.study.results import Ran, Results, Watch, rows_of, run_missing, write_table
+from axiscal.ports.study.results import Ran, Results, rows_of, run_missing, write_table
 from axiscal.ports.study.study_case import FIGURES, Done, Engine, WorkItem, answered, here, processors_here
 from axiscal.ports.study.study_file import Study, read_study
 from axiscal.ports.study.study_page import render
 
-_TOLD = 20
-"""Lines about the progress where nobody watches a screen; a matter of taste."""
 _TRIED = 2
 """Cases that --dry-run computes."""
 
@@ -47,9 +42,6 @@ def study(
     scheduler: Annotated[
         str | None, typer.Option(metavar="tcp://HOST:8786", help="Work on a Dask cluster that runs already.")
     ] = None,
-    tls_ca: Annotated[Path | None, typer.Option(metavar="FILE", help="Authority of a tls:// cluster.")] = None,
-    tls_cert: Annotated[Path | None, typer.Option(metavar="FILE", help="Certificate for a tls:// cluster.")] = None,
-    tls_key: Annotated[Path | None, typer.Option(metavar="FILE", help="Key of that certificate.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Compute only the cases that DIR lacks.")] = False,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say how many cases there are and how long they take, from the first two.")
@@ -60,7 +52,7 @@ def study(
 
     It measures many virtual machines in many ways. STUDY names a campaign, which of its keys vary, and how many virtual
     machines each way is tried on. Every result is on the disk at once: after Ctrl-C, or anything worse, --resume goes
-    on. DIR gets study.sqlite while it runs, then study.html and cases.csv (cases.parquet where pyarrow is installed).
+    on. DIR gets cases.jsonl while it runs, then study.html and cases.csv.
 
     \b
     Examples:
@@ -75,7 +67,7 @@ def study(
         _foretell(described, workers or processors_here(), json)
         return
     folder = out or file.with_name(f"{file.stem}-results")
-    engine = _engine(described, workers, scheduler, Certificates(tls_ca, tls_cert, tls_key))
+    engine = _engine(described, workers, scheduler)
     again = f"axiscal study {file} --out {folder} --resume"
     with Results(folder, described.text, described.digest, versions(), resume) as results:
         ran = _run(described, results, engine, again)
@@ -87,9 +79,9 @@ def study(
         raise StudyError(what, "Mend the study, and begin another --out")
 
 
-def _engine(described: Study, workers: int | None, scheduler: str | None, files: Certificates) -> Engine:
+def _engine(described: Study, workers: int | None, scheduler: str | None) -> Engine:
     if scheduler is not None:
-        cluster = Cluster(scheduler, described.digest, files)
+        cluster = Cluster(scheduler, described.digest)
         if cluster.open_to_others:
             tell(f"Mind: whoever reaches {scheduler} can run anything on its workers. Use tls:// beyond this computer.")
         return cluster
@@ -100,7 +92,7 @@ def _engine(described: Study, workers: int | None, scheduler: str | None, files:
 def _run(described: Study, results: Results, engine: Engine, again: str) -> Ran:
     questions = (WorkItem(case.key, case) for case in described.cases())
     try:
-        with _progress() as watch:
+        with counting("cases") as watch:
             return run_missing(results, questions, described.count, outcome, engine, watch)
     except InputError as failure:
         kept = put("{remedy}. {kept}", remedy=failure.remedy, kept=_kept(results, described, again))
@@ -124,22 +116,19 @@ def _write(described: Study, results: Results, folder: Path, ran: Ran, json: boo
     write_whole(page, render(described, found).encode())
     ways = ways_of(described, found)
     said = verdicts(described, ways)
-    if json:
-        say_document({
-            "schema": "axiscal-study/1",
-            "cases": described.count,
-            "computed": ran.computed,
-            "there_before": ran.there,
-            "failed": ran.failed,
-            "said": said,
-            "ways": [_way_document(way) for way in ways],
-            "written": [str(page), str(table), str(results.path)],
-        })  # fmt: skip
-        return
-    for sentence in said:
-        say(sentence.replace("µ", "u"))  # as terminals have it; the page keeps µ
+    document = {
+        "cases": described.count,
+        "computed": ran.computed,
+        "there_before": ran.there,
+        "failed": ran.failed,
+        "said": said,
+        "ways": [_way_document(way) for way in ways],
+        "written": [str(page), str(table), str(results.path)],
+    }
     before = f", {ran.there} were there" if ran.there else ""
-    say(f"{count_text(ran.computed, 'case')} computed{before}. Written: {page}, {table}")
+    done = f"{count_text(ran.computed, 'case')} computed{before}. Written: {page}, {table}"
+    lines = [*(sentence.replace("µ", "u") for sentence in said), done]  # as terminals have it; the page keeps µ
+    say_either(json, "axiscal-study/1", document, lines)
 
 
 def _way_document(way: MeasuringWay) -> dict[str, object]:
@@ -170,34 +159,14 @@ def _foretell(described: Study, workers: int, json: bool) -> None:
     ways = described.count // described.machines
     hours = (ways * seconds[0] + (described.count - ways) * seconds[-1]) / 3600
     wrong = next((done.error for done in found if done.result is None), None)
-    if json:
-        document = {"cases": described.count, "ways": ways, "processor_hours": hours, "workers": workers}
-        say_document({"schema": "axiscal-study-dry-run/1", **document, "failed": wrong})
-    else:
-        taking = f"{hours:.2g} processor hours" if hours >= _HOUR else f"{60 * hours:.2g} processor minutes"
-        of = f"{count_text(ways, 'way')} on {count_text(described.machines, 'machine')}"
-        say(f"{count_text(described.count, 'case')}: {of}. By the first two: about {taking}, on {workers} at a time.")
+    taking = f"{hours:.2g} processor hours" if hours >= _HOUR else f"{60 * hours:.2g} processor minutes"
+    of = f"{count_text(ways, 'way')} on {count_text(described.machines, 'machine')}"
+    words = f"{count_text(described.count, 'case')}: {of}. By the first two: about {taking}, on {workers} at a time."
+    document = {"cases": described.count, "ways": ways, "processor_hours": hours, "workers": workers, "failed": wrong}
+    say_either(json, "axiscal-study-dry-run/1", document, [words])
     if wrong is not None:
         raise StudyError("One of the first two cases cannot be computed: {reason}", "Mend the study", reason=wrong)
 
 
 _HOUR = 1.0
 """Processor hours, below which minutes are said."""
-
-
-@contextmanager
-def _progress() -> Iterator[Watch]:
-    """Yield what is to be told of every case: a stage that counts on a screen, else a line now and then."""
-    if sys.stderr.isatty():
-        with counting("cases") as watch:
-            yield watch
-        return
-    begun, told = time.monotonic(), [0]
-
-    def watch_lines(done: int, of: int) -> None:
-        if done and (done == of or done >= told[0] + max(1, of // _TOLD)):
-            told[0] = done
-            left = (time.monotonic() - begun) * (of - done) / done
-            tell_progress(f"{done} of {count_text(of, 'case')}" + (f", about {left:.0f} s left" if done < of else ""))
-
-    yield watch_lines

@@ -8,11 +8,13 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import Json, own_record, records_here
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
-from axiscal.ports.postgres.database import opened_database
+from axiscal.ports.postgres.database import Database, opened_database
+from axiscal.ports.postgres.server_log import entries, only_entry
 from axiscal.ports.postgres.syncing import Synced, synced
-from axiscal.ports.postgres.tables import ROLES, prepare
+from axiscal.ports.postgres.tables import ROLES, prepare, quarantined, refuse_other
+from axiscal.record.log import STORED
 from axiscal.record.store import Record
 
 
@@ -31,6 +33,10 @@ def sync(
     prepared: Annotated[
         bool, typer.Option("--prepare", help="Make the database a store: tables, triggers, roles. Once, as its owner.")
     ] = False,
+    aside: Annotated[
+        str | None,
+        typer.Option("--quarantine", metavar="store:NAME:N", help="As its owner, set event N and all behind it aside."),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Bring a laptop's record and the shop's store together.
@@ -42,6 +48,7 @@ def sync(
     Examples:
       axiscal shop sync --prepare --store postgresql://keeper@server/shop
       axiscal shop sync mill.axiscal
+      axiscal shop sync --quarantine store:mill:17
     """
     database = opened_database(store)
     try:
@@ -49,25 +56,34 @@ def sync(
             new = prepare(database)
             _tell_prepared(database.address.shown, new, json)
             return
+        if aside is not None:
+            _set_aside(database, aside, json)
+            return
         with Record.open(record or own_record()) as opened:
             found = synced(database, opened, name or opened.path.stem)
             path, head = opened.path, opened.name
     finally:
         database.close()
-    if json:
-        say_document(_document(path, found) | {"head": head})
-    else:
-        say(_words(path, found))
-        if found.set_back:
-            say(f"Mind: the store had seen event {found.set_back} in {path}: it was set back or changed since.")
+    back = f"Mind: the store had seen event {found.set_back} in {path}: it was set back or changed since."
+    lines = [_words(path, found), *([back] if found.set_back else [])]
+    say_either(json, "axiscal-sync/1", _document(path, found) | {"head": head}, lines)
 
 
 def _tell_prepared(address: str, new: bool, as_json: bool) -> None:
-    if as_json:
-        say_document({"schema": "axiscal-sync/1", "store": address, "prepared": new})
-        return
     state = "is a store now" if new else "is a store already"
-    say(f"{address} {state}. Let people in: GRANT {ROLES[1]} TO anna; to read alone: GRANT {ROLES[0]} TO otto.")
+    words = f"{address} {state}. Let people in: GRANT {ROLES[1]} TO anna; to read alone: GRANT {ROLES[0]} TO otto."
+    say_either(as_json, "axiscal-sync/1", {"store": address, "prepared": new}, [words])
+
+
+def _set_aside(database: Database, text: str, as_json: bool) -> None:
+    name, _, first = text.removeprefix(STORED).rpartition(":")
+    if not name or not (first.isascii() and first.isdigit()):
+        raise typer.BadParameter("write it as store:NAME:N, N the first event", param_hint="--quarantine")
+    refuse_other(database)
+    found = only_entry(name, entries(database, name))
+    count = quarantined(database, found.id, int(first))
+    words = f"store:{found.called}: {count_text(count, 'event')} from {first} on set aside; the database keeps them."
+    say_either(as_json, "axiscal-sync/1", {"campaign": found.id, "name": found.name, "set_aside": count}, [words])
 
 
 def _words(path: Path, found: Synced) -> str:
@@ -92,7 +108,6 @@ def _words(path: Path, found: Synced) -> str:
 
 def _document(path: Path, found: Synced) -> dict[str, object]:
     return {
-        "schema": "axiscal-sync/1",
         "record": str(path),
         "case": found.case,
         "campaign": found.campaign.id,

@@ -9,17 +9,16 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import CampaignFile, Json
-from axiscal.cli.printing import say, say_document, tell, tell_progress
+from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
 from axiscal.description.campaign import read_campaign
 from axiscal.document.durable import write_whole
 from axiscal.estimation.type_prior import TypePrior, type_prior
 from axiscal.exceptions import RecordError
 from axiscal.machine import load_machine
-from axiscal.ports.fleet import type_page
 from axiscal.ports.fleet.rehearsal import Imagined, rehearsed
 from axiscal.ports.fleet.type_learning import DIRECTIONS, DOUBT, Saving, learnt_type, saving
-from axiscal.ports.fleet.type_page import error_lines, summary_sentences
+from axiscal.ports.fleet.type_words import ErrorLine, error_lines, summary_sentences
 from axiscal.record.copies import carried_text
 from axiscal.record.opening import gathered
 from axiscal.units import to_unit
@@ -27,7 +26,6 @@ from axiscal.units import to_unit
 _LARGEST = 100.0
 """Nobody's tolerances are wrong by more."""
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, add_completion=False)
-Page = Annotated[Path | None, typer.Option("--page", metavar="FILE.html", help="Draw what was learnt, as a page.")]
 
 
 @app.callback()
@@ -55,7 +53,6 @@ def learn(
     doubt: Annotated[
         float, typer.Option(metavar="P", help="That a machine is no sister, before it is measured.")
     ] = DOUBT,
-    page: Page = None,
     json: Json = False,
 ) -> None:
     """Learn from records what the next machine will be like.
@@ -66,19 +63,16 @@ def learn(
     \b
     Examples:
       axiscal shop type learn records --out vmc600.type.json
-      axiscal shop type learn records/*.axiscal --out vmc600.type.json --page vmc600.html
+      axiscal shop type learn records/*.axiscal --out vmc600.type.json
       axiscal shop type learn store: --of VMC-600 --out vmc600.type.json
     """
     if not 0 < doubt < 1:
         raise typer.BadParameter("a doubt lies between 0 and 1", param_hint="--doubt")
     of = None if machine is None else load_machine(machine)
-    prior = learnt_type(_files(records), of, directions, doubt, tell, named)
-    written = []
-    for file, text in ((out, prior.text()), (page, type_page.render(prior) if page else "")):
-        if file is not None:
-            write_whole(file, text.encode())
-            written.append(file)
-    _show(prior, [], written, json)
+    prior = learnt_type(_files(records), of, directions, doubt, named)
+    if out is not None:
+        write_whole(out, prior.text().encode())
+    _show(prior, [], out, json)
 
 
 @app.command("explain")
@@ -90,7 +84,6 @@ def explain(
         Path | None,
         typer.Option(metavar="CAMPAIGN", help="Plan this campaign with and without it: readings and minutes saved."),
     ] = None,
-    page: Page = None,
     json: Json = False,
 ) -> None:
     """Say what was learnt from which records.
@@ -100,19 +93,17 @@ def explain(
     \b
     Examples:
       axiscal shop type explain vmc600.type.json
-      axiscal shop type explain vmc600.type.json --campaign campaign.toml --page vmc600.html
+      axiscal shop type explain vmc600.type.json --campaign campaign.toml
     """
     described = None if campaign is None else read_campaign(campaign)
     if len(source) == 1 and source[0].suffix == ".json":
         prior = type_prior(carried_text(source[0]))
     else:
-        prior = learnt_type(_files(source), None if described is None else described.machine, told=tell)
+        prior = learnt_type(_files(source), None if described is None else described.machine)
     saved = []
     if described is not None:
-        saved = [saving_words(saving(described, prior.text(), lambda said: tell_progress(f"{said} ...")))]
-    if page is not None:
-        write_whole(page, type_page.render(prior, saved).encode())
-    _show(prior, saved, [] if page is None else [page], json)
+        saved = [saving_words(saving(described, prior.text()))]
+    _show(prior, saved, None, json)
 
 
 def saving_words(saved: Saving) -> str:
@@ -137,26 +128,23 @@ def _files(given: Sequence[Path]) -> list[Path]:
     return found
 
 
-def _show(prior: TypePrior, saved: Sequence[str], written: Sequence[Path], as_json: bool) -> None:
-    if as_json:
-        say_document(_document(prior, saved, written))
-        return
-    for sentence in [*saved, *summary_sentences(prior)]:
-        say(sentence)
-    say(f"{'error':14} {'std stated':>12} {'by its type':>12} {'times stated':>13} {'in common':>12}")
-    for line in error_lines(prior):
-        unit = "urad" if line.angular else "um"
-        std = [f"{to_unit(each, unit):.3g} {unit}" for each in (line.stated, line.known)]
-        share = f"{line.share:.0%} ± {line.share_std:.0%}"
-        say(f"{line.name:14} {std[0]:>12} {std[1]:>12} {line.factor:>13.2f} {share:>12}")
-    for file in written:
-        say(f"Written: {file}")
+def _show(prior: TypePrior, saved: Sequence[str], written: Path | None, as_json: bool) -> None:
+    heads = f"{'error':14} {'std stated':>12} {'by its type':>12} {'times stated':>13} {'in common':>12}"
+    rows, files = map(_error_text, error_lines(prior)), [f"Written: {written}"] * (written is not None)
+    lines = (*saved, *summary_sentences(prior), heads, *rows, *files)
+    say_either(as_json, "axiscal-type-learnt/1", _document(prior, saved, written), lines)
 
 
-def _document(prior: TypePrior, saved: Sequence[str], written: Sequence[Path]) -> dict[str, object]:
+def _error_text(line: ErrorLine) -> str:
+    unit = "urad" if line.angular else "um"
+    std = [f"{to_unit(each, unit):.3g} {unit}" for each in (line.stated, line.known)]
+    share = f"{line.share:.0%} ± {line.share_std:.0%}"
+    return f"{line.name:14} {std[0]:>12} {std[1]:>12} {line.factor:>13.2f} {share:>12}"
+
+
+def _document(prior: TypePrior, saved: Sequence[str], written: Path | None) -> dict[str, object]:
     lines = error_lines(prior)
     return {
-        "schema": "axiscal-type-learnt/1",
         "records": [
             {
                 "file": each.file,
@@ -178,7 +166,7 @@ def _document(prior: TypePrior, saved: Sequence[str], written: Sequence[Path]) -
             for line in lines
         },
         "said": [*saved, *summary_sentences(prior)],
-        "written": [str(file) for file in written],
+        "written": [] if written is None else [str(written)],
     }
 
 
@@ -206,8 +194,6 @@ def rehearse(
     if not 0 < size <= _LARGEST:
         raise typer.BadParameter(f"a size lies above 0 and is at most {_LARGEST:g}", param_hint="--size")
     described = read_campaign(campaign)
-    files = rehearsed(described, Imagined(size, common), machines, out, seed, lambda said: tell_progress(f"{said} ..."))
-    if json:
-        say_document({"schema": "axiscal-type-rehearsed/1", "records": [str(file) for file in files]})
-    else:
-        say(f"{count_text(len(files), 'record')} in {out}. Learn from them: axiscal type learn {out}")
+    files = rehearsed(described, Imagined(size, common), machines, out, seed)
+    words = f"{count_text(len(files), 'record')} in {out}. Learn from them: axiscal type learn {out}"
+    say_either(json, "axiscal-type-rehearsed/1", {"records": [str(file) for file in files]}, [words])

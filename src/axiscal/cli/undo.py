@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from axiscal.cli.arguments import Json, OwnRecord
 from axiscal.cli.opened import opened_to_write
-from axiscal.cli.printing import say, say_document
+from axiscal.cli.printing import say_either
 from axiscal.present.guide.taking_back import take_back
 
 
@@ -20,8 +20,5 @@ def undo(record: OwnRecord, json: Json = False) -> None:
 
     with opened_to_write(record) as campaign:
         taken = take_back(campaign)
-    if json:
-        document = {"undone": taken.kind, "reading": taken.number, "readings": taken.left}
-        say_document({"schema": "axiscal-undo/1", **document})
-    else:
-        say(taken.sentence)
+    document = {"undone": taken.kind, "reading": taken.number, "readings": taken.left}
+    say_either(json, "axiscal-undo/1", document, [taken.sentence])

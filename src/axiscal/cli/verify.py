@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from axiscal.answers.answer_words import ending
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Source
 from axiscal.cli.arguments import Json, RecordFile
-from axiscal.cli.printing import say, say_document, tell_progress
+from axiscal.cli.printing import say, say_document, say_either
 from axiscal.document.durable import write_whole
 from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.check import Check
+from axiscal.language.spoken import listed, said, speaking
 from axiscal.measurement.place import Places
 from axiscal.present.check_answer import check_answer, check_text, plan_lines, plan_rows
+from axiscal.present.whose_language import chosen
 from axiscal.record.signing import own_hand
 
 
@@ -102,7 +106,8 @@ def verify(
         readings = check.asked(source, check.planned(points, tolerance=check.allowed(tolerance)))
         taken = Taken(own_hand().person, source, check.digests)
     else:
-        _plan(check, check.planned(points, tolerance=check.tightest(tolerance)), plan, json)
+        command = f"axiscal verify {shlex.quote(str(record))} --to {to}"
+        _plan(check, check.planned(points, tolerance=check.tightest(tolerance)), plan, command, json)
         return
     answer = check_answer(check.judged(readings, tolerance), len(readings[0]), check.promised, taken)
     if json:
@@ -120,14 +125,14 @@ def _read_live(check: Check, source: str, places: Places, files: tuple[Path, Pat
     person, (before, after) = own_hand().person, check.sheets(places, *files)
     (bare, held), (compensated, in_force) = (_opening(check, source, loaded, active) for active in (False, True))
     if not before.complete():
-        before.fill(bare, _tell_read, Taken(person, source, held))
+        before.fill(bare, Taken(person, source, held))
         if not after.complete():
             return (
                 f"{before.file} holds the readings as found. Load the exported files and switch them on, then give the "
                 f"same command again: it reads as left, into {after.file}."
             )
     if not after.complete():
-        after.fill(compensated, _tell_read, Taken(person, source, in_force))
+        after.fill(compensated, Taken(person, source, in_force))
     return ""
 
 
@@ -152,27 +157,28 @@ def _opening(
     return lambda: attached_to(host, check.description.machine, in_force), in_force.files
 
 
-def _tell_read(file: Path, read: int, of: int) -> None:
-    tell_progress(f"{file}: reading {read} of {of}")
-
-
 def _say_next(text: str, json: bool) -> None:
-    if json:
-        say_document({"schema": "axiscal-verify/1", "verdict": None, "next": text})
-    else:
-        say(text)
+    say_either(json, "axiscal-verify/1", {"verdict": None, "next": text}, [text])
 
 
-def _plan(check: Check, chosen: Places, plan: Path | None, json: bool) -> None:
-    rows = plan_rows(check, chosen)
-    sheet = check.sheet(chosen)
+def _plan(check: Check, places: Places, plan: Path | None, command: str, json: bool) -> None:
+    """Show the places and what to do next, and write them into the file `plan`.  command : without its last options"""
+    rows = plan_rows(check, places)
+    sheet = check.sheet(places)
     if plan is not None:
         write_whole(plan, sheet.encode())
-    if json:
-        say_document({"schema": "axiscal-verify/1", "plan": rows})
-        return
-    for line in plan_lines(rows):
-        say(line)
-    if plan is not None:
-        values = ", ".join(name for name in sheet.splitlines()[0].split(",") if name.startswith("value"))
-        say(f"\nCopy {plan} to found.csv and left.csv, and fill in {values} without the tables and with them.")
+    with speaking(chosen(None)):
+        lines = [*plan_lines(rows), *ending({said("Next"): _steps(sheet, plan, command)})]
+    say_either(json, "axiscal-verify/1", {"plan": rows}, lines)
+
+
+def _steps(sheet: str, plan: Path | None, command: str) -> list[str]:
+    """Return what to do next: write the places, or fill them in and let them be judged."""
+    if plan is None:
+        return [f"{command} --plan check.csv"]
+    values = [name for name in sheet.splitlines()[0].split(",") if name.startswith("value")]
+    return [
+        said("copy {plan} to found.csv and left.csv", plan=plan),
+        said("fill in {values}: found.csv without the tables, left.csv with them", values=listed(", ", values)),
+        f"{command} --found found.csv --left left.csv",
+    ]

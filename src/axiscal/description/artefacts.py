@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Mapping
 from functools import partial
 from itertools import combinations
@@ -14,6 +15,7 @@ from axiscal.description.campaign_schema import ArtefactTable, GridTable
 from axiscal.description.vectors import At
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import joined, said
 from axiscal.measurement.artefact import Artefact, Ball
 from axiscal.units import format_quantity
 
@@ -137,3 +139,14 @@ def _refuse_close(balls: tuple[Ball, ...]) -> None:
             raise DescriptionError(
                 what, remedy, first=first.name, second=second.name, apart=format_quantity(apart, "mm", 3)
             )
+
+
+def unused_artefacts(text: str) -> str | None:
+    """Return a sentence about artefacts that no set-up of a campaign file names; None where all are read."""
+    data = tomllib.loads(text)
+    read = {table.get("artefact") for table in data.get("setups", [])}
+    left = [shown(table["name"]) for table in data.get("artefacts", []) if table["name"] not in read]
+    if not left:
+        return None
+    sentence = "nothing reads {names}: write artefact = {first} in a set-up, or take its table out."
+    return said(sentence, names=joined(left), first=left[0])

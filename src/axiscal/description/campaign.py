@@ -6,17 +6,18 @@
 from __future__ import annotations
 
 import glob
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from axiscal.description.campaign_schema import ProgramsTable
+from axiscal.description.artefacts import read_artefacts
+from axiscal.description.campaign_schema import CampaignTable, ProgramsTable, SistersTable
 from axiscal.description.particulars import NOTHING_SAID, Particulars, read_particulars
-from axiscal.description.target import Target, coordinate
+from axiscal.description.setups import Surroundings, read_setups
+from axiscal.description.stated_type_b import refers_to_20
+from axiscal.description.target import Target, coordinate, read_target
 from axiscal.description.usual import usual_machine
-from axiscal.document import Document, shown
+from axiscal.document import Document, read_model, shown
 from axiscal.exceptions import DescriptionError, Faults
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
 from axiscal.machine.entry import Sure
@@ -26,13 +27,6 @@ from axiscal.measurement.setup import Setup, Vector
 from axiscal.record.events import Mounted
 from axiscal.record.log import STORED
 from axiscal.units import format_quantity, parse_quantity
-
-if TYPE_CHECKING:
-    from axiscal.description.campaign_schema import CampaignTable
-
-if TYPE_CHECKING:
-    from axiscal.description.campaign_schema import SistersTable
-
 
 _PRINTERS = {"klipper", "marlin", "reprapfirmware"}
 _SCALES: dict[str | None, Sure] = {None: "roughly", "stated": "well", "estimate": "roughly"}
@@ -86,15 +80,6 @@ class CampaignDescription:
         known = ", ".join(f'"{setup.name}"' for setup in self.setups)
         remedy = "The set-ups are {known}"
         raise DescriptionError("there is no set-up {name}", remedy, self.source, name=shown(name), known=known)
-
-
-def with_compensation(description: CampaignDescription, active: bool | tuple[str, ...]) -> CampaignDescription:
-    """Return the campaign with the statement of an active compensation, in its text too, before the machine."""
-    said = json.dumps(active if isinstance(active, bool) else list(active), ensure_ascii=False)
-    lines = description.text.splitlines(keepends=True)
-    place = (Document.parse(description.text, description.source).line("machine") or 1) - 1
-    text = "".join([*lines[:place], f"compensation_active = {said}\n", *lines[place:]])
-    return replace(description, text=text, compensation_active=active)
 
 
 def read_campaign(path: str | Path, *, target_needed: bool = True, asking: bool = True) -> CampaignDescription:
@@ -167,14 +152,6 @@ def _described(
     asking: bool,
     usual_doubts: bool = True,
 ) -> CampaignDescription:
-    from axiscal.description.artefacts import read_artefacts
-    from axiscal.description.campaign import read_driving
-    from axiscal.description.campaign_schema import CampaignTable
-    from axiscal.description.setups import Surroundings, read_setups
-    from axiscal.description.stated_type_b import refers_to_20
-    from axiscal.description.target import read_target
-    from axiscal.document import read_model
-
     table = read_model(document, CampaignTable)
     target = read_target(table.target, machine, document)
     artefacts = read_artefacts(table.artefacts, document)
@@ -296,33 +273,18 @@ _SLOWEST = 1e-3 / 60
 def read_driving(table: ProgramsTable, machine: Machine, document: Document) -> Driving:
     """Return how programs are driven; raises DescriptionError or UnitError at the line that is wrong."""
     faults, driving = Faults(), Driving(dwell=table.dwell, tcp=table.tcp)
-    for key in ("clearance", "order", "feed"):
-        with faults.noted(), document.placed("programs", key):
-            driving = stated(driving, machine, **{key: getattr(table, key)})
+    if table.clearance is not None:
+        with faults.noted(), document.placed("programs", "clearance"):
+            driving = replace(driving, clearance=_clearance(table.clearance, machine))
+    if table.order is not None:
+        with faults.noted(), document.placed("programs", "order"):
+            driving = replace(driving, order=tuple(tuple(group.split()) for group in table.order.split(",")))
+            move_groups(machine, driving)
+    if table.feed is not None:
+        with faults.noted(), document.placed("programs", "feed"):
+            driving = replace(driving, feed=_feed(table.feed))
     faults.refuse()
     return driving
-
-
-def stated(
-    driving: Driving,
-    machine: Machine,
-    clearance: str | None = None,
-    order: str | None = None,
-    feed: str | None = None,
-    dwell: bool | None = None,
-) -> Driving:
-    """Return the driving with what is said in its place; None leaves it as it is.  Raises as `read_driving` does.
-
-    clearance : "Z=-5 mm"; order : "Z,X Y"; feed : "500 mm/min"
-    """
-    if clearance is not None:
-        driving = replace(driving, clearance=_clearance(clearance, machine))
-    if order is not None:
-        driving = replace(driving, order=tuple(tuple(group.split()) for group in order.split(",")))
-        move_groups(machine, driving)
-    if feed is not None:
-        driving = replace(driving, feed=_feed(feed))
-    return driving if dwell is None else replace(driving, dwell=dwell)
 
 
 def _clearance(text: str, machine: Machine) -> tuple[str, float]:

@@ -175,7 +175,6 @@ ControlName = Literal[
     "fanuc",
     "heidenhain",
     "isg",
-    "isg-etalon",
     "klipper",
     "klipper-volumetric",
     "linuxcnc",

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import dataclass
 
+from pydantic import Field
+
+from axiscal.description.campaign_schema import ArtefactTable, CampaignTable, ReportTable, SetupTable
 from axiscal.machine import Machine
-
-if TYPE_CHECKING:
-    from axiscal.description.campaign_schema import ArtefactTable, CampaignTable, SetupTable
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,29 +20,16 @@ class Equipment:
     certificate: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Particulars:
-    """What campaign.toml says under [report], and of its instruments and artefacts; "" where nothing is said.
+class Particulars(ReportTable, frozen=True):
+    """[report] of campaign.toml, with its machine, instruments and artefacts; "" where nothing is said.
 
-    number : of the report; language : that it is written in; country : two letters (ISO 3166-1);
-    temperature : of machine and room, in words
     maker, serial : of the machine; setups, artefacts : by name
     """
 
-    number: str = ""
-    operator: str = ""
-    responsible: str = ""
-    laboratory: str = ""
-    place: str = ""
-    country: str = ""
-    customer: str = ""
-    temperature: str = ""
-    remarks: str = ""
-    language: str = ""
     maker: str = ""
     serial: str = ""
-    setups: Mapping[str, Equipment] = field(default_factory=dict)
-    artefacts: Mapping[str, Equipment] = field(default_factory=dict)
+    setups: dict[str, Equipment] = Field(default={})
+    artefacts: dict[str, Equipment] = Field(default={})
 
 
 NOTHING_SAID = Particulars()
@@ -57,5 +43,5 @@ def read_particulars(table: CampaignTable, machine: Machine) -> Particulars:
     return Particulars(**table.report.model_dump(), **of_machine, setups=setups, artefacts=artefacts)
 
 
-def _equipment(tables: Sequence[SetupTable | ArtefactTable]) -> Mapping[str, Equipment]:
+def _equipment(tables: Sequence[SetupTable | ArtefactTable]) -> dict[str, Equipment]:
     return {each.name: Equipment(each.serial, each.certificate) for each in tables}

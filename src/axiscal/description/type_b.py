@@ -70,7 +70,7 @@ class TypeB:
     effect : what it does to the numbers of a set-up at a size, (k, r) m or rad
     applies : whether a set-up has it; covered : unknowns of a set-up that hold it already
     longer : added to the size for each metre of a bar
-    least : m, the largest number is off by as much at least
+    least : m, what an indicator shows between two of its numbers, or one and nought, is off by as much at least
     of_values : it follows from what was read. A column of K that is like the values would explain them, whatever they
         are, so that it moves no mean and teaches no size: U has what one standard deviation does to the mean.
     """
@@ -97,9 +97,10 @@ class TypeB:
         """Return what one standard deviation does to each number, (k, r), m or rad."""
         size = self.size_of(read)
         shown = _STDS[self.distribution] * self.effect(read, size)
-        largest = float(np.max(np.abs(shown), initial=0.0))
-        if self.least and self.name not in dict(read.setup.stated) and 0 < largest < self.least:
-            shown = shown * min(self.least / largest, 1 / size)  # never more than all of the reading
+        highest, lowest = shown.max(axis=1, initial=0.0), shown.min(axis=1, initial=0.0)
+        apart = float(np.max(highest - lowest))
+        if self.least and self.name not in dict(read.setup.stated) and 0 < apart < self.least:
+            shown = shown * min(self.least / apart, 1 / size)  # never more than all of the reading
         return shown
 
     def met(self, setup: Setup) -> bool:

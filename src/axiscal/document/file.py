@@ -8,10 +8,10 @@ from __future__ import annotations
 import errno
 import re
 import tomllib
-from bisect import bisect_left
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -31,17 +31,16 @@ _BARE_QUANTITY = re.compile(r"[=\[,]\s*[+-]?[0-9][0-9.,]*\s*[^\s0-9.,\]}_:eE+#-]
 _BARE_PARENTHESES = re.compile(r"""[^"'=]*[()][^"'=]*=""")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Document:
     """A parsed TOML document.
 
-    data : the tables as dictionaries; lines : line (from 1) of every key path, list entries counted from 0
+    data : the tables as dictionaries
     """
 
     path: Path
     text: str
     data: dict[str, Any]
-    lines: dict[tuple[Key, ...], int] = field(repr=False)
 
     @classmethod
     def read(cls, path: str | Path) -> Document:
@@ -54,13 +53,18 @@ class Document:
         path = Path(path)
         _check_lines(text, path)
         try:
-            return cls(path, text, tomllib.loads(text), line_numbers(text))
+            return cls(path, text, tomllib.loads(text))
         except tomllib.TOMLDecodeError as fault:
             raise _syntax_failure(str(fault), text, path) from None
         except RecursionError:
             raise DescriptionError("the brackets are nested too deeply", "A description is flat", path) from None
         except ValueError as fault:
             raise DescriptionError("not valid TOML: {fault}", "Write a shorter number", path, fault=fault) from None
+
+    @cached_property
+    def lines(self) -> dict[KeyPath, int]:
+        """Line (from 1) of every key path, list entries counted from 0; looked for at the first fault."""
+        return line_numbers(self.text)
 
     def line(self, *keys: Key) -> int | None:
         """Return the line of a key path such as ("setups", 1, "noise"), or of the nearest table around it."""
@@ -77,11 +81,11 @@ class Document:
 
     @contextmanager
     def placed(self, *keys: Key) -> Iterator[None]:
-        """Place what is raised in a block at the line of a key path, as `fault` does."""
+        """Place what is raised in a block at the line of a key path, as `fault` does, unless it has its place."""
         try:
             yield
         except InputError as failure:
-            raise self.fault(failure, *keys) from None
+            raise failure if failure.file is not None else self.fault(failure, *keys) from None
 
 
 def _check_lines(text: str, path: Path) -> None:
@@ -173,15 +177,12 @@ def shown_path(path: Path) -> str:
     return shown(str(path))[1:-1]
 
 
-_BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
-_KEY_PART = re.compile(r"""[ \t]*(?:([A-Za-z0-9_-]+)|("(?:\\.|[^"\\])*")|'([^']*)')[ \t]*""")
-_STRING = re.compile(
-    r'"""(?:[^"\\]|\\.|"(?!""))*"{3,5}|' r"'''(?:[^']|'(?!''))*'{3,5}|" r'"(?:\\.|[^"\\])*"|' r"'[^']*'", re.DOTALL
-)
-_SCALAR = re.compile(r"[^,\]}#\n]+")
-
 _DEEPEST = 100
-"""Dots in a key; whoever writes more wants to break the reader."""
+"""Parts of a key path; whoever writes more wants to break the reader, which goes into each."""
+_MOST_TRIED = 500_000
+"""Characters: of time. A value of many lines is tried at each of them, and a file that nobody wrote has many such."""
+_CLOSINGS = ("", "]", "]]", "]}", "}]", '"""', "'''")
+"""What makes a statement whole that goes on in the next line."""
 
 KeyPath = tuple[Key, ...]
 
@@ -189,115 +190,51 @@ KeyPath = tuple[Key, ...]
 def line_numbers(text: str) -> dict[KeyPath, int]:
     """Return the line (from 1) of every key path of a valid TOML text, list entries counted from 0.
 
-    A table that is named several times has the line of its first mention.
-    Raises RecursionError for a key of more than 100 parts or brackets that are nested too deeply.
+    A table that is named several times has the line of its first mention. A value that goes over hundreds of lines
+    ends the search: what is behind it has none, nor have keys of more than 100 parts.
     """
-    return _Scanner(text).scan()
+    lines, last, table = dict[KeyPath, int](), dict[KeyPath, int](), KeyPath()
+    begun, tried, since = "", 0, 1
+    for number, line in enumerate(text.split("\n"), 1):
+        begun += f"{line}\n"
+        tried += len(begun)
+        if tried > _MOST_TRIED:
+            break
+        closing, statement = _statement(begun)
+        heading = closing == "" and begun.lstrip().startswith("[")
+        paths = _heading(statement, last) if heading else [*_paths(statement, table)]
+        table = paths[-1] if heading else table
+        for path in paths:
+            lines.setdefault(path, since)
+        since = since if closing is None else number + 1
+        begun = "" if closing == "" else begun
+    return lines
 
 
-class _Scanner:
-    def __init__(self, text: str) -> None:
-        self._text, self._at = text, 0
-        self._breaks = [found.start() for found in re.finditer("\n", text)]
-        self._lines: dict[KeyPath, int] = {}
-        self._last_entry: dict[KeyPath, int] = {}
-
-    def scan(self) -> dict[KeyPath, int]:
-        table: KeyPath = ()
-        self._skip()
-        while self._at < len(self._text):
-            if self._text.startswith("[", self._at):
-                table = self._header()
-            else:
-                self._pair(table)
-            self._skip()
-        return self._lines
-
-    def _skip(self) -> None:
-        found = _BLANK.match(self._text, self._at)
-        self._at = found.end() if found else self._at
-
-    def _header(self) -> KeyPath:
-        line = self._line()
-        listed = self._text.startswith("[[", self._at)
-        self._at += 2 if listed else 1
-        path: KeyPath = ()
-        parts = self._key()
-        for place, part in enumerate(parts):
-            path = (*path, part)
-            self._lines.setdefault(path, line)
-            if listed and place == len(parts) - 1:
-                self._last_entry[path] = self._last_entry.get(path, -1) + 1
-            if path in self._last_entry:
-                path = (*path, self._last_entry[path])
-                self._lines.setdefault(path, line)
-        self._at += 2 if listed else 1
-        return path
-
-    def _key(self) -> list[str]:
-        parts = [self._key_part()]
-        while self._text.startswith(".", self._at):
-            self._at += 1
-            parts.append(self._key_part())
-        if len(parts) > _DEEPEST:
-            raise RecursionError
-        return parts
-
-    def _key_part(self) -> str:
-        found = _KEY_PART.match(self._text, self._at)
-        assert found is not None  # the text is valid
-        self._at = found.end()
-        return str(found[1] or (_unescaped(found[2]) if found[2] else found[3]))
-
-    def _pair(self, table: KeyPath) -> None:
-        line, path = self._line(), table
-        for part in self._key():
-            path = (*path, part)
-            self._lines.setdefault(path, line)
-        self._at += 1
-        self._value(path)
-
-    def _value(self, path: KeyPath) -> None:
-        self._skip()
-        opening = self._text[self._at : self._at + 1]
-        if opening == "[":
-            self._entries(path)
-        elif opening == "{":
-            self._inline_table(path)
-        else:
-            found = (_STRING if opening in "\"'" else _SCALAR).match(self._text, self._at)
-            assert found is not None
-            self._at = found.end()
-
-    def _entries(self, path: KeyPath) -> None:
-        self._at += 1
-        self._skip()
-        count = 0
-        while not self._text.startswith("]", self._at):
-            self._lines.setdefault((*path, count), self._line())
-            self._value((*path, count))
-            count += 1
-            self._separator()
-        self._at += 1
-
-    def _inline_table(self, path: KeyPath) -> None:
-        self._at += 1
-        self._skip()
-        while not self._text.startswith("}", self._at):
-            self._pair(path)
-            self._separator()
-        self._at += 1
-
-    def _separator(self) -> None:
-        self._skip()
-        if self._text.startswith(",", self._at):
-            self._at += 1
-            self._skip()
-
-    def _line(self) -> int:
-        return bisect_left(self._breaks, self._at) + 1
+def _statement(text: str) -> tuple[str | None, dict[str, Any]]:
+    """Return what makes the beginning of a statement whole, None where none of these does, and what it says so far."""
+    for closing in _CLOSINGS:
+        with suppress(tomllib.TOMLDecodeError):
+            return closing, tomllib.loads(text + closing)
+    return None, {}
 
 
-def _unescaped(quoted: str) -> str:
-    """Return the text of a quoted key."""
-    return str(tomllib.loads(f"key = {quoted}")["key"]) if "\\" in quoted else quoted[1:-1]
+def _heading(statement: Mapping[str, Any], last: dict[KeyPath, int]) -> list[KeyPath]:
+    """Return the key paths of a heading, the whole one last.  last : number of the last entry of each list"""
+    paths, content = [KeyPath()], statement
+    while isinstance(content, dict) and content:
+        ((key, content),) = content.items()
+        paths.append((*paths[-1], key))
+        if isinstance(content, list):
+            last[paths[-1]] = last.get(paths[-1], -1) + 1
+        if paths[-1] in last:
+            paths.append((*paths[-1], last[paths[-1]]))
+    return paths[1:]
+
+
+def _paths(value: object, path: KeyPath) -> Iterator[KeyPath]:
+    """Yield the key paths below a path."""
+    entries = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, entry in entries if len(path) < _DEEPEST else ():
+        yield (*path, key)
+        yield from _paths(entry, (*path, key))

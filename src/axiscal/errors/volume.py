@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel, Term
 from axiscal.errors.plane import PlaneError
@@ -54,19 +55,30 @@ class VolumeMoments:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _AxisMoments:
-    """One axis: nodes (k,), E[ℓ_i] (k,), E[m ℓ_i] (k, n) and E[m mᵀ ℓ_i] (k, n, n) over the rows m of its functions.
+class _AlongAxis:
+    """One axis: nodes (k,) of the levers, positions (p,) of a quadrature, its weights times the Lagrange functions ℓ_i
 
-    functions : indices of these; owner : per column the position in `functions`; columns : where they stand in A
+    of these nodes (k, p), and their sums (k,), E[ℓ_i].
     """
 
     nodes: Array
+    positions: Array
+    weighted: Array
     plain: Array
-    single: Array
-    double: Array
-    functions: list[int]
-    owner: list[int]
-    columns: list[int]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _SameAxes:
+    """Terms of the same axes.
+
+    terms : indices of these; owner : (n,) per column the position in `terms`; columns : (n,) where they stand in A
+    rows : by axis what of each column runs along it, (p, n); a row is its lever times the product of these
+    """
+
+    terms: list[int]
+    owner: NDArray[np.intp]
+    columns: NDArray[np.intp]
+    rows: Mapping[int, Array]
 
 
 def whole_travel(model: ErrorModel) -> Box:
@@ -78,65 +90,82 @@ def volume_moments(model: ErrorModel, box: Box, counted: Counted = EVERY_WAY) ->
     """Return the means over poses spread evenly in the box.
 
     Readings come from both directions evenly, so a reversal has mean zero and is alone with its own axis.
-    Cost: O(nodes · functions²) for the levers and O(size²) for the rest; a few ms for five axes.
+    Cost: O(nodes · terms²) for the levers and O(size²) for the rest.
     """
-    axes = [_axis_moments(model, k, bounds) for k, bounds in enumerate(box)]
+    axes = [_along(model, k, bounds) for k, bounds in enumerate(box)]
     poses = np.stack([g.ravel() for g in np.meshgrid(*(a.nodes for a in axes), indexing="ij")], axis=1)
     levers = model.levers(poses).transpose(0, 2, 1).reshape(len(model.terms), 3, *(len(a.nodes) for a in axes))
     counts = levers[:, list(counted)]
     mean, weight = np.zeros((3, model.size)), np.zeros((model.size, model.size))
-    for k, first in enumerate(axes):
-        mean[:, first.columns] = _mean(levers, axes, k)
-        for other in range(k, len(axes)):
-            block = _two_axes(counts, axes, k, other) if other > k else _same_axis(counts, axes, k)
-            weight[np.ix_(first.columns, axes[other].columns)] = block
-            weight[np.ix_(axes[other].columns, first.columns)] = block.T
-    add_planes(model, box, levers, counted, mean, weight)
+    groups = _groups(model, axes)
+    for number, first in enumerate(groups):
+        mean[:, first.columns] = _mean(axes, levers, first)
+        for second in groups[: number + 1]:
+            block = _crossed(axes, counts, first, second)
+            weight[np.ix_(second.columns, first.columns)] = block.T
+            weight[np.ix_(first.columns, second.columns)] = (block + block.T) / 2 if first is second else block
     _separate_reversals(model, mean, weight)
     squares = averaged([a.plain for a in axes], np.einsum("fc...,fc...->f...", counts, counts), ())
     return VolumeMoments(mean, weight, *levers_and_rest(model, squares), counted)
 
 
-def _axis_moments(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> _AxisMoments:
-    functions = [i for i, f in enumerate(model.functions) if f.axis == axis]
-    own = [model.functions[i] for i in functions]
-    points, weights = quadrature([f.basis.knots for f in own], bounds)
-    nodes, shares = lagrange(points, bounds, model.machine.axes[axis].rotary)
-    rows = np.hstack([f.basis.rows(points) for f in own]) if own else np.zeros((len(points), 0))
+def _along(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> _AlongAxis:
+    knots = [f.basis.knots for f in model.functions if f.axis == axis]
+    knots += [each for plane in model.planes for each in plane.knots_along(axis)]
+    positions, weights = quadrature(knots, bounds)
+    nodes, shares = lagrange(positions, bounds, model.machine.axes[axis].rotary)
     weighted = shares.T * weights
-    double = np.stack([rows.T @ (rows * share[:, None]) for share in weighted])
-    owner = [i for i, f in enumerate(own) for _ in range(f.basis.size)]
-    columns = [c for f in own for c in range(f.columns.start, f.columns.stop)]
-    return _AxisMoments(nodes, weighted.sum(axis=1), weighted @ rows, double, functions, owner, columns)
+    return _AlongAxis(nodes, positions, weighted, weighted.sum(axis=1))
 
 
-def _products(levers: Array, first: _AxisMoments, second: _AxisMoments) -> Array:
-    """Scalar products of the levers of two axes' functions on the grid, (functions, functions, grid)."""
-    result: Array = np.einsum("fc...,gc...->fg...", levers[first.functions], levers[second.functions])
-    return result
+def _groups(model: ErrorModel, axes: Sequence[_AlongAxis]) -> list[_SameAxes]:
+    """Return the terms with the same axes together."""
+    found = dict[tuple[int, ...], list[int]]()
+    for index, term in enumerate(model.terms):
+        found.setdefault(tuple(sorted(term.axes)), []).append(index)
+    return [_same_axes(model, axes, *each) for each in found.items()]
 
 
-def _mean(levers: Array, axes: list[_AxisMoments], k: int) -> Array:
-    axis = axes[k]
-    own = averaged([a.plain for a in axes], levers[axis.functions], (k,))[axis.owner]
-    result: Array = np.einsum("nci,in->cn", own, axis.single)
-    return result
+def _same_axes(model: ErrorModel, axes: Sequence[_AlongAxis], own: tuple[int, ...], terms: list[int]) -> _SameAxes:
+    each = [model.terms[i] for i in terms]
+    columns = [np.arange(term.columns.start, term.columns.stop) for term in each]
+    owner = np.repeat(np.arange(len(terms)), [len(mine) for mine in columns])
+    rows = {axis: np.hstack([_factor(term, axis, axes[axis].positions) for term in each]) for axis in own}
+    return _SameAxes(terms, owner, np.concatenate(columns), rows)
 
 
-def _same_axis(levers: Array, axes: list[_AxisMoments], k: int) -> Array:
-    axis = axes[k]
-    products = averaged([a.plain for a in axes], _products(levers, axis, axis), (k,))[np.ix_(axis.owner, axis.owner)]
-    block = np.einsum("nmi,inm->nm", products, axis.double)
-    result: Array = (block + block.T) / 2
-    return result
+def _factor(term: Term, axis: int, positions: Array) -> Array:
+    """Return what of a term's rows runs along one of its axes, (p, c)."""
+    if not isinstance(term, PlaneError):
+        return term.rows(positions)
+    side = term.axes.index(axis)
+    return term.sides[side].rows(positions)[:, term.pairs[:, side]]
 
 
-def _two_axes(levers: Array, axes: list[_AxisMoments], k: int, other: int) -> Array:
-    first, second = axes[k], axes[other]
-    products = averaged([a.plain for a in axes], _products(levers, first, second), (k, other))
-    half = np.einsum("ngij,in->ngj", products[first.owner], first.single)
-    result: Array = np.einsum("nmj,jm->nm", half[:, second.owner], second.single)
-    return result
+def _mean(axes: Sequence[_AlongAxis], levers: Array, mine: _SameAxes) -> Array:
+    """Return E[H] of terms, (3, n).  levers : (terms, 3, ...) at the nodes of all axes"""
+    left = averaged([a.plain for a in axes], levers[mine.terms], tuple(mine.rows))[mine.owner]
+    for axis, rows in mine.rows.items():
+        left = np.einsum("nci...,in->nc...", left, axes[axis].weighted @ rows)
+    return left.T
+
+
+def _crossed(axes: Sequence[_AlongAxis], levers: Array, first: _SameAxes, second: _SameAxes) -> Array:
+    """Return E[rowᵀ row'] of terms with others, (n, m).  levers : (terms, c, ...) of the directions that count"""
+    shared = tuple(sorted({*first.rows, *second.rows}))
+    products = np.einsum("fc...,gc...->fg...", levers[first.terms], levers[second.terms])
+    left = averaged([a.plain for a in axes], products, shared)[np.ix_(first.owner, second.owner)]
+    for axis in shared:
+        left = np.einsum("nmi...,inm->nm...", left, _integrals(axes[axis], axis, first, second))
+    return left
+
+
+def _integrals(line: _AlongAxis, axis: int, first: _SameAxes, second: _SameAxes) -> Array:
+    """Return E[ℓ_i φ φ'] along an axis, (k, n, m); φ is 1 where a row does not depend on it."""
+    constant = np.ones((len(line.positions), 1))
+    one, other = (each.rows.get(axis, constant) for each in (first, second))
+    found = np.stack([(one * share[:, None]).T @ other for share in line.weighted])
+    return np.broadcast_to(found, (len(line.weighted), len(first.columns), len(second.columns)))
 
 
 def _separate_reversals(model: ErrorModel, mean: Array, weight: Array) -> None:
@@ -169,98 +198,6 @@ def of_rests(model: ErrorModel, moments: VolumeMoments) -> VolumeMoments:
 def _sides(model: ErrorModel) -> Array:
     """Return what half a unit, either way, makes of the square of a lever, (terms,)."""
     return np.array([0.25 if term.kind == "reversal" else 1.0 for term in model.terms])
-
-
-def add_planes(
-    model: ErrorModel,
-    box: tuple[tuple[float, float], ...],
-    levers: Array,
-    counted: tuple[bool, bool, bool],
-    mean: Array,
-    gram: Array,
-) -> None:
-    """Set the part of planes in E[H] (3, size) and E[HᵀH] (size, size), in place.
-
-    levers : (terms, 3, ...) at the nodes of all axes; counted : the directions in which they count in E[HᵀH]
-    """
-    if not model.planes:
-        return
-    axes = [_line(model, axis, bounds) for axis, bounds in enumerate(box)]
-    counts = levers[:, list(counted)]
-    for index, plane in enumerate(model.planes, len(model.functions)):
-        mean[:, plane.columns] = _mean_of_planes(axes, levers[index], plane)
-        for other, term in enumerate(model.terms[: index + 1]):
-            block = _crossed(axes, np.einsum("c...,c...->...", counts[index], counts[other]), plane, term)
-            gram[plane.columns, term.columns] = block
-            gram[term.columns, plane.columns] = block.T
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _AlongAxis:
-    """One axis: positions (p,) of a quadrature, weights times the Lagrange functions (k, p), and their sums (k,)."""
-
-    positions: Array
-    weighted: Array
-    plain: Array
-
-
-def _line(model: ErrorModel, axis: int, bounds: tuple[float, float]) -> _AlongAxis:
-    knots = [f.basis.knots for f in model.functions if f.axis == axis]
-    knots += [each for plane in model.planes for each in plane.knots_along(axis)]
-    positions, weights = quadrature(knots, bounds)
-    _, shares = lagrange(positions, bounds, model.machine.axes[axis].rotary)
-    weighted = shares.T * weights
-    return _AlongAxis(positions, weighted, weighted.sum(axis=1))
-
-
-def _factor(term: Term, axis: int, positions: Array) -> Array | None:
-    """Return what of a term's rows runs along an axis, (p, c); None where they do not depend on it."""
-    if not isinstance(term, PlaneError):
-        return term.rows(positions) if term.axis == axis else None
-    for side, own, index in zip(term.sides, term.axes, term.pairs.T, strict=True):
-        if own == axis:
-            return side.rows(positions)[:, index]
-    return None
-
-
-def _mean_of_planes(axes: list[_AlongAxis], levers: Array, plane: PlaneError) -> Array:
-    """Return E[H] of a plane, (3, c).  levers : (3, ...) at the nodes of all axes"""
-    low, high = sorted(plane.axes)
-    left = averaged([line.plain for line in axes], levers, (low, high))
-    first, second = (axes[a].weighted @ _needed(plane, a, axes[a].positions) for a in (low, high))
-    result: Array = np.einsum("xij,ic,jc->xc", left, first, second)
-    return result
-
-
-def _needed(plane: PlaneError, axis: int, positions: Array) -> Array:
-    factor = _factor(plane, axis, positions)
-    assert factor is not None  # one of its own axes
-    return factor
-
-
-def _crossed(axes: list[_AlongAxis], products: Array, plane: PlaneError, term: Term) -> Array:
-    """Return E[rowᵀ row'] of a plane with a term, (c, d).  products : of their levers at the nodes"""
-    shared = tuple(sorted({*plane.axes, *term.axes}))
-    left = averaged([line.plain for line in axes], products, shared)
-    first, *others = (_integrals(axes[axis], axis, plane, term) for axis in shared)
-    block = np.tensordot(left, first, axes=(0, 0))
-    for each in others:
-        lead = (None,) * (block.ndim - 3)
-        block = np.sum(block * each[(slice(None), *lead)], axis=0)
-    width = term.columns.stop - term.columns.start
-    return np.broadcast_to(block, (len(plane.pairs), width))
-
-
-def _integrals(line: _AlongAxis, axis: int, plane: PlaneError, term: Term) -> Array:
-    """Return E[ℓ_i φ φ'] along an axis, (k, c or 1, d or 1)."""
-    first, second = (_factor(each, axis, line.positions) for each in (plane, term))
-    if first is None and second is not None:
-        return (line.weighted @ second)[:, None, :]
-    if first is not None and second is None:
-        return (line.weighted @ first)[:, :, None]
-    assert first is not None  # the axis is one of theirs
-    assert second is not None
-    return np.stack([(first * share[:, None]).T @ second for share in line.weighted])
 
 
 _GAUSS = 10

@@ -9,14 +9,14 @@ import numpy as np
 
 from axiscal.estimation.belief import Innovations
 from axiscal.estimation.case import Case
-from axiscal.estimation.inference.odd_readings import is_odd, sited
+from axiscal.estimation.inference.intervals import is_coarse, sited
 from axiscal.estimation.knowledge import Knowledge, blocks
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import Seen
 from axiscal.numerics import Array
 
 
-@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Absorbed:
     """case : with the set-ups that were read from other sides than they say; left_out : readings that do not count
 
@@ -64,7 +64,7 @@ def displayed(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:
 def taken_as_normal(known: Absorbed, readings: Sequence[Reading]) -> Sequence[Reading]:
     """Return the readings with normal ones in the place of those that are far from normal; themselves if none is."""
     observation = known.case.observation
-    if not any(is_odd(setup) for setup in observation.setups):
+    if not any(is_coarse(setup) for setup in observation.setups):
         return readings
     kept = [index for index in range(len(readings)) if index not in known.left_out]
     instead = dict(zip(kept, sited(observation, [readings[i] for i in kept], known.case.inherited), strict=True))

@@ -112,7 +112,7 @@ def farthest(known: Estimation) -> Unlike | None:
     member = known.membership
     if member is None:
         return None
-    sisters, belief = member.rivals[0].belief, known.banded.knowledge.belief
+    sisters, belief = member.rivals[0].belief, known.printed.belief
     covariance = belief.covariance
 
     def unlike(term: Term) -> Unlike:

@@ -40,7 +40,10 @@ class BudgetShare(NamedTuple):
 
 @one_thread()
 def budget(known: Estimation) -> list[BudgetShare]:
-    """Return the shares of the RMS standard uncertainty over the volume; their squares add up to its square."""
+    """Return the shares of the RMS standard uncertainty over the volume; their squares add up to its square.
+
+    They are at the sizes as learnt. "sizes" is what the posterior has more; where it has less they add up to more.
+    """
     if not known.readings:
         return _before(known)
     shares = [*_of_readings(known), *_of_unknowns(known), *_of_type_b(known)]

@@ -10,7 +10,7 @@ import numpy as np
 from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import Banded, Estimation
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inheritance import last_estimation
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.numerics import Array
@@ -44,7 +44,7 @@ def changes(estimation: Estimation) -> Iterator[Change]:
     text = estimation.case.description.prior_text
     if not text or is_type_text(text):
         return
-    before, now = last_estimation(text).banded, _alone(estimation).banded
+    before, now = last_estimation(text), _alone(estimation)
     for function in now.case.errors.functions:
         if function.name in before.case.errors.names:
             change = _change(before, now, function)
@@ -57,7 +57,7 @@ def _alone(estimation: Estimation) -> Estimation:
     return concluded(Case(replace(estimation.case.description, prior_text="")), estimation.readings)
 
 
-def _change(before: Banded, now: Banded, function: ErrorFunction) -> Change:
+def _change(before: Estimation, now: Estimation, function: ErrorFunction) -> Change:
     """Compare all control values together: an unobservable part, such as the constant, is wide and does not count."""
     axis = now.case.errors.machine.axes[function.axis]
     knots = function.basis.control_positions
@@ -72,9 +72,9 @@ def _change(before: Banded, now: Banded, function: ErrorFunction) -> Change:
     return Change(function.name, float(knots[worst]), float(beside[worst]), chance, function.angular, axis.rotary)
 
 
-def _curve(wide: Banded, function: ErrorFunction, positions: Array) -> tuple[Array, Array]:
+def _curve(known: Estimation, function: ErrorFunction, positions: Array) -> tuple[Array, Array]:
     """Return mean (k,) and covariance (k, k) of an error at positions, its rest included."""
     rows = function.basis.rows(positions)
-    factor = rows @ wide.knowledge.belief.factor[function.columns]
+    factor = rows @ known.printed.belief.factor[function.columns]
     covariance: Array = factor @ factor.T + function.rest**2 * np.eye(len(rows))
-    return rows @ wide.knowledge.belief.mean[function.columns], covariance
+    return rows @ known.printed.belief.mean[function.columns], covariance

@@ -10,18 +10,18 @@ as well stand elsewhere. It uses rows at the machine as found where those of the
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 from axiscal.estimation.absorbed import absorbed, displayed, taken_as_normal
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import Banded, Estimation, Stages, banded
-from axiscal.estimation.judged import judged
+from axiscal.estimation.estimation import Estimation, Stages, printed
+from axiscal.estimation.judged import Doubt, judged
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.estimation.learnt import Learnt, posterior_of, progressed, turned, without_bad
+from axiscal.estimation.learnt import posterior_of, turned, without_bad
 from axiscal.estimation.located import bent, located
 from axiscal.estimation.membership import Membership, membership
 from axiscal.estimation.mirrors import refuse_mirrors
 from axiscal.estimation.promise.posterior import Sorted
+from axiscal.estimation.stations import progressed
 from axiscal.estimation.timed import timed
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.stages import stage
@@ -40,11 +40,12 @@ def _staged(case: Case, readings: Sequence[Reading]) -> Stages:
     times = timed(case, readings)
     implausible = judged(case, times.readings)
     if not times.readings:
-        return Stages(times, implausible, Learnt(case), absorbed(case, ()))
+        return Stages(times, implausible, {}, absorbed(case, ()))
     case = progressed(case, times.readings, implausible)
     kept = without_bad(case, times.readings, implausible)
-    scales = Learnt.of(case, kept)
-    return _answered(case, Stages(times, implausible, scales, located(scales, times.readings, implausible)), kept)
+    bad = {index: Doubt(index, each.z) for index, each in kept.bad.items()}
+    known = located(case.rescaled(kept.sizes), times.readings, [*implausible, *bad])
+    return _answered(case, Stages(times, implausible, bad, known), kept)
 
 
 @one_thread()
@@ -81,10 +82,10 @@ def _answered(case: Case, stages: Stages, kept: Sorted | None = None) -> Stages:
     known, readings = stages.absorbed, stages.timed.readings
     taken, at = taken_as_normal(known, readings), case.linear_as(known.case)
     if taken is readings and at.observation.about == case.observation.about and at.description == case.description:
-        found = stages.learnt.found if kept is None else kept.posterior(turned(case, readings))
+        found = stages.found if kept is None else kept.posterior(turned(case, readings))
     else:
         found = posterior_of(at, taken, stages.implausible)
-    return stages._replace(learnt=replace(stages.learnt, found=found))
+    return stages._replace(found=found)
 
 
 def _of_likeliest(stated: Case, stages: Callable[[int], Stages], first: int) -> Estimation:
@@ -104,12 +105,9 @@ def _of_likeliest(stated: Case, stages: Callable[[int], Stages], first: int) -> 
 
 
 def _estimation(stated: Case, stages: Stages, member: Membership | None = None, side: int = 0) -> Estimation:
-    times, implausible, scales, as_shown = stages
+    times, implausible, bad, as_shown, found = stages
     known = displayed(as_shown, times.readings)
-    if member is None:
-        wide = banded(known.case, known.knowledge, scales.found)
-    else:
-        wide = Banded(known.case, Knowledge(known.knowledge.observation, member.belief))
+    of_rivals = None if member is None else Knowledge(known.knowledge.observation, member.belief)
     return Estimation(
         stated,
         known.case,
@@ -117,8 +115,8 @@ def _estimation(stated: Case, stages: Stages, member: Membership | None = None, 
         times.readings,
         times.seconds,
         known.innovations,
-        (*implausible.values(), *scales.doubts.values()),
-        wide,
+        (*implausible.values(), *bad.values()),
+        of_rivals or printed(known.knowledge, found),
         stages,
         membership=member,
         side=side,

@@ -14,7 +14,6 @@ from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.case import Case
 from axiscal.estimation.judged import Doubt, objection
 from axiscal.estimation.knowledge import Knowledge, blocks
-from axiscal.estimation.learnt import Learnt
 from axiscal.estimation.machine_estimate import Estimate, map_grid, rest_means
 from axiscal.estimation.membership import Membership
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
@@ -27,12 +26,17 @@ from axiscal.numerics.threads import one_thread
 
 
 class Stages(NamedTuple):
-    """How an estimation was found, which the next one begins with."""
+    """How an estimation was found.
+
+    implausible, bad : readings that cannot be, and those that others contradict, by index
+    absorbed : what is known at the sizes as learnt; found : the posterior, None before the first reading
+    """
 
     timed: Timed
     implausible: Mapping[int, Doubt]
-    learnt: Learnt
+    bad: Mapping[int, Doubt]
     absorbed: Absorbed
+    found: Posterior | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +45,7 @@ class Estimation:
 
     readings : each with its time; seconds : of machine time that they take; innovations : of each
     outliers : the readings that are not believed, first those that cannot be, then those that others contradict
-    banded : case and knowledge with the bands that are printed, sizes averaged over
+    printed : knowledge with the bands that are printed, sizes averaged over
     membership : how probable the rival beliefs are, None where there is one; side : the one that it was found by
     """
 
@@ -52,7 +56,7 @@ class Estimation:
     seconds: float
     innovations: tuple[Innovations, ...]
     outliers: tuple[Doubt, ...]
-    banded: Banded
+    printed: Knowledge
     stages: Stages
     membership: Membership | None = None
     side: int = 0
@@ -60,7 +64,7 @@ class Estimation:
     @cached_property
     def accuracy(self) -> Accuracy:
         """How well the machine is known, with the bands that are printed."""
-        return self.banded.case.yardstick.measure(self.banded.knowledge.belief)
+        return self.case.yardstick.measure(self.printed.belief)
 
     @cached_property
     def left_out(self) -> frozenset[int]:
@@ -75,7 +79,7 @@ class Estimation:
     @property
     def posterior(self) -> Posterior | None:
         """The posterior of errors, set-ups and sizes; None before the first reading."""
-        return self.stages.learnt.found
+        return self.stages.found
 
     @property
     def agreement(self) -> Agreement:
@@ -94,13 +98,12 @@ class Estimation:
     @remembered
     def estimate(self) -> Estimate:
         """Return what tables are made of: the belief about the machine, over the volume of the target."""
-        description, wide = self.case.description, self.banded
+        description, errors, yardstick = self.case.description, self.case.errors, self.case.yardstick
         grid = map_grid(description.machine, description.setups, self.readings)
         found = self.posterior
-        rests = rest_means(wide.case.errors, {} if found is None else found.cells)
-        belief, yardstick = wide.knowledge.belief, wide.case.yardstick
+        rests = rest_means(errors, {} if found is None else found.cells)
         place = description.target.volume, grid, rests, yardstick.sample, yardstick.alignment, yardstick.counted
-        return Estimate(wide.case.errors, belief, *place)
+        return Estimate(errors, self.printed.belief, *place)
 
     def objection_to(self, doubt: Doubt) -> str:
         """Return in words what an implausible reading is."""
@@ -113,29 +116,21 @@ class Estimation:
         return reading_text(described.machine.axes, described.setup(reading.setup), reading, index)
 
 
-class Banded(NamedTuple):
-    """Case and knowledge of which the bands are printed."""
-
-    case: Case
-    knowledge: Knowledge
-
-
-def banded(case: Case, knowledge: Knowledge, found: Posterior | None) -> Banded:
+def printed(knowledge: Knowledge, found: Posterior | None) -> Knowledge:
     """Return the posterior as knowledge of errors and set-ups' unknowns.
 
-    case : at the sizes as learnt; knowledge : with these; found : None before the first reading
+    knowledge : at the sizes as learnt; found : None before the first reading
     """
     if found is None:
-        return Banded(case, knowledge)
+        return knowledge
     spread = found.agreement.inflation * (found.covariance + found.covariance.T) / 2
-    return Banded(case, Knowledge(knowledge.observation.bare, Belief(found.mean, spread)))
+    return Knowledge(knowledge.observation.bare, Belief(found.mean, spread))
 
 
 @one_thread()
 def expanded_uncertainty(known: Estimation) -> Expanded:
     """Return the expanded uncertainties of what readings made known: sizes averaged over."""
-    wide = known.banded
-    return expanded(wide.case.yardstick, wide.knowledge.belief)
+    return expanded(known.case.yardstick, known.printed.belief)
 
 
 def as_standard(case: Case, knowledge: Knowledge, wanted: float) -> float:

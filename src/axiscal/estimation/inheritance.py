@@ -72,8 +72,8 @@ def inherited(text: str, errors: ErrorModel) -> Inherited:
 
     Its curves are read at the knots of today's; what these hold and its own could not is as the prior states.
     """
-    last = last_estimation(text).banded
-    before, belief = last.case.errors, last.knowledge.belief
+    last = last_estimation(text)
+    before, belief = last.case.errors, last.printed.belief
     across = carried_over(before, errors)
     factor, beyond = belief.factor[: before.size], across.beyond()
     unknown = np.diag(across.rests) + beyond @ beyond.T

@@ -2,41 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterator, Sequence
 from itertools import combinations
 
-import numpy as np
-
 from axiscal.estimation.case import Case
-from axiscal.estimation.judged import Doubt
 from axiscal.estimation.promise.agreement import Turned
 from axiscal.estimation.promise.posterior import Posterior, Sorted, sorted_out
 from axiscal.estimation.promise.problem import problem
-from axiscal.estimation.stations import BentReadings, Optimum, closed_form, polished
-from axiscal.measurement.reading import Reading, drawn
-
-_MOST = 200
-"""Readings by which stations are found: of time; all of them count once these are found."""
-_LINEAR = 0.3
-"""Index of the worst reading under the prior below which one linearisation does."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Learnt:
-    """case : with the sizes as learnt; doubts : the readings that others contradict, by index
-
-    found : the posterior; None before the first reading
-    """
-
-    case: Case
-    doubts: Mapping[int, Doubt] = field(default_factory=dict)
-    found: Posterior | None = None
-
-    @classmethod
-    def of(cls, case: Case, kept: Sorted) -> Learnt:
-        """Return what readings teach, their posterior still to come.  case : as stated"""
-        return cls(case.rescaled(kept.sizes), {index: Doubt(index, each.z) for index, each in kept.bad.items()})
+from axiscal.measurement.reading import Reading
 
 
 def posterior_of(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Posterior:
@@ -57,30 +30,3 @@ def turned(case: Case, readings: Sequence[Reading]) -> Iterator[Turned]:
         for chosen in combinations(axes, count):
             there = case.turned(chosen)
             yield chosen, problem(there.observation, readings, case.sizes, case.inherited, case.description.usual)
-
-
-def progressed(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Case:
-    """Return the case linearised about the mode that its plausible readings show; as it was where that is linear.
-
-    A distance or a tracker is linear only about its assumed place. If that is 100 mm or 20 mrad off, good readings look
-    bad. So the mode is found before readings are doubted (docs/evidence/nonlinear.md).
-    """
-    kept = [reading for index, reading in enumerate(readings) if index not in implausible]
-    if not case.bends or not kept:
-        return case
-    problem = BentReadings(case, drawn(kept, _MOST))
-    prior = case.prior
-    if float(np.max(problem.second_order(prior.mean, prior.factor), initial=0.0)) <= _LINEAR**2:
-        return case
-    return case.linear_about(mode(problem).point)
-
-
-def mode(problem: BentReadings) -> Optimum:
-    """Return the best optimum: from closed form and from the prior.
-
-    What stands on the table is turned by little and has one optimum: the prior leads there.
-    """
-    case, prior = problem.case, problem.case.prior.mean
-    touched = all(setup.artefact is not None and setup.length is None for setup in case.description.setups)
-    starts = [prior] if touched else [prior, closed_form(case, problem.readings, prior)]
-    return min((polished(problem, start) for start in starts), key=lambda found: found.cost)

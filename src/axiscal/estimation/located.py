@@ -1,47 +1,36 @@
-"""Fourth stage: where the stations stand that distances are read to, and about which machine readings are linear.
-
-How linear the machine is that they show: a bound for the tool point, and the index of the worst reading.
-"""
+"""Fourth stage: where the stations stand that distances are read to, and about which machine readings are linear."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.errors.linear_bound import linear_along, linear_to
-from axiscal.errors.model import ErrorModel, Term
-from axiscal.errors.volume import Box
 from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.learnt import Learnt
-from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import linear_values, places_of, seen, shown_by_each
+from axiscal.estimation.stations import GAUSSIAN, indices
+from axiscal.measurement.reading import Reading, drawn
+from axiscal.measurement.reading_rows import linear_values, places_of, seen
 from axiscal.numerics import Array
-from axiscal.numerics.remembered import remembered
 from axiscal.numerics.threads import one_thread
 
 _ROUNDS = 12
 _LINEAR = 1e-2
 """RMS over all directions, in σ, of what the exact machine would change: less is not worth a second round."""
-GAUSSIAN = 0.3
-"""Below, the Gaussian is the posterior to the digits printed."""
-_DRAWS, _SEED = 64, 20260101
-"""Draws tell a root mean square within a tenth; the seed is any."""
 
 
-def located(learnt: Learnt, readings: Sequence[Reading], implausible: Iterable[int]) -> Absorbed:
+def located(case: Case, readings: Sequence[Reading], left_out: Collection[int] = ()) -> Absorbed:
     """Return what readings make known, linearised about the machine and the stations that they show until these stay.
 
     A distance is linear about the assumed place of its station, so a better place makes a better estimate. Large errors
     of the machine also separate the exact chain from its rows. A round that asks for more than the one before goes half
     as far, and so do those after it: else the rounds would swing.
+    case : with the sizes as learnt; left_out : indices of readings that do not count
     """
-    left_out = {*implausible, *learnt.doubts}
-    known = absorbed(learnt.case, readings, left_out)
+    known = absorbed(case, readings, left_out)
     share, last = 1.0, np.inf
     for _ in range(_ROUNDS):
         mean = known.knowledge.belief.mean
@@ -67,7 +56,7 @@ def _towards(case: Case, mean: Array, share: float) -> Array:
 def bent(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:
     """Return what is known with rows taken at the machine as it is believed, where those of the nominal one mislead."""
     about = known.case.about
-    if about is None or float(np.max(indices(known, readings), initial=0.0)) <= GAUSSIAN:
+    if about is None or float(np.max(indices(known.knowledge, readings), initial=0.0)) <= GAUSSIAN:
         return known
     for _ in range(_ROUNDS):
         case = known.case.linear_about(known.knowledge.belief.mean, bent=True)
@@ -100,49 +89,15 @@ SETTLED = 1e-3
 """RMS of the change over all directions, in σ, at which rounds end."""
 
 
-def indices(known: Absorbed, readings: Sequence[Reading]) -> Array:
-    """Return the index ν of each reading, the largest of its numbers, (readings,).
-
-    With J the rows in use and z standard normal the second order of reading i is
-
-        r_i = f_i(m + F z) − f_i(m) − J_i F z,    ν_i = √(E r_i²)/σ_i
-
-    m, F Fᵀ mean and covariance of the belief. It is the posterior to the digits printed if no ν_i is above 0.3.
-    Importance sampling on seven cases shows a mean shift below 0.05 σ up to ν = 0.26.
-    """
-    return _indices(known, tuple(readings))
-
-
-@remembered
-def _indices(known: Absorbed, readings: tuple[Reading, ...]) -> Array:
-    """Return the same: where rows bend is asked while estimating, and again for the report."""
-    observation, belief = known.knowledge.observation, known.knowledge.belief
-    if not readings:
-        return np.zeros(0)
-    numbers = seen(observation, readings)
-    errors = observation.errors.size + len(observation.unknowns)
-    drawn = belief.factor[:errors] @ np.random.default_rng(_SEED).standard_normal((belief.size, _DRAWS))
-    mean = belief.mean[:errors]
-    shown = shown_by_each(observation, readings, np.vstack([mean, mean + drawn.T]))
-    beyond = shown[1:] - shown[0] - (numbers.rows[:, :errors] @ drawn).T
-    index = np.sqrt(np.sum(beyond**2, axis=0) / _DRAWS) / np.sqrt(numbers.variances)
-    return np.maximum.reduceat(index, np.searchsorted(numbers.reading, np.arange(len(readings))))
-
-
-_SPREAD, _POSITIONS = 2.0, 25
-"""Bands of 95 %, looked at so many times along each axis: a curve bends little between two of them."""
-_SURE = 0.1
-"""Share of the index above which the posterior is no Gaussian: where a bound is below it, nothing is drawn."""
+_MOST = 200
+"""Readings whose index is looked for: of time; drawn, they are the worst one or are like it."""
+_ROUNDING = 1e-9
+"""Of the noise: what is less is rounding."""
 
 
 class Linearity(NamedTuple):
-    """bound : m, no machine within the 95 % bands differs by more from its first order at the tool, along the
-        directions that count
+    """largest : the largest ν of a reading; reading : its number, None where nothing was read"""
 
-    largest : the largest ν of a reading, or a bound on it; reading : its number
-    """
-
-    bound: float
     largest: float
     reading: int | None
 
@@ -154,41 +109,10 @@ class Linearity(NamedTuple):
 
 @one_thread()
 def linearity(estimation: Estimation) -> Linearity:
-    """Return how linear machine and readings are."""
-    case, known = estimation.case, estimation.stages.absorbed
-    box, errors, belief = case.description.target.volume, case.errors, known.knowledge.belief
-    bound = linear_along(errors, _sizes(errors, belief.mean, belief.factor, box), box, case.description.target.counted)
-    finest = min((setup.noise for setup in case.description.setups), default=np.inf)
-    left = _beyond(errors, belief.mean, belief.factor, box) / finest
-    if left < _SURE * GAUSSIAN and not case.bends:
-        return Linearity(bound, left, None)
-    found = indices(known, estimation.readings)
-    if not len(found):
-        return Linearity(bound, 0.0, None)
-    worst = int(np.argmax(found))
-    return Linearity(bound, float(found[worst]), estimation.readings[worst].numbered(worst))
-
-
-def _beyond(errors: ErrorModel, mean: Array, factor: Array, box: Box) -> float:
-    """Return what the exact chain does more, m, than the rows of the nominal machine say of a step off the mean.
-
-    B is the bound as a function of sizes, m those of the mean and d those of what is left open. The step makes B(m + d)
-    − B(m), squares of d and products of m with d. Every term of B is a product of sizes, so it grows as fast as the
-    chain can.
-    """
-    centre = _sizes(errors, mean, np.zeros_like(factor), box, rests=False)
-    spread = _sizes(errors, np.zeros(errors.size), factor, box)
-    return linear_to(errors, centre + spread, box) - linear_to(errors, centre, box)
-
-
-def _sizes(errors: ErrorModel, mean: Array, factor: Array, box: Box, rests: bool = True) -> Array:
-    """Return what no term exceeds within its band of 95 % over the volume, (terms,), m or rad."""
-    return np.array([_size(term, mean, factor, box, term.rest if rests else 0.0) for term in errors.terms])
-
-
-def _size(term: Term, mean: Array, factor: Array, box: Box, rest: float) -> float:
-    sides = [np.linspace(*box[axis], _POSITIONS) for axis in term.axes]
-    at = sides[0] if len(sides) == 1 else np.stack([side.ravel() for side in np.meshgrid(*sides)], axis=1)
-    rows = term.rows(at)
-    std = np.sqrt(np.sum((rows @ factor[term.columns]) ** 2, axis=1) + rest**2)
-    return float(np.max(np.abs(rows @ mean[term.columns]) + _SPREAD * std))
+    """Return how linear the readings are, of many those of some."""
+    some = drawn(estimation.readings, _MOST)
+    if not some:
+        return Linearity(0.0, None)
+    found = indices(estimation.stages.absorbed.knowledge, some)
+    worst, largest = some[int(np.argmax(found))], float(found.max())
+    return Linearity(largest if largest > _ROUNDING else 0.0, worst.numbered(estimation.readings.index(worst)))

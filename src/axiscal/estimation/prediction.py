@@ -50,7 +50,7 @@ def tcp_prediction(estimation: Estimation, poses: Array, approaches: Array) -> t
 
     poses, approaches : (m, q); where an approach is 0 the reversal of that axis counts in the standard deviation
     """
-    errors, belief = estimation.banded.case.errors, estimation.banded.knowledge.belief
+    errors, belief = estimation.case.errors, estimation.printed.belief
     rows, levers = errors.rows(poses, approaches), errors.levers(poses)
     known = np.sum((rows @ belief.factor[: errors.size]) ** 2, axis=2)
     rests = np.array([term.rest for term in errors.terms])

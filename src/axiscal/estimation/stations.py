@@ -1,4 +1,4 @@
-"""Estimates where the prior is so wide that the first linearisation misleads: by damped steps to the mode.
+"""How far from linear readings are; and the mode where the prior is so wide that the first linearisation misleads.
 
 The whitened unknowns are z in x = m₀ + F₀ z, with m₀, F₀ F₀ᵀ the prior. The mode minimises ½ zᵀz + ½ Σ (yᵢ −
 fᵢ(x))²/σᵢ².
@@ -10,28 +10,23 @@ points in one plane, a station and its mirror image in that plane are alike.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.estimation.case import Case
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import Seen, places_of, seen, shown_values
+from axiscal.measurement.reading import Reading, drawn
+from axiscal.measurement.reading_rows import Seen, seen, shown_by_each, shown_values
 from axiscal.measurement.setup import About
 from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import least_squares
 from axiscal.numerics.gaussian import settled
-
-_STEPS, _SETTLED = 80, 1e-7
-"""Steps end where the whitened unknowns stay, RMS."""
-_FIRST, _SOFTER, _HARDER, _HARDEST = 1e-3, 0.1, 10.0, 1e12
-"""Damping, of the diagonal: any start does, for it is a tenth after each step and ten times as much until one helps."""
 
 
 class BentReadings:
@@ -70,34 +65,6 @@ class BentReadings:
         """Return z of a point, (k,)."""
         return np.asarray(np.linalg.lstsq(self.root, point - self.start, rcond=None)[0], dtype=float)
 
-    def second_order(self, point: Array, spread: Array) -> Array:
-        """Return q = μ² + τ² of each number over its variance: what is left open there, to second order, (m,).
-
-        spread : S (k, r) with S Sᵀ = C.  μ = ½ tr(B C), τ² = ½ tr((B C)²), B the Hessian of the instrument by its
-        unknowns
-        """
-        result, observation = np.zeros(len(self.values)), self._about(point)
-        for setup, mine in self._places.by_setup():
-            columns = observation.unknowns_of(setup)
-            open_ = spread[columns] @ spread[columns].T
-            each = observation.curvatures(setup, self._places.poses[mine])
-            for number in range(each.shape[1]):
-                product = each[:, number] @ open_
-                mean = np.trace(product, axis1=1, axis2=2) / 2
-                wide = np.einsum("mij,mji->m", product, product) / 2
-                result[self._first[mine] + number] = mean**2 + wide
-        return result / self.variances
-
-    @cached_property
-    def _first(self) -> NDArray[np.intp]:
-        each = np.array([len(reading.values) for reading in self.readings], dtype=np.intp)
-        first: NDArray[np.intp] = np.cumsum(each) - each
-        return first
-
-    @cached_property
-    def _places(self) -> Places:
-        return places_of(self.case.observation.setups, self.readings)
-
 
 class Optimum(NamedTuple):
     """point : (k,) errors and unknowns; cost : ½ zᵀz + ½ Σ(r/σ)² there"""
@@ -107,33 +74,73 @@ class Optimum(NamedTuple):
 
 
 def polished(problem: BentReadings, start: Array) -> Optimum:
-    """Return the optimum that a start leads to, by damped Gauss-Newton (Levenberg, Marquardt).  start : (k,)"""
-    z = problem.whitened(start)
-    point = problem.start + problem.root @ z
-    left = problem.left(point)
-    cost, damping = _cost(z, left), _FIRST
-    for _ in range(_STEPS):
-        slopes = (problem.rows(point) @ problem.root) / np.sqrt(problem.variances)[:, None]
-        normal = np.eye(len(z)) + slopes.T @ slopes
-        pull = slopes.T @ left - z
-        while True:
-            step = np.linalg.solve(normal + damping * np.diag(np.diagonal(normal)), pull)
-            tried = problem.start + problem.root @ (z + step)
-            left_there = problem.left(tried)
-            there = _cost(z + step, left_there)
-            if there <= cost or damping > _HARDEST:
-                break
-            damping *= _HARDER
-        if not there <= cost:  # nor where it is not a number
-            break
-        z, point, left, cost, damping = z + step, tried, left_there, there, damping * _SOFTER
-        if float(np.sqrt(np.mean(step**2))) < _SETTLED:
-            break
-    return Optimum(point, cost)
+    """Return the optimum that a start leads to (Levenberg, Marquardt).  start : (k,)"""
+
+    def left(z: Array) -> Array:
+        both: Array = np.concatenate([z, -problem.left(problem.start + problem.root @ z)])
+        return both
+
+    def slopes(z: Array) -> Array:
+        rows = problem.rows(problem.start + problem.root @ z) @ problem.root
+        return np.vstack([np.eye(len(z)), rows / np.sqrt(problem.variances)[:, None]])
+
+    z, cost = least_squares(left, slopes, problem.whitened(start))
+    return Optimum(problem.start + problem.root @ z, cost)
 
 
-def _cost(z: Array, left: Array) -> float:
-    return float(z @ z + left @ left) / 2
+def indices(knowledge: Knowledge, readings: Sequence[Reading]) -> Array:
+    """Return the index ν of each reading, the largest of its numbers, (readings,).
+
+    With J the rows in use and z standard normal the second order of reading i is
+
+        r_i = f_i(m + F z) − f_i(m) − J_i F z,    ν_i = √(E r_i²)/σ_i
+
+    m, F Fᵀ mean and covariance of the belief. It is the posterior to the digits printed if no ν_i is above 0.3.
+    Importance sampling on seven cases shows a mean shift below 0.05 σ up to ν = 0.26.
+    """
+    observation, belief = knowledge.observation, knowledge.belief
+    if not readings:
+        return np.zeros(0)
+    numbers = seen(observation, readings)
+    errors = observation.errors.size + len(observation.unknowns)
+    apart = belief.factor[:errors] @ np.random.default_rng(_SEED).standard_normal((belief.size, _DRAWS))
+    mean = belief.mean[:errors]
+    shown = shown_by_each(observation, readings, np.vstack([mean, mean + apart.T]))
+    beyond = shown[1:] - shown[0] - (numbers.rows[:, :errors] @ apart).T
+    index = np.sqrt(np.sum(beyond**2, axis=0) / _DRAWS) / np.sqrt(numbers.variances)
+    return np.maximum.reduceat(index, np.searchsorted(numbers.reading, np.arange(len(readings))))
+
+
+GAUSSIAN = 0.3
+"""Index below which the Gaussian is the posterior to the digits printed."""
+_DRAWS, _SEED = 64, 20260101
+"""Draws tell a root mean square within a tenth; the seed is any."""
+_MOST = 200
+"""Readings by which stations are found: of time; all of them count once these are found."""
+
+
+def progressed(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Case:
+    """Return the case linearised about the mode that its plausible readings show; as it was where that is linear.
+
+    A distance or a tracker is linear only about its assumed place. If that is 100 mm or 20 mrad off, good readings look
+    bad. So the mode is found before readings are doubted (docs/evidence/nonlinear.md).
+    """
+    kept = [reading for index, reading in enumerate(readings) if index not in implausible]
+    some = drawn(kept, _MOST) if case.bends else []
+    if float(np.max(indices(case.knowledge, some), initial=0.0)) <= GAUSSIAN:
+        return case
+    return case.linear_about(mode(BentReadings(case, some)).point)
+
+
+def mode(problem: BentReadings) -> Optimum:
+    """Return the best optimum: from closed form and from the prior.
+
+    What stands on the table is turned by little and has one optimum: the prior leads there.
+    """
+    case, prior = problem.case, problem.case.prior.mean
+    touched = all(setup.artefact is not None and setup.length is None for setup in case.description.setups)
+    starts = [prior] if touched else [prior, closed_form(case, problem.readings, prior)]
+    return min((polished(problem, start) for start in starts), key=lambda found: found.cost)
 
 
 _SOUND = 1e-6

@@ -7,8 +7,9 @@ not measured is None.  No figure holds a coverage factor of ours: the standard's
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -107,14 +108,6 @@ class _Direction:
     s: Array
     runs: int
 
-    @property
-    def high(self) -> Array:
-        return self.mean + 2 * self.s
-
-    @property
-    def low(self) -> Array:
-        return self.mean - 2 * self.s
-
 
 _NOTHING = _Direction(np.zeros(0), np.zeros(0), 0)
 """An approach that was not made."""
@@ -142,46 +135,49 @@ def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
     if not measured:
         raise EvaluationError("there are no readings", "measure at least one direction twice", test.file)
     both = (up, down) if up is not None and down is not None else None
-    A, A_up, A_down = _accuracy(up, down, both)
-    E, E_up, E_down = _deviation(up, down, both)
-    R, R_up, R_down = _repeatability(up, down, both)
-    B, B_mean, M = _reversal(both)
+    sides = {name: (side.mean[None], side.s[None]) for name, side in (("up", up), ("down", down)) if side is not None}
+    found = {name: float(value[0]) for name, value in _figures(sides).items()}
     per_target = tuple(_at_target(test, up, down, i) for i in range(len(test.targets)))
     warnings = tuple(_shortfalls(test, min(side.runs for side in measured), both is not None))
-    found = Positioning(
-        A, A_up, A_down, E, E_up, E_down, R, R_up, R_down, B, B_mean, M, per_target, test.rotary, warnings
-    )  # fmt: skip
-    return replace(found, uncertainty=_uncertainty(up, down, noise), vdi3441=_vdi3441(both))
+    whole: dict[str, Any] = {name: found.get(name) for name in FIGURES}
+    whole |= {"uncertainty": _uncertainty(up, down, noise), "vdi3441": _vdi3441(both)}
+    return Positioning(per_target=per_target, rotary=test.rotary, warnings=warnings, **whole)
+
+
+def _figures(sides: Mapping[str, tuple[Array, Array]]) -> dict[str, Array]:
+    """Return the figures of tests, (k,) each, of the directions that were measured.
+
+    A is the spread of mean ± 2s over the targets, E that of the means, R the largest of the targets' own; B and B_mean
+    are the largest and the mean reversal, M is the range of the mean of both directions.
+
+    sides : up and down, means and standard deviations at the targets, (k, n) each
+    """
+    found = dict[str, Array]()
+    for name, (mean, s) in sides.items():
+        found |= {f"A_{name}": _spread(mean + 2 * s, mean - 2 * s), f"E_{name}": _spread(mean, mean)}
+        found[f"R_{name}"] = np.max(4 * s, axis=1)
+    if len(sides) < 2:
+        return found
+    (up, s_up), (down, s_down) = sides["up"], sides["down"]
+    reversal, middle = up - down, (up + down) / 2
+    high, low = np.maximum(up + 2 * s_up, down + 2 * s_down), np.minimum(up - 2 * s_up, down - 2 * s_down)
+    return found | {
+        "A": _spread(high, low),
+        "E": _spread(np.maximum(up, down), np.minimum(up, down)),
+        "R": np.max(_repeatability(up, s_up, down, s_down), axis=1),
+        "B": np.max(np.abs(reversal), axis=1),
+        "B_mean": np.mean(reversal, axis=1),
+        "M": _spread(middle, middle),
+    }
+
+
+def _repeatability(up: Array, s_up: Array, down: Array, s_down: Array) -> Array:
+    """R_i = max(2s_up + 2s_down + |B_i|, 4s_up, 4s_down), of means and standard deviations of one shape."""
+    found: Array = np.maximum(2 * s_up + 2 * s_down + np.abs(up - down), 4 * np.maximum(s_up, s_down))
+    return found
 
 
 _Both = tuple[_Direction, _Direction] | None
-_Three = tuple[float | None, float | None, float | None]
-
-
-def _accuracy(up: _Direction | None, down: _Direction | None, both: _Both) -> _Three:
-    """A, A_up, A_down: the spread of mean ± 2s."""
-    joint = _range(np.r_[both[0].high, both[1].high], np.r_[both[0].low, both[1].low]) if both else None
-    return joint, _range(up.high, up.low) if up else None, _range(down.high, down.low) if down else None
-
-
-def _deviation(up: _Direction | None, down: _Direction | None, both: _Both) -> _Three:
-    """E, E_up, E_down: the spread of the means."""
-    joint = _range(np.r_[both[0].mean, both[1].mean]) if both else None
-    return joint, _range(up.mean) if up else None, _range(down.mean) if down else None
-
-
-def _repeatability(up: _Direction | None, down: _Direction | None, both: _Both) -> _Three:
-    """R, R_up, R_down: the largest of the targets' own."""
-    joint = float(np.max(_bidirectional_repeatability(*both))) if both else None
-    return joint, float(np.max(4 * up.s)) if up else None, float(np.max(4 * down.s)) if down else None
-
-
-def _reversal(both: _Both) -> _Three:
-    """B, B_mean, M: largest and mean reversal, range of the mean of both directions."""
-    if both is None:
-        return None, None, None
-    reversal = both[0].mean - both[1].mean
-    return float(np.max(np.abs(reversal))), float(np.mean(reversal)), _range((both[0].mean + both[1].mean) / 2)
 
 
 def _vdi3441(both: _Both) -> dict[str, float]:
@@ -195,15 +191,9 @@ def _vdi3441(both: _Both) -> dict[str, float]:
     up, down = both
     mean, reversal, scatter = (up.mean + down.mean) / 2, np.abs(up.mean - down.mean), 3 * (up.s + down.s)
     half = (reversal + scatter) / 2
-    figures = {"P": _range(mean + half, mean - half), "P_a": _range(mean)}
+    figures = {"P": float(np.max(mean + half) - np.min(mean - half)), "P_a": float(np.ptp(mean))}
     figures |= {"P_s": float(np.max(scatter)), "P_s_mean": float(np.mean(scatter))}
     return figures | {"U": float(np.max(reversal)), "U_mean": float(np.mean(reversal))}
-
-
-def _bidirectional_repeatability(up: _Direction, down: _Direction) -> Array:
-    """R_i = max(2s_up + 2s_down + |B_i|, 4s_up, 4s_down), (n,)."""
-    joined = 2 * up.s + 2 * down.s + np.abs(up.mean - down.mean)
-    return np.maximum(joined, np.maximum(4 * up.s, 4 * down.s))
 
 
 def _uncertainty(up: _Direction | None, down: _Direction | None, noise: float) -> dict[str, float]:
@@ -212,30 +202,12 @@ def _uncertainty(up: _Direction | None, down: _Direction | None, noise: float) -
     Means scatter by s/√runs, standard deviations as √(χ²/(runs − 1)) of normal readings. The common part of all runs at
     a target is the instrument's (ISO/TR 230-9: device, repeatability of the set-up). Simulated, always the same draws.
     """
-    rng, drawn = np.random.default_rng(0), dict[str, Array]()
+    rng = np.random.default_rng(0)
     count = len((up or down or _NOTHING).mean)
     offset = noise * rng.standard_normal((_DRAWS, count))
     sides = {name: _redrawn(side, offset, rng) for name, side in (("up", up), ("down", down)) if side is not None}
-    for name, (mean, s) in sides.items():
-        drawn |= {f"A_{name}": _spread(mean + 2 * s, mean - 2 * s), f"E_{name}": _spread(mean, mean)}
-        drawn[f"R_{name}"] = np.max(4 * s, axis=1)
-    if len(sides) == 2:
-        drawn |= _bidirectional(*sides["up"], *sides["down"])
+    drawn = _figures(sides)
     return {name: COVERAGE_FACTOR * float(np.std(drawn[name])) for name in FIGURES if name in drawn}
-
-
-def _bidirectional(up: Array, s_up: Array, down: Array, s_down: Array) -> dict[str, Array]:
-    """The figures of both directions for many draws of means and standard deviations, each (draws, n)."""
-    reversal, joined = up - down, 2 * s_up + 2 * s_down + np.abs(up - down)
-    high, low = np.maximum(up + 2 * s_up, down + 2 * s_down), np.minimum(up - 2 * s_up, down - 2 * s_down)
-    return {
-        "A": _spread(high, low),
-        "E": _spread(np.maximum(up, down), np.minimum(up, down)),
-        "R": np.max(np.maximum(joined, 4 * np.maximum(s_up, s_down)), axis=1),
-        "B": np.max(np.abs(reversal), axis=1),
-        "B_mean": np.mean(reversal, axis=1),
-        "M": _spread((up + down) / 2, (up + down) / 2),
-    }
 
 
 def _spread(high: Array, low: Array) -> Array:
@@ -250,17 +222,13 @@ def _redrawn(side: _Direction, offset: Array, rng: np.random.Generator) -> tuple
     return mean, s
 
 
-def _range(high: Array, low: Array | None = None) -> float:
-    return float(np.max(high) - np.min(high if low is None else low))
-
-
 def _at_target(test: PositioningTest, up: _Direction | None, down: _Direction | None, i: int) -> TargetFigures:
     mean_up, s_up = (float(up.mean[i]), float(up.s[i])) if up else (None, None)
     mean_down, s_down = (float(down.mean[i]), float(down.s[i])) if down else (None, None)
     B_i = mean = R_i = None
     if up and down:
         B_i, mean = float(up.mean[i] - down.mean[i]), float(up.mean[i] + down.mean[i]) / 2
-        R_i = float(_bidirectional_repeatability(up, down)[i])
+        R_i = float(_repeatability(up.mean, up.s, down.mean, down.s)[i])
     R_up_i, R_down_i = (None if s is None else 4 * s for s in (s_up, s_down))
     return TargetFigures(float(test.targets[i]), mean_up, mean_down, s_up, s_down, B_i, mean, R_up_i, R_down_i, R_i)
 

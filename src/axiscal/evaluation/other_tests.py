@@ -52,7 +52,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.evaluation.one_axis import Positioning, PositioningTest, arranged, evaluate, read_iso230
+from axiscal.evaluation.one_axis import Positioning, PositioningTest, arranged, evaluate
 from axiscal.exceptions import EvaluationError
 from axiscal.measurement.readers.around import (
     CIRCLE,
@@ -65,9 +65,9 @@ from axiscal.measurement.readers.around import (
     held_paths,
     turns_of,
 )
-from axiscal.measurement.readers.csv_table import CsvTable, read_table
+from axiscal.measurement.readers.csv_table import CsvTable, table_of
 from axiscal.measurement.readers.positioning import positioning_rows
-from axiscal.measurement.readers.renishaw import is_rtl
+from axiscal.measurement.readers.renishaw import is_rtl, rtl_positioning
 from axiscal.measurement.readers.text import read_text
 from axiscal.numerics import Array
 from axiscal.units import to_unit
@@ -109,9 +109,10 @@ _TOGETHER = "axiscal-iso10791-6/1"
 
 def figures_of(path: str | Path) -> Positioning | StandardFigures:
     """Return the figures of the standard that a file is a test of; raises ReadingError, EvaluationError."""
-    if is_rtl(read_text(path)):
-        return evaluate(read_iso230(path))
-    table = read_table(path)
+    file = read_text(path)
+    if is_rtl(file):
+        return evaluate(arranged(rtl_positioning(file)))
+    table = table_of(file)
     stems = {column.stem for column in table.columns}
     if stems >= HELD:
         return kinematic(held_paths(table))
@@ -121,7 +122,7 @@ def figures_of(path: str | Path) -> Positioning | StandardFigures:
         return circular(circle_of(table))
     if "diagonal" in stems:
         return diagonals({name: arranged(positioning_rows(part)) for name, part in _by_diagonal(table).items()})
-    return evaluate(read_iso230(path))
+    return evaluate(arranged(positioning_rows(table)))
 
 
 def _by_diagonal(table: CsvTable) -> dict[str, CsvTable]:

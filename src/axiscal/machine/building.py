@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from axiscal.document import Document, read_model, shown
 from axiscal.document.quoting import meant
@@ -15,26 +16,27 @@ from axiscal.exceptions import ChainError, DescriptionError, Faults, InputError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import COUNTINGS, LINEAR_LETTERS, ROTARY_LETTERS, Axis, Counting
 from axiscal.machine.entry import ErrorEntry, as_fine_as_is_cheap
-from axiscal.machine.errors_table import error_entries
-from axiscal.machine.limits import Keys, within
+from axiscal.machine.errors_table import read_errors
+from axiscal.machine.limits import Stated
 from axiscal.machine.machine_schema import AxisTable, MachineFile
 from axiscal.machine.plane_entry import PlaneEntry
-from axiscal.machine.planes_table import plane_entries
 from axiscal.units import Dimension, format_quantity
 
+Span = tuple[float, float]
 LONGEST_TRAVEL = 1000.0
 """m; also the largest coordinate of a point on an axis line."""
 LEAST_OVERRUN = 1e-5
 """m or rad."""
 LARGEST_OVERRUN = 0.25
 """Share of the travel."""
+_TOOL = {"length": 10.0, "radius": 1.0, "stylus": 0.1}
+"""m, at most."""
 _FAR = 1000 * math.tau
 """rad; no control counts the turns of an axis further."""
 
 
-@dataclass(frozen=True, slots=True)
-class Parts:
-    """Everything that a machine consists of."""
+class Parts(NamedTuple):
+    """What a description says of a machine, by the names of `Machine`."""
 
     name: str
     axes: tuple[Axis, ...]
@@ -52,30 +54,23 @@ def assemble(document: Document, fine_knots: bool) -> Parts:
     fine_knots : knots of which nothing is said are as close as is cheap
     """
     tables, faults = read_model(document, MachineFile), Faults()
-    name, tool, radius, stylus = document.path.stem, 0.0, 0.0, 0.0
-    with faults.noted():
-        name = _name(document, tables)
+    tool = Stated(document, tables.tool, ("tool",))
+    name = faults.tried(_name, document, tables.name)
     axes = _axes(document, tables, faults)
-    with faults.noted():
-        tool = within(document, ("tool", "length"), tables.tool.length, "length", 0.0, 10.0)
-    with faults.noted():
-        radius = within(document, ("tool", "radius"), tables.tool.radius, "length", 0.0, 1.0)
-    with faults.noted():
-        stylus = within(document, ("tool", "stylus"), tables.tool.stylus, "length", 0.0, 0.1)
+    sizes = {key: faults.tried(tool.within, key, "length", 0.0, most) for key, most in _TOOL.items()}
     known = {axis.name: axis for axis in axes}
-    entries = error_entries(document, tables.errors, known, set(tables.axes), faults)
-    planes = plane_entries(document, tables.errors, known, set(tables.axes), faults)
+    curves, planes = read_errors(document, tables.errors, known, set(tables.axes), faults)
     faults.refuse()
-    curves = as_fine_as_is_cheap(entries, known) if fine_knots else entries
-    return Parts(name, axes, tool, radius, stylus, curves, planes, tables.chain)
+    length, radius, stylus = (size or 0.0 for size in sizes.values())
+    curves = as_fine_as_is_cheap(curves, known) if fine_knots else curves
+    return Parts(name or "", axes, length, radius, stylus, curves, planes, tables.chain)
 
 
-def _name(document: Document, tables: MachineFile) -> str:
-    name = document.path.stem if tables.name is None else tables.name
-    if tables.name is not None and (not name.strip() or len(name) > 200 or not name.isprintable()):
+def _name(document: Document, name: str | None) -> str:
+    if name is not None and (not name.strip() or len(name) > 200 or not name.isprintable()):
         fault = DescriptionError("{name} is not a name", "Write up to 200 printable characters", name=shown(name))
         raise document.fault(fault, "name")
-    return name
+    return document.path.stem if name is None else name
 
 
 def _axes(document: Document, tables: MachineFile, faults: Faults) -> tuple[Axis, ...]:
@@ -108,105 +103,84 @@ def _check_tables(document: Document, tables: MachineFile, names: list[str]) -> 
 
 def _axis(document: Document, link: Link, table: AxisTable, faults: Faults) -> Axis | None:
     """Return an axis; None where something in its table is wrong, which is noted, all of it."""
-    keys: Keys = ("axes", link.name)
     axis, before = Axis.named(link.name, link.workpiece_side, (0.0, 1.0)), len(faults.found)
-    speed, acceleration, overrun, origin, turns, counting = axis.speed, axis.acceleration, None, axis.origin, None, None
-    if table.speed is not None:
-        dimension: Dimension = "rotation_speed" if axis.rotary else "speed"
-        with faults.noted():
-            speed = within(document, (*keys, "speed"), table.speed, dimension, 1e-9, 1e4)
-    if table.acceleration is not None:
-        dimension = "rotation_acceleration" if axis.rotary else "acceleration"
-        with faults.noted():
-            acceleration = within(document, (*keys, "acceleration"), table.acceleration, dimension, 1e-9, 1e6)
-    with faults.noted():
-        origin = _origin(document, axis, table)
-    with faults.noted():
-        counting = _counting(document, keys, table.direction)
-    with faults.noted():
-        travel = _travel(document, axis, table)
-        overrun = _overrun(document, axis, table, travel)
-        turns = _turns(document, axis, table, travel)
-    if len(faults.found) > before:
+    stated, turns = Stated(document, table, ("axes", link.name)), axis.rotary
+    speed = faults.tried(stated.within, "speed", "rotation_speed" if turns else "speed", 1e-9, 1e4)
+    rate: Dimension = "rotation_acceleration" if turns else "acceleration"
+    acceleration = faults.tried(stated.within, "acceleration", rate, 1e-9, 1e6)
+    origin, counting = faults.tried(_origin, stated, axis), faults.tried(_counting, stated)
+    spans = faults.tried(_spans, stated, axis)
+    if len(faults.found) > before or spans is None or origin is None:
         return None
-    return Axis.named(axis.name, axis.workpiece_side, travel, speed, acceleration, origin, overrun, turns, counting)
+    travel, overrun, beyond = spans
+    return Axis.named(axis.name, axis.workpiece_side, travel, speed, acceleration, origin, overrun, beyond, counting)
 
 
-def _overrun(document: Document, axis: Axis, table: AxisTable, travel: tuple[float, float]) -> float | None:
-    if table.overrun is None:
-        return None
+def _spans(stated: Stated[AxisTable], axis: Axis) -> tuple[Span, float | None, tuple[int, int] | None]:
+    """Return travel, overrun and turns."""
+    travel = _travel(stated, axis)
     most = LARGEST_OVERRUN * (travel[1] - travel[0])
-    return within(document, ("axes", axis.name, "overrun"), table.overrun, axis.dimension, LEAST_OVERRUN, most)
+    return travel, stated.within("overrun", axis.dimension, LEAST_OVERRUN, most), _turns(stated, axis, travel)
 
 
-def _counting(document: Document, keys: Keys, text: str | None) -> Counting | None:
+def _counting(stated: Stated[AxisTable]) -> Counting | None:
     """Return which way an axis counts, None where it is not said."""
+    text = stated.table.direction
     for counting in COUNTINGS:
         if text == counting:
             return counting
     if text is None:
         return None
     remedy = 'Write "iso" (ISO 841: counting up moves the tool positively relative to the workpiece) or "reversed"'
-    raise document.fault(DescriptionError("{text} is not a direction", remedy, text=shown(text)), *keys, "direction")
+    raise stated.misstated("direction", "{text} is not a direction", remedy, text=shown(text))
 
 
-def _travel(document: Document, axis: Axis, table: AxisTable) -> tuple[float, float]:
+def _travel(stated: Stated[AxisTable], axis: Axis) -> Span:
     """Return the travel; it must increase, be one that exists, and be at most one turn of a rotary axis."""
-    keys: Keys = ("axes", axis.name, "travel")
-    dimension: Dimension = axis.dimension
     unit, most = ("deg", 10 * math.tau) if axis.rotary else ("m", LONGEST_TRAVEL)
-    low = within(document, (*keys, 0), table.travel[0], dimension, -most, most)
-    high = within(document, (*keys, 1), table.travel[1], dimension, -most, most)
-    given = shown(table.travel)
+    low, high = stated.each("travel", axis.dimension, -most, most)
+    text, given = stated.table.travel, shown(stated.table.travel)
     if low > high:
-        remedy = 'Write the lower end first: ["{high}", "{low}"]'
-        raise document.fault(
-            DescriptionError(
-                "travel {given} is reversed", remedy, given=given, high=table.travel[1], low=table.travel[0]
-            ),
-            *keys,
-        )
+        what, remedy = "travel {given} is reversed", 'Write the lower end first: ["{high}", "{low}"]'
+        raise stated.misstated("travel", what, remedy, given=given, high=text[1], low=text[0])
     if high - low < 1e-6:
-        remedy = "Write the two ends of the travel"
-        raise document.fault(DescriptionError("travel {given} is empty", remedy, given=given), *keys)
+        raise stated.misstated("travel", "travel {given} is empty", "Write the two ends of the travel", given=given)
     if axis.rotary and high - low > math.tau + 1e-9:
         what = "travel {given} is more than one turn ({span})"
         remedy = 'The errors repeat after a turn: give one, such as ["0 deg", "360 deg"]'
-        raise document.fault(DescriptionError(what, remedy, given=given, span=format_quantity(high - low, unit)), *keys)
+        raise stated.misstated("travel", what, remedy, given=given, span=format_quantity(high - low, unit))
     return low, high
 
 
-def _turns(document: Document, axis: Axis, table: AxisTable, travel: tuple[float, float]) -> tuple[int, int] | None:
+def _turns(stated: Stated[AxisTable], axis: Axis, travel: Span) -> tuple[int, int] | None:
     """Return the whole turns below and above the travel that the limits of a full-turn axis reach into."""
-    keys: Keys = ("axes", axis.name, "limits")
-    if table.limits is None:
+    if stated.table.limits is None:
         return None
+    text = shown(stated.table.limits)
     if not Axis.named(axis.name, False, travel).cyclic:
-        what = "limits {text} of {axis}, whose travel is not one turn"
-        remedy = "Take them out: its travel is where it may go"
-        raise document.fault(DescriptionError(what, remedy, text=shown(table.limits), axis=axis.name), *keys)
-    low, high = (within(document, (*keys, end), table.limits[end], "angle", -_FAR, _FAR) for end in (0, 1))
+        what, remedy = (
+            "limits {text} of {axis}, whose travel is not one turn",
+            "Take them out: its travel is where it may go",
+        )
+        raise stated.misstated("limits", what, remedy, text=text, axis=axis.name)
+    low, high = stated.each("limits", "angle", -_FAR, _FAR)
     if low > travel[0] + 1e-9 or high < travel[1] - 1e-9:
         what = "limits {text} do not hold the travel of {axis}"
         remedy = "Write how far the control lets it turn, lower end first"
-        raise document.fault(DescriptionError(what, remedy, text=shown(table.limits), axis=axis.name), *keys)
+        raise stated.misstated("limits", what, remedy, text=text, axis=axis.name)
     below, above = (math.ceil(beyond / math.tau - 1e-9) for beyond in (travel[0] - low, high - travel[1]))
     return below, above
 
 
-def _origin(document: Document, axis: Axis, table: AxisTable) -> tuple[float, float, float]:
+def _origin(stated: Stated[AxisTable], axis: Axis) -> tuple[float, float, float]:
     """Return a point on the axis line of a rotary axis; a linear axis has none."""
-    keys: Keys = ("axes", axis.name, "origin")
-    if table.origin is None:
+    if stated.table.origin is None:
         return (0.0, 0.0, 0.0)
     if not axis.rotary:
         what, remedy = "{origin}: a linear axis has no axis line", "Take it out; origins belong to rotary axes A B C"
-        raise document.fault(DescriptionError(what, remedy, origin=shown(table.origin)), *keys)
-    x, y, z = (
-        within(document, (*keys, place), text, "length", -LONGEST_TRAVEL, LONGEST_TRAVEL)
-        for place, text in enumerate(table.origin)
-    )
-    return (x, y, z)
+        raise stated.misstated("origin", what, remedy, origin=shown(stated.table.origin))
+    x, y, z = stated.each("origin", "length", -LONGEST_TRAVEL, LONGEST_TRAVEL)
+    return x, y, z
 
 
 MOST_AXES = 6

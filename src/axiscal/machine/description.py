@@ -107,16 +107,4 @@ def machine_from_text(text: str, source_name: str | Path = "machine.toml", *, fi
 def _built(document: Document, fine_knots: bool = True) -> Machine:
     from axiscal.machine.building import assemble
 
-    parts = assemble(document, fine_knots)
-    return Machine(
-        parts.name,
-        parts.axes,
-        parts.tool,
-        parts.errors,
-        parts.chain,
-        document.text,
-        parts.planes,
-        parts.tool_radius,
-        parts.stylus,
-        fine_knots,
-    )
+    return Machine(text=document.text, fine_knots=fine_knots, **assemble(document, fine_knots)._asdict())

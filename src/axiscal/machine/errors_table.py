@@ -1,29 +1,59 @@
-"""The [errors] table: what is known beforehand about each error, checked against the axes.
+"""The [errors] table: what is known beforehand about each error of one axis or of two, checked against the axes.
 
 Sizes must lie within what a machine can have.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TypeVar
+from itertools import pairwise
+from typing import NamedTuple
 
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.axis import Axis, letter_direction
-from axiscal.machine.entry import MOST_KNOTS, ROUGH, SMOOTH, ErrorEntry, shaped
-from axiscal.machine.limits import Keys, within
+from axiscal.machine.entry import (
+    JOINT,
+    KNOTS_PER_WAVE,
+    MOST_BREAKS,
+    MOST_HARMONICS,
+    MOST_KNOTS,
+    ROUGH,
+    SMOOTH,
+    ErrorEntry,
+)
+from axiscal.machine.limits import Stated
 from axiscal.machine.machine_schema import ErrorTable
-from axiscal.machine.names import COMPONENTS, ErrorName, parse_error_name, parse_plane_name
+from axiscal.machine.names import COMPONENTS, ErrorName, PlaneName, parse_error_name, parse_plane_name
+from axiscal.machine.plane_entry import PlaneEntry, side_name
 from axiscal.units import Dimension
 
-Value = TypeVar("Value", int, str)
+MOST_PRODUCTS = 1600
+"""Control values of one plane: 40 x 40; an update with more takes seconds."""
+LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-12
+"""m or rad."""
+AVERAGED = "estimate"
+"""What is said of a smoothness that is to be averaged over, and of a rest that is to be learnt."""
+_MOST_JOINTS = 40
+"""More pieces than any scale has."""
+_TURN = 1e-6
+"""Share of a turn that a period may be off a whole part of it: rounding."""
+_SHORTEST, _LONGEST = 1e-6, 1e4
+"""m or rad, of a length along an axis."""
 
 
-def error_entries(
-    document: Document, tables: dict[str, ErrorTable], axes: dict[str, Axis], described: set[str], faults: Faults
-) -> tuple[ErrorEntry, ...]:
+class Errors(NamedTuple):
+    """What is known beforehand: of errors of one axis, and of two together."""
+
+    curves: tuple[ErrorEntry, ...]
+    planes: tuple[PlaneEntry, ...]
+
+
+def read_errors(
+    document: Document, tables: Mapping[str, ErrorTable], axes: Mapping[str, Axis], described: set[str], faults: Faults
+) -> Errors:
     """Return the prior of every error; each error is there once, whatever its spelling.  What is wrong is noted.
 
     described : axes that have a table; those not among `axes` have a faulty table; their errors are passed over
@@ -31,88 +61,52 @@ def error_entries(
     if not tables:
         remedy = 'Name at least one, such as EXX = { std = "10 um" }; an error that is not named is taken to be zero'
         faults.found.append(document.fault(DescriptionError("no error is named", remedy), "errors"))
-    entries: dict[str, ErrorEntry] = {}
+    found = dict[object, tuple[str, ErrorEntry | PlaneEntry]]()
     for key, table in tables.items():
-        if parse_plane_name(key) is not None:
-            continue
-        with faults.noted():
-            if _of_wrong_axis(key, described - axes.keys()):
+        with faults.noted(), document.placed("errors", key):
+            name = parse_plane_name(key) or parse_error_name(key)
+            if set(_needed(name)) & (described - axes.keys()):
                 continue
-            _add(document, key, table, axes, entries)
-    return tuple(entries.values())
+            stated = Stated(document, table, ("errors", key))
+            own = _checked(name, table, axes)
+            entry = _of_two(key, name, stated, own) if isinstance(name, PlaneName) else _of_one(name, stated, own[0])
+            identity = (name.component, frozenset(name.axes)) if isinstance(name, PlaneName) else name.canonical
+            first, before = found.setdefault(identity, (key, entry))
+            if before is not entry:
+                earlier, what = (
+                    document.line("errors", first),
+                    "{key} is {name}, which is there already in line {earlier}",
+                )
+                raise DescriptionError(what, "Keep one of them", key=key, name=before.name, earlier=earlier)
+    entries = [entry for _, entry in found.values()]
+    curves = tuple(entry for entry in entries if isinstance(entry, ErrorEntry))
+    return Errors(curves, tuple(entry for entry in entries if isinstance(entry, PlaneEntry)))
 
 
-def _of_wrong_axis(key: str, wrong: set[str]) -> bool:
-    try:
-        name = parse_error_name(key)
-    except InputError:
-        return False
-    return name.axis in wrong or name.reference in wrong
+def _needed(name: ErrorName | PlaneName) -> list[str]:
+    """Return the axes that an error is of, or is measured from."""
+    if isinstance(name, PlaneName):
+        return [*name.axes]
+    return [name.axis] if name.reference is None else [name.axis, name.reference]
 
 
-def _add(
-    document: Document, key: str, table: ErrorTable, axes: dict[str, Axis], entries: dict[str, ErrorEntry]
-) -> None:
-    """Add an entry; raises DescriptionError for one that is there already."""
-    entry = _entry(document, key, table, axes)
-    if (first := entries.get(entry.name)) is not None:
-        what, name = "{key} is {name}, which is there already in line {earlier}", entry.name
-        fault = DescriptionError(what, "Keep one of them", key=key, name=name, earlier=first.line)
-        raise document.fault(fault, "errors", key)
-    entries[entry.name] = entry
-
-
-def _entry(document: Document, key: str, table: ErrorTable, axes: dict[str, Axis]) -> ErrorEntry:
-    keys: Keys = ("errors", key)
-    try:
-        name, axis = _checked_name(key, table, axes)
-        entry = _prior(document, keys, table, name, axis)
-        entry.knot_count(axis)
-    except InputError as fault:
-        raise fault if fault.file is not None else document.fault(fault, *keys) from None
-    return entry
-
-
-def _checked_name(key: str, table: ErrorTable, axes: dict[str, Axis]) -> tuple[ErrorName, Axis]:
-    """Return the name taken apart and its axis; raises DescriptionError when the keys of the entry do not fit it."""
-    name = parse_error_name(key)
-    axis = _axis_of(name, axes)
-    _check_location(name, axis)
-    _check_keys(name, table)
-    return name, axis
-
-
-def _prior(document: Document, keys: Keys, table: ErrorTable, name: ErrorName, axis: Axis) -> ErrorEntry:
-    """Return the entry with its quantities in SI units."""
-    value: Dimension = "angle" if name.angular else "length"
-    position: Dimension = axis.dimension
-    spacing, length, period = (
-        None if text is None else within(document, (*keys, of), text, position, 1e-6, 1e4)
-        for of, text in (("spacing", _one(table.spacing)), ("length", _one(table.length)), ("period", table.period))
-    )
-    std, rest = _std(document, keys, table, value), rest_of(document, keys, table, value)
-    estimated = rest is None and table.rest is not None
-    line = document.line(*keys)
-    knots, smoothness = _one(table.knots), smoothness_of(table, averaged=True)
-    shape = shaped(document, keys, table, name, axis)
-    entry = ErrorEntry(name.canonical, std, knots, spacing, length, rest, estimated, line, period, smoothness, *shape)
-    return replace(entry, smoothness_averaged=table.smoothness == AVERAGED, sure=table.sure)
-
-
-def _one(value: Value | tuple[Value, Value] | None) -> Value | None:
-    """Return the value of an error of one axis."""
-    return value[0] if isinstance(value, tuple) else value
-
-
-def _axis_of(name: ErrorName, axes: dict[str, Axis]) -> Axis:
-    """Return the axis that an error belongs to; it, and the axis it is measured from, must be in the chain."""
-    for wanted in (name.axis, name.reference):
-        if wanted is not None and wanted not in axes:
+def _checked(name: ErrorName | PlaneName, table: ErrorTable, axes: Mapping[str, Axis]) -> list[Axis]:
+    """Return the axes of an error; raises DescriptionError where name, keys and axes do not fit each other."""
+    needed = _needed(name)
+    for wanted in needed:
+        if wanted not in axes:
             what = "there is no axis {text} in the chain"
             raise DescriptionError(what, "The axes are {known}", text=shown(wanted), known=", ".join(axes))
-    if name.reference == name.axis:
-        raise DescriptionError("{axis} cannot be its own reference", "Name another axis behind the 0", axis=name.axis)
-    return axes[name.axis]
+    if len(set(needed)) < len(needed):
+        what, remedy = "{axis} cannot be its own reference", "Name another axis behind the 0"
+        if isinstance(name, PlaneName):
+            what, remedy = "{axis} is named twice", "Name the two axes that act together, such as EZXY"
+        raise DescriptionError(what, remedy, axis=needed[0])
+    own = [axes[each] for each in needed]
+    if isinstance(name, ErrorName):
+        _check_location(name, own[0])
+    _check_keys(name, table)
+    return own
 
 
 def _check_location(name: ErrorName, axis: Axis) -> None:
@@ -133,7 +127,7 @@ def _check_location(name: ErrorName, axis: Axis) -> None:
     raise DescriptionError(what, remedy, name=name.canonical, axis=axis.name, possible=possible)
 
 
-def _check_keys(name: ErrorName, table: ErrorTable) -> None:
+def _check_keys(name: ErrorName | PlaneName, table: ErrorTable) -> None:
     """Raise DescriptionError unless the keys of an entry fit each other and the kind of error."""
     given = [key for key, value in table if value is not None]
     for one, other, remedy in (
@@ -144,6 +138,21 @@ def _check_keys(name: ErrorName, table: ErrorTable) -> None:
             raise DescriptionError("both {one} and {other} are given", said(remedy), one=one, other=other)
     if "std" not in given and "band" not in given:
         raise DescriptionError("neither std nor band is given", 'Add how large the error may be, such as std = "10 um"')
+    if isinstance(name, PlaneName):
+        if "period" in given:
+            raise DescriptionError(
+                "an error of two axes has no period", "Take it out; give it to the curve of one axis"
+            )
+    else:
+        _check_curve(name, table, given)
+    for knots in table.knots if isinstance(table.knots, tuple) else (table.knots,):
+        if knots is not None and not 2 <= knots <= MOST_KNOTS:
+            text, remedy = shown(table.knots), "Write 2 to {most}"
+            raise DescriptionError("knots = {text} is not possible", remedy, text=text, most=MOST_KNOTS)
+
+
+def _check_curve(name: ErrorName, table: ErrorTable, given: list[str]) -> None:
+    """Raise DescriptionError for keys that an error of one axis, of its kind, does not have."""
     extra = [key for key in given if key not in ("std", "band")]
     curve = name.kind == "motion" or (name.kind == "reversal" and ("knots" in given or "spacing" in given))
     if extra and not curve:
@@ -155,43 +164,72 @@ def _check_keys(name: ErrorName, table: ErrorTable) -> None:
             what = "{key} = {value}: {name} is an error of one axis"
             remedy = "Write one value; two belong to an error of two axes, such as EZXY"
             raise DescriptionError(what, remedy, key=key, value=shown(list(getattr(table, key))), name=name.canonical)
-    if table.knots is not None and not 2 <= (_one(table.knots) or 0) <= MOST_KNOTS:
-        remedy = "Write 2 to {most}"
-        raise DescriptionError("knots = {text} is not possible", remedy, text=shown(table.knots), most=MOST_KNOTS)
 
 
-def _std(document: Document, keys: Keys, table: ErrorTable, dimension: Dimension) -> float:
+def _of_one(name: ErrorName, stated: Stated[ErrorTable], axis: Axis) -> ErrorEntry:
+    """Return the prior of an error of one axis."""
+    table = stated.table
+    value: Dimension = "angle" if name.angular else "length"
+    rest, std = _rest(stated, value), _std(stated, value)
+    period = stated.within("period", axis.dimension, _SHORTEST, _LONGEST)
+    shape = _shape(name, stated, axis, period)
+    entry = replace(
+        _side(name.canonical, stated, axis, 0, averaged=True),
+        std=std,
+        rest=rest,
+        rest_estimated=rest is None and table.rest is not None,
+        period=period,
+        harmonics=shape.harmonics,
+        joints=shape.joints,
+        smoothness_averaged=table.smoothness == AVERAGED,
+        sure=table.sure,
+    )
+    entry.knot_count(axis)
+    return entry
+
+
+def _of_two(key: str, name: PlaneName, stated: Stated[ErrorTable], axes: list[Axis]) -> PlaneEntry:
+    """Return the prior of what two axes do together; its size may be zero where there is a rest."""
+    value: Dimension = "angle" if name.component >= 3 else "length"
+    rest = _rest(stated, value)
+    std = _std(stated, value, SMALLEST_ERROR if rest is None else 0.0)
+    first, second = (_side(side_name(name.component, axis.name), stated, axis, k) for k, axis in enumerate(axes))
+    count = first.knot_count(axes[0]) * second.knot_count(axes[1])
+    if std and count > MOST_PRODUCTS:
+        remedy = "At most {most} are possible; give knots, spacing or length accordingly"
+        raise DescriptionError("{count} knots in the plane are too many", remedy, count=count, most=MOST_PRODUCTS)
+    estimated = rest is None and stated.table.rest is not None
+    return PlaneEntry(key, name.component, std, (first, second), rest, estimated)
+
+
+def _side(name: str, stated: Stated[ErrorTable], axis: Axis, index: int, averaged: bool = False) -> ErrorEntry:
+    """Return an error of std 1 with knots and correlation length along one axis; one value for both counts for each."""
+    knots = stated.table.knots
+    spacing, length = (stated.within(key, axis.dimension, _SHORTEST, _LONGEST, index) for key in ("spacing", "length"))
+    smoothness = _smoothness(stated.table, averaged)
+    return ErrorEntry(
+        name, 1.0, knots[index] if isinstance(knots, tuple) else knots, spacing, length, smoothness=smoothness
+    )
+
+
+def _std(stated: Stated[ErrorTable], dimension: Dimension, least: float = SMALLEST_ERROR) -> float:
     """Return the prior standard deviation, m or rad; a band is four of them."""
-    if table.std is not None:
-        return error_size(document, (*keys, "std"), table.std, dimension)
-    return error_size(document, (*keys, "band"), table.band or "", dimension) / 4
+    std, band = (stated.within(key, dimension, least, LARGEST_ERROR) for key in ("std", "band"))
+    return (band or 0.0) / 4 if std is None else std
 
 
-LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-12
-"""m or rad."""
-
-
-AVERAGED = "estimate"
-"""What is said of a smoothness that is to be averaged over."""
-
-
-def rest_of(document: Document, keys: Keys, table: ErrorTable, dimension: Dimension) -> float | None:
+def _rest(stated: Stated[ErrorTable], dimension: Dimension) -> float | None:
     """Return the standard deviation of the rest, m or rad; None when there is none or it is to be estimated."""
-    if table.rest is None or table.rest.strip() == "estimate":
+    if (stated.table.rest or "").strip() == AVERAGED:
         return None
     try:
-        return error_size(document, (*keys, "rest"), table.rest, dimension)
+        return stated.within("rest", dimension, SMALLEST_ERROR, LARGEST_ERROR)
     except InputError as fault:
         remedy = said('{remedy}; or "estimate" to learn it from the readings', remedy=fault.remedy)
         raise type(fault)(fault.what, remedy, fault.file, fault.line) from None
 
 
-def error_size(document: Document, keys: Keys, text: str, dimension: Dimension) -> float:
-    """Return how large an error may be, m or rad; raises UnitError, or DescriptionError when it is not possible."""
-    return within(document, keys, text, dimension, SMALLEST_ERROR, LARGEST_ERROR)
-
-
-def smoothness_of(table: ErrorTable, averaged: bool = False) -> float:
+def _smoothness(table: ErrorTable, averaged: bool) -> float:
     """Return how smooth a curve is; raises DescriptionError for a smoothness that there is not.
 
     averaged : it may also be averaged over, "estimate"; it begins as a smooth one then
@@ -212,3 +250,61 @@ def smoothness_of(table: ErrorTable, averaged: bool = False) -> float:
         remedy = 'Add over which distance it changes, such as length = "150 mm"'
         raise DescriptionError(what, remedy, text=shown(table.smoothness))
     return SMOOTH if table.smoothness == AVERAGED else float(table.smoothness)
+
+
+class _Shape(NamedTuple):
+    """harmonics : waves to a period, at most; 0 for no pitch; joints : where steps are, m or rad."""
+
+    harmonics: int = 0
+    joints: tuple[float, ...] = ()
+
+
+def _shape(name: ErrorName, stated: Stated[ErrorTable], axis: Axis, period: float | None) -> _Shape:
+    """Return the shape that an entry states; raises DescriptionError where name and keys do not fit each other."""
+    table = stated.table
+    if name.shape != "pitch" and table.harmonics is not None:
+        remedy = "Give them to {error}_pitch"
+        raise DescriptionError("{name} has no harmonics", remedy, name=name.canonical, error=name.bare)
+    if name.shape != "step" and table.at is not None:
+        raise DescriptionError("{name} has no joints", "Give at to {error}_step", name=name.canonical, error=name.bare)
+    if name.shape == "curve":
+        return _Shape()
+    for key in ("knots", "spacing", "length", "rest", "smoothness"):
+        if getattr(table, key) is not None:
+            remedy = "Take it out, or give it to {error}"
+            raise DescriptionError("{name} has no {key}", remedy, name=name.canonical, key=key, error=name.bare)
+    return _pitch(table, axis, period) if name.shape == "pitch" else _step(stated, axis)
+
+
+def _pitch(table: ErrorTable, axis: Axis, period: float | None) -> _Shape:
+    if period is None:
+        raise DescriptionError("the period is missing", 'Add the pitch of the screw or of the scale: period = "10 mm"')
+    harmonics, turns = 1 if table.harmonics is None else table.harmonics, axis.length / period
+    if not 1 <= harmonics <= MOST_HARMONICS:
+        remedy = "Write 1 to {most}"
+        raise DescriptionError("harmonics = {text} is not possible", remedy, text=shown(harmonics), most=MOST_HARMONICS)
+    if turns * KNOTS_PER_WAVE * harmonics > MOST_BREAKS:
+        what = "{waves:.0f} waves over the travel of {axis} are too many"
+        remedy, most = "At most {most}; fewer harmonics, or a longer period", MOST_BREAKS // KNOTS_PER_WAVE
+        raise DescriptionError(what, remedy, waves=turns * harmonics, axis=axis.name, most=most)
+    if axis.cyclic and abs(turns - round(turns)) > _TURN * turns:
+        remedy = "A period that repeats in every turn"
+        raise DescriptionError("{turns:.6g} periods make no whole turn", remedy, turns=turns)
+    return _Shape(harmonics)
+
+
+def _step(stated: Stated[ErrorTable], axis: Axis) -> _Shape:
+    texts = stated.table.at
+    if not texts or len(texts) > _MOST_JOINTS:
+        remedy = 'Name 1 to {most} places: at = ["500 mm", "1000 mm"]'
+        raise DescriptionError("it is not said where the pieces of the scale meet", remedy, most=_MOST_JOINTS)
+    if axis.cyclic:
+        remedy = "Give EXX_step to an axis that does not turn round"
+        raise DescriptionError("a scale around {axis} closes", remedy, axis=axis.name)
+    places = stated.each("at", axis.dimension, -_LONGEST, _LONGEST)
+    low, high = axis.travel
+    if any(after - before < 2 * JOINT for before, after in pairwise([low, *places, high])):
+        what = "{places}: joints lie within the travel, one after the other"
+        remedy, shown_places = "{axis} goes from {travel}; leave 2 mm between them", ", ".join(map(shown, texts))
+        raise DescriptionError(what, remedy, places=shown_places, axis=axis.name, travel=axis.travel_text)
+    return _Shape(joints=places)

@@ -55,7 +55,7 @@ def frames(machine: Machine, poses: Array) -> Frames:
         rotations.append(motion.rotation)
         origins.append(motion.translation)
         motion = from_frame(axis, motion, coordinate, None)
-    return Frames(np.stack(rotations), np.stack(origins), motion.apply(tool_point(machine)), motion.rotation)
+    return Frames(np.array(rotations), np.array(origins), motion.apply(tool_point(machine)), motion.rotation)
 
 
 def tool_motion(machine: Machine, poses: Array, small: SmallMotions) -> rigid.Motion:

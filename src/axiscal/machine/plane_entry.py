@@ -25,7 +25,6 @@ class PlaneEntry:
     sides: tuple[ErrorEntry, ErrorEntry]
     rest: float | None = None
     rest_estimated: bool = False
-    line: int | None = None
     stretch: tuple[float, float] = (1.0, 1.0)
     usual: bool = False
 

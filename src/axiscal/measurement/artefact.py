@@ -109,14 +109,6 @@ class Artefact:
         mine = np.array([name == self.balls[i].name for i in balls])
         return np.where(mine[:, None], self._turned @ along, 0.0)
 
-    def bends(self, one: str, other: str, balls: NDArray[np.intp]) -> Array:
-        """Return the second derivative of where balls stand by two unknowns, where none has moved, (m, 3)."""
-        pairs = [(turn, each) for turn, each in ((one, other), (other, one)) if turn.startswith("turn_")]
-        if not pairs or any(name.startswith("place_") for name in (one, other)):
-            return np.zeros((len(balls), 3))
-        ways = [np.cross(np.eye(3)["xyz".index(turn[-1])], self.moves(each, balls)) for turn, each in pairs]
-        return np.asarray(np.mean(ways, axis=0))
-
     def moved(self, own: Mapping[str, float], balls: NDArray[np.intp]) -> Array:
         """Return where balls are against their stated places, nothing linearised, (m, 3) m."""
         turn = rigid.rotation(np.array([[own.get(f"turn_{axis}", 0.0) for axis in "xyz"]]))[0]

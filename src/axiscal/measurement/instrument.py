@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from axiscal.measurement.instruments.displacement import Displacement
-from axiscal.measurement.instruments.distance import SHIFTS, Distance, Distances
+from axiscal.measurement.instruments.distance import SHIFTS, Distance
 from axiscal.measurement.instruments.kind import CARRIED, TOOL, Model, Reads, Rotation
 from axiscal.measurement.instruments.nest import Nest
 from axiscal.measurement.instruments.stepped import Stepped
@@ -97,13 +97,11 @@ after, an assumption, as ISO 230-3 and ISO/TR 16015 define a test and give no nu
 PRINTER_PROBE = replace(INSTRUMENTS["probe"], noise=5e-6, setup_time=60.0)
 """The probe of a 3D printer, which is there already. What owners have shown of Klipper's PROBE_ACCURACY, a standard
 deviation of ten readings, goes from 0.8 um (docked microswitches) to 13 um (inductive ones); 5 um is an assumption."""
-_STEPPED, _AT_ONCE = Stepped(), Distances()
+_STEPPED = Stepped()
 
 
 def model_of(setup: Setup) -> Model:
     """Return what a set-up sees: a level whose feet are stepped along a way sees another thing than one that rides."""
-    if setup.stations:
-        return _AT_ONCE
     return INSTRUMENTS[setup.instrument].model if setup.base is None else _STEPPED
 
 

@@ -190,14 +190,6 @@ class Observation:
         covariances: Array = reach @ reach.transpose(0, 2, 1)
         return covariances
 
-    def unknown_sides(self, setup: int, poses: Array, approaches: Array) -> Array:
-        """Return what it adds to the variances of the numbers of readings that nobody said a side, (numbers, m).
-
-        poses, approaches : (m, q)
-        """
-        mounted, levers = self.setups[setup], self.levers(setup, poses)
-        return np.stack([self._unknown_sides(mounted, each, poses, approaches) for each in levers])
-
     def _unknown_sides(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
         """Return what it adds to the variance that nobody said from which side a moving axis came, (m,) m² or rad².
 
@@ -246,13 +238,6 @@ class Observation:
         for point, actual in zip(points, (Actual(*one) for one in moved), strict=True):
             unknowns = self.own_values(setup, point)
             yield np.stack([model.shown(mounted, along, nominal, actual, unknowns) for along in each], axis=1)
-
-    def curvatures(self, setup: int, poses: Array) -> Array:
-        """Return the Hessian of each number by the unknowns of the set-up, (numbers of readings, numbers, k, k)."""
-        mounted, nominal = self.setups[setup], self._nominal(self.setups[setup], poses)
-        own, model = np.array(mounted.direction), model_of(mounted)
-        each = [own if along is None else along for along in directions_of(mounted)]
-        return np.stack([model.curvature(mounted, direction, nominal) for direction in each], axis=1)
 
     def own_values(self, setup: int, point: Array) -> dict[str, float]:
         """Return the unknowns of one set-up by name.  point : (k,) errors, then unknowns"""

@@ -18,6 +18,8 @@ from axiscal.numerics.threads import hold_loaded_libraries
 
 _COLUMNS = 32
 """Of a QR at a time; twice or half as many take as long."""
+_EXACT = 1e-12
+"""Changes by less are rounding of a mode."""
 
 
 def chi_square_tail(degrees: float, value: float) -> float:
@@ -96,6 +98,18 @@ def log_normal_share(below: Array) -> Array:
     """Return log Φ(x), also far out in the tail, (n,)."""
     shares: Array = _function("scipy.special", "log_ndtr")(below)
     return shares
+
+
+def least_squares(
+    left: Callable[[Array], Array], slopes: Callable[[Array], Array], start: Array
+) -> tuple[Array, float]:
+    """Return where a start leads that makes the sum of squares small, (k,), and half that sum (MINPACK's lmder).
+
+    left : (k,) → (m,), m at least k; slopes : its derivatives (m, k); start : (k,)
+    """
+    solve = _function("scipy.optimize", "least_squares")
+    found = solve(left, start, slopes, method="lm", ftol=_EXACT, xtol=_EXACT, gtol=_EXACT)
+    return np.asarray(found.x, dtype=float), float(found.cost)
 
 
 def sparse_product(

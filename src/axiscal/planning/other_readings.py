@@ -48,12 +48,14 @@ def planned_with_markers(
     """
     if all(setup.drift == 0 for setup in case.description.setups):
         return plan(limits)
-    like = () if _smaller(case, limits, 1) == limits else rough()
+    # a plan mostly ends by its accuracy, before its readings or its time do
+    like = () if (limits.accurate and limits.budget is None) or _smaller(case, limits, 1) == limits else rough()
     within = _smaller(case, limits, len(with_markers(case, readings, gaps, like)) - len(like))
     places = plan(within)
     marked = with_markers(case, readings, gaps, places)
     true = _smaller(case, limits, len(marked) - len(places))
-    return marked if true == within else with_markers(case, readings, gaps, plan(true))
+    fits = limits.budget is None and len(marked) <= (limits.readings or len(marked))
+    return marked if fits or true == within else with_markers(case, readings, gaps, plan(true))
 
 
 def without_markers(case: Case, readings: Sequence[Reading], places: Sequence[Place]) -> tuple[Place, ...]:

@@ -6,11 +6,8 @@ An unknown country is ZZ, a code that ISO 3166-1 leaves to users. Its elements s
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from axiscal.answers.digits import number
 from axiscal.estimation.accuracy.expanded import BAND, LEVEL
-from axiscal.exceptions import ReadingError
 from axiscal.present.standalone import environment
 from axiscal.present.statement import in_space
 from axiscal.present.summary import Summary
@@ -45,21 +42,6 @@ def certificate(summary: Summary) -> bytes:
     )
     document = "".join(f"{line}\n" for line in text.splitlines() if line).encode()
     return signed_xml(document, "Digital Calibration Certificate")
-
-
-def check_against(schema: Path, document: bytes, file: Path) -> None:
-    """Raise ReadingError where a certificate is not as a schema wants it.  schema : dcc.xsd, its imports beside it"""
-    from lxml import etree
-
-    try:
-        checked = etree.XMLSchema(file=str(schema))
-    except (etree.LxmlError, OSError) as failure:
-        remedy = "Give PTB's dcc.xsd with what it imports in local files beside it"
-        raise ReadingError("the schema cannot be used: {reason}", remedy, schema, reason=failure) from failure
-    if not checked.validate(etree.fromstring(document)):
-        fault = checked.error_log[0]
-        remedy = "This schema may be another version than DCC {version}"
-        raise ReadingError("{path}: {reason}", remedy, file, path=fault.path, reason=fault.message, version=VERSION)
 
 
 def _plain(text: str) -> str:

@@ -14,6 +14,7 @@ from axiscal.evaluation.acceptance.check import Check
 from axiscal.evaluation.acceptance.datums import GUARD
 from axiscal.evaluation.acceptance.judgement import Judgement, Verdict
 from axiscal.evaluation.acceptance.table_checks import WORKS, Share
+from axiscal.language.spoken import said
 from axiscal.measurement.place import Places
 from axiscal.measurement.place_texts import approach_text, place_text, shown_pose
 from axiscal.numerics import Array
@@ -192,8 +193,14 @@ def plan_rows(check: Check, places: Places) -> list[dict[str, object]]:
 def plan_lines(rows: Sequence[dict[str, object]]) -> list[str]:
     """Return the rows of a plan in words."""
     return [
-        f"{row['setup']}: {row['place']}  from {row['approach'] or 'any side'}  "
-        f"predicted: as found {_micrometres(row['found_um'])}, as left {_micrometres(row['left_um'])}"
+        said(
+            "{setup}: {place}  from {approach}  predicted: as found {found}, as left {left}",
+            setup=row["setup"],
+            place=row["place"],
+            approach=row["approach"] or said("any side"),
+            found=_micrometres(row["found_um"]),
+            left=_micrometres(row["left_um"]),
+        )
         for row in rows
     ]
 

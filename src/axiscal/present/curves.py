@@ -9,7 +9,7 @@ import numpy as np
 
 from axiscal.errors.iso230 import words
 from axiscal.errors.model import ErrorFunction
-from axiscal.estimation.estimation import Banded, Estimation
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.zero_drift import paths
 from axiscal.language.spoken import later, said
@@ -42,10 +42,10 @@ _UNKNOWNS = {
 
 def curves(estimation: Estimation, readings: Sequence[Reading], truth: VirtualMachine | None) -> list[CurveSummary]:
     """Return every error that is a function of position."""
-    wide, estimate = estimation.banded, estimation.estimate()
+    estimate = estimation.estimate()
     parts = _partial_residuals(estimation, readings)
-    drawn = [function for function in wide.case.errors.functions if function.basis.size > 1]
-    return [_curve(wide, estimate, function, parts, truth) for function in drawn]
+    drawn = [function for function in estimation.case.errors.functions if function.basis.size > 1]
+    return [_curve(estimation, estimate, function, parts, truth) for function in drawn]
 
 
 def value_unit(function: ErrorFunction) -> str:
@@ -54,14 +54,14 @@ def value_unit(function: ErrorFunction) -> str:
 
 
 def _curve(
-    wide: Banded, estimate: Estimate, function: ErrorFunction, parts: list[_Part], truth: VirtualMachine | None
+    known: Estimation, estimate: Estimate, function: ErrorFunction, parts: list[_Part], truth: VirtualMachine | None
 ) -> CurveSummary:
-    axis = wide.case.errors.machine.axes[function.axis]
+    axis = known.case.errors.machine.axes[function.axis]
     positions = np.linspace(*axis.travel, _POSITIONS)
     rows = function.basis.rows(positions)
     unit, position_unit = value_unit(function), axis.unit
-    now, seen = estimate.curve(function.name, positions), _seen_std(wide, function, rows)
-    prior = replace(estimate, belief=wide.case.prior).curve(function.name, positions).std
+    now, seen = estimate.curve(function.name, positions), _seen_std(known, function, rows)
+    prior = replace(estimate, belief=known.case.prior).curve(function.name, positions).std
     shown = to_unit(positions, position_unit).tolist()
     return CurveSummary(
         name=function.name,
@@ -76,15 +76,15 @@ def _curve(
         value_unit=unit,
         truth=None if truth is None else (shown, to_unit(_truth(truth, function, positions), unit).tolist()),
         from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(prior**2), 0.0, 1.0)),
-        points=[part.point(wide, function) for part in parts if part.bears_on(function)],
+        points=[part.point(known, function) for part in parts if part.bears_on(function)],
     )
 
 
-def _seen_std(wide: Banded, function: ErrorFunction, rows: Array) -> Array:
+def _seen_std(known: Estimation, function: ErrorFunction, rows: Array) -> Array:
     """Return the standard deviation without what no allowed reading sees."""
-    known = np.sum((rows @ wide.knowledge.belief.factor[function.columns]) ** 2, axis=1)
-    hidden = np.sum((rows @ wide.case.yardstick.unseen[function.columns]) ** 2, axis=1)
-    std: Array = np.sqrt(np.maximum(known - hidden, 0.0) + function.rest**2)
+    told = np.sum((rows @ known.printed.belief.factor[function.columns]) ** 2, axis=1)
+    hidden = np.sum((rows @ known.case.yardstick.unseen[function.columns]) ** 2, axis=1)
+    std: Array = np.sqrt(np.maximum(told - hidden, 0.0) + function.rest**2)
     return std
 
 
@@ -97,20 +97,19 @@ def _truth(truth: VirtualMachine, function: ErrorFunction, positions: Array) -> 
 
 def constants(estimation: Estimation) -> list[ConstantSummary]:
     """Return location errors, constant reversals, and the unknowns of the set-ups."""
-    wide = estimation.banded
-    own = [_constant(wide, f) for f in wide.case.errors.functions if f.basis.size == 1]
-    return own + _setup_unknowns(wide) + _drifts(estimation)
+    own = [_constant(estimation, f) for f in estimation.case.errors.functions if f.basis.size == 1]
+    return own + _setup_unknowns(estimation) + _drifts(estimation)
 
 
-def _constant(wide: Banded, function: ErrorFunction) -> ConstantSummary:
+def _constant(known: Estimation, function: ErrorFunction) -> ConstantSummary:
     column, unit = function.columns.start, value_unit(function)
-    std = float(np.linalg.norm(wide.knowledge.belief.factor[column]))
+    std = float(np.linalg.norm(known.printed.belief.factor[column]))
     prior = float(np.sqrt(function.covariance[0, 0]))
-    hidden = float(np.linalg.norm(wide.case.yardstick.unseen[column]))
+    hidden = float(np.linalg.norm(known.case.yardstick.unseen[column]))
     return ConstantSummary(
         name=function.name,
         words=words(function.name),
-        mean=to_unit(float(wide.knowledge.belief.mean[column]), unit),
+        mean=to_unit(float(known.printed.belief.mean[column]), unit),
         std=to_unit(std, unit),
         prior_std=to_unit(prior, unit),
         unit=unit,
@@ -118,18 +117,18 @@ def _constant(wide: Banded, function: ErrorFunction) -> ConstantSummary:
     )
 
 
-def _setup_unknowns(wide: Banded) -> list[ConstantSummary]:
+def _setup_unknowns(known: Estimation) -> list[ConstantSummary]:
     result = []
-    for index, setup in enumerate(wide.case.description.setups):
-        columns = wide.knowledge.observation.unknowns_of(index)
+    for index, setup in enumerate(known.case.description.setups):
+        columns = known.printed.observation.unknowns_of(index)
         for column, unknown in zip(columns, setup.unknowns, strict=True):
-            unit = wide.case.unit_of(setup, unknown)
+            unit = known.case.unit_of(setup, unknown)
             result.append(
                 ConstantSummary(
                     name=f"{setup.name}: {unknown.name}",
                     words=_unknown_words(unknown.name),
-                    mean=to_unit(float(wide.knowledge.belief.mean[column]), unit),
-                    std=to_unit(float(np.linalg.norm(wide.knowledge.belief.factor[column])), unit),
+                    mean=to_unit(float(known.printed.belief.mean[column]), unit),
+                    std=to_unit(float(np.linalg.norm(known.printed.belief.factor[column])), unit),
                     prior_std=to_unit(unknown.std, unit),
                     unit=unit,
                 )
@@ -191,13 +190,13 @@ class _Part:
         """Return whether its set-up moves the axis and the model predicts a noticeable effect of this error on it."""
         return function.axis in self.moves and _share(self.row, function) > _BEARS_ON * self.whole
 
-    def point(self, wide: Banded, function: ErrorFunction) -> CurvePoint:
+    def point(self, known: Estimation, function: ErrorFunction) -> CurvePoint:
         """Return the reading as this curve sees it: less what the rest of the model says, per unit of the lever."""
         position = self.reading.pose[function.axis]
         basis = function.basis.rows(np.array([position]))[0]
         lever = float(self.row[function.columns] @ basis / (basis @ basis))
-        value = float(basis @ wide.knowledge.belief.mean[function.columns]) + self.left / lever
-        unit, axis = value_unit(function), wide.case.errors.machine.axes[function.axis]
+        value = float(basis @ known.printed.belief.mean[function.columns]) + self.left / lever
+        unit, axis = value_unit(function), known.case.errors.machine.axes[function.axis]
         return CurvePoint(
             position=to_unit(position, axis.unit),
             value=to_unit(value, unit),
@@ -209,11 +208,10 @@ class _Part:
 
 
 def _partial_residuals(estimation: Estimation, readings: Sequence[Reading]) -> list[_Part]:
-    wide = estimation.banded
-    functions, mean = wide.case.errors.functions, wide.knowledge.belief.mean
-    moves = {setup.name: setup.moves for setup in wide.case.description.setups}
+    functions, mean = estimation.case.errors.functions, estimation.printed.belief.mean
+    moves = {setup.name: setup.moves for setup in estimation.case.description.setups}
     parts = []
-    numbers = seen(wide.knowledge.observation, readings)
+    numbers = seen(estimation.printed.observation, readings)
     firsts = np.searchsorted(numbers.reading, np.arange(len(readings)))
     for index, (reading, first) in enumerate(zip(readings, firsts, strict=True)):
         row, std = numbers.rows[first], float(np.sqrt(numbers.variances[first]))

@@ -1,4 +1,4 @@
-"""The same figures as CSV files, for spreadsheets: readings, curves, constants, volume, budget."""
+"""All readings as a CSV file, for spreadsheets and where the report lists the first ones alone."""
 
 from __future__ import annotations
 
@@ -7,41 +7,24 @@ from hashlib import sha256
 from typing import NamedTuple
 
 from axiscal.answers.digits import coordinate, number
-from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.present.sentences import axis_unit, standardised
-from axiscal.present.summary import CurveSummary, HistoryRow, Summary
+from axiscal.present.summary import HistoryRow, Summary
 
 LISTED = 1000
 """Twenty pages; a matter of taste: nobody reads more on paper, and 20,000 take a minute and gigabytes to set."""
 
-Rows = Iterator[Sequence[str]]
 READINGS = "readings.csv"
-"""The file that has every reading."""
-
-
-def data_files(summary: Summary) -> dict[str, bytes]:
-    """Return what each file holds by its name; raises SummaryError for a figure that is not finite."""
-    return {
-        READINGS: readings_csv(summary),
-        "curves.csv": _file(_curves([*summary.curves, *summary.reversals])),
-        "constants.csv": _file(_constants(summary)),
-        "volume.csv": _file(_volume(summary)),
-        "budget.csv": _file(_budget(summary)),
-    }
+"""Its name."""
 
 
 def readings_csv(summary: Summary) -> bytes:
-    """Return the file of all readings, the same in every language; raises SummaryError as `data_files`."""
-    return _file(_readings(summary))
+    """Return the file of all readings, the same in every language; raises SummaryError for a figure not finite."""
+    return csv_text(_readings(summary)).encode("utf-8", "replace")
 
 
-def _file(rows: Rows) -> bytes:
-    return csv_text(rows).encode("utf-8", "replace")
-
-
-def _readings(summary: Summary) -> Rows:
+def _readings(summary: Summary) -> Iterator[Sequence[str]]:
     axes = list(dict.fromkeys(axis for row in summary.history for axis in row.position or {}))
     names = [f"{axis}_{axis_unit(axis)}" for axis in axes]
     further = max((len(row.others) for row in summary.history), default=0)
@@ -67,38 +50,6 @@ def _readings(summary: Summary) -> Rows:
         said = [row.approach, _figure(value), row.unit, _figure(left), _figure(z), "no" if row.rejected else "yes"]
         others = [*map(_figure, row.others), *[""] * (further - len(row.others))]
         yield [str(row.reading), row.setup or "", *at, *said, _figure(row.rms_um), _figure(row.minutes), *others]
-
-
-def _curves(curves: Sequence[CurveSummary]) -> Rows:
-    yield ["error", "axis", "position", "position_unit", "mean", "half_width_95", "before_95", "unit"]
-    for each in curves:
-        for at, mean, std, prior in zip(each.position, each.mean, each.std, each.prior_std, strict=True):
-            figures = [_figure(mean), _figure(BAND * std), _figure(BAND * prior)]
-            yield [each.name, each.axis, _figure(at), each.position_unit, *figures, each.value_unit]
-
-
-def _constants(summary: Summary) -> Rows:
-    yield ["constant", "is", "mean", "half_width_95", "before_95", "unit"]
-    for each in summary.constants:
-        figures = [_figure(each.mean), _figure(BAND * each.std), _figure(BAND * each.prior_std)]
-        yield [each.name, each.words, *figures, each.unit]
-
-
-def _volume(summary: Summary) -> Rows:
-    kinds = ("found", "left", "half_width_95")
-    yield [*(f"{name}_mm" for name in "xyz"), *(f"{kind}_{name}_um" for kind in kinds for name in "xyz")]
-    volume = summary.volume
-    if volume is None:
-        return
-    for k, at in enumerate(volume.tcp_mm):
-        left = volume.left_um[k] if volume.left_um else (None, None, None)
-        yield [_figure(each) for each in (*at, *volume.found_um[k], *left, *volume.half_um[k])]
-
-
-def _budget(summary: Summary) -> Rows:
-    yield ["source", "rms_um", "share"]
-    for row in summary.budget:
-        yield [row.words, _figure(row.rms_um), _figure(row.share)]
 
 
 def _place(value: float | None) -> str:

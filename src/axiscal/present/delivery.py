@@ -7,24 +7,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from axiscal.answers.answer_of_campaign import answer_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
 from axiscal.description.particulars import Particulars
 from axiscal.document.durable import write_whole, written
-from axiscal.errors.volume import Box
-from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import said, speaking, spoken_now
-from axiscal.numerics import Array
-from axiscal.numerics.spread import even_points
 from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
-from axiscal.present.data_files import data_files
+from axiscal.present.data_files import READINGS, readings_csv
 from axiscal.present.result_document import result_json
 from axiscal.present.result_set import RECORD, result_set, write_manifest
 from axiscal.present.statement import NOT_KNOWN
@@ -32,14 +25,11 @@ from axiscal.present.summarising import Extras, record_state, summarise
 from axiscal.present.summary import RecordState, Summary, TableEffect, TableOffer
 from axiscal.present.whose_language import named_language
 from axiscal.tables import registry
-from axiscal.tables.effect import Deviation, rms, tour
 from axiscal.tables.offer import Export, effect_sentence
 from axiscal.units import to_unit
 
 _ALWAYS = "csv"
 """What every finished campaign gets beside the files for its own controls; `axiscal export` makes others."""
-_POSES = 2000
-"""Poses over which an RMS is taken: it is known to two percent of itself."""
 
 
 @one_thread()
@@ -57,7 +47,8 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
         controls = {each.controller: each.control for each in files if each.controller in described.controls}
         answer = answer_of(campaign, estimation, controls, written=True, anyway=extras.anyway)
         offers = [offer for name, each in made.items() for offer in _offers(name, each)]
-        best = min(files, key=lambda each: each.expected, default=None)
+        advised = {step.control for step in answer.steps}
+        best = min(files, key=lambda each: (each.controller not in advised, each.expected), default=None)
         summary = summarise(campaign, estimation, replace(extras, tables=offers, best=best, answer=answer))
         return _delivered(campaign, summary, made, out, language)
 
@@ -83,8 +74,7 @@ def _delivered(
             write_report(summary, folder / "report.pdf", language)
         write_report(summary, folder / "certificate.xml")
         (folder / "data").mkdir()
-        for name, content in data_files(summary).items():
-            write_whole(folder / "data" / name, content)
+        write_whole(folder / "data" / READINGS, readings_csv(summary))
         write_manifest(folder, record_state(campaign), summary.versions)
     return summary
 
@@ -192,25 +182,6 @@ def write_files(offered: Export, folder: Path) -> None:
         write_whole(folder / name, text.encode())
 
 
-def reached(yardstick: Yardstick, estimate: Estimate, truth: Deviation) -> float:
-    """Return the RMS over the volume of the true deviation less the estimated one, m.
-
-    Its constant part is taken off, and where parts are aligned a turn of them, too.
-    """
-    places = _poses(estimate.box) if yardstick.sample is None else yardstick.sample[:_POSES]
-    poses, approaches = tour(places, estimate.box)
-    missed = truth(poses, approaches) - estimate.deviation(poses, approaches)
-    left = missed if yardstick.alignment is None else yardstick.alignment.left(poses, missed)
-    return rms(left, yardstick.counted)
-
-
 def left_out(offered: Export) -> str:
     """Say what the files leave of the deviation."""
     return effect_sentence(said("All files together"), offered.effect, offered.unknown)
-
-
-def _poses(box: Box) -> Array:
-    """Return poses spread evenly over a volume, (m, q)."""
-    low, high = np.array(box).T
-    poses: Array = low + (high - low) * even_points(_POSES, len(low))
-    return poses

@@ -13,9 +13,8 @@ from axiscal.estimation.agreement_words import STRANGE, farthest, membership_wor
 from axiscal.estimation.case import Case
 from axiscal.estimation.changes import changes
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.inference.aliasing import Alias, aliases
 from axiscal.estimation.promise.agreement import AGREES
-from axiscal.estimation.zero_drift import Trend, paths, trend, with_sides
+from axiscal.estimation.zero_drift import paths
 from axiscal.language.spoken import capital, later, listed, put, said
 from axiscal.measurement.place_texts import reading_unit, value_names
 from axiscal.measurement.reading import Reading
@@ -57,7 +56,6 @@ def findings(estimation: Estimation) -> list[Finding]:
         *_unobservable(estimation),
         *_outliers(estimation),
         *learnt_sizes(estimation),
-        *_aliasing(estimation),
         *_drift(estimation),
         *_changes(estimation),
         *strangers(estimation),
@@ -111,35 +109,10 @@ def _disagreeing(estimation: Estimation) -> Iterator[Finding]:
             yield Finding("outlier", None, capital(said(text, reading=name, away=float(left[index].z))))
 
 
-def _aliasing(estimation: Estimation) -> Iterator[Finding]:
-    for alias in aliases(estimation.case.description.machine, estimation.readings):
-        yield Finding("aliasing", alias.error, _alias_text(alias))
-
-
-def _alias_text(alias: Alias) -> str:
-    unit, name = alias.axis.unit, alias.axis.name
-    spacing = said("The positions read on {axis} all lie alike in the period", axis=name)
-    if alias.spacing is not None:
-        spaced = "The positions read on {axis} are equally spaced, {spacing} apart"
-        spacing = said(spaced, axis=name, spacing=said_quantity(alias.spacing, unit, 4))
-    slow = said("a constant")
-    if not np.isinf(alias.seen_as):
-        slow = said("one of {period}", period=said_quantity(alias.seen_as, unit, 4))
-    return said(
-        "{spacing}: what repeats every {period} in {error} looks like {slow}; vary the targets.",
-        spacing=spacing,
-        period=said_quantity(alias.period, unit, 4),
-        error=alias.error,
-        slow=slow,
-    )
-
-
 def _drift(estimation: Estimation) -> Iterator[Finding]:
-    """Say how far zeros have wandered: those that are stated to, and those that repeated readings show."""
-    usable = with_sides(estimation)
+    """Say how far zeros have wandered that may."""
     for setup in estimation.stated.description.setups:
-        found = _stated_drift(estimation, setup) if setup.drift > 0 else _shown_drift(trend(usable, setup), setup)
-        if found:
+        if found := _stated_drift(estimation, setup):
             yield Finding("drift", None, found)
 
 
@@ -168,21 +141,6 @@ def _stated_drift(estimation: Estimation, setup: Setup) -> str:
                 stated = "That is more than is stated: drift = {rate} would be."
                 found.append(said(usual if setup.drift_said == "usual" else stated, rate=_rate_text(rate, unit)))
     return listed(" ", found)
-
-
-def _shown_drift(found: Trend, setup: Setup) -> str:
-    if found.std == 0 or abs(found.rate) <= _FAR * found.std:
-        return ""
-    unit = reading_unit(setup)
-    return said(
-        'The zero of "{setup}" moved by {size} in {time}, as readings repeated in one place show ({away:.1f} standard '
-        "deviations). The estimate takes it for noise: state drift = {rate} in the set-up.",
-        setup=setup.name,
-        size=said_quantity(found.rate * found.seconds, unit, 2),
-        time=_lasting(found.seconds),
-        away=float(abs(found.rate) / found.std),
-        rate=_rate_text(abs(found.rate), unit),
-    )
 
 
 def _lasting(seconds: float) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from jinja2 import Environment
+from typing import Any
+
 from markupsafe import Markup
 
 from axiscal.language.spoken import capital, later, resaid, said
@@ -16,7 +17,7 @@ from axiscal.present.standalone import environment, inlined
 from axiscal.present.statement import answered, statement
 from axiscal.present.summary import Summary
 
-_FILTERS = {
+FILTERS = {
     "figure": sentences.figure,
     "quantity": sentences.quantity,
     "unit": sentences.unit_text,
@@ -34,7 +35,6 @@ _FILTERS = {
 }
 _CODES = {
     "accepted": later("accepted mistake"),
-    "aliasing": later("targets too regular"),
     "prior-misfit": later("not as stated beforehand"),
     "copies": later("readings that come twice"),
     "resolution": later("steps of the display"),
@@ -55,38 +55,37 @@ def render(summary: Summary) -> str:
     Raises SummaryError for figures that are not finite.
     """
     summary = resaid(summary)
-    values = {
-        "s": summary,
+    drawn = {
         "draw": shown,
+        "draw_circle": lambda circle: Markup(circle_picture(circle, _CIRCLE)),
+        "picture": "" if summary.bent is None else found_and_left_shown(summary.bent),
+        "code": Markup("<code>{}</code>").format,
+    }
+    templates = environment("axiscal.present")
+    templates.filters |= FILTERS
+    page = templates.get_template("report.html").render(report_values(summary) | drawn | inlined())
+    return page.encode("utf-8", "replace").decode("utf-8")  # a file name may hold bytes that are no text
+
+
+def report_values(summary: Summary) -> dict[str, Any]:
+    """Return what both reports, the page and the PDF, are filled with, in the language that is spoken."""
+    return {
+        "s": summary,
         "groups": gallery.groups(summary.curves, summary.chain),
         "reversal_groups": gallery.groups(summary.reversals, summary.chain),
         "planes": gallery.plane_panels(summary),
         "constants": sentences.constant_rows(summary),
         "positioning": [(each, figures.positioning_figure(each)) for each in summary.positioning],
-        "circles": [(each, Markup(circle_picture(each, _CIRCLE))) for each in summary.circles],
         **answered(summary)._asdict(),
-        "picture": "" if summary.bent is None else found_and_left_shown(summary.bent),
         "stated": statement(summary),
         "files_of": files_of_controls(summary.tables),
         "codes": {code: said(words) for code, words in _CODES.items()},
         "unsaid": said(UNSAID),
-        "code": Markup("<code>{}</code>").format,
         "volume_words": sentences.volume_words(summary),
         "first_number": sentences.first_number_words(summary),
         "pairs": pairs(summary),
         "words": words(),
-        "accuracy": figures.accuracy(summary) if summary.history else None,
-        "innovations": figures.innovations(summary),
         "before": [row for row in summary.history if not row.position],
         "listed": listed(summary),
         "flagged": {warning.error: warning.code for warning in summary.warnings if warning.error},
-        **inlined(),
     }
-    page = _environment().get_template("report.html").render(values)
-    return page.encode("utf-8", "replace").decode("utf-8")  # a file name may hold bytes that are no text
-
-
-def _environment() -> Environment:
-    templates = environment("axiscal.present")
-    templates.filters.update(_FILTERS)
-    return templates

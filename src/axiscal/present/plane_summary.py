@@ -10,7 +10,7 @@ import numpy as np
 from axiscal.errors.iso230 import words
 from axiscal.errors.model import ErrorModel, Term
 from axiscal.errors.plane import PlaneError
-from axiscal.estimation.estimation import Banded, Estimation
+from axiscal.estimation.estimation import Estimation
 from axiscal.machine.names import COMPONENTS
 from axiscal.numerics import Array
 from axiscal.units import to_unit
@@ -45,11 +45,11 @@ class PlaneSummary:
 
 def planes(estimation: Estimation) -> list[PlaneSummary]:
     """Return every error that is a function of two positions."""
-    return [_plane(estimation.banded, plane) for plane in estimation.banded.case.errors.planes]
+    return [_plane(estimation, plane) for plane in estimation.case.errors.planes]
 
 
-def _plane(estimation: Banded, plane: PlaneError) -> PlaneSummary:
-    errors, belief = estimation.case.errors, estimation.knowledge.belief
+def _plane(estimation: Estimation, plane: PlaneError) -> PlaneSummary:
+    errors, belief = estimation.case.errors, estimation.printed.belief
     axes = tuple(errors.machine.axes[index] for index in plane.axes)
     at = tuple(np.linspace(*axis.travel, _POSITIONS) for axis in axes)
     poses = np.tile(np.array(errors.machine.zero), (_POSITIONS**2, 1))

@@ -12,9 +12,7 @@ from axiscal.present.plane_summary import PlaneSummary
 from axiscal.present.summary import (
     CurveSummary,
     HistoryRow,
-    Linear,
     Position,
-    Rejection,
     Summary,
     TableOffer,
 )
@@ -33,7 +31,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
         **_expanded(summary),
         **_kept(summary, "unseen_rms_um"),
         "budget": [_kept(row, "rms_um share", source=row.words) for row in summary.budget],
-        **_linear(summary.linear),
+        **_kept(summary, "nonlinearity"),
         **_targets(summary),
         "history": [_history(row) for row in summary.history],
         "errors": {curve.name: _curve(curve) for curve in (*summary.curves, *summary.reversals)},
@@ -87,22 +85,14 @@ def _position(position: Position | None) -> dict[str, float] | None:
 
 
 def _targets(summary: Summary) -> dict[str, Any]:
-    found = _kept(
+    return _kept(
         summary, "target_rms_um target_worst_um", target_U_um=summary.target_u_um, target_reached=summary.target_reached
     )
-    truth = "" if summary.truth is None else "promised_rms_um reached_rms_um"
-    return found | _kept(summary.truth, truth)
 
 
 def _agreement(found: ReadingAgreement) -> dict[str, Any]:
     explained = [_kept(each, "mistake odds setups", text=each.words) for each in found.explained]
     return _kept(found, "count agreeing c2 p contradict") | {"explained": explained, "text": found.words}
-
-
-def _linear(found: Linear | None) -> dict[str, Any]:
-    if found is None:
-        return {"linear_to_um": None, "nonlinearity": None}
-    return _kept(found, "", linear_to_um=found.bound_um, nonlinearity=found.index)
 
 
 def _expanded(summary: Summary) -> dict[str, Any]:
@@ -147,6 +137,6 @@ def _table(offer: TableOffer, summary: Summary) -> dict[str, Any]:
     )
 
 
-def _rejection(rejection: Rejection) -> dict[str, Any]:
+def _rejection(rejection: HistoryRow) -> dict[str, Any]:
     found = _kept(rejection, "reading setup unit reason", value=rejection.value_um)
     return found | {"position": _position(rejection.position)}

@@ -132,10 +132,10 @@ def volume_words(summary: Summary) -> str:
     return said(parked if volume.parked else alone, **told)
 
 
-def first_number_words(summary: Summary) -> list[str]:
-    """Return which number of a reading with several is compared, where there is such a reading."""
+def first_number_words(summary: Summary) -> str:
+    """Return which number of a reading with several is compared, "" where there is no such reading."""
     several = any(row.others for row in summary.history)
-    return [said("A reading with several numbers shows the first, along x.")] if several else []
+    return said("A reading with several numbers shows the first, along x.") if several else ""
 
 
 def left_out_words(block: Iso230) -> str:
@@ -285,23 +285,6 @@ def pairs(summary: Summary) -> list[tuple[str, str]]:
 def _equipment(each: Equipment) -> str:
     certificate = said("certificate {number}", number=each.certificate) if each.certificate else ""
     return ", ".join(part for part in (each.serial, certificate) if part)
-
-
-def setup_rows(summary: Summary) -> list[list[str]]:
-    """Return a row for each set-up: name, instrument, serial number, certificate, along, moves, noise, readings."""
-    return [
-        [
-            use.name,
-            use.instrument,
-            use.serial or said(UNSAID),
-            use.certificate or said(UNSAID),
-            use.direction,
-            " ".join(use.moves),
-            spelt(use.noise),
-            str(use.readings),
-        ]
-        for use in summary.setups
-    ]
 
 
 _CAUSES = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -16,15 +16,17 @@ from axiscal.language.spoken import counted, said, spoken_now
 from axiscal.present.drawing.colours import IN_DARK, IN_LIGHT, variables
 
 
-def environment(package: str) -> Environment:
+def environment(package: str, written: Callable[[object], object] | None = None) -> Environment:
     """Return what renders the templates of a package, which may extend `standalone.html`.
 
     A name that has no value is a fault, and no value is markup.
+    written : how a value is written, as markup, in a template that is not HTML
     """
     made = Environment(
         loader=ChoiceLoader([PackageLoader(package), PackageLoader("axiscal.present")]),
         autoescape=True,
         undefined=StrictUndefined,
+        finalize=written,
         trim_blocks=True,
         lstrip_blocks=True,
     )

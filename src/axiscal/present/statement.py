@@ -24,6 +24,15 @@ from axiscal.units import said_quantity, to_unit
 
 _HOUR, _MANY = 3600.0, 3
 """s; and names in a clause, a matter of taste."""
+_ROUNDED = 1.002
+"""Half of the last of three digits, at most."""
+
+_HEADINGS = (
+    (later("row"), later("where"), later("read"), later("largest found"), later("known before"), later("at best")),
+    (later("error"), later("code"), later("before, 95 %"), later("now, 95 %")),
+    (later("source"), later("type"), later("distribution"), "u", later("share of u²")),
+)
+"""Of rows, errors and sources on a terminal."""
 
 NOT_KNOWN = later("Not known: the readings contradict each other")
 
@@ -47,8 +56,10 @@ class Statement(NamedTuple):
     def lines(self) -> Iterator[str]:
         """The statement for a terminal, a line for each, with units as terminals have them."""
         pairs = (f"{name}: {text}" for name, text in (*self.conditions, *self.figures))
-        tables = ("  ".join(part for part in cells if part) for cells in (*self.rows, *self.errors, *self.sources))
-        for line in (*pairs, *tables, *([self.sum] if self.sum else [])):
+        tables = zip(_HEADINGS, (self.rows, self.errors, self.sources), strict=True)
+        each = (line for heading, lines in tables if lines for line in ([*map(said, heading)], *lines))
+        cells = ("  ".join(part for part in line if part) for line in each)
+        for line in (*pairs, *cells, *([self.sum] if self.sum else [])):
             yield line.replace("µ", "u").replace("\xa0", " ")
 
 
@@ -103,25 +114,19 @@ def _figures(summary: Summary) -> Iterator[tuple[str, str]]:
     yield said("U {where}, worst place", where=where), quantity(found.worst, "um")
     if summary.unseen_rms_um > 0:
         yield said("part of u that stays open with any reading"), quantity(summary.unseen_rms_um, "um")
-    if summary.linear is not None:
-        yield said("Linear, at the tool"), said("to {size}", size=quantity(summary.linear.bound_um, "um"))
-        yield said("largest second order of a reading over its noise"), figure(summary.linear.index)
-    if summary.truth is not None:
-        truth = summary.truth
-        promised, reached = (quantity(each, "um") for each in (truth.promised_rms_um, truth.reached_rms_um))
-        text = said("{reached} RMS are left where u promised {promised}", reached=reached, promised=promised)
-        yield said("True errors, known here"), text
+    if summary.nonlinearity is not None:
+        yield said("largest second order of a reading over its noise"), figure(summary.nonlinearity)
 
 
 def _sum(summary: Summary) -> str:
     """Return how u and U follow from the sources."""
     u, found = summary.rms_um, summary.expanded
-    return said(
-        "u = √(sum of squares) = {u}. U = k u = {k} · {u} = {expanded}.",
-        u=quantity(u, "um"),
-        k=figure(found.factor),
-        expanded=quantity(found.space, "um"),
-    )
+    whole = math.sqrt(sum(row.rms_um**2 for row in summary.budget))
+    words = "u = √(sum of squares) = {u}. U = k u = {k} · {u} = {expanded}."
+    if whole > _ROUNDED * u:
+        words = "√(sum of squares) = {whole} at the sizes as learnt. Averaged over sizes u = {u}. U = k u = {expanded}."
+    return said(words, u=quantity(u, "um"), whole=quantity(whole, "um"), k=figure(found.factor),
+                expanded=quantity(found.space, "um"))  # fmt: skip
 
 
 def _of_the_machine(summary: Summary) -> list[ConstantSummary]:

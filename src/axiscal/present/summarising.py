@@ -43,13 +43,10 @@ from axiscal.present.summary import (
     Finding,
     HistoryRow,
     Iso230,
-    Linear,
     RecordState,
-    Rejection,
     SetupUse,
     Summary,
     TableOffer,
-    TruthCheck,
     Uncertainty,
 )
 from axiscal.present.volume_error import bent_volume, volume_error
@@ -62,7 +59,7 @@ _WORDS = {
     "temperature": later("Temperature of the measured material and its expansion"),
     "artefact": later("Artefacts: calibrated lengths, and where they stand"),
     "detail": later("Detail of the machine that the curves do not follow"),
-    "prior": later("The machine's errors as far as these readings leave them open, at the stated sizes"),
+    "prior": later("The machine's errors as far as these readings leave them open"),
     "unseen": later("What no reading with the allowed set-ups can see"),
     "sizes": later("Sizes learnt from the readings, and a model that may be wrong"),
 }
@@ -84,9 +81,7 @@ class Extras:
 
     tables: Sequence[TableOffer] = ()
     truth: VirtualMachine | None = None
-    truth_check: TruthCheck | None = None
     iso230: Sequence[Iso230] = ()
-    files: Sequence[str] = ()
     warnings: Sequence[Finding] = ()
     anyway: bool = False
     checked: TablesChecked | None = None
@@ -133,17 +128,14 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         planes=planes(estimation),
         observability=observability(case),
         questions=open_questions(description),
-        rejected=_rejections(estimation, rows),
         warnings=[*extras.warnings, *_accepted(campaign), *findings(estimation), *not_gaussian(linear)],
         tables=extras.tables,
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
         target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
         target_u_um=None if target.expanded is None else to_unit(target.expanded, "um"),
         target_reached=reaches(target, estimation),
-        truth=extras.truth_check,
         iso230=extras.iso230 or iso230_blocks(description, campaign.state.readings, estimation.left_out),
         versions=versions(),
-        files=extras.files,
         record=record_state(campaign),
         agreement=agreement_of(estimation),
         volume=volume_error(estimation, *left_by) if campaign.state.readings else None,
@@ -154,7 +146,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         particulars=description.particulars,
         checksums=_checksums(campaign),
         ended=_ended(campaign),
-        linear=linear_of(linear),
+        nonlinearity=linear.largest,
     )
 
 
@@ -210,29 +202,17 @@ def _reversal(curve: CurveSummary) -> bool:
 
 
 def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:
-    """Return how well the machine was known after each reading, and how much each surprised."""
+    """Return how well the machine was known after each reading, and how much each surprised, or was not believed."""
+    away = {doubt.reading: float(doubt.surprise) for doubt in estimation.outliers}
     first, *moments = path(estimation)
     rows = [_row(estimation.case, None, 0, first)]
     for index, (reading, moment) in enumerate(zip(campaign.state.readings, moments, strict=True)):
         row = _row(estimation.case, reading, reading.numbered(index), moment)
-        rows.append(replace(row, rejected=index in estimation.left_out))
+        if index in away:
+            text = "{away:.3g} standard deviations from what the other readings say"
+            row = replace(row, reason=said(text, away=away[index]))
+        rows.append(row)
     return rows
-
-
-def _rejections(estimation: Estimation, rows: Sequence[HistoryRow]) -> list[Rejection]:
-    """Return the readings that were not believed."""
-    return [
-        Rejection(
-            row.reading,
-            row.setup or "",
-            row.position or {},
-            row.value_um or 0.0,
-            said("{away:.3g} standard deviations from what the other readings say", away=float(doubt.surprise)),
-            row.unit,
-        )
-        for doubt in estimation.outliers
-        if (row := rows[doubt.reading + 1])
-    ]
 
 
 def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> HistoryRow:
@@ -276,11 +256,6 @@ def _temperature(setup: Setup) -> str:
     if not setup.growth:
         return ""
     return said("{growth:.3g} um/m against 20 degC", growth=float(setup.growth * 1e6))
-
-
-def linear_of(found: Linearity) -> Linear:
-    """Return the same in display units."""
-    return Linear(to_unit(found.bound, "um"), found.largest)
 
 
 def not_gaussian(found: Linearity) -> Iterator[Finding]:

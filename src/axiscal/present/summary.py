@@ -40,6 +40,7 @@ class HistoryRow:
 
     unit : of `value_um`, `others`, `innovation`, `innovation_std`: "um" except for angle readings
     others : the further numbers of a reading that has several, such as a sphere's along y and z
+    reason : why it was not believed, "" where it was
     """
 
     reading: int
@@ -51,10 +52,15 @@ class HistoryRow:
     rms_um: float
     worst_um: float
     minutes: float
-    rejected: bool = False
     unit: str = "um"
     approach: str = ""
     others: tuple[float, ...] = ()
+    reason: str = ""
+
+    @property
+    def rejected(self) -> bool:
+        """Whether it was not believed."""
+        return self.reason != ""
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -115,23 +121,11 @@ class ConstantSummary:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A warning: `code` is one of accepted aliasing prior-misfit drift outlier unobservable copies …"""
+    """A warning: `code` is one of accepted prior-misfit drift outlier unobservable copies …"""
 
     code: str
     error: str | None
     text: str
-
-
-@dataclass(frozen=True, slots=True)
-class Rejection:
-    """A reading that was not believed, and why."""
-
-    reading: int
-    setup: str
-    position: Position
-    value_um: float
-    reason: str
-    unit: str = "um"
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,15 +152,6 @@ class TableEffect:
     before: float
     after: float
     expected: float
-
-
-@dataclass(frozen=True, slots=True)
-class TruthCheck:
-    """RMS promised by the estimate against RMS reached, where the truth is known."""
-
-    promised_rms_um: float
-    reached_rms_um: float
-    before_rms_um: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,17 +210,6 @@ class Uncertainty:
 
 
 @dataclass(frozen=True, slots=True)
-class Linear:
-    """How linear machine and readings are.
-
-    bound_um : no machine within the bands differs by more from its first order; index : the largest ν of a reading
-    """
-
-    bound_um: float
-    index: float
-
-
-@dataclass(frozen=True, slots=True)
 class Summary:
     """Everything the report shows.
 
@@ -263,17 +237,14 @@ class Summary:
     planes: Sequence[PlaneSummary] = ()
     observability: Sequence[str] = ()
     questions: Sequence[str] = ()
-    rejected: Sequence[Rejection] = ()
     warnings: Sequence[Finding] = ()
     tables: Sequence[TableOffer] = ()
     target_rms_um: float | None = None
     target_worst_um: float | None = None
     target_u_um: float | None = None
     target_reached: bool | None = None
-    truth: TruthCheck | None = None
     iso230: Sequence[Iso230] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
-    files: Sequence[str] = ()
     record: RecordState | None = None
     agreement: ReadingAgreement = NOTHING_READ
     volume: VolumeError | None = None
@@ -284,4 +255,9 @@ class Summary:
     particulars: Particulars = NOTHING_SAID
     checksums: Mapping[str, str] = field(default_factory=dict)
     ended: str = ""
-    linear: Linear | None = None
+    nonlinearity: float | None = None
+
+    @property
+    def rejected(self) -> Sequence[HistoryRow]:
+        """The readings that were not believed."""
+        return [row for row in self.history if row.rejected]

@@ -81,8 +81,7 @@ class Estimated(Mapping[str, Curve]):
 
     def __getitem__(self, name: str) -> Curve:
         """Return one error; raises KeyError for a name that the machine has not."""
-        wide = self.estimation.banded
-        function, known = wide.case.errors.names[name], wide.knowledge.belief
+        function, known = self.estimation.case.errors.names[name], self.estimation.printed.belief
         mean, factor = known.mean[function.columns], known.factor[function.columns]
         unit = "urad" if function.angular else "um"
         at = self.machine.axes[function.axis].unit

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
@@ -78,6 +79,13 @@ class Noted:
 
 
 @dataclass(frozen=True, slots=True)
+class Continued:
+    """No limit is reached by the readings before it; basis : what a plan made now rests on, as of `Planned`."""
+
+    basis: str
+
+
+@dataclass(frozen=True, slots=True)
 class Mounted:
     """A set-up was mounted anew for a branch whose readings are taken over: its own unknowns are others.
 
@@ -125,7 +133,9 @@ class Newer:
     of_readings: bool = False
 
 
-Event = Created | Planned | Asked | Recorded | Skipped | Noted | Mounted | Accepted | Undone | Finished | Signed | Newer
+Done = Recorded | Skipped | Accepted | Finished
+"""What can be taken back."""
+Event = Created | Planned | Asked | Continued | Done | Noted | Mounted | Undone | Signed | Newer
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +182,7 @@ class Undoable:
     """
 
     number: int
-    event: Recorded | Skipped | Accepted | Finished
+    event: Done
     pending: Asked | None
     readings: tuple[Reading, ...] = ()
 
@@ -188,6 +198,7 @@ class State:
     finished : why the campaign ended, if it has
     plan : places that have been planned and not been asked for yet; plan_basis : what they were planned on
     renew : whether something happened that was not planned: a skip, a reading elsewhere, something taken back
+    continued : what a plan made now rests on, where no limit is reached by these readings; None where nobody has looked
     undo : what can be taken back, the latest last
     notes : what was noted on the way
     mounted : set-ups that were mounted anew for a branch, or whose zero jumped later
@@ -211,6 +222,7 @@ class State:
     name: str = ""
     written: tuple[Reading, ...] = ()
     newer: tuple[Newer, ...] = ()
+    continued: str | None = None
 
     @property
     def free(self) -> int:
@@ -250,151 +262,139 @@ def fold(events: Iterable[Stored]) -> State:
     return folding.state()
 
 
+@dataclass(eq=False, slots=True)
 class Folding:
-    """The state while events are added to it, in time proportional to their number.
+    """The state while events are added to it, in time proportional to their number; fields as of `State`.
 
+    highest : number of a reading or a skip so far, after each of them
     `add` raises EventOrderError; what it was added to is then of no more use.
     """
 
-    def __init__(self) -> None:
-        self._created: Created | None = None
-        self._readings: list[Reading] = []
-        self._written: list[Reading] = []
-        self._skipped: list[Gap] = []
-        self._pending: Asked | None = None
-        self._finished: str | None = None
-        self._plan: list[Place] = []
-        self._plan_basis = ""
-        self._renew = False
-        self._undo: list[Undoable] = []
-        self._notes: list[Note] = []
-        self._mounted: list[Mounted] = []
-        self._newer: list[Newer] = []
-        self._highest: list[int] = []
-        self._last = 0
+    created: Created | None = None
+    readings: list[Reading] = field(default_factory=list)
+    written: list[Reading] = field(default_factory=list)
+    skipped: list[Gap] = field(default_factory=list)
+    pending: Asked | None = None
+    finished: str | None = None
+    plan: list[Place] = field(default_factory=list)
+    plan_basis: str = ""
+    renew: bool = False
+    continued: str | None = None
+    undo: list[Undoable] = field(default_factory=list)
+    notes: list[Note] = field(default_factory=list)
+    mounted: list[Mounted] = field(default_factory=list)
+    newer: list[Newer] = field(default_factory=list)
+    highest: list[int] = field(default_factory=list)
+    last: int = 0
 
     def copied(self) -> Folding:
         """Return another that goes on from here."""
-        other = copy(self)
-        for name in ("_readings", "_written", "_skipped", "_plan", "_undo", "_notes", "_mounted", "_newer", "_highest"):
-            setattr(other, name, list(getattr(self, name)))
-        return other
+        return Folding(**{each.name: copy(getattr(self, each.name)) for each in fields(self)})
 
     def state(self) -> State:
         """Return the state so far."""
-        return State(
-            self._created,
-            tuple(self._readings),
-            tuple(self._skipped),
-            self._pending,
-            self._finished,
-            tuple(self._plan),
-            self._plan_basis,
-            self._renew,
-            tuple(self._undo),
-            tuple(self._notes),
-            tuple(self._mounted),
-            self._last,
-            written=tuple(self._written),
-            newer=tuple(self._newer),
-        )
+        named = ((each.name, getattr(self, each.name)) for each in fields(self) if each.name != "highest")
+        found: dict[str, Any] = {name: tuple(one) if isinstance(one, list) else one for name, one in named}
+        return State(**found)
 
     def add(self, stored: Stored) -> None:
         """Let one more event happen."""
         event = stored.event
         self._refuse_disorder(stored)
+        if not isinstance(event, Planned | Asked | Noted | Signed | Newer):
+            self.continued = event.basis if isinstance(event, Continued) else None
         if isinstance(event, Created):
-            self._created = event
+            self.created = event
         elif isinstance(event, Planned):
-            self._plan, self._plan_basis, self._renew = list(event.places), event.basis, False
+            self.plan, self.plan_basis, self.renew = list(event.places), event.basis, False
         elif isinstance(event, Asked):
             self._ask(event)
         elif isinstance(event, Undone):
             self._take_back(event)
         elif isinstance(event, Noted):
-            after = self._readings[-1].number or len(self._readings) if self._readings else 0
-            self._notes.append(Note(event.text, stored.at, after))
+            after = self.readings[-1].number or len(self.readings) if self.readings else 0
+            self.notes.append(Note(event.text, stored.at, after))
         elif isinstance(event, Mounted):
-            self._mounted.append(event)
+            self.mounted.append(event)
         elif isinstance(event, Newer):
-            self._newer.append(event)
+            self.newer.append(event)
         elif isinstance(event, Accepted):
-            self._undo.append(Undoable(stored.number, event, self._pending, tuple(self._readings)))
+            self.undo.append(Undoable(stored.number, event, self.pending, tuple(self.readings)))
             self._accept(event)
-        elif not isinstance(event, Signed):
-            self._undo.append(Undoable(stored.number, event, self._pending))
+        elif not isinstance(event, Signed | Continued):
+            self.undo.append(Undoable(stored.number, event, self.pending))
             self._take(event)
-        self._last = stored.number
+        self.last = stored.number
 
     def _ask(self, event: Asked) -> None:
-        self._pending = event
-        if self._plan and self._plan[0] == event.place:
-            del self._plan[0]
+        self.pending = event
+        if self.plan and self.plan[0] == event.place:
+            del self.plan[0]
 
     def _refuse_disorder(self, stored: Stored) -> None:
         first = isinstance(stored.event, Created)
-        if first and self._created is not None:
+        if first and self.created is not None:
             raise EventOrderError("the campaign was created twice")
-        if not first and self._created is None:
+        if not first and self.created is None:
             raise EventOrderError("the first event is not the creation of the campaign")
-        if self._finished is not None and not isinstance(stored.event, Undone | Noted | Signed | Newer):
+        if self.finished is not None and not isinstance(stored.event, Undone | Noted | Signed | Newer):
             raise EventOrderError("it comes after the end of the campaign")
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
         if isinstance(event, Recorded):
-            self._written.append(event.reading.under(self._counted(self._number(event))))
-            self._readings.append(self._written[-1])
-            planned = self._pending is not None and event.reading.place == self._pending.place
-            self._renew = self._renew or not planned
+            self.written.append(event.reading.under(self._counted(self._number(event))))
+            self.readings.append(self.written[-1])
+            planned = self.pending is not None and event.reading.place == self.pending.place
+            self.renew = self.renew or not planned
         elif isinstance(event, Finished):
-            self._finished = event.because
-        elif self._pending is None:
+            self.finished = event.because
+        elif self.pending is None:
             raise EventOrderError("a reading was skipped that nobody had asked for")
         else:
-            gap = Gap(self._pending, event.reason, event.rest)
-            self._skipped.append(gap)
+            gap = Gap(self.pending, event.reason, event.rest)
+            self.skipped.append(gap)
             self._counted(gap.asked.reading)
-            self._plan, self._renew = [place for place in self._plan if not gap.holds(place)], True
-        self._pending = None
+            self.plan, self.renew = [place for place in self.plan if not gap.holds(place)], True
+        self.pending = None
 
     def _accept(self, event: Accepted) -> None:
         """Put readings right; what is asked stays asked."""
         try:
-            self._readings = put_right(self._readings, event)
+            self.readings = put_right(self.readings, event)
         except ValueError as fault:
             raise EventOrderError(str(fault)) from None
         if event.name:
-            if event.name in {each.name for each in self._mounted}:
+            if event.name in {each.name for each in self.mounted}:
                 raise EventOrderError(f"there is a set-up {event.name!r} already")
-            self._mounted.append(Mounted(event.setups[0], event.name, ""))
-        self._renew = True
+            self.mounted.append(Mounted(event.setups[0], event.name, ""))
+        self.renew = True
 
     def _number(self, event: Recorded) -> int:
-        asked = self._pending.reading if self._pending else (self._highest[-1] if self._highest else 0) + 1
+        asked = self.pending.reading if self.pending else (self.highest[-1] if self.highest else 0) + 1
         return asked if event.reading.number is None else event.reading.number
 
     def _counted(self, number: int) -> int:
         """Remember the highest number so far, for the next free one, and return the number."""
-        self._highest.append(max(number, self._highest[-1] if self._highest else 0))
+        self.highest.append(max(number, self.highest[-1] if self.highest else 0))
         return number
 
     def _take_back(self, event: Undone) -> None:
-        if not self._undo or self._undo[-1].number != event.event:
+        if not self.undo or self.undo[-1].number != event.event:
             raise EventOrderError(f"event {event.event} was taken back, but it was not the last one that can be")
-        step = self._undo.pop()
-        if self._pending is not None and self._pending != step.pending:
-            self._plan.insert(0, self._pending.place)  # it was asked for and never taken
+        step = self.undo.pop()
+        if self.pending is not None and self.pending != step.pending:
+            self.plan.insert(0, self.pending.place)  # it was asked for and never taken
         if isinstance(step.event, Recorded):
-            self._readings.pop()
-            self._written.pop()
-            self._highest.pop()
+            self.readings.pop()
+            self.written.pop()
+            self.highest.pop()
         elif isinstance(step.event, Accepted):
-            self._readings = list(step.readings)
-            self._mounted = [each for each in self._mounted if each.branch or each.name != step.event.name]
+            self.readings = list(step.readings)
+            self.mounted = [each for each in self.mounted if each.branch or each.name != step.event.name]
         elif isinstance(step.event, Skipped):
-            gap = self._skipped.pop()
-            self._highest.pop()
-            self._plan = [] if gap.whole else self._plan  # a plan without the set-up is none to go on from
+            gap = self.skipped.pop()
+            self.highest.pop()
+            self.plan = [] if gap.whole else self.plan  # a plan without the set-up is none to go on from
         else:
-            self._finished = None
-        self._pending, self._renew = step.pending, True
+            self.finished = None
+        self.pending, self.renew = step.pending, True

@@ -15,6 +15,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.record.accepted import MISTAKES, Accepted
 from axiscal.record.events import (
     Asked,
+    Continued,
     Created,
     Event,
     Finished,
@@ -84,6 +85,8 @@ def _fields(event: Event) -> dict[str, object]:
     match event:
         case Planned():
             return {"places": [_place_fields(place) for place in event.places], "grounds": event.basis}
+        case Continued(basis):
+            return {"grounds": basis}
         case Asked():
             return {"reading": event.reading, **_place_fields(event.place)}
         case Recorded(reading):
@@ -205,6 +208,7 @@ _READ: Mapping[str, Callable[[Mapping[str, Any]], Event]] = {
     "recorded": _recorded,
     "skipped": lambda fields: Skipped(_text(fields["reason"]), _flag(fields.get("rest", False))),
     "noted": lambda fields: Noted(_text(fields["text"])),
+    "continued": lambda fields: Continued(_text(fields["grounds"])),
     "mounted": lambda fields: Mounted(*(_text(fields[name]) for name in ("setup", "name", "branch"))),
     "accepted": _accepted,
     "undone": lambda fields: Undone(_whole(fields["event"])),
@@ -216,6 +220,7 @@ _KEYS: Mapping[str, frozenset[str]] = {
     kind.__name__.lower(): frozenset(field.name for field in fields(kind)) for kind in get_args(Event)
 } | {
     "planned": frozenset(("places", "grounds")),
+    "continued": frozenset(("grounds",)),
     "asked": _AT | {"reading"},
     "recorded": _AT | {"reading", "value", "std", "others", "accepted", "time"},
 }

@@ -18,8 +18,6 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
 _HASH = re.compile(r"[0-9a-f]{0,128}")
 _LARGEST_MESH = 50
 """Points a side; more is a slip, for no probe of a printer takes them."""
-_MOST_POINTS = 5000
-"""More points than any control holds are a slip."""
 _USUAL = "XYZABCUVWPQR"
 
 
@@ -34,7 +32,7 @@ class ExportOptions:
     name : of a mesh or profile; mesh : points of a height map along each side, as many as the map that was read or the
     curves have where nobody says
     pivots : put location errors of rotary axes into the kinematics (linuxcnc) instead of the tables
-    points : the most of a table, where the control's memory is set by its owner; encoder : measuring system, 1 or 2
+    encoder : measuring system, 1 or 2
     flip : the control takes the values with the other sign, as a check at one point has shown
     old_files : of the compensation that was active while measuring; old : what they say, once they are read
     active : whether one was, None where nobody said; origin : hash of the record, "" where there is none
@@ -50,7 +48,6 @@ class ExportOptions:
     mesh: int | None = None
     flip: bool = False
     pivots: bool = False
-    points: int | None = None
     encoder: int = 1
     old_files: tuple[OldFile, ...] = ()
     old: Loaded = field(default_factory=Loaded)
@@ -97,8 +94,6 @@ class ExportOptions:
             raise TableError("a mesh of {count} points a side", "Take 2 to {most}", count=self.mesh, most=_LARGEST_MESH)
         if self.encoder not in (1, 2):
             raise TableError("measuring system {number}", "An axis has measuring systems 1 and 2", number=self.encoder)
-        if self.points is not None and not 2 <= self.points <= _MOST_POINTS:
-            raise TableError("a table of {count} points", "Take 2 to {most}", count=self.points, most=_MOST_POINTS)
         if any(number < 0 for numbers in self.numbers.values() for number in numbers):
             raise TableError("numbers of axes are negative", "Count from 0 or 1 as the control does")
 

@@ -94,16 +94,12 @@ class TableFormat(Exporter):
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
         """Return what the files are to hold, that of the old ones added; raises TableError."""
-        most = self.most(options)
+        most = self.points
         own = axis_tables(estimate, options.spacing, most, self.grid)
         over = cross_tables(estimate, options.spacing, most, self.grid[0]) if self.across else ()
         over = over if self.both_ways else tuple(table.averaged() for table in over)
         fit = most if self.on_top is None else self.on_top
         return options.old.under_tables((*own, *over), estimate.machine, fit, even=self.even)
-
-    def most(self, options: ExportOptions) -> int:
-        """Return how many points a table holds."""
-        return self.points
 
     def wanted(self, tables: Sequence[CompensationTable], machine: Machine) -> Control:
         """Return what the files are meant to do."""

@@ -28,7 +28,6 @@ CONTROLLERS = {
     "fanuc": "tables.controllers.fanuc.exporting:Fanuc",
     "heidenhain": "tables.controllers.heidenhain:Heidenhain",
     "isg": "tables.controllers.isg.exporting:Isg",
-    "isg-etalon": "tables.controllers.isg.exporting:IsgEtalon",
     "klipper": "ports.printers.klipper:Klipper",
     "klipper-volumetric": "ports.printers.klipper_volumetric:KlipperVolumetric",
     "linuxcnc": "ports.linuxcnc.tables.exporting:Linuxcnc",

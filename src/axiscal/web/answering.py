@@ -1,13 +1,12 @@
-"""How both pages answer: files, documents that FastAPI describes, refusals as documents, defects that hide nothing."""
+"""How the page answers: files, documents that FastAPI describes, refusals as documents, defects that hide nothing."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from importlib import resources
-from typing import Annotated, Any
+from typing import Any
 
-from fastapi import Depends, FastAPI, Request, Response, Security
+from fastapi import FastAPI, Request, Response, Security
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from fastapi.security import APIKeyCookie, HTTPBearer
@@ -16,7 +15,7 @@ from starlette.routing import Route
 
 from axiscal.answers.answer import AnswerDocument
 from axiscal.exceptions import AxiscalError, OvertakenError
-from axiscal.language.spoken import LANGUAGES, messages
+from axiscal.language.spoken import messages, spoken_now
 from axiscal.web.desk import SurprisingError
 from axiscal.web.shapes import ProblemShape
 
@@ -33,10 +32,10 @@ _NOTHING_HERE = {
 """Status, code and sentence of what is refused before a function is called, by the status that it has."""
 
 
-def page_application(page: str, files: tuple[str, ...], language: str, **settings: Any) -> FastAPI:
-    """Return the application of a page, which begins with the head of all, with the files that it loads.
+def page_application(page: str, files: tuple[str, ...], **settings: Any) -> FastAPI:
+    """Return the application of a page, with the files that it loads.
 
-    language : of the page, whose messages it is given; settings : as of FastAPI
+    settings : as of FastAPI
     Its guard asks for token or cookie; here they are only described.
     """
     token = HTTPBearer(scheme_name="token", description="The token that axiscal serve prints", auto_error=False)
@@ -45,7 +44,7 @@ def page_application(page: str, files: tuple[str, ...], language: str, **setting
     return FastAPI(
         routes=[
             *(Route(path, partial(_file, name), methods=["GET"]) for path, name in named.items()),
-            Route("/words.json", _words(language), methods=["GET"]),
+            Route("/words.json", _words, methods=["GET"]),
         ],
         exception_handlers={
             RequestValidationError: _malformed, AxiscalError: _refused, HTTPException: _not_here, Exception: _defect
@@ -70,24 +69,14 @@ def problem(status: int, code: str, sentence: str, surprise: float | None = None
     return document(ProblemShape(problem=code, sentence=sentence, surprise=surprise), status)
 
 
-def _language_of(request: Request) -> str:
-    named = request.headers.get("accept-language", "")
-    return named if named in LANGUAGES else "en"
-
-
-Language = Annotated[str, Depends(_language_of)]
-"""The language of the answer: the one that a page names, English for every program that names none."""
-
-
-def _words(language: str) -> Callable[[Request], Response]:
-    """Return what answers with the language of a page, and its messages by the English ones."""
-    return lambda _: JSONResponse({"language": language, "messages": messages(language)})
+async def _words(request: Request) -> Response:
+    """Answer with the language of the page, and its messages by the English ones."""
+    return JSONResponse({"language": spoken_now(), "messages": messages(spoken_now())})
 
 
 async def _file(name: str, request: Request) -> Response:
     kind, folder = name.rpartition(".")[2], resources.files("axiscal.web").joinpath("static")
-    begins = folder.joinpath("head.html").read_bytes() if kind == "html" else b""
-    return Response(begins + folder.joinpath(name).read_bytes(), media_type=_KINDS[kind])
+    return Response(folder.joinpath(name).read_bytes(), media_type=_KINDS[kind])
 
 
 async def _malformed(request: Request, failure: Exception) -> Response:

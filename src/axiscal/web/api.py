@@ -1,7 +1,4 @@
-"""The routes of a campaign: the page, its files, and the JSON API, version 1.
-
-And the routes of the form that makes a first description.
-"""
+"""The routes of a campaign: the page, its files, and the JSON API, version 1."""
 
 from __future__ import annotations
 
@@ -12,15 +9,10 @@ from typing import Annotated
 
 from fastapi import FastAPI, Query, Response
 from fastapi.responses import FileResponse
-from starlette.background import BackgroundTask
 
-from axiscal.answers.answer import AnswerDocument
-from axiscal.language.spoken import LANGUAGES, speaking
-from axiscal.present.guide.progress import TableLeft
-from axiscal.web.answering import ROOT, Language, document, page_application, problem
+from axiscal.web.answering import ROOT, document, page_application, problem
 from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
-from axiscal.web.first_desk import FirstDesk, FirstRequest, SourceQuery
 from axiscal.web.guard import Admission, Guard
 from axiscal.web.shapes import (
     CostQuery,
@@ -32,7 +24,6 @@ from axiscal.web.shapes import (
     SkipRequest,
     StateShape,
     StepRequest,
-    TableQuery,
     TypedQuery,
     TypedShape,
     WaitQuery,
@@ -47,7 +38,6 @@ def application(counter: Counter, admitted: Admission) -> Guard:
     app = page_application(
         "page.html",
         _FILES,
-        counter.language,
         title="axiscal, the readings of one campaign",
         version="1",
         openapi_url=f"{ROOT}/openapi.json",
@@ -57,7 +47,6 @@ def application(counter: Counter, admitted: Admission) -> Guard:
     app.get("/setup.svg", include_in_schema=False)(api.setup_picture)
     app.get(f"{ROOT}/state", response_model=StateShape)(api.state)
     app.get(f"{ROOT}/typed", response_model=TypedShape)(api.typed)
-    app.get(f"{ROOT}/table", response_model=TableLeft)(api.table)
     app.get(f"{ROOT}/cost", response_model=CostShape)(api.cost)
     app.post(f"{ROOT}/readings", response_model=DoneShape)(api.keep)
     app.post(f"{ROOT}/skips", response_model=DoneShape)(api.skip)
@@ -74,55 +63,48 @@ class _Api:
     def __init__(self, counter: Counter) -> None:
         self._counter = counter
 
-    async def state(self, query: Annotated[WaitQuery, Query()], language: Language) -> Response:
+    async def state(self, query: Annotated[WaitQuery, Query()]) -> Response:
         """All that the page shows, at once or when it is newer than what was seen."""
-        return document(await self._counter.newer(query.seen, query.wait, language))
+        return document(await self._counter.newer(query.seen, query.wait))
 
-    async def typed(self, query: Annotated[TypedQuery, Query()], language: Language) -> Response:
+    async def typed(self, query: Annotated[TypedQuery, Query()]) -> Response:
         """What a typed text would mean for the question that is open."""
-        return document(self._counter.read(query.text, language))
+        return document(self._counter.read(query.text))
 
-    async def table(self, query: Annotated[TableQuery, Query()]) -> Response:
-        """What the table of a control would reach if the campaign ended now."""
-        return document(await self._counter.ask(lambda desk: desk.table(query.control)))
-
-    async def cost(self, query: Annotated[CostQuery, Query()], language: Language) -> Response:
+    async def cost(self, query: Annotated[CostQuery, Query()]) -> Response:
         """What skipping the reading costs, or leaving its set-up."""
-        return document(await self._counter.ask(lambda desk: desk.cost(rest=query.rest, language=language)))
+        return document(await self._counter.ask(lambda desk: desk.cost(rest=query.rest)))
 
     async def setup_picture(self, query: Annotated[PictureQuery, Query()]) -> Response:
         """The machine with the instrument on it and the places that are read, as wide as the page has room."""
-        language = query.language if query.language in LANGUAGES else "en"
-        drawn = await self._counter.ask(lambda desk: desk.setup_picture(query.width), language)
+        drawn = await self._counter.ask(lambda desk: desk.setup_picture(query.width))
         if not drawn:
             return Response(status_code=204)  # what was asked has been answered in the meantime
         return Response(drawn, media_type="image/svg+xml")
 
-    async def keep(self, asked: KeepRequest, language: Language) -> Response:
+    async def keep(self, asked: KeepRequest) -> Response:
         """Keep a reading of what is asked."""
-        return await self._done(
-            lambda desk: desk.keep(asked.after, asked.text, keep=asked.keep, vouch=asked.vouch), language
-        )
+        return await self._done(lambda desk: desk.keep(asked.after, asked.text, keep=asked.keep, vouch=asked.vouch))
 
-    async def skip(self, asked: SkipRequest, language: Language) -> Response:
+    async def skip(self, asked: SkipRequest) -> Response:
         """Note that the reading asked for cannot be taken."""
-        return await self._done(lambda desk: desk.skip(asked.after, asked.reason, rest=asked.rest), language)
+        return await self._done(lambda desk: desk.skip(asked.after, asked.reason, rest=asked.rest))
 
-    async def note(self, asked: NoteRequest, language: Language) -> Response:
+    async def note(self, asked: NoteRequest) -> Response:
         """Keep a sentence in the record."""
-        return await self._done(lambda desk: desk.note(asked.text), language)
+        return await self._done(lambda desk: desk.note(asked.text))
 
-    async def undo(self, asked: StepRequest, language: Language) -> Response:
+    async def undo(self, asked: StepRequest) -> Response:
         """Take back the last reading, skip or end."""
-        return await self._done(lambda desk: desk.undo(asked.after), language)
+        return await self._done(lambda desk: desk.undo(asked.after))
 
-    async def go_on(self, asked: StepRequest, language: Language) -> Response:
+    async def go_on(self, asked: StepRequest) -> Response:
         """Ask for one more reading although a target is reached."""
-        return await self._done(lambda desk: desk.go_on(asked.after), language)
+        return await self._done(lambda desk: desk.go_on(asked.after))
 
-    async def finish(self, asked: StepRequest, language: Language) -> Response:
+    async def finish(self, asked: StepRequest) -> Response:
         """End the campaign and write its results beside the record."""
-        return await self._done(lambda desk: desk.finish(asked.after), language)
+        return await self._done(lambda desk: desk.finish(asked.after))
 
     async def report(self) -> Response:
         """The report, which allows its own scripts by their hashes and asks for nothing."""
@@ -131,9 +113,9 @@ class _Api:
             return problem(404, "missing", "There is no report yet")
         return FileResponse(file, media_type="text/html", headers={"Content-Security-Policy": "frame-ancestors 'none'"})
 
-    async def _done(self, step: Callable[[Desk], str], language: str) -> Response:
-        said = await self._counter.do(step, language)
-        return document(DoneShape(sentence=said, state=await self._counter.newer(0, 0.0, language)))
+    async def _done(self, step: Callable[[Desk], str]) -> Response:
+        said = await self._counter.do(step)
+        return document(DoneShape(sentence=said, state=await self._counter.newer(0, 0.0)))
 
 
 def _watching(counter: Counter) -> Callable[[FastAPI], AbstractAsyncContextManager[None]]:
@@ -144,42 +126,3 @@ def _watching(counter: Counter) -> Callable[[FastAPI], AbstractAsyncContextManag
         watch.cancel()
 
     return lifespan
-
-
-_FORM_FILES = ("page.css", "first.css", "elements.js", "first.js", "words.js", "icon.svg")
-
-
-def first_application(desk: FirstDesk, admitted: Admission, language: str, done: Callable[[], None]) -> Guard:
-    """Return the form behind its guard; done : called when the files are written and the page has been told."""
-    api = _FirstApi(desk, language, done)
-    app = page_application("first.html", _FORM_FILES, language, openapi_url=None)
-    app.get(f"{ROOT}/first")(api.form)
-    app.get(f"{ROOT}/first/machine")(api.machine)
-    app.post(f"{ROOT}/first/preview")(api.preview)
-    app.post(f"{ROOT}/first/files")(api.write)
-    return Guard(app, admitted)
-
-
-class _FirstApi:
-    """What the routes answer, each on a thread of its own."""
-
-    def __init__(self, desk: FirstDesk, language: str, done: Callable[[], None]) -> None:
-        self._desk, self._language, self._done = desk, language, done
-
-    def form(self) -> Response:
-        return self._answer(self._desk.form)
-
-    def machine(self, query: Annotated[SourceQuery, Query()]) -> Response:
-        return self._answer(lambda: self._desk.machine(query.source))
-
-    def preview(self, asked: FirstRequest) -> Response:
-        return self._answer(lambda: self._desk.preview(asked))
-
-    def write(self, asked: FirstRequest) -> Response:
-        answer = self._answer(lambda: self._desk.write(asked))
-        answer.background = BackgroundTask(self._done)
-        return answer
-
-    def _answer(self, step: Callable[[], AnswerDocument]) -> Response:
-        with speaking(self._language):
-            return document(step())

@@ -16,7 +16,7 @@ from threading import Lock, get_ident
 from typing import Self, TypeVar
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.language.spoken import speaking
+from axiscal.language.spoken import speaking, spoken_now
 from axiscal.numerics.threads import one_thread
 from axiscal.web.desk import Desk, Publisher
 from axiscal.web.shapes import StateShape, TypedShape
@@ -78,22 +78,22 @@ _Result = TypeVar("_Result")
 class Counter:
     """One record, open on its own thread; made by `open`.
 
-    states : the newest document by language, that a page is shown at once; language : that of the page
+    state : the newest document, that a page is shown at once
     """
 
-    def __init__(self, desk: Desk, thread: OwnThread, language: str) -> None:
-        self._desk, self._thread, self.language = desk, thread, language
-        self.states, self._news = desk.states, asyncio.Event()
+    def __init__(self, desk: Desk, thread: OwnThread) -> None:
+        self._desk, self._thread, self._language = desk, thread, spoken_now()
+        self.state, self._news = desk.state, asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._ending, self._asked = False, set[Future[str]]()
 
     @classmethod
-    def open(cls, record: Path, language: str = "en") -> Self:
-        """Return the counter of a record; raises RecordError if that is none."""
+    def open(cls, record: Path) -> Self:
+        """Return the counter of a record, in the language that is spoken; raises RecordError if that is none."""
         thread = OwnThread()
-        early: list[dict[str, StateShape]] = []
-        desk = thread.do(partial(_opened, record, early.append)).result()
-        counter = cls(desk, thread, language)
+        early = list[StateShape]()
+        desk = thread.do(partial(_opened, record, early.append, spoken_now())).result()
+        counter = cls(desk, thread)
         desk.publish = counter._publish
         return counter
 
@@ -107,23 +107,22 @@ class Counter:
         """The folder of the record."""
         return self._desk.campaign.path.absolute().parent
 
-    async def do(self, step: Callable[[Desk], str], language: str) -> str:
+    async def do(self, step: Callable[[Desk], str]) -> str:
         """Do a step on the campaign's thread, then what can wait, and return what was done in words."""
-        asked = self._submitted(step, language)
+        asked = self._submitted(step)
         self._asked.add(asked)
         asked.add_done_callback(self._asked.discard)
         said = await asyncio.wrap_future(asked)
         self._later(Desk.think)
         return said
 
-    async def ask(self, look: Callable[[Desk], _Result], language: str = "en") -> _Result:
+    async def ask(self, look: Callable[[Desk], _Result]) -> _Result:
         """Return what the desk says to a question that changes nothing, after the steps that are under way."""
-        return await self._run(look, language)
+        return await self._run(look)
 
-    def read(self, text: str, language: str) -> TypedShape:
+    def read(self, text: str) -> TypedShape:
         """Return what a typed text would mean; needs no thread, because nothing changes."""
-        with speaking(language):
-            return self._desk.read(text)
+        return self._desk.read(text)
 
     async def watch(self) -> None:
         """Look at the record again and again, for what others write."""
@@ -133,30 +132,23 @@ class Counter:
             await asyncio.sleep(LOOKS)
             await self._run(Desk.look)
 
-    async def newer(self, seen: int, wait: float, language: str) -> StateShape:
+    async def newer(self, seen: int, wait: float) -> StateShape:
         """Return the state as soon as its version is another one than `seen`, or after `wait` s."""
-        if language not in self.states:
-            await self._run(lambda desk: desk.speak(language))
-            await asyncio.sleep(0)  # its state has been handed over before
         clock = asyncio.get_running_loop().time
         deadline = clock() + wait
-        while self._version == seen and not self._ending and (left := deadline - clock()) > 0:
+        while self.state.version == seen and not self._ending and (left := deadline - clock()) > 0:
             news = self._news
             try:
                 await asyncio.wait_for(news.wait(), left)
             except TimeoutError:
                 break
-        return self.states.get(language, self.states["en"])
-
-    @property
-    def _version(self) -> int:
-        return self.states["en"].version
+        return self.state
 
     def end(self) -> None:
         """Let nobody wait any longer: the server is about to end."""
         self._ending = True
         if self._loop is not None:
-            self._loop.call_soon_threadsafe(self._take, self.states)
+            self._loop.call_soon_threadsafe(self._take, self.state)
 
     def close(self) -> str:
         """Close the record, and return what is to be said of what was broken off for it."""
@@ -169,11 +161,11 @@ class Counter:
             )
         return "What was being computed is begun anew at the next start."
 
-    async def _run(self, step: Callable[[Desk], _Result], language: str = "en") -> _Result:
-        return await asyncio.wrap_future(self._submitted(step, language))
+    async def _run(self, step: Callable[[Desk], _Result]) -> _Result:
+        return await asyncio.wrap_future(self._submitted(step))
 
-    def _submitted(self, step: Callable[[Desk], _Result], language: str = "en") -> Future[_Result]:
-        return self._thread.do(partial(_held, step, self._desk, language))
+    def _submitted(self, step: Callable[[Desk], _Result]) -> Future[_Result]:
+        return self._thread.do(partial(_held, step, self._desk, self._language))
 
     def _later(self, step: Callable[[Desk], None]) -> None:
         self._submitted(step).add_done_callback(self._told)
@@ -184,24 +176,25 @@ class Counter:
         if failure is not None and not self._ending:
             logging.getLogger(__name__).error("axiscal: %s: %s", type(failure).__name__, failure)
 
-    def _publish(self, states: dict[str, StateShape]) -> None:
+    def _publish(self, state: StateShape) -> None:
         """Take a new state from the campaign's thread."""
         if self._loop is None:
-            self.states = states
+            self.state = state
         else:
-            self._loop.call_soon_threadsafe(self._take, states)
+            self._loop.call_soon_threadsafe(self._take, state)
 
-    def _take(self, states: dict[str, StateShape]) -> None:
-        news, self._news, self.states = self._news, asyncio.Event(), states
+    def _take(self, state: StateShape) -> None:
+        news, self._news, self.state = self._news, asyncio.Event(), state
         news.set()
 
 
 @one_thread()
-def _opened(record: Path, publish: Publisher) -> Desk:
-    return Desk(Campaign.open(record), publish)
+def _opened(record: Path, publish: Publisher, language: str) -> Desk:
+    with speaking(language):
+        return Desk(Campaign.open(record), publish)
 
 
 @one_thread()
-def _held(step: Callable[[Desk], _Result], desk: Desk, language: str = "en") -> _Result:
+def _held(step: Callable[[Desk], _Result], desk: Desk, language: str) -> _Result:
     with speaking(language):
         return step(desk)

@@ -6,7 +6,7 @@ on since, so that no reading answers another question.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from axiscal.answers.answer import PlannedAnswer, ResultAnswer
@@ -14,9 +14,9 @@ from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, standi
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
-from axiscal.language.spoken import decimals, said, speaking
+from axiscal.language.spoken import decimals, said
 from axiscal.present.guide.answers import Value, answer
-from axiscal.present.guide.progress import TableLeft, results_beside, table_left
+from axiscal.present.guide.progress import results_beside
 from axiscal.present.guide.question import SURPRISING, Question, asked_text
 from axiscal.present.guide.taking_back import contradictions, doubted, others_doubted, take_back
 from axiscal.present.plan_answer import coming_answer
@@ -26,8 +26,8 @@ from axiscal.units import to_unit
 from axiscal.web.documents import Shown, picture_of_setup, state_shape
 from axiscal.web.shapes import CostShape, StateShape, TypedShape
 
-Publisher = Callable[[dict[str, StateShape]], None]
-"""Takes the state by language."""
+Publisher = Callable[[StateShape], None]
+"""Takes a new state."""
 
 
 class SurprisingError(ReadingError):
@@ -47,7 +47,7 @@ class SurprisingError(ReadingError):
 class Desk:
     """One campaign and what is shown of it.
 
-    publish : called with every new state but the first
+    publish : called with every new state but the first; state : the newest, all that a page shows
     """
 
     def __init__(self, campaign: Campaign, publish: Publisher) -> None:
@@ -55,19 +55,13 @@ class Desk:
         self._question: Question | None = None
         self._ended: str | None = None
         self._trouble = ""
-        self._minds: dict[str, list[str]] = {}
+        self._minds = list[str]()
         self._answer: ResultAnswer | PlannedAnswer | None = None
         self._answers: object = None  # the readings and the end that it is about
         self._before: frozenset[int] | None = None
         self._version = 0
         self._alike: set[int] = set()
-        self._languages = ["en"]
-        self.states = self._renewed()
-
-    @property
-    def state(self) -> StateShape:
-        """All that a page shows, in English."""
-        return self.states["en"]
+        self.state = self._renewed()
 
     @property
     def results(self) -> Path:
@@ -82,23 +76,17 @@ class Desk:
             if self._trouble != str(failure):
                 self._trouble = str(failure)
                 told = {"trouble": self._trouble, "version": self._next_version()}
-                self.publish({name: state.model_copy(update=told) for name, state in self.states.items()})
+                self.publish(self.state.model_copy(update=told))
             return
         if moved:
-            self._show({})
-
-    def speak(self, language: str) -> None:
-        """Show everything in this language as well from now on."""
-        if language not in self._languages:
-            self._languages.append(language)
-            self._show(self._minds, noted=True)
+            self._show()
 
     def think(self) -> None:
         """Do what the next question need not wait for: second thoughts on the last reading, and the answer."""
-        minds = self._second_thoughts()
+        minds = [*self._minds, *([] if self._before is None else others_doubted(self.campaign, self._before))]
         self._before = None
         self.campaign.estimate()  # the next reading is compared with it
-        if self._answered() or any(minds.values()):
+        if self._answered() or minds:
             self._show(minds, noted=True)
 
     def _answered(self) -> bool:
@@ -114,25 +102,16 @@ class Desk:
         state = self.campaign.state
         return state.readings, state.plan, state.finished
 
-    def _second_thoughts(self) -> dict[str, list[str]]:
-        """Return what there is to mind about the last reading, by language."""
-        found: dict[str, list[str]] = {}
-        for language in self._languages:
-            with speaking(language):
-                new = [] if self._before is None else others_doubted(self.campaign, self._before)
-            found[language] = [*self._minds.get(language, []), *new]
-        return found
-
     def read(self, text: str) -> TypedShape:
         """Return what a typed text would mean for the question that is open."""
         question = self._question
         if question is None or not text.strip():
             return TypedShape(values=[], surprise=0.0, surprising=False, sentence="")
         try:
-            values = _value(text, question).values
+            values = self._value(text, question).values
         except AxiscalError as failure:
             return TypedShape(values=[], surprise=0.0, surprising=False, sentence=str(failure))
-        surprise = question.expected.surprise(values)
+        surprise = question.surprise(values)
         shown = [float(to_unit(float(each), question.unit)) for each in values]
         sentence = str(SurprisingError(surprise)) if surprise >= SURPRISING else ""
         return TypedShape(values=shown, surprise=surprise, surprising=surprise >= SURPRISING, sentence=sentence)
@@ -142,22 +121,22 @@ class Desk:
         self._refuse_overtaken(after)
         asked = self.campaign.open_question()
         question = self._question or Question.of(self.campaign, asked)
-        typed = _value(text, question)
-        surprise = question.expected.surprise(typed.values)
+        typed = self._value(text, question)
+        surprise = question.surprise(typed.values)
         if surprise >= SURPRISING and not (keep or vouch):
             raise SurprisingError(surprise)
         before = doubted(self.campaign)
         value, *others = (float(each) for each in typed.values)
         kept = self.campaign.record(value, accepted=vouch, others=tuple(others))
         self._before = before
-        self._show({})
+        self._show()
         return said("Kept reading {number}; it is on the disk.", number=kept.number)
 
     def skip(self, after: int, reason: str, *, rest: bool = False) -> str:
         """Keep in mind that the reading asked for cannot be taken; rest : nor any other of its set-up."""
         self._refuse_overtaken(after)
         skipped = self.campaign.skip(reason, rest=rest)
-        self._show({})
+        self._show()
         if rest:
             left = 'Left "{setup}": the plan is made anew without it; undo goes back to it.'
             return said(left, setup=skipped.place.setup)
@@ -167,7 +146,7 @@ class Desk:
     def note(self, text: str) -> str:
         """Keep a sentence in the record; who has seen the state before may still answer what is asked."""
         if self._moved_on():  # somebody else has: what is seen on a page is no longer what is asked
-            self._show({})
+            self._show()
         seen = self.campaign.state.last
         self.campaign.note(text)
         self._alike.add(seen)
@@ -178,27 +157,22 @@ class Desk:
         """Return the set-up of the next reading, on the machine, as SVG; "" if there is none.  width : pixels"""
         return picture_of_setup(self.campaign, width)
 
-    def table(self, control: str) -> TableLeft:
-        """Return what the table of a control would do if the campaign ended now; raises TableError for no control."""
-        return table_left(self.campaign, control)
-
-    def cost(self, *, rest: bool, language: str) -> CostShape:
+    def cost(self, *, rest: bool) -> CostShape:
         """Return what skipping the reading costs, or leaving its set-up."""
-        with speaking(language):
-            return CostShape(sentence=spelt(cost_sentence(cost_words(self.campaign, rest=rest))))
+        return CostShape(sentence=spelt(cost_sentence(cost_words(self.campaign, rest=rest))))
 
     def undo(self, after: int) -> str:
         """Take back the last reading, skip or end."""
         self._refuse_overtaken(after)
         taken = take_back(self.campaign)
-        self._show({})
+        self._show()
         return taken.sentence
 
     def go_on(self, after: int) -> str:
         """Ask for one more reading although a target is reached."""
         self._refuse_overtaken(after)
         asked = self.campaign.next(beyond=True)
-        self._show({})
+        self._show()
         ended = (
             said("Nothing more to ask: {because}.", because=because_text(asked.because))
             if isinstance(asked, Ended)
@@ -220,12 +194,12 @@ class Desk:
             summary = deliver(self.campaign, known, self.results, Extras())
             self._answer, self._answers = summary.answer, self._stands
         finally:
-            self._show({})
+            self._show()
         return said("Ended. Report, figures and tables are in {folder}.", folder=self.results.name)
 
     def _refuse_overtaken(self, after: int) -> None:
         if self._moved_on():
-            self._show({})
+            self._show()
         if self.campaign.state.last != after and after not in self._alike:
             what = said("The record has moved on in the meantime, in another window or program: nothing was done")
             raise OvertakenError(what, said("Look at what is asked now, then do it again if it is still right"))
@@ -235,25 +209,19 @@ class Desk:
         before = self.campaign.state.last
         return self.campaign.looked_at_again().last != before
 
-    def _show(self, minds: dict[str, list[str]], *, noted: bool = False) -> None:
+    def _show(self, minds: Sequence[str] = (), *, noted: bool = False) -> None:
         """Show the state anew; noted : nothing has happened to what is asked."""
-        self._minds = minds
+        self._minds = list(minds)
         if not noted:
             self._alike.clear()
-        self.states = self._renewed()
-        self.publish(self.states)
+        self.state = self._renewed()
+        self.publish(self.state)
 
-    def _renewed(self) -> dict[str, StateShape]:
-        """Return the state in every language that somebody has asked for."""
-        version = self._next_version()
-        states: dict[str, StateShape] = {}
-        for language in reversed(self._languages):  # English last: its question is the one that answers belong to
-            with speaking(language):
-                self._question, self._ended, self._trouble = self._asked()
-                minds = [*self._minds.get(language, []), *contradictions(self.campaign)]
-                shown = Shown(self._question, self._ended, self._trouble, minds, self._answer, version)
-                states[language] = state_shape(self.campaign, shown, self.results)
-        return states
+    def _renewed(self) -> StateShape:
+        self._question, self._ended, self._trouble = self._asked()
+        minds = [*self._minds, *contradictions(self.campaign)]
+        shown = Shown(self._question, self._ended, self._trouble, minds, self._answer, self._next_version())
+        return state_shape(self.campaign, shown, self.results)
 
     def _next_version(self) -> int:
         self._version += 1
@@ -280,10 +248,9 @@ class Desk:
             self._alike.clear()
             return self.campaign.next()
 
-
-def _value(text: str, question: Question) -> Value:
-    typed = answer(text, question.setup)
-    if not isinstance(typed, Value):
-        what = said('"{text}" is no reading', text=text.strip())
-        raise ReadingError(what, said("Type the number that the instrument shows"))
-    return typed
+    def _value(self, text: str, question: Question) -> Value:
+        typed = answer(text, self.campaign.description.setup(question.setup))
+        if not isinstance(typed, Value):
+            what = said('"{text}" is no reading', text=text.strip())
+            raise ReadingError(what, said("Type the number that the instrument shows"))
+        return typed

@@ -6,7 +6,6 @@ import asyncio
 import logging
 import socket
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from types import FrameType
 
@@ -14,9 +13,8 @@ import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from axiscal.exceptions import InputError
-from axiscal.web.api import application, first_application
+from axiscal.web.api import application
 from axiscal.web.counter import Counter
-from axiscal.web.first_desk import FirstDesk
 from axiscal.web.guard import Admission, Guard
 
 _LOOPBACK = "127.0.0.1"
@@ -24,13 +22,14 @@ _ASKING, _BURST, _PATIENCE, _HEAD = 100, 100, 5.0, 16 * 1024
 """Connections that have not asked to the end; those taken in at once; seconds to ask in; bytes of a request's head."""
 
 
-def serve_record(record: Path, port: int, language: str, ready: Callable[[str], None]) -> str:
+def serve_record(record: Path, port: int, ready: Callable[[str], None]) -> str:
     """Serve the page of a record until Ctrl-C; return a sentence on what was broken off, "" where nothing was.
 
-    language : of the page; port : 0 is any that is free; ready : called with the address once the page answers
+    Page and answers are in the language that is spoken.
+    port : 0 is any that is free; ready : called with the address once the page answers
     Raises RecordError if that is no record, InputError if the port is taken.
     """
-    counter = Counter.open(record, language)
+    counter = Counter.open(record)
     try:
         with _listening(port) as listener:
             admitted = Admission(int(listener.getsockname()[1]))
@@ -41,25 +40,6 @@ def serve_record(record: Path, port: int, language: str, ready: Callable[[str], 
     finally:
         left = counter.close()
     return left
-
-
-def serve_first(desk: FirstDesk, port: int, language: str, ready: Callable[[str], None]) -> bool:
-    """Serve the form of a first description until its files are written, or Ctrl-C; return whether they are.
-
-    Arguments and errors as of `serve_record`.
-    """
-    servers: list[_Server] = []
-
-    def done() -> None:
-        for server in servers:
-            server.should_exit = True
-
-    with _listening(port) as listener, suppress(KeyboardInterrupt):
-        admitted = Admission(int(listener.getsockname()[1]))
-        form = first_application(desk, admitted, language, done)
-        servers.append(_server(form, lambda: None, lambda: ready(admitted.address)))
-        servers[0].run(sockets=[listener])
-    return desk.written
 
 
 def _listening(port: int) -> socket.socket:

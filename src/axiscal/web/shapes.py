@@ -9,50 +9,11 @@ from pydantic import Field
 from axiscal.answers.answer import AnswerDocument, PlannedAnswer, ResultAnswer
 from axiscal.campaign.possible import LONGEST_TEXT
 from axiscal.present.guide.progress import Due, Progress
-from axiscal.present.guide.question import AxisPlace
+from axiscal.present.guide.question import Question
 
 LONGEST = 25.0
 """s that a request may wait for news: less than what programs between us and a browser would take for a fault."""
 After = Annotated[int, Field(ge=0, description="`last` of the state that is answered; 409 if it has changed")]
-
-
-class ExpectedShape(AnswerDocument):
-    """What one number of the reading is expected to be: mean, and half of the band that is shown."""
-
-    mean: float
-    half: float
-
-
-class StepShape(AnswerDocument):
-    """One thing to do."""
-
-    name: str
-    what: str
-
-
-class QuestionShape(AnswerDocument):
-    """The reading to take. `mount` says whether its set-up has to be mounted first, by `mounting`.
-
-    ways : directions, of the workpiece, in which a reading is positive; turns : it is about them
-    again : which reading has been taken there before, in words
-    names : of the numbers of a reading, x, y, z or those of stations; "" of a single one
-    """
-
-    number: int
-    setup: str
-    instrument: str
-    mount: bool
-    mount_sentence: str
-    mounting: list[StepShape]
-    places: list[AxisPlace]
-    touch: str
-    again: str
-    sign: str
-    ways: list[tuple[float, float, float]]
-    turns: bool
-    unit: str
-    expected: list[ExpectedShape]
-    names: list[str]
 
 
 class ReadingShape(AnswerDocument):
@@ -92,7 +53,6 @@ class StateShape(AnswerDocument):
     """All that the page shows. `last` names the state of the record, `version` this document.
 
     minds : what to mind about the last reading; answer : null until it is known for the first time
-    controls : those whose tables can be asked for
     """
 
     document: Literal["axiscal-page/1"] = "axiscal-page/1"
@@ -101,7 +61,7 @@ class StateShape(AnswerDocument):
     machine: str
     record: str
     progress: Progress
-    question: QuestionShape | None
+    question: Question | None
     ended: str | None
     finished: str | None
     trouble: str
@@ -112,13 +72,6 @@ class StateShape(AnswerDocument):
     minds: list[str]
     answer: AnswerShape | None
     results: str
-    controls: list[str]
-
-
-class TableQuery(AnswerDocument):
-    """A control, by the name that `axiscal export --to` takes."""
-
-    control: Annotated[str, Field(max_length=40)]
 
 
 class CostQuery(AnswerDocument):
@@ -134,11 +87,10 @@ class CostShape(AnswerDocument):
 
 
 class PictureQuery(AnswerDocument):
-    """How wide the picture is, pixels, of which version, in which language."""
+    """How wide the picture is, pixels, of which version."""
 
     width: Annotated[float, Field(ge=200, le=2000, allow_inf_nan=False)]
     version: Annotated[int, Field(ge=0)] = 0
-    language: Annotated[str, Field(max_length=20)] = "en"
 
 
 class WaitQuery(AnswerDocument):

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,12 +15,14 @@ from axiscal.document.ports import one_of, ours
 from axiscal.exceptions import SourceError
 
 if TYPE_CHECKING:
-    from axiscal.measurement.simulation import Simulator
+    from axiscal.measurement.simulation import Simulator, VirtualMachine
 
-__all__ = ["Answer", "Request", "Skip", "Source", "open_source"]
+__all__ = ["Answer", "Request", "Skip", "Source", "moved", "open_source", "virtual_machine"]
 
 STARTED = "ports.linuxcnc.linuxcnc_source:LinuxcncSource"
 """What moves a virtual machine by a LinuxCNC that is started for it."""
+VIRTUAL = "sim", "truth", "linuxcnc"
+"""Kinds of virtual machines."""
 TRUTH_SEED = 0
 """Seed of the noise and of the set-ups' unknowns on a machine whose errors are given."""
 
@@ -35,21 +38,15 @@ def open_source(
     active : whether a compensation is to be in force on a control that runs
     Raises SourceError for an unknown kind, InputError for a file that cannot be used.
     """
-    kind, colon, rest = text.partition(":")
-    if kind == "sim":
-        return _simulated(simulator, rest, bool(colon))
+    kind, _, rest = text.partition(":")
+    if kind in VIRTUAL:
+        return moved(kind, *virtual_machine(text, simulator))
     if kind == "linuxcnc-live":
         in_force = ours("ports.linuxcnc.live:InForce")(active)
         live: Source = ours("ports.linuxcnc.live:attached_to")(rest, simulator.machine, in_force)
         return live
-    if kind == "linuxcnc":
-        return _linuxcnc(simulator, rest, bool(colon))
-    if kind in ("truth", "csv", "exec", "moonraker", "duet") and not rest.strip():
-        raise SourceError("the source '{text}' names nothing after '{kind}:'", _KINDS, text=text, kind=kind)
-    if kind == "truth":
-        from axiscal.campaign.sources.simulated import SimulatedSource
-
-        return SimulatedSource(simulator.from_curves(Path(rest), TRUTH_SEED), TRUTH_SEED)
+    if kind in ("csv", "exec", "moonraker", "duet") and not rest.strip():
+        raise _nothing_named(text, kind)
     if kind == "csv":
         from axiscal.campaign.sources.csv import CsvSource
 
@@ -75,24 +72,40 @@ _KINDS = (
 )
 
 
-def _simulated(simulator: Simulator, seed: str, named: bool) -> Source:
+def virtual_machine(text: str, simulator: Simulator) -> tuple[VirtualMachine, int]:
+    """Return the machine of `sim[:SEED]`, `truth:FILE` or `linuxcnc[:SEED|:FILE]`, and the seed of its noise.
+
+    Raises SourceError for anything else, InputError for a file that cannot be used.
+    """
+    kind, colon, rest = text.partition(":")
+    if kind not in VIRTUAL:
+        what = "'{kind}' cannot be asked without a person and with tables"
+        raise SourceError(what, "Take sim:SEED, truth:FILE.csv or linuxcnc:SEED", kind=kind[:40])
+    if kind == "truth" and not rest.strip():
+        raise _nothing_named(text, kind)
+    if kind == "truth" or (kind == "linuxcnc" and rest.endswith(".csv")):
+        return simulator.from_curves(Path(rest), TRUTH_SEED), TRUTH_SEED
+    seed = _seed(rest, kind) if colon else 0
+    return simulator.drawn(seed), seed
+
+
+def moved(kind: str, machine: VirtualMachine, seed: int, files: Mapping[str, str] | None = None) -> Source:
+    """Return a virtual machine as a source: moved by itself, or by a LinuxCNC that loads files."""
     from axiscal.campaign.sources.simulated import SimulatedSource
 
-    number = _seed(seed, "sim") if named else 0
-    return SimulatedSource(simulator.drawn(number), number)
-
-
-def _linuxcnc(simulator: Simulator, rest: str, named: bool) -> Source:
-    from axiscal.campaign.sources.simulated import SimulatedSource
-
-    from_file = rest.endswith(".csv")
-    number = TRUTH_SEED if from_file else _seed(rest, "linuxcnc") if named else 0
-    truth = simulator.from_curves(Path(rest), number) if from_file else simulator.drawn(number)
-    source: Source = ours(STARTED)(truth, lambda machine: SimulatedSource(machine, number))
+    if kind != "linuxcnc":
+        return SimulatedSource(machine, seed)
+    source: Source = ours(STARTED)(machine, lambda seen: SimulatedSource(seen, seed), files)
     return source
+
+
+def _nothing_named(text: str, kind: str) -> SourceError:
+    return SourceError("the source '{text}' names nothing after '{kind}:'", _KINDS, text=text, kind=kind)
 
 
 def _seed(text: str, kind: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) <= 18):
-        raise SourceError("'{text}' is not a seed", "Write a whole number from 0, as in {kind}:7", text=text, kind=kind)
+        raise SourceError(
+            "'{text}' is not a seed", "Write a whole number from 0, as in {kind}:7", text=text[:40], kind=kind
+        )
     return int(text)

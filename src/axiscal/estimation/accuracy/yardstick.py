@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import Box, Counted, VolumeMoments, of_rests
 from axiscal.estimation.accuracy.alignment import Alignment
-from axiscal.estimation.accuracy.criterion import Gram, Root
+from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.candidates import corners
 from axiscal.numerics import Array
@@ -121,7 +121,7 @@ class Yardstick:
     def root(self) -> Root:
         """V (r, size) with VᵀV = E[HᵀH], less E[H]ᵀE[H] where the constant shift is not counted."""
         counted = self._counts * self._shift
-        return Gram(self.moments.gram - counted.T @ counted).root
+        return Root.of_gram(self.moments.gram - counted.T @ counted)
 
     @cached_property
     def unseen_rms(self) -> float:

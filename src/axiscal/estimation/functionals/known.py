@@ -15,7 +15,7 @@ from axiscal.estimation.accuracy.expanded import expanded, expanded_floor, reach
 from axiscal.estimation.accuracy.yardstick import attainable
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import Banded, Estimation, banded
+from axiscal.estimation.estimation import Estimation, printed
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import AxisLine
 from axiscal.estimation.knowledge import Knowledge
@@ -112,7 +112,7 @@ _SOON = 10.0
 """s after it: to go past the place and come back."""
 
 
-def with_one_more(known: Estimation, lines: Sequence[AxisLine]) -> Banded | None:
+def with_one_more(known: Estimation, lines: Sequence[AxisLine]) -> Belief | None:
     """Return what would be known with one reading more of each line; None of no line."""
     found = known.posterior
     if not lines or found is None:
@@ -121,7 +121,7 @@ def with_one_more(known: Estimation, lines: Sequence[AxisLine]) -> Banded | None
     readings = [*known.readings, *(_turned(known.readings, line) for line in lines)]
     more = posterior_of(case, readings, {doubt.reading: doubt for doubt in known.outliers if doubt.implausible})
     # What it shows is not known, so it teaches no sizes and disagrees with nothing.
-    return banded(known.banded.case, known.knowledge, replace(more, agreement=found.agreement))
+    return printed(known.knowledge, replace(more, agreement=found.agreement)).belief
 
 
 def _turned(readings: Sequence[Reading], line: AxisLine) -> Reading:

@@ -13,12 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources import STARTED, Answer, Request, Source
-from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.campaign.sources import Answer, Request, Source, moved, virtual_machine
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
-from axiscal.document.ports import ours
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.acceptance.at_the_machine import Sheet
@@ -33,7 +31,7 @@ from axiscal.evaluation.acceptance.verification import (
     with_displacements,
     without_zeros,
 )
-from axiscal.exceptions import ReadingError, SourceError, TargetError
+from axiscal.exceptions import ReadingError, TargetError
 from axiscal.measurement.place import Places
 from axiscal.measurement.place_texts import columns_of
 from axiscal.measurement.readers.csv_readings import blank_sheet, read_readings
@@ -171,13 +169,19 @@ class Check:
 
     def asked(self, source: str, places: Places) -> FoundAndLeft:
         """Return what a virtual machine shows there; raises SourceError, InputError, ControlError."""
-        description = self.description
-        simulator = Simulator(description.machine, description.setups)
-        return as_found_and_left(source, simulator, self.tables, requests(description, places))
+        simulator = Simulator(self.description.machine, self.description.setups)
+        return self.read_on(*virtual_machine(source, simulator), places, source.partition(":")[0])
 
-    def read_on(self, truth: VirtualMachine, seed: int, places: Places) -> FoundAndLeft:
-        """Return what a given virtual machine shows there."""
-        return of_machine(truth, seed, self.tables, requests(self.description, places))
+    def read_on(self, truth: VirtualMachine, seed: int, places: Places, kind: str = "sim") -> FoundAndLeft:
+        """Return what a given virtual machine shows there.  kind : linuxcnc where that moves it, with the tables"""
+        wanted, tables = requests(self.description, places), self.tables
+        found = moved(kind, truth, seed)
+        if kind == "linuxcnc":
+            left = moved(kind, truth, seed, tables.files)
+        else:
+            left = moved(kind, CommandedMachine.corrected(truth, tables.control), seed)
+        first, second = (_taken(source, wanted, n) for source, n in zip((found, left), _FIRST, strict=True))
+        return first, second
 
     def sheets(self, places: Places, found: Path, left: Path) -> tuple[Sheet, Sheet]:
         """Return the files that a machine that runs fills, without the tables and with them."""
@@ -253,54 +257,6 @@ def _largest(target: Target) -> float | None:
 
 _FIRST = (1_000_000, 2_000_000)
 """Numbers of the readings, so that their noise is that of no reading of the campaign."""
-_KINDS = "A check without a person takes sim, sim:SEED, truth:FILE.csv, linuxcnc, linuxcnc:SEED or linuxcnc:FILE.csv"
-
-
-def as_found_and_left(
-    text: str, simulator: Simulator, tables: Export, wanted: Sequence[Request]
-) -> tuple[tuple[Reading, ...], tuple[Reading, ...]]:
-    """Return the readings without and with the tables; raises SourceError, InputError, ControlError.
-
-    text : names the source as `axiscal run` does; wanted : the places
-    """
-    kind, _, rest = text.partition(":")
-    seed = _seed(kind, rest)
-    truth = simulator.from_curves(Path(rest), seed) if rest.endswith(".csv") else simulator.drawn(seed)
-    return _both(_pair(kind, truth, seed, tables), wanted)
-
-
-def of_machine(
-    truth: VirtualMachine, seed: int, tables: Export, wanted: Sequence[Request]
-) -> tuple[tuple[Reading, ...], tuple[Reading, ...]]:
-    """Return the readings of a machine without and with the tables."""
-    return _both(_pair("sim", truth, seed, tables), wanted)
-
-
-def _both(sources: tuple[Source, Source], wanted: Sequence[Request]) -> tuple[tuple[Reading, ...], tuple[Reading, ...]]:
-    found, left = (_taken(source, wanted, n) for source, n in zip(sources, _FIRST, strict=True))
-    return found, left
-
-
-def _seed(kind: str, rest: str) -> int:
-    if kind == "truth" and rest.endswith(".csv"):
-        return 0
-    if kind not in ("sim", "linuxcnc") or (kind == "sim" and rest.endswith(".csv")):
-        raise SourceError("'{kind}' cannot be asked without a person and with tables", _KINDS, kind=kind[:40])
-    if rest.endswith(".csv") or not rest:
-        return 0
-    if not (rest.isascii() and rest.isdigit() and len(rest) <= 18):
-        raise SourceError("'{text}' is not a seed", "Write a whole number from 0, as in sim:7", text=rest[:40])
-    return int(rest)
-
-
-def _pair(kind: str, truth: VirtualMachine, seed: int, tables: Export) -> tuple[Source, Source]:
-    def simulated(machine: VirtualMachine) -> Source:
-        return SimulatedSource(machine, seed)
-
-    if kind == "linuxcnc":
-        started = ours(STARTED)
-        return started(truth, simulated), started(truth, simulated, tables.files)
-    return simulated(truth), simulated(CommandedMachine.corrected(truth, tables.control))
 
 
 def _taken(source: Source, wanted: Sequence[Request], first: int) -> tuple[Reading, ...]:

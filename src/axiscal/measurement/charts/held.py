@@ -51,9 +51,13 @@ class Held(SmoothChart):
 
     def poses(self, places: Array) -> Array:
         """Return the poses (m, q) with the tool point at the ball."""
+        return self.poses_at(np.broadcast_to(self.point, (len(places), 3)), places)
+
+    def poses_at(self, points: Array, places: Array) -> Array:
+        """Return the poses (m, q) with the tool point at balls at points (m, 3) m."""
         turned = np.tile(self.park, (len(places), 1))
         turned[:, list(self.turning)] = places
-        return tip_at(self.room.machine, turned, np.broadcast_to(self.point, (len(places), 3)))
+        return tip_at(self.room.machine, turned, points)
 
     def feasible(self, poses: Array) -> NDArray[np.bool_]:
         """Return which poses are in travel, on the free side of the ball, with room to come to it and to touch it."""
@@ -100,11 +104,8 @@ class Balls:
 
     def poses(self, places: Array) -> Array:
         """Return the poses (m, q) with the tool point at each ball."""
-        result = np.empty((len(places), len(self.each[0].park)))
-        which = self._which(places[:, 0])
-        for ball, chart in enumerate(self.each):
-            result[which == ball] = chart.poses(places[which == ball, 1:])
-        return result
+        points = np.array([chart.point for chart in self.each])
+        return self.each[0].poses_at(points[self._which(places[:, 0])], places[:, 1:])
 
     def breaks(self, number: int, place: Array, levels: tuple[Array, ...]) -> Array:
         """Return where an axis is at one of its levels while a rotary axis turns at one ball."""

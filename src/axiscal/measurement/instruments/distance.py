@@ -15,13 +15,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
 from axiscal.machine.description import Machine
 from axiscal.measurement.instruments.kind import (
     TOOL,
-    TOOL_READS,
     Actual,
     Nominal,
     Reads,
@@ -44,7 +44,7 @@ _LEAST = 1e-3
 
 
 class Distance:
-    """One distance."""
+    """One distance, or one from each station."""
 
     reads: Reads = "length"
     values = 1
@@ -53,103 +53,71 @@ class Distance:
 
     def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return the unit vector from the station to the TCP, (m, 3)."""
-        line = nominal.tcp - _found(setup)
+        line = nominal.tcp - _Station.meant(setup, direction).found
         unit: Array = line / np.maximum(np.linalg.norm(line, axis=1, keepdims=True), _LEAST)
         return unit
 
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
-        """Return 1 for the zero, the unit vector's part of the tool, less that of a shift of the station, (m,)."""
-        if unknown == "zero":
+        """Return 1 for the zero, the unit vector's part of the tool, less that of a shift of the station, (m,).
+
+        Nothing for what is another station's.
+        """
+        name = _Station.meant(setup, direction).own(unknown)
+        if name == "zero":
             return np.ones(nominal.count)
         unit = self.direction_of(setup, direction, nominal)
-        if unknown in TOOL:
-            return tool_part(unknown, unit, nominal)
-        if unknown in SHIFTS:
-            return -unit[:, SHIFTS.index(unknown)]
-        part: Array = np.einsum("mc,mc->m", ball_effect(setup, unknown, nominal), unit)
+        if name in TOOL:
+            return tool_part(name, unit, nominal)
+        part: Array = np.sum(_moved(setup, name, nominal) * unit, axis=1)
         return part
 
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
     ) -> Array:
         """Return |p + δp + R tool − station − shift| − |p − station| + zero, (m,)."""
-        stated = _stated(setup)
-        shift = np.array([unknowns.get(name, 0.0) for name in SHIFTS])
+        station = _Station.meant(setup, direction)
+        own = {station.own(name): value for name, value in unknowns.items()}
+        shift = np.array([own.get(name, 0.0) for name in SHIFTS])
         moved = displaced(nominal, actual, unknowns) + ball_moved(setup, unknowns, nominal)
-        seen = np.linalg.norm(nominal.tcp + moved - stated - shift, axis=1)
-        shown: Array = seen - np.linalg.norm(nominal.tcp - stated, axis=1) + unknowns.get("zero", 0.0)
+        seen = np.linalg.norm(nominal.tcp + moved - station.stated - shift, axis=1)
+        shown: Array = seen - np.linalg.norm(nominal.tcp - station.stated, axis=1) + own.get("zero", 0.0)
         return shown
 
     def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return |p − station − s| − |p − station| + uᵀs, with s the shift found and u the unit vectors there, (m,)."""
-        shift = _found(setup) - _stated(setup)
-        now, first = (np.linalg.norm(nominal.tcp - at, axis=1) for at in (_found(setup), _stated(setup)))
-        part: Array = now - first + self.direction_of(setup, shift, nominal) @ shift
+        station = _Station.meant(setup, direction)
+        now, first = (np.linalg.norm(nominal.tcp - at, axis=1) for at in (station.found, station.stated))
+        part: Array = now - first + self.direction_of(setup, direction, nominal) @ (station.found - station.stated)
         return part
-
-    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return Eᵀ(1 − uuᵀ)E/ρ, E what each unknown does to the line from the station to the tool, (m, k, k)."""
-        line = nominal.tcp - _found(setup)
-        away = np.maximum(np.linalg.norm(line, axis=1), _LEAST)
-        unit = line / away[:, None]
-        moved = np.stack([_moved(setup, u.name, nominal) for u in setup.unknowns], axis=2)
-        across = moved - unit[:, :, None] * np.einsum("mc,mck->mk", unit, moved)[:, None, :]
-        curved: Array = np.einsum("mcj,mck->mjk", across, across) / away[:, None, None]
-        return curved
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""
-        need_station(setup, "the {instrument}'s other end")
+        if not setup.stations:
+            need_station(setup, "the {instrument}'s other end")
 
 
-_ONE = Distance()
+class _Station(NamedTuple):
+    """The station that a number of a reading is from: where it is stated, where it is found, m; its number, from 1.
 
+    suffix : of the names of its unknowns, "_2"; "" where one instrument reads
+    """
 
-class Distances:
-    """One distance from each station."""
+    stated: Array
+    found: Array
+    suffix: str
 
-    reads: Reads = "length"
-    values = MOST
-    directed = False
-    unknown_reads: Mapping[str, Reads] = MappingProxyType(
-        {**{f"{name}_{k + 1}": "length" for name in _OWN for k in range(MOST)}, **TOOL_READS}
-    )
+    @classmethod
+    def meant(cls, setup: Setup, direction: Array) -> _Station:
+        """Return it.  direction : (k,) of k stations, 1 for the one that is meant"""
+        which = int(np.argmax(direction)) if setup.stations else 0
+        stated = np.array((setup.standing or ((0.0, 0.0, 0.0),))[which])
+        shift = np.zeros(3) if setup.found is None else np.array(setup.found[3 * which : 3 * which + 3])
+        return cls(stated, stated + shift, f"_{which + 1}" if setup.stations else "")
 
-    def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return the unit vector from its station to the TCP, (m, 3)."""
-        return _ONE.direction_of(_alone(setup, _meant(direction)), direction, nominal)
-
-    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
-        """Return the same as of one tracer, nothing for what is another one's, (m,)."""
-        which = _meant(direction)
-        name = _own_name(unknown, which)
-        if name is None:
-            return np.zeros(nominal.count)
-        return _ONE.unknown_effect(_alone(setup, which), name, direction, nominal)
-
-    def shown(
-        self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
-    ) -> Array:
-        """Return what this one of them would show, (m,)."""
-        which = _meant(direction)
-        named = ((_own_name(name, which), value) for name, value in unknowns.items())
-        own = {name: value for name, value in named if name is not None}
-        return _ONE.shown(_alone(setup, which), direction, nominal, actual, own)
-
-    def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return what this one of them shows beside rows times unknowns, (m,)."""
-        return _ONE.nonlinear_part(_alone(setup, _meant(direction)), direction, nominal)
-
-    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return the second derivatives by the unknowns of all of them, (m, k, k)."""
-        which = _meant(direction)
-        mine = [k for k, unknown in enumerate(setup.unknowns) if _own_name(unknown.name, which) is not None]
-        curved = np.zeros((nominal.count, len(setup.unknowns), len(setup.unknowns)))
-        curved[:, np.array(mine)[:, None], mine] = _ONE.curvature(_alone(setup, which), direction, nominal)
-        return curved
-
-    def check(self, setup: Setup, machine: Machine) -> None:
-        """Everything makes sense: where they stand is said."""
+    def own(self, unknown: str) -> str:
+        """Return what it alone would call an unknown; another station's stays as it is."""
+        stem = unknown.removesuffix(self.suffix)
+        return stem if stem in _OWN else unknown
 
 
 def shifts_of(number: int) -> tuple[str, ...]:
@@ -171,37 +139,8 @@ def _moved(setup: Setup, unknown: str, nominal: Nominal) -> Array:
         return moved
     if unknown in SHIFTS:
         return np.broadcast_to(-np.eye(3)[SHIFTS.index(unknown)], (nominal.count, 3))
-    return np.zeros((nominal.count, 3)) if unknown == "zero" else ball_effect(setup, unknown, nominal)
-
-
-def _stated(setup: Setup) -> Array:
-    return np.zeros(3) if setup.station is None else np.array(setup.station)
-
-
-def _found(setup: Setup) -> Array:
-    found: Array = _stated(setup) + np.array(setup.found or (0.0, 0.0, 0.0))
-    return found
-
-
-def _alone(setup: Setup, which: int) -> Setup:
-    """Return one of the tracers as a separate set-up."""
-    found = None if setup.found is None else setup.found[3 * which : 3 * which + 3]
-    named = ((_own_name(unknown.name, which), unknown) for unknown in setup.unknowns)
-    own = tuple(replace(unknown, name=name) for name, unknown in named if name is not None)
-    return replace(setup, station=setup.stations[which], stations=(), found=found, unknowns=own)
-
-
-def _meant(direction: Array) -> int:
-    return int(np.argmax(direction))
+    return ball_effect(setup, unknown, nominal)
 
 
 def _numbered(name: str, number: int) -> str:
     return f"{name}_{number + 1}"
-
-
-def _own_name(unknown: str, number: int) -> str | None:
-    """Return what one tracer calls an unknown of them all; None where it is another one's."""
-    if unknown in TOOL:
-        return unknown
-    stem, _, last = unknown.rpartition("_")
-    return stem if last == str(number + 1) else None

@@ -109,9 +109,6 @@ class Model(Protocol):
     def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return what a reading shows beside its rows times the unknowns, where it is not linear in them, (m,)."""
 
-    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return the second derivatives of what it shows by the set-up's unknowns, (m, k, k)."""
-
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError for a set-up that makes no sense on a machine."""
 
@@ -126,10 +123,6 @@ class LinearModel:
     def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return nothing: it is linear, (m,)."""
         return np.zeros(nominal.count)
-
-    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return nothing: it is linear in its unknowns, (m, k, k)."""
-        return np.zeros((nominal.count, len(setup.unknowns), len(setup.unknowns)))
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Everything makes sense."""

@@ -9,7 +9,6 @@ artefact has the place of the nest as zero. A sphere touched at its pole and two
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import combinations_with_replacement
 from types import MappingProxyType
 
 import numpy as np
@@ -54,20 +53,6 @@ class Nest(LinearModel):
             return larger
         part: Array = ball_effect(setup, unknown, nominal) @ direction
         return part
-
-    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return −dᵀ times the second derivatives of where the ball is, by turn, strain and calibration, (m, k, k)."""
-        names = [unknown.name for unknown in setup.unknowns]
-        curved = np.zeros((nominal.count, len(names), len(names)))
-        artefact = setup.artefact
-        if artefact is None or artefact.calibrated is None:
-            return curved
-        balls = artefact.nearest(nominal.tcp, setup.balls)
-        own = [at for at, unknown in enumerate(setup.unknowns) if unknown.owner in (artefact.name, artefact.standing)]
-        for row, column in combinations_with_replacement(own, 2):
-            bend = -artefact.bends(names[row], names[column], balls) @ direction
-            curved[:, row, column] = curved[:, column, row] = bend
-        return curved
 
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]

@@ -73,19 +73,6 @@ class Tracker:
         beyond: Array = (nominal.tcp - _station(setup)) @ (_rotation(turn) - np.eye(3) - linear).T @ direction
         return beyond
 
-    def curvature(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return dᵀ ½([j]×[k]× + [k]×[j]×) R(θ₀)(p − station) of its turns, to first order in these, (m, k, k)."""
-        names = [unknown.name for unknown in setup.unknowns]
-        curved = np.zeros((nominal.count, len(names), len(names)))
-        line = (nominal.tcp - _station(setup)) @ _rotation(_found(setup)).T
-        crosses = rigid.skew(np.eye(3))
-        at = [(names.index(name), TURNS.index(name)) for name in TURNS if name in names]
-        for row, j in at:
-            for column, k in at:
-                twice = (crosses[j] @ crosses[k] + crosses[k] @ crosses[j]) / 2
-                curved[:, row, column] = line @ twice.T @ direction
-        return curved
-
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""
         need_station(setup, "the tracker")

@@ -92,8 +92,12 @@ class RawReading:
 
 
 def read_readings(path: str | Path) -> tuple[RawReading, ...]:
-    """Read the readings of a file of either kind, in its order; raises ReadingError."""
-    table = read_table(path)
+    """Read the readings of a table of either kind, in its order; raises ReadingError."""
+    return readings_of(read_table(path))
+
+
+def readings_of(table: CsvTable) -> tuple[RawReading, ...]:
+    """Return the readings of a table of either kind, in its order; raises ReadingError."""
     if {column.stem for column in table.columns} >= STEMS:
         return of_positioning(positioning_rows(table))
     table.allow(_LAYOUT | axis_layout(table))

@@ -1,6 +1,6 @@
 """A CSV table whose header names the units, read strictly.
 
-UTF-8, one header line, commas between cells, a decimal point in numbers, `#` before a comment line.  A column is
+One header line, commas between cells, a decimal point in numbers, `#` before a comment line.  A column is
 `stem` (text) or `stem_unit` (a number).  Nothing is guessed: every fault is a `ReadingError` with file, line, value
 and remedy.
 
@@ -24,7 +24,7 @@ from typing import Literal
 
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, listed, put, said
-from axiscal.measurement.readers.text import content, refuse_many
+from axiscal.measurement.readers.text import TextFile, lines_of, read_text
 from axiscal.measurement.reading import LARGEST
 from axiscal.units import from_unit
 
@@ -160,35 +160,24 @@ class CsvTable:
 
 def read_table(path: str | Path) -> CsvTable:
     """Read a table from a file; raises ReadingError when it cannot be opened or is not such a table."""
-    return parse_table(_decode(content(path), str(path)), str(path))
+    return table_of(read_text(path))
 
 
 def parse_table(text: str, file: str) -> CsvTable:
     """Parse a table from text; `file` is the name that errors carry.  Raises ReadingError."""
-    lines = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    refuse_many(len(lines), file)
-    data = [(number, line) for number, line in enumerate(lines, 1) if not _NOTHING.match(line)]
+    return table_of(TextFile(file, lines_of(text, file)))
+
+
+def table_of(file: TextFile) -> CsvTable:
+    """Return the table that a file holds; raises ReadingError."""
+    data = [(number, line) for number, line in enumerate(file.lines, 1) if not _NOTHING.match(line)]
     if not data:
-        raise ReadingError("there is no header and no data", "let the first line name the columns", file)
-    columns = _columns(file, *data[0])
-    rows = tuple(_row(file, number, line, columns) for number, line in data[1:])
+        raise file.fail("there is no header and no data", "let the first line name the columns")
+    columns = _columns(file.name, *data[0])
+    rows = tuple(_row(file.name, number, line, columns) for number, line in data[1:])
     if not rows:
-        raise ReadingError("there is a header but no data", "add one line for each reading", file, data[0][0])
-    return CsvTable(file, data[0][0], columns, rows)
-
-
-def _decode(data: bytes, file: str) -> str:
-    """Decode UTF-8, with or without a byte order mark."""
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise ReadingError("the file is UTF-16 text", "save it as CSV UTF-8", file)
-    if b"\0" in data:
-        raise ReadingError("the file is binary, or UTF-16 text", "save it as CSV UTF-8", file)
-    try:
-        return data.decode("utf-8")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        remedy = "save it as CSV UTF-8"
-        raise ReadingError("byte 0x{data:02x} is not UTF-8", remedy, file, line, data=data[error.start]) from None
+        raise file.fail("there is a header but no data", "add one line for each reading", data[0][0])
+    return CsvTable(file.name, data[0][0], columns, rows)
 
 
 def _cells(file: str, number: int, line: str) -> list[str]:

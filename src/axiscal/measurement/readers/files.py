@@ -1,12 +1,5 @@
-"""Any file of readings, recognised by its first lines: READINGS.csv, ISO 230-2 tests, `.rtl`, exchange files, bed maps,
-level surveys, and what installed packages read.
-
-Our own exchange file, first line `# axiscal-csv 1`:
-
-    run_id,axis,error,direction,target,value,unit,u_std,t_c,time
-
-UTF-8, decimal point. `direction` is + or − or empty; targets are in mm, on rotary axes in deg; `unit` is that of value
-and u_std. `t_c` (material temperature) and `time` are kept for people.
+"""Any file of readings, recognised by its first lines: READINGS.csv, ISO 230-2 tests, `.rtl`, bed maps, level surveys,
+and what installed packages read.
 
 A level survey as it is written down at the machine: stations, and what the level showed there and back.
 
@@ -30,18 +23,17 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 from axiscal.document.ports import all_of
-from axiscal.exceptions import DescriptionError, UnitError
-from axiscal.machine.names import AXIS_NAME, parse_error_name
+from axiscal.exceptions import UnitError
+from axiscal.machine.names import AXIS_NAME
 from axiscal.measurement.readers import bed_map, renishaw
-from axiscal.measurement.readers.csv_readings import RawReading, of_positioning, read_readings, read_times
-from axiscal.measurement.readers.csv_table import TEXT, Column, CsvTable, Row, parse_table
-from axiscal.measurement.readers.positioning import PositioningRows, read_positioning
+from axiscal.measurement.readers.csv_readings import RawReading, of_positioning, read_times, readings_of
+from axiscal.measurement.readers.csv_table import Column, CsvTable, Row, table_of
+from axiscal.measurement.readers.positioning import PositioningRows, positioning_rows
 from axiscal.measurement.readers.text import TextFile, read_text
-from axiscal.measurement.setup import FINEST
-from axiscal.units import dimension_of, from_unit, parse_quantity
+from axiscal.units import from_unit, parse_quantity
 
 SURVEY_MARK = "# level survey"
 _KEYS = ("setup", "base", "division")
@@ -49,12 +41,6 @@ _KEY = re.compile(r"#\s*([A-Za-z]+)\s*=\s*(.*?)\s*")
 _PASSES = ("forward", "back")
 _UNITS = ("um/m", "mm/m", "arcsec", "arcmin", "urad", "mrad", "deg", "div")
 _STATION = re.compile(f"({AXIS_NAME})_(mm|um|m)")
-
-MARK = "# axiscal-csv 1"
-_COLUMNS = ("run_id", "axis", "error", "direction", "target", "value", "unit", "u_std", "t_c", "time")
-_NEEDED = ("axis", "error", "target", "value", "unit")
-_SIGNS = {"+": 1, "-": -1, "−": -1, "": 0}
-"""What the format writes for the two directions, and for none."""
 
 PORTS = "axiscal.readers"
 """Group of the entry points by which packages bring readers."""
@@ -75,8 +61,6 @@ def read_any(path: str | Path) -> tuple[RawReading, ...]:
     file = read_text(path)
     if renishaw.is_rtl(file):
         return of_positioning(renishaw.rtl_positioning(file))
-    if is_own(file):
-        return own_readings(file)
     if is_survey(file):
         return survey_readings(file)
     if bed_map.is_height_map(file) or bed_map.is_mesh(file):
@@ -84,59 +68,18 @@ def read_any(path: str | Path) -> tuple[RawReading, ...]:
         return tuple(_node(node) for node in nodes)
     brought: list[FileReader] = all_of(PORTS)
     reader = next((each for each in brought if each.knows(file)), None)
-    return read_readings(path) if reader is None else tuple(reader.read(file))
+    return readings_of(table_of(file)) if reader is None else tuple(reader.read(file))
 
 
 def read_any_positioning(path: str | Path) -> PositioningRows:
     """Read an ISO 230-2 test, a table or a `.rtl` file; raises ReadingError."""
     file: TextFile = read_text(path)
-    return renishaw.rtl_positioning(file) if renishaw.is_rtl(file) else read_positioning(path)
+    return renishaw.rtl_positioning(file) if renishaw.is_rtl(file) else positioning_rows(table_of(file))
 
 
 def _node(node: bed_map.Node) -> RawReading:
     """Return the reading of a node: where the bed is high the tool is too low over it, by as much."""
     return RawReading("", {"X": node.x, "Y": node.y}, {}, -node.height, None, "length", node.line, error="z")
-
-
-def is_own(file: TextFile) -> bool:
-    """Return whether the file says that it is one of ours."""
-    return file.lines[0].strip().lower() == MARK
-
-
-def own_readings(file: TextFile) -> tuple[RawReading, ...]:
-    """Return the readings; raises ReadingError."""
-    table = parse_table("\n".join(file.lines), file.name)
-    table.needed(dict.fromkeys(_COLUMNS, TEXT), *_NEEDED)
-    return tuple(_reading(file, table, row) for row in table.rows)
-
-
-def _reading(file: TextFile, table: CsvTable, row: Row) -> RawReading:
-    cells = {column.name: row.text(column) for column in table.columns}
-    try:
-        error = parse_error_name(cells["error"])
-        unit = cells["unit"].replace("µ", "u").replace("μ", "u")
-        dimension = dimension_of(unit)
-    except (DescriptionError, UnitError) as fault:
-        raise row.fail(fault.what, fault.remedy) from None
-    read: Literal["angle", "length"] = "angle" if error.angular else "length"
-    if dimension != read:
-        remedy = "give lengths in um, angles in urad or arcsec"
-        raise row.fail("{error} is not given in {unit}", remedy, error=error.canonical, unit=unit)
-    if error.axis != cells["axis"]:
-        remedy = "name the axis that moved"
-        raise row.fail("{error} is not an error of axis {axis!r}", remedy, error=error.canonical, axis=cells["axis"])
-    side = cells.get("direction", "")
-    if side not in _SIGNS:
-        raise row.fail("direction {side!r} is not known", "write +, - or nothing", side=side)
-    target = from_unit(file.number(cells["target"], "target", row.line), "deg" if error.axis[0] in "ABC" else "mm")
-    std = cells.get("u_std", "")
-    spread = from_unit(file.number(std, "u_std", row.line), unit) if std else None
-    if spread is not None and spread < FINEST:
-        remedy = "a standard deviation is at least 0.1 nm or 0.1 nrad; leave it empty otherwise"
-        raise row.fail("u_std is {std}", remedy, std=std)
-    value = from_unit(file.number(cells["value"], "value", row.line), unit)
-    approach = {error.axis: _SIGNS[side]} if _SIGNS[side] else {}
-    return RawReading("", {error.axis: target}, approach, value, spread, read, row.line, error=error.canonical)
 
 
 class _Way(NamedTuple):
@@ -163,7 +106,7 @@ def is_survey(file: TextFile) -> bool:
 
 def survey_readings(file: TextFile) -> tuple[RawReading, ...]:
     """Return the readings, first those of the way there, then those of the way back; raises ReadingError."""
-    head, table = _head(file), parse_table("\n".join(file.lines), file.name)
+    head, table = _head(file), table_of(file)
     station, ways, clock = _columns(table, head)
     _refuse_unread(table, ways, clock)
     places = [row.quantity(station) for row in table.rows]

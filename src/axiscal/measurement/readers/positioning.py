@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from pathlib import Path
 
-from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, Column, CsvTable, Row, read_table
+from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, Column, CsvTable, Row
 
 STEMS = frozenset({"target", "direction", "run", "deviation"})
 _LAYOUT = {"target": LENGTHS + ANGLES, "direction": TEXT, "run": TEXT, "deviation": LENGTHS + ANGLES}
@@ -30,11 +29,6 @@ class PositioningRows:
     file: str
     rotary: bool
     rows: tuple[PositioningRow, ...]
-
-
-def read_positioning(path: str | Path) -> PositioningRows:
-    """Read the readings of one axis; raises ReadingError."""
-    return positioning_rows(read_table(path))
 
 
 def positioning_rows(table: CsvTable) -> PositioningRows:

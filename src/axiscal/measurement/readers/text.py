@@ -66,16 +66,19 @@ def content(path: str | Path) -> bytes:
 
 def read_text(path: str | Path) -> TextFile:
     """Read a file in UTF-8, UTF-16 with its mark, or else Latin-1; raises ReadingError."""
-    lines = _decoded(content(path)).replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    refuse_many(len(lines), path)
-    return TextFile(str(path), tuple(lines))
+    text = _decoded(content(path))
+    if "\0" in text:
+        raise ReadingError("the file is binary, or UTF-16 text", "save it as plain text in UTF-8", str(path))
+    return TextFile(str(path), lines_of(text, path))
 
 
-def refuse_many(lines: int, path: str | Path) -> None:
-    """Raise ReadingError for a file of so many lines that no campaign has as many readings."""
-    if lines > MOST_LINES:
+def lines_of(text: str, path: str | Path) -> tuple[str, ...]:
+    """Return the lines of a text, with whatever ends; raises ReadingError for so many that no campaign has."""
+    lines = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    if len(lines) > MOST_LINES:
         what = "the file has {lines:,} lines, and at most {most:,} are read"
-        raise ReadingError(what, "give the readings of one campaign", str(path), lines=lines, most=MOST_LINES)
+        raise ReadingError(what, "give the readings of one campaign", str(path), lines=len(lines), most=MOST_LINES)
+    return tuple(lines)
 
 
 def _decoded(data: bytes) -> str:

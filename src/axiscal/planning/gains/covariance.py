@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.estimation.accuracy.criterion import Root, need_root
+from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.observation import Observation
@@ -107,8 +107,8 @@ class Covariance:
 
     @classmethod
     def of(cls, observation: Observation, belief: Belief, root: Root) -> Covariance:
-        """Return the state of a belief; raises ShapeError where another thing than a root is given."""
-        return cls(observation, belief.factor, need_root(root))
+        """Return the state of a belief."""
+        return cls(observation, belief.factor, root)
 
     @property
     def value(self) -> float:

@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimation.accuracy.criterion import Gram
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading_rows import rows_at
@@ -47,15 +46,15 @@ def after_readings(known: DenseState, places: Places) -> DenseState:
     return before._replace(covariance=before.covariance - lost)
 
 
-def value(known: DenseState, gram: Gram) -> float:
-    """Return J."""
-    return gram.value(known.covariance)
+def value(known: DenseState, gram: Array) -> float:
+    """Return J.  gram : W (n, n), over the leading unknowns"""
+    return float(np.trace(gram @ known.covariance[: len(gram), : len(gram)]))
 
 
-def gain(known: DenseState, gram: Gram, places: Places) -> float:
+def gain(known: DenseState, gram: Array, places: Places) -> float:
     """Return ΔJ of readings that are taken together."""
     before = opened(known, places)
     rows, noise, _ = rows_at(before.observation, places)
     crossed = before.covariance @ rows.T
-    below, counted = np.diag(noise) + rows @ crossed, crossed[: len(gram.matrix)]
-    return float(np.trace(np.linalg.inv(below) @ counted.T @ gram.matrix @ counted))
+    below, counted = np.diag(noise) + rows @ crossed, crossed[: len(gram)]
+    return float(np.trace(np.linalg.inv(below) @ counted.T @ gram @ counted))

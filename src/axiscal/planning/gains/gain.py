@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.estimation.accuracy.criterion import Root, need_root
+from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.observation import JointRows, Observation
 from axiscal.measurement.place import Places
@@ -35,9 +35,9 @@ class Scorer:
 
     @classmethod
     def of(cls, observation: Observation, belief: Belief, root: Root) -> Scorer:
-        """Return the scorer of a belief; raises ShapeError where another thing than a root is given."""
+        """Return the scorer of a belief."""
         factor = belief.factor
-        weighted = need_root(root).of(factor)
+        weighted = root.of(factor)
         return cls(observation, factor, weighted, np.hstack([factor, factor @ weighted.T]))
 
     def widened(self, columns: Array, reach: Array) -> Scorer:

@@ -77,7 +77,8 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
         return trial.key(limits)
 
     if len(everything) <= _EVERY_SUBSET:
-        sets = [s for count in range(len(everything), 0, -1) for s in combinations(everything, count)]
+        # few set-ups first: what takes longer than one that reaches the accuracy is given up at once
+        sets = [s for count in range(1, len(everything) + 1) for s in combinations(everything, count)]
         return min(sets, key=key)
     return _grown(everything, key)
 

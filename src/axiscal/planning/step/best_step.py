@@ -15,19 +15,17 @@ import numpy as np
 
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.exceptions import PlanError
-from axiscal.language.spoken import later
-from axiscal.measurement.free_plane import EXACT, on_free_plane, plane_pieces, plane_poses
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.bernstein import largest_ratio, misfit
+from axiscal.numerics.bernstein import largest_ratio, patches
 from axiscal.numerics.threads import one_thread
 from axiscal.numerics.ties import TIE, first_best
 from axiscal.planning.gains.gain import Scorer, joint_gains
 from axiscal.planning.step.climb import Climb
 from axiscal.planning.step.ground import sides
+from axiscal.planning.step.smooth import Region, regions
 from axiscal.planning.step.starts_stacked import adds_up, dense_starts, starts
 
 _APART = 0.12
@@ -35,10 +33,6 @@ _STARTS = 32
 _LOOKED_AT = 400
 _LAST, _NEARLY = 2, 0.999
 """Readings of a set-up that go on to exact lines, with this share of the best gain: others are on lower hills."""
-_NONE = (
-    later("this set-up's readings are no polynomials of two coordinates"),
-    later("Let it move two linear axes, without a raster, and read one number"),
-)
 
 
 class _Sieve(NamedTuple):
@@ -94,9 +88,17 @@ def best_step(knowledge: Knowledge, root: Root, lattice: Places) -> Step:
     scorer = Scorer.of(knowledge.observation, knowledge.belief, root)
     found = best_of(scorer, lattice)
     for setup in np.unique(lattice.setups).tolist():
-        if knowledge.observation.errors.planes and certifiable(scorer.observation, setup):
+        if knowledge.observation.errors.planes and _on_a_plane(scorer.observation, setup):
             found = _beyond(scorer, setup, found)
     return found
+
+
+def _on_a_plane(observation: Observation, setup: int) -> bool:
+    """Return whether a set-up reads one number while two axes move, without a raster."""
+    mounted = observation.setups[setup]
+    plain = mounted.chart is None and mounted.station is None and mounted.base is None
+    continuous = len(mounted.moves) == 2 and not any(mounted.raster[axis] > 0 for axis in mounted.moves)
+    return plain and continuous and len(directions_of(mounted)) == 1
 
 
 def _beyond(scorer: Scorer, setup: int, found: Step) -> Step:
@@ -200,36 +202,21 @@ class CertifiedGain(NamedTuple):
     boxes: int
 
 
-def certifiable(observation: Observation, setup: int) -> bool:
-    """Return whether a set-up reads one number while two linear axes move, anywhere, its rows polynomials of both."""
-    mounted = observation.setups[setup]
-    return on_free_plane(observation, setup) and not any(mounted.raster[axis] > 0 for axis in mounted.moves)
-
-
 def certified_gain(scorer: Scorer, setup: int, known: float = 0.0) -> CertifiedGain:
-    """Enclose the largest gain of one reading of a set-up, wherever it is taken on the continuum of two linear axes.
+    """Enclose the largest gain of one reading of one number of a set-up, wherever it is taken.
 
-    N = gᵀCWCg and D = σ² + gᵀCg are polynomials of both coordinates between knots and edges of visited cells. Their
-    degree is 6 in each, and 8 where lever arms grow with it (method of B&H eq. 27, in two coordinates at once).
-    known : a gain that some place reaches; raises PlanError where two linear axes do not move alone
+    N = gᵀCWCg and D = σ² + gᵀCg are polynomials between knots and edges of visited cells. Their degree is 6 along a
+    linear axis, and 8 where lever arms grow with it (method of B&H eq. 27, in several coordinates at once).
+    known : a gain that some place reaches; raises PlanError where readings cannot be cut into boxes
     """
-    if not certifiable(scorer.observation, setup):
-        raise PlanError(*_NONE)
-    found = [_from_side(scorer, setup, side, known) for side in sides(scorer.observation, setup)]
-    best = max(found, key=lambda each: each.lower)
-    upper, boxes = max(each.upper for each in found), sum(each.boxes for each in found)
-    return best._replace(upper=upper, boxes=boxes)
+    found = []
+    for region in regions(scorer.observation, setup):
 
+        def forms(places: Array, region: Region = region) -> tuple[Array, Array]:
+            return scorer.forms(setup, *region.readings(places))
 
-def _from_side(scorer: Scorer, setup: int, side: Array, known: float) -> CertifiedGain:
-    mounted = scorer.observation.setups[setup]
-
-    def forms(places: Array) -> tuple[Array, Array]:
-        poses = plane_poses(mounted, places)
-        return scorer.forms(setup, poses, np.tile(side, (len(poses), 1)))
-
-    breaks, degree = plane_pieces(scorer.observation, setup)
-    if misfit(forms, breaks, degree) > EXACT:
-        raise PlanError(*_NONE)
-    found = largest_ratio(forms, breaks, degree, known)
-    return CertifiedGain(found.lower, found.upper, plane_poses(mounted, found.place[None])[0], side, found.boxes)
+        each = largest_ratio(patches(forms, region.low, region.high, region.degree), known)
+        pose, approach = (part[0] for part in region.readings(each.place[None]))
+        found.append(CertifiedGain(each.lower, each.upper, pose, approach, each.boxes))
+    best, upper = max(found, key=lambda each: each.lower), max(each.upper for each in found)
+    return best._replace(upper=upper, boxes=sum(each.boxes for each in found))

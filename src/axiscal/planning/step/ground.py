@@ -47,6 +47,10 @@ class Ground(Protocol):
         """The coordinates without steps."""
 
     @property
+    def choices(self) -> Array:
+        """The sides from which places are come to and that differ in what is read, (choices, size)."""
+
+    @property
     def sided(self) -> NDArray[np.intp]:
         """The coordinates that may be come to from either side, where it shows in what is read from which."""
 
@@ -97,8 +101,12 @@ class _Axes:
         return [number for number, axis in enumerate(self._moves) if not raster[axis] > 0]
 
     @cached_property
+    def choices(self) -> Array:
+        return np.array(sides(self.observation, self.setup))[:, self._moves]
+
+    @cached_property
     def sided(self) -> NDArray[np.intp]:
-        return np.flatnonzero(np.ptp(sides(self.observation, self.setup), axis=0)[self._moves] > 0)
+        return np.flatnonzero(np.ptp(self.choices, axis=0) > 0)
 
     def begun(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
         return poses[:, self._moves], approaches[:, self._moves]
@@ -146,9 +154,12 @@ class _OnChart:
         return [number for number in range(self.chart.size) if self.chart.bounds(number).step == 0]
 
     @cached_property
+    def choices(self) -> Array:
+        return chart_sides(self.observation.machine, self.observation.setups[self.setup], self.chart)
+
+    @cached_property
     def sided(self) -> NDArray[np.intp]:
-        mounted = self.observation.setups[self.setup]
-        return np.flatnonzero(np.ptp(chart_sides(self.observation.machine, mounted, self.chart), axis=0) > 0)
+        return np.flatnonzero(np.ptp(self.choices, axis=0) > 0)
 
     def begun(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
         places = self.chart.places(poses)

@@ -283,7 +283,7 @@ def _parameters(records: Sequence[MachineRecord], shop: Shop, begun: Sequence[fl
 
 def _figure(known: Estimation, function: ErrorFunction) -> tuple[float, float]:
     """Return the value of a constant, or the range of a curve, with its standard deviation where it was found."""
-    belief = known.banded.knowledge.belief
+    belief = known.printed.belief
     mean, factor = belief.mean[function.columns], belief.factor[function.columns]
     if function.basis.size == 1:
         row = function.rows(np.zeros(1))[0]

@@ -139,7 +139,7 @@ def _inverse(covariance: Array) -> Array:
 
 def found_by(known: Estimation) -> Inherited:
     """Return what a campaign knows of the errors of its machine."""
-    size, belief = known.case.errors.size, known.banded.knowledge.belief
+    size, belief = known.case.errors.size, known.printed.belief
     factor = belief.factor[:size]
     return Inherited(belief.mean[:size], factor @ factor.T)
 

@@ -80,7 +80,7 @@ class WornMachine:
         rho, square = self._aging.kept(years)
         once = np.array([1.0, rho - 1.0, -1.0])
         moved = once @ self._products @ once + (square - rho**2) * self._products[1, 1]
-        drifted = self._root.gram.value(self._worn.covariance(rho, square, self._fresh))
+        drifted = np.sum(self._root.gram * self._worn.covariance(rho, square, self._fresh))
         return self._known.case.yardstick.rms_of(float(drifted + moved))
 
     def prior(self, years: float) -> Inherited:

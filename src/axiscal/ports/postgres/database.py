@@ -7,16 +7,17 @@ from __future__ import annotations
 
 import contextlib
 import getpass
-import hashlib
 import os
+import random
 import selectors
 import socket
 import ssl
 import struct
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 from urllib.parse import parse_qs, unquote, urlsplit
 
 from axiscal.document import shown
@@ -26,8 +27,10 @@ from axiscal.numerics.remembered import Memo
 
 _PATIENCE = 15.0
 """Seconds for an answer: a server of a shop answers in hundredths, a lost network never."""
-_LOCK = 4000
-"""Milliseconds for which another writer is waited for."""
+_LOCK = 4.0
+"""Seconds for which a transaction is tried again while others write."""
+_NAP = 0.02
+"""Longest wait before the next try, s: about the time of one transaction."""
 _SENTENCES = {
     "28P01": (later("The store does not take this password"), later("Put the right one into PGPASSWORD")),
     "28000": (later("The store does not let this user in"), later("Ask whoever keeps it for an account")),
@@ -41,8 +44,19 @@ _SENTENCES = {
     "55P03": (later("Another program holds this campaign and is writing"), later("Wait, then give the command again")),
 }
 """What is said for the states of SQL that a person can do something about."""
-_UNIQUE, _GONE = "23505", ("57P01", "57P02", "57P03", "08")
-"""A number that is taken; the server ends, or is not there."""
+_UNIQUE, _SECOND, _GONE = "23505", ("40001", "40P01"), ("57P01", "57P02", "57P03", "08")
+"""A number that is taken; of two transactions at once this one came second; the server ends, or is not there."""
+_SESSION = {
+    "default_transaction_isolation": "serializable",
+    "lock_timeout": f"{_LOCK:.0f}s",
+    "synchronous_commit": "on",
+}
+"""Settings of a session; only changes of the tables themselves wait for a lock."""
+_Done = TypeVar("_Done")
+
+
+class _ConflictError(OvertakenError):
+    """Another transaction wrote meanwhile; the same one may be tried again."""
 
 
 class Database:
@@ -60,9 +74,11 @@ class Database:
         Outside of a transaction a query only reads, or begins one, so it may run twice. It runs again over a new
         connection if an earlier one was dropped, as servers and routers do with idle ones.
         """
-        of_before = self._connection is not None and not self._within
-        try:
+        if self._within:
             return self._asked(query, values)
+        of_before = self._connection is not None
+        try:
+            return _while_others_come_first(lambda: self._asked(query, values))
         except UnreachableError:
             if not of_before:
                 raise
@@ -85,18 +101,20 @@ class Database:
             self._prepared.answer(query, lambda: self._connection.prepare(query)).run(**values)
         return True
 
-    @contextmanager
-    def transaction(self, held: str) -> Iterator[None]:
-        """Do all that the block does, or nothing; where the server goes away at the end it is not known which.
+    def transaction(self, deed: Callable[[], _Done]) -> _Done:
+        """Do all that the deed does, or nothing, and return what it returns; again while others come first.
 
-        held : what nobody else may write to meanwhile, by a name
+        Where the server goes away at the end it is not known which; that is what the error then says.
         """
+        return _while_others_come_first(lambda: self._tried(deed))
+
+    def _tried(self, deed: Callable[[], _Done]) -> _Done:
         try:
-            # one question to the server; the lock comes before the first look at what there is
-            self.rows(f"START TRANSACTION; SELECT pg_advisory_xact_lock({lock_number(held)})")
+            self.rows("START TRANSACTION")
             self._within = True
-            yield
+            done = deed()
             self._commit()
+            return done
         except BaseException:
             with contextlib.suppress(RecordError):
                 self.rows("ROLLBACK")
@@ -107,7 +125,7 @@ class Database:
     def _commit(self) -> None:
         try:
             self.rows("COMMIT")
-        except RecordError as failure:
+        except UnreachableError as failure:
             raise not_known(failure) from None
 
     def close(self) -> None:
@@ -143,15 +161,21 @@ class Database:
         except _network_failures() as failure:
             found = failure.args[0] if failure.args else ""
             state = str(found.get("C", "")) if isinstance(found, dict) else ""
+            if not state and "SSL" in _words(failure):
+                self.close()
+                what = "The store cannot prove who it is: {reason}"
+                remedy = "Name its authority by SSL_CERT_FILE, or write ?sslmode=prefer in a network that you trust"
+                raise RecordError(what, remedy, self._named, reason=_words(failure)) from failure
             if not state or state.startswith(_GONE):
                 self.close()
                 what = "The store does not answer: {reason}"
                 remedy = "Look whether server and network are there, then give the command again; what was kept is kept"
                 raise UnreachableError(what, remedy, self._named, reason=_words(failure)) from failure
-            if state == _UNIQUE:
+            if state in (_UNIQUE, *_SECOND):
                 what = "Another process has written to this record in the meantime"
                 remedy = "Look at it with `axiscal status`, then give the command again"
-                raise OvertakenError(what, remedy, self._named) from failure
+                error = OvertakenError if state == _UNIQUE else _ConflictError
+                raise error(what, remedy, self._named) from failure
             other = later("The store refuses it: {reason}"), later("Ask whoever keeps the store")
             words = _SENTENCES.get(state, other)
             raise RecordError(words[0], words[1], self._named, reason=_words(failure)) from failure
@@ -160,16 +184,23 @@ class Database:
             raise
 
 
+def _while_others_come_first(deed: Callable[[], _Done]) -> _Done:
+    """Return what a deed returns, tried again for a while after each conflict: one of those who meet always ends."""
+    until = time.monotonic() + _LOCK
+    while True:
+        try:
+            return deed()
+        except _ConflictError:
+            if time.monotonic() > until:
+                raise
+            time.sleep(random.uniform(0, _NAP))
+
+
 def not_known(failure: RecordError) -> RecordError:
     """Return the error of a server that went away before it confirmed an entry."""
     what = "{fault}, and whether the last entry is kept is not known"
     remedy = "Look at it, then give the command again if it is not there"
     return RecordError(what, remedy, failure.file, fault=failure.what)
-
-
-def lock_number(held: str) -> int:
-    """Return the number by which the server locks what has this name."""
-    return int.from_bytes(hashlib.sha256(held.encode(errors="surrogateescape")).digest()[:8], signed=True)
 
 
 def _speaks(line: int) -> bool:
@@ -205,7 +236,7 @@ def _connected(address: StoreAddress, line: socket.socket) -> Any:
             sock=line,
             ssl_context=_tls(address),
             application_name="axiscal",
-            startup_params={"lock_timeout": str(_LOCK), "synchronous_commit": "on"},
+            startup_params=_SESSION,
         )
     except (Error, OSError, struct.error) as failure:
         line.close()
@@ -232,10 +263,10 @@ def _line(address: StoreAddress) -> socket.socket:
 
 
 def _tls(address: StoreAddress) -> ssl.SSLContext | Literal[False] | None:
-    """Return the TLS of a connection: False for none, None where the server may choose."""
+    """Return the TLS of a connection: False for none, None where the server may choose; verified unless said."""
     if address.socket or address.sslmode == "disable":
         return False
-    if address.sslmode in ("", "prefer"):
+    if address.sslmode == "prefer":
         return None
     context = ssl.create_default_context()
     if address.sslmode == "require":
@@ -264,7 +295,8 @@ def opened_database(store: str | None = None) -> Database:
 VARIABLE = "AXISCAL_STORE"
 """The variable of the environment that names the store."""
 _FORM = "postgresql://USER@HOST/DATABASE"
-_MODES = "", "disable", "prefer", "require", "verify-ca", "verify-full"
+_VERIFIED = "verify-full"
+_MODES = "disable", "prefer", "require", "verify-ca", _VERIFIED
 """Of TLS, as PostgreSQL names them: none, where the server has it, always, with a certificate that is checked."""
 _IN_PASSWORDS = "in a password / is %2F, ? is %3F, # is %23 and @ is %40"
 _PORT, _LAST_PORT = 5432, 65535
@@ -276,7 +308,7 @@ class StoreAddress:
     """A database on a server.
 
     socket : the folder of its socket on this computer, "" for one reached by the network
-    sslmode : as PostgreSQL names it; "" as "prefer": TLS where the server has it
+    sslmode : as PostgreSQL names it
     """
 
     host: str
@@ -285,7 +317,7 @@ class StoreAddress:
     password: str | None = field(repr=False)
     database: str
     socket: str = ""
-    sslmode: str = ""
+    sslmode: str = _VERIFIED
 
     @property
     def shown(self) -> str:
@@ -313,7 +345,7 @@ def store_address(text: str | None, environment: Mapping[str, str] = os.environ)
         raise no_address
     if "@" in f"{parts.path}{parts.query}{parts.fragment}":  # the password was cut in two
         raise no_address
-    sslmode = options.pop("sslmode", environment.get("PGSSLMODE", ""))
+    sslmode = options.pop("sslmode", "") or environment.get("PGSSLMODE") or _VERIFIED
     host = unquote(options.pop("host", parts.hostname or environment.get("PGHOST", "localhost")))
     if options or sslmode not in _MODES:
         wrong = next(iter(options), f"sslmode={sslmode}")

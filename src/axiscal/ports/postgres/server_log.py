@@ -1,6 +1,6 @@
 """The log of one campaign on a server: what `store.Record` is in a file.
 
-The next number of a campaign is the primary key, so of two writers that know the same last event one wins. A branch
+A number is given once in a campaign, so of two writers that know the same last event one wins. A branch
 holds what was measured elsewhere behind an event of another campaign: its log begins with that one's, up to there.
 """
 
@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple, Self
 
 from axiscal.exceptions import OvertakenError, RecordError, UnreachableError
-from axiscal.ports.postgres.database import Database, lock_number, not_known, opened_database
+from axiscal.ports.postgres.database import Database, not_known, opened_database
 from axiscal.ports.postgres.tables import refuse_other
 from axiscal.record.events import Created
 from axiscal.record.line_form import DamageError, EventText, chained
@@ -22,6 +22,7 @@ from axiscal.record.log import (
     STORED,
     ChainedText,
     EventLog,
+    Story,
     campaign_of,
     chained_texts,
     refuse_overtaken,
@@ -35,10 +36,9 @@ _SHOWN = 13
 _ENTRIES = "SELECT CAST(id AS text), name, CAST(branch_of AS text), branch_at FROM axiscal.campaigns"
 
 _INSERT = """
-SELECT axiscal.append(CAST(:id AS uuid), CAST(:held AS bigint), CAST(:last AS bigint), CAST(:kinds AS text[]),
+SELECT axiscal.append(CAST(:id AS uuid), CAST(:last AS bigint), CAST(:kinds AS text[]),
     CAST(:payloads AS text[]), CAST(:times AS text[]), CAST(:digests AS text[]))
 """
-"""Behind the lock of its campaign, as everything that is written: a statement of its own waits for others, too."""
 
 
 class Entry(NamedTuple):
@@ -72,14 +72,17 @@ class ServerLog(EventLog):
         """Return a new campaign that holds the event `created`; raises RecordError where there is one of this name."""
         first = chained_texts(rows_of([created]))[0]
         entry = Entry(campaign_of(first), name, None, None)
+
+        def begun() -> None:
+            if entries(database, name):
+                remedy = "Go on with it by `axiscal next`, or give the campaign another name"
+                raise RecordError("The store has a campaign of this name already", remedy, f"{STORED}{name}")
+            enter(database, entry)
+            insert(database, entry.id, 0, [first])
+
         with _closed_at_a_fault(database):
             refuse_other(database)
-            with database.transaction(f"name {name}"):
-                if entries(database, name):
-                    remedy = "Go on with it by `axiscal next`, or give the campaign another name"
-                    raise RecordError("The store has a campaign of this name already", remedy, f"{STORED}{name}")
-                enter(database, entry)
-                insert(database, entry.id, 0, [first])
+            database.transaction(begun)
             log = cls(database, entry)
             log.last()
         return log
@@ -89,7 +92,7 @@ class ServerLog(EventLog):
         """Return the log of a campaign, by its name or the beginning of its id, checked; raises RecordError."""
         with _closed_at_a_fault(database):
             refuse_other(database)
-            log = cls(database, _only(name, entries(database, name)), write=write)
+            log = cls(database, only_entry(name, entries(database, name)), write=write)
             log.last()
         return log
 
@@ -109,20 +112,23 @@ class ServerLog(EventLog):
     ) -> int:
         """Keep events behind what is there by now and return the number of the last one.
 
-        asked : the same, as the server went away with them: behind the lock they are there by now or never
+        asked : the same, as the server went away with them: either they are there, or they can no longer come
         """
         known = len(self._texts)
-        with self._database.transaction(self.entry.id):
+
+        def kept() -> tuple[Story, Sequence[ChainedText]]:
             self._catch_up()
             there = self._texts[known : known + len(asked)]
             if asked and [(each.row.at, each.chain) for each in there] == [(e.row.at, e.chain) for e in asked]:
-                return known + len(asked)
+                return self._story, ()
             refuse_overtaken(len(self._texts), after, self.path)
             story = self._story.then(rows, self.path)
             texts = self._behind(rows)
             insert(self._database, self.entry.id, len(self._texts), texts)
+            return story, texts
+
+        self._story, texts = self._database.transaction(kept)
         self._texts += texts
-        self._story = story
         return len(self._texts)
 
     def _behind(self, rows: Sequence[EventText]) -> list[ChainedText]:
@@ -179,8 +185,12 @@ class ServerLog(EventLog):
                 self._take(number, text)
         except DamageError as error:
             what = "The campaign in the store is damaged: {reason}"
-            remedy = "Tell whoever keeps the store, to restore it from a backup; nothing was changed"
-            raise RecordError(what, remedy, self.path, reason=error) from error
+            remedy = (
+                "Tell whoever keeps the store: a backup has what was there, and this sets aside what cannot be: "
+                "axiscal sync --quarantine {path}:{first}"
+            )
+            first = len(self._texts) + 1
+            raise RecordError(what, remedy, self.path, reason=error, path=self.path, first=first) from error
 
     def _new(self) -> list[tuple[int, ChainedText]]:
         """Return the events behind those that are known, and the last one that is."""
@@ -188,7 +198,7 @@ class ServerLog(EventLog):
         until: int | None = None
         for source in self._sources:
             rows = self._database.rows(
-                "SELECT number, at, kind, payload, digest FROM axiscal.events "
+                "SELECT number, at, kind, payload, digest FROM axiscal.standing "
                 "WHERE campaign = CAST(:id AS uuid) AND number >= :first AND number <= :until ORDER BY number",
                 id=source.id,
                 first=known,
@@ -262,7 +272,7 @@ def insert_at_once(database: Database, campaign: str, last: int, texts: Sequence
 def _inserted(campaign: str, last: int, texts: Sequence[ChainedText]) -> dict[str, object]:
     columns = zip(*((t.row.kind, t.row.payload, t.row.at, t.chain) for t in texts), strict=True)
     lists = dict(zip(("kinds", "payloads", "times", "digests"), map(list, columns), strict=True))
-    return {"id": campaign, "held": lock_number(campaign), "last": last, **lists}
+    return {"id": campaign, "last": last, **lists}
 
 
 def _ancestors(database: Database, entry: Entry) -> list[Entry]:
@@ -274,7 +284,7 @@ def _ancestors(database: Database, entry: Entry) -> list[Entry]:
     return found
 
 
-def _only(name: str, found: Sequence[Entry]) -> Entry:
+def only_entry(name: str, found: Sequence[Entry]) -> Entry:
     path, found = Path(f"{STORED}{name}"), [each for each in found if each.called == name or each.id.startswith(name)]
     if not found:
         raise RecordError("The store has no such campaign", "Look at its name, or send it there: axiscal sync", path)

@@ -47,10 +47,14 @@ def synced(database: Database, record: EventLog, name: str) -> Synced:
     refuse_other(database)
     texts = record.texts()
     entry = Entry(campaign_of(texts[0]), name, None, None)
-    with database.transaction(entry.id):
+
+    def brought() -> tuple[Synced, Sequence[ChainedText]]:
         there = entry_of(database, entry.id)
         found, rest = _new(database, entry, texts) if there is None else _sent(database, there, texts)
-        found = replace(found, set_back=_countersigned(database, entry.id, record.path, found.campaign, texts))
+        back = _countersigned(database, entry.id, record.path, found.campaign, texts)
+        return replace(found, set_back=back), rest
+
+    found, rest = database.transaction(brought)
     if rest:
         record.extend([text.row for text in rest], after=len(texts))
     return found
@@ -66,7 +70,7 @@ def _countersigned(database: Database, record: str, path: Path, there: Entry, te
     """Let the store keep how far it saw this file, and return the last event it had seen before and that has gone."""
     of_this = {"record": record, "copy": f"{own_hand().computer}:{path.resolve()}"}
     rows = database.rows(
-        "SELECT s.number, e.digest FROM axiscal.seen AS s JOIN axiscal.events AS e USING (campaign, number) "
+        "SELECT s.number, e.digest FROM axiscal.seen AS s JOIN axiscal.standing AS e USING (campaign, number) "
         "WHERE s.record = CAST(:record AS uuid) AND s.copy = :copy ORDER BY s.id DESC LIMIT 1",
         **of_this,
     )

@@ -4,17 +4,23 @@ Nobody changes or deletes an event, its owner included: a trigger refuses it. Wh
 number of its campaign, and the hash chained over what stands before it, which the server computes itself. People add
 by functions alone, which check kinds, texts, names and branches, so that no other client can do more. Of each copy of
 a record that is brought together with the store it is kept how far it went: `seen`.
+
+A client of a measurer's own can add an entry that is none, and then nobody can read what stands there. The owner sets
+it and all behind it aside: the rows stay, and `standing` shows the others.
+
+Nobody waits for anybody. A unique index would make writers wait for a client that keeps its transaction open, and so
+would a lock. Therefore each transaction is serializable (Ports and Grittner, VLDB 2012): two that write the same number
+never both end well, the first to end wins, and the other is tried again.
 """
 
 from __future__ import annotations
 
 from axiscal.exceptions import RecordError
 from axiscal.ports.postgres.database import Database
-from axiscal.record.log import EMPTY
 
-FORM = 2
-"""Of the tables; the first had neither what the store saw nor functions."""
-_FIRST = f"""
+FORM = 3
+"""Of the tables; the first had no functions, and in the second a client could keep others waiting."""
+_FIRST = """
 CREATE SCHEMA axiscal;
 CREATE TABLE axiscal.form (number integer PRIMARY KEY);
 INSERT INTO axiscal.form VALUES (1);
@@ -30,19 +36,54 @@ CREATE FUNCTION axiscal.refuse() RETURNS trigger LANGUAGE plpgsql AS $body$
 BEGIN
     RAISE EXCEPTION 'events are only ever added' USING ERRCODE = '42501';
 END $body$;
-CREATE FUNCTION axiscal.follow() RETURNS trigger LANGUAGE plpgsql AS $body$
+"""
+_NOW = """
+INSERT INTO axiscal.form VALUES (3);
+CREATE TABLE IF NOT EXISTS axiscal.seen (
+    id bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY, record uuid NOT NULL REFERENCES axiscal.campaigns,
+    copy text NOT NULL, campaign uuid NOT NULL, number bigint NOT NULL, at timestamptz NOT NULL DEFAULT now(),
+    writer text NOT NULL DEFAULT session_user);
+CREATE INDEX IF NOT EXISTS seen_record_copy_id_idx ON axiscal.seen (record, copy, id);
+ALTER TABLE axiscal.events DROP CONSTRAINT IF EXISTS events_pkey CASCADE;
+CREATE INDEX events_in_order ON axiscal.events (campaign, number);
+CREATE TABLE axiscal.aside (
+    campaign uuid, number bigint, digest text, at timestamptz NOT NULL DEFAULT now(), PRIMARY KEY (campaign, digest));
+CREATE VIEW axiscal.standing AS SELECT * FROM axiscal.events AS e WHERE NOT EXISTS (
+    SELECT FROM axiscal.aside AS a WHERE a.campaign = e.campaign AND a.digest = e.digest);
+CREATE FUNCTION axiscal.quarantine(campaign uuid, first bigint) RETURNS bigint LANGUAGE plpgsql AS $body$
+DECLARE
+    count bigint;
+BEGIN
+    IF $2 < 2 OR EXISTS (SELECT FROM axiscal.campaigns AS c WHERE c.branch_of = $1 AND c.branch_at >= $2) THEN
+        RAISE EXCEPTION 'what begins a campaign, or a branch follows, is not set aside';
+    END IF;
+    INSERT INTO axiscal.aside SELECT e.campaign, e.number, e.digest FROM axiscal.standing AS e
+        WHERE e.campaign = $1 AND e.number >= $2;
+    GET DIAGNOSTICS count = ROW_COUNT;
+    RETURN count;
+END $body$;
+CREATE OR REPLACE FUNCTION axiscal.follow() RETURNS trigger LANGUAGE plpgsql AS $body$
 DECLARE
     before text;
 BEGIN
-    SELECT digest INTO before FROM axiscal.events WHERE campaign = NEW.campaign AND number = NEW.number - 1;
+    IF current_setting('transaction_isolation') <> 'serializable' THEN
+        RAISE EXCEPTION 'only a serializable transaction adds an event';
+    END IF;
+    IF EXISTS (SELECT FROM axiscal.standing AS e WHERE e.campaign = NEW.campaign AND e.number = NEW.number) THEN
+        RAISE EXCEPTION 'there is an event % already', NEW.number USING ERRCODE = '23505';
+    END IF;
+    IF EXISTS (SELECT FROM axiscal.aside AS a WHERE a.campaign = NEW.campaign AND a.digest = NEW.digest) THEN
+        RAISE EXCEPTION 'event % was set aside by whoever keeps the store', NEW.number;
+    END IF;
+    SELECT digest INTO before FROM axiscal.standing WHERE campaign = NEW.campaign AND number = NEW.number - 1;
     IF before IS NULL THEN
         SELECT e.digest INTO before FROM axiscal.campaigns AS c
-            JOIN axiscal.events AS e ON e.campaign = c.branch_of AND e.number = c.branch_at
+            JOIN axiscal.standing AS e ON e.campaign = c.branch_of AND e.number = c.branch_at
             WHERE c.id = NEW.campaign AND c.branch_at = NEW.number - 1;
     END IF;
     IF before IS NULL AND NEW.number = 1
         AND EXISTS (SELECT FROM axiscal.campaigns WHERE id = NEW.campaign AND branch_of IS NULL) THEN
-        before := '{EMPTY}';
+        before := repeat('0', 64);
     END IF;
     IF before IS NULL THEN
         RAISE EXCEPTION 'event % does not follow: there is no event before it', NEW.number;
@@ -53,52 +94,51 @@ BEGIN
     NEW.writer := session_user;
     RETURN NEW;
 END $body$;
+DROP TRIGGER IF EXISTS follow ON axiscal.events;
 CREATE TRIGGER follow BEFORE INSERT ON axiscal.events FOR EACH ROW EXECUTE FUNCTION axiscal.follow();
-"""
-_SECOND = """
-INSERT INTO axiscal.form VALUES (2);
-CREATE TABLE axiscal.seen (
-    id bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY, record uuid NOT NULL REFERENCES axiscal.campaigns,
-    copy text NOT NULL, campaign uuid NOT NULL, number bigint NOT NULL, at timestamptz NOT NULL DEFAULT now(),
-    writer text NOT NULL DEFAULT session_user, FOREIGN KEY (campaign, number) REFERENCES axiscal.events);
-CREATE INDEX ON axiscal.seen (record, copy, id);
-CREATE FUNCTION axiscal.saw(record uuid, copy text, campaign uuid, number bigint) RETURNS void LANGUAGE sql
-SECURITY DEFINER SET search_path = pg_catalog, pg_temp AS $body$
+CREATE OR REPLACE FUNCTION axiscal.saw(record uuid, copy text, campaign uuid, number bigint) RETURNS void
+LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, pg_temp AS $body$
+BEGIN
+    IF NOT EXISTS (SELECT FROM axiscal.standing AS e WHERE e.campaign = $3 AND e.number = $4) THEN
+        RAISE EXCEPTION 'the store has no such event';
+    END IF;
     INSERT INTO axiscal.seen (record, copy, campaign, number) VALUES ($1, $2, $3, $4);
-$body$;
-CREATE FUNCTION axiscal.enter(id uuid, name text, branch_of uuid, branch_at bigint) RETURNS void LANGUAGE plpgsql
-SECURITY DEFINER SET search_path = pg_catalog, pg_temp AS $body$
+END $body$;
+CREATE OR REPLACE FUNCTION axiscal.enter(id uuid, name text, branch_of uuid, branch_at bigint) RETURNS void
+LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, pg_temp AS $body$
 BEGIN
     IF $2 !~ '[^[:space:]]' OR $2 ~ '[[:cntrl:]]' OR length($2) > 500 THEN
         RAISE EXCEPTION 'a campaign cannot have this name';
     END IF;
-    IF $3 IS NOT NULL AND NOT EXISTS (SELECT FROM axiscal.events AS e JOIN axiscal.campaigns AS c ON c.id = e.campaign
+    IF $3 IS NOT NULL AND NOT EXISTS (SELECT FROM axiscal.standing AS e JOIN axiscal.campaigns AS c ON c.id = e.campaign
         WHERE c.id = $3 AND c.name = $2 AND e.number = $4) THEN
         RAISE EXCEPTION 'a branch needs the event that it follows, and the name of its campaign';
     END IF;
     INSERT INTO axiscal.campaigns VALUES ($1, $2, $3, $4) ON CONFLICT DO NOTHING;
 END $body$;
+DROP FUNCTION IF EXISTS axiscal.append(uuid, bigint, bigint, text[], text[], text[], text[]);
 CREATE FUNCTION axiscal.append(
-    campaign uuid, held bigint, last bigint, kinds text[], payloads text[], times text[], digests text[])
+    campaign uuid, last bigint, kinds text[], payloads text[], times text[], digests text[])
 RETURNS void LANGUAGE plpgsql SECURITY DEFINER SET search_path = pg_catalog, pg_temp AS $body$
 DECLARE
     wrong bigint;
 BEGIN
-    PERFORM pg_advisory_xact_lock($2);  -- what follows sees what others wrote until then
-    SELECT e.n INTO wrong FROM unnest($4, $5, $6) WITH ORDINALITY AS e (kind, payload, at, n)
-        WHERE (e.kind ~ '^[a-z_]{1,40}$' AND (e.kind = 'created') = ($3 + e.n = 1)
+    SELECT e.n INTO wrong FROM unnest($3, $4, $5) WITH ORDINALITY AS e (kind, payload, at, n)
+        WHERE (e.kind ~ '^[a-z_]{1,40}$' AND (e.kind = 'created') = ($2 + e.n = 1)
         AND json_typeof(e.payload::json) = 'object' AND e.at ~
             '^[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9.]{2,9}[+-][0-9]{2}:[0-9]{2}$') IS NOT TRUE
         LIMIT 1;
     IF wrong IS NOT NULL THEN
-        RAISE EXCEPTION 'event % is none: its kind, its time or what it says cannot be', $3 + wrong;
+        RAISE EXCEPTION 'event % is none: its kind, its time or what it says cannot be', $2 + wrong;
     END IF;
     INSERT INTO axiscal.events (campaign, number, kind, payload, at, digest)
-        SELECT $1, $3 + e.n, e.kind, e.payload, e.at, e.digest
-        FROM unnest($4, $5, $6, $7) WITH ORDINALITY AS e (kind, payload, at, digest, n) ORDER BY e.n;
+        SELECT $1, $2 + e.n, e.kind, e.payload, e.at, e.digest
+        FROM unnest($3, $4, $5, $6) WITH ORDINALITY AS e (kind, payload, at, digest, n) ORDER BY e.n;
 END $body$;
 """
 _KEPT = """
+DROP TRIGGER IF EXISTS keep ON axiscal.{table};
+DROP TRIGGER IF EXISTS keep_all ON axiscal.{table};
 CREATE TRIGGER keep BEFORE UPDATE OR DELETE ON axiscal.{table} FOR EACH ROW EXECUTE FUNCTION axiscal.refuse();
 CREATE TRIGGER keep_all BEFORE TRUNCATE ON axiscal.{table} FOR EACH STATEMENT EXECUTE FUNCTION axiscal.refuse();
 """
@@ -123,13 +163,16 @@ def prepare(database: Database) -> bool:
     if form >= FORM:
         refuse_other(database)
         return False
-    with database.transaction("tables"):
+
+    def made() -> None:
         for role in ROLES:
             database.rows(_ROLE.format(role=role))
         if not there:
             _make(database, _FIRST, "campaigns", "events")
-        _make(database, _SECOND, "seen")
+        _make(database, _NOW, "seen", "aside")
         database.rows(_RIGHTS)
+
+    database.transaction(made)
     return True
 
 
@@ -160,3 +203,9 @@ def _form(database: Database) -> int:
 
 def _there(database: Database) -> bool:
     return bool(database.rows("SELECT to_regclass('axiscal.form') IS NOT NULL")[0][0])
+
+
+def quarantined(database: Database, campaign: str, first: int) -> int:
+    """Set the events of a campaign from one on aside, as the owner, and return how many; raises RecordError."""
+    asked = "SELECT axiscal.quarantine(CAST(:campaign AS uuid), CAST(:first AS bigint))"
+    return int(database.rows(asked, campaign=campaign, first=first)[0][0])

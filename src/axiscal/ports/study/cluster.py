@@ -9,7 +9,6 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from axiscal.campaign.possible import versions
@@ -31,26 +30,16 @@ _LOCAL = re.compile(r"tcp://(127\.0\.0\.1|localhost|\[::1\])(:\d+)?/?")
 
 
 @dataclass(frozen=True, slots=True)
-class Certificates:
-    """Files by which a cluster over tls:// is trusted, and trusts us."""
-
-    authority: Path | None = None
-    certificate: Path | None = None
-    key: Path | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class Cluster:
     """An engine of all workers of a scheduler.  digest : of the study, so that two studies are told apart"""
 
     address: str
     digest: str
-    certificates: Certificates = Certificates()
 
     def __call__(self, solve: Solve, questions: Iterable[WorkItem]) -> Generator[Done]:
         """Yield what comes of questions; raises SchedulerError where the scheduler is not there, or goes away."""
         waiting, come, asked = iter(questions), queue.Queue[Any](), dict[str, WorkItem]()
-        with _connected(self.address, self.certificates) as client:
+        with _connected(self.address) as client:
 
             def send(question: WorkItem) -> None:
                 name = f"{self.digest[:16]}-{hashlib.sha256(question.key.encode()).hexdigest()}"
@@ -126,11 +115,10 @@ def _gone(address: str) -> SchedulerError:
 
 
 @contextmanager
-def _connected(address: str, certificates: Certificates) -> Iterator[Client]:
+def _connected(address: str) -> Iterator[Client]:
     """Yield a client of a scheduler that has a worker; raises SchedulerError where there is none."""
     try:
         from distributed import Client
-        from distributed.security import Security
     except ImportError:
         remedy = 'Install it by pip install "axiscal[dask]", or leave --scheduler out and work on this computer'
         raise SchedulerError("Dask is not installed, which --scheduler needs", remedy) from None
@@ -138,13 +126,16 @@ def _connected(address: str, certificates: Certificates) -> Iterator[Client]:
         remedy = "Write one such as tcp://192.168.1.5:8786 or tls://HOST:8786"
         raise SchedulerError("{text} is no address of a scheduler", remedy, text=shown(address))
     try:
-        client = Client(address, security=_security(Security, address, certificates), timeout=_CONNECT, name="axiscal")
+        client = Client(address, timeout=_CONNECT, name="axiscal")
     except (OSError, TimeoutError):
         remedy = (
             "See whether it runs and the address is right, or start one by: dask scheduler --host HOST; and on each "
             "computer that works: dask worker --nthreads 1 {address}"
         )
         raise SchedulerError("no scheduler answers at {address}", remedy, address=address) from None
+    except TypeError as fault:  # how Dask says that nothing names its certificates
+        remedy = "Name them in Dask's configuration: distributed.comm.tls"
+        raise SchedulerError("{address} needs certificates: {reason}", remedy, address=address, reason=fault) from None
     try:
         try:
             client.wait_for_workers(1, timeout=_WORKERS)
@@ -154,16 +145,3 @@ def _connected(address: str, certificates: Certificates) -> Iterator[Client]:
         yield client
     finally:
         client.close(timeout=_LOOK)
-
-
-def _security(security: Any, address: str, certificates: Certificates) -> Any:
-    if not address.startswith("tls://"):
-        return None
-    files = certificates.authority, certificates.certificate, certificates.key
-    if None in files:
-        raise SchedulerError("{address} needs certificates", "Give --tls-ca, --tls-cert and --tls-key", address=address)
-    for file in files:
-        if file is not None and not file.is_file():
-            raise SchedulerError("there is no such file of a certificate", "Give the path of a PEM file", file)
-    ca, cert, key = map(str, files)
-    return security(tls_ca_file=ca, tls_client_cert=cert, tls_client_key=key, require_encryption=True)

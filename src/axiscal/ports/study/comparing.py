@@ -20,8 +20,6 @@ _REACHES = 0.5
 """Share of the machines on which a way has to reach the target for its time to count."""
 _WORDS = {"U": "U", "rms": "the promised RMS", "true_rms": "the true RMS"}
 
-Unit = tuple[int, int]
-"""Draw and machine: what is measured in every way."""
 _SURE = 2.0
 """Standard errors on either side: nineteen of twenty."""
 NOTHING = 0.05
@@ -62,7 +60,7 @@ class MeasuringWay:
 
     name: str
     choices: Mapping[str, Any]
-    figures: Mapping[str, Mapping[Unit, float]]
+    figures: Mapping[str, Mapping[int, float]]
     failed: int
 
     def spread(self, figure: str) -> Quartiles | None:
@@ -100,27 +98,21 @@ def mean_of(values: Sequence[float]) -> Mean | None:
 
 def ways_of(study: Study, found: Mapping[str, Done]) -> list[MeasuringWay]:
     """Return every combination of the grid with what came of it, in the order of the study."""
-    ways = dict[str, MeasuringWay]()
-    for choices, draw in study.ways():
-        name = way_name(study, choices)
-        figures: dict[str, dict[Unit, float]] = {each: {} for each in study.keep}
-        way = ways.setdefault(canonical(choices), MeasuringWay(name, choices, figures, 0))
-        failed = way.failed
-        for machine in range(study.machines):
-            done = found.get(key_of(choices, draw, machine))
-            if done is None or done.result is None:
-                failed += done is not None
-                continue
-            _enter(way.figures, (draw, machine), done.result)
-        ways[canonical(choices)] = MeasuringWay(name, choices, way.figures, failed)
-    return list(ways.values())
-
-
-def _enter(figures: Any, unit: Unit, result: Mapping[str, Any]) -> None:
-    for name, of in figures.items():
-        value = result.get(FIGURES[name].column)
-        if isinstance(value, bool | int | float):
-            of[unit] = float(value)
+    ways = list[MeasuringWay]()
+    for choices in study.ways():
+        done = {machine: found.get(key_of(choices, machine)) for machine in range(study.machines)}
+        results = {machine: each.result for machine, each in done.items() if each is not None and each.result}
+        figures = {
+            name: {
+                machine: float(value)
+                for machine, result in results.items()
+                if isinstance(value := result.get(FIGURES[name].column), bool | int | float)
+            }
+            for name in study.keep
+        }
+        failed = sum(each is not None and each.result is None for each in done.values())
+        ways.append(MeasuringWay(way_name(study, choices), choices, figures, failed))
+    return ways
 
 
 def way_name(study: Study, choices: Mapping[str, Any]) -> str:
@@ -195,7 +187,7 @@ def _without(way: MeasuringWay, key: str) -> dict[str, Any]:
 
 def _difference(pairs: Sequence[tuple[MeasuringWay, MeasuringWay]], name: str) -> Mean | None:
     """Return the mean difference of a figure over machines, each of which counts once, however many ways it is in."""
-    of = dict[Unit, list[float]]()
+    of = dict[int, list[float]]()
     for before, after in pairs:
         first, second = before.figures[name], after.figures[name]
         for unit in first.keys() & second.keys():
@@ -211,7 +203,7 @@ def verdicts(study: Study, ways: Sequence[MeasuringWay]) -> list[str]:
         said += _soonest_of_targets(ways, cost) if study.stop == Stop() else []
         said += _front(ways, cost, accuracy)
         said += [sentence for change in changes(study, ways) if (sentence := _change_words(change, cost, accuracy))]
-    machines = study.machines * study.draws
+    machines = study.machines
     of = f"{_counted(len(ways), 'way')} of measuring, each on the same {_counted(machines, 'virtual machine')}"
     said.append(
         f"{of}, drawn from the errors as {study.described.machine_source} states them: for other machines it may be "

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -25,31 +24,21 @@ from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.prediction import tcp_prediction
-from axiscal.estimation.timed import Timed, elapsed, timed
-from axiscal.exceptions import StudyError
+from axiscal.estimation.timed import elapsed, timed
 from axiscal.machine.description import Machine, machine_from_text
-from axiscal.measurement.candidates import spread
-from axiscal.measurement.place import Place, Places
+from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import Memo
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.enough import reached_by
-from axiscal.planning.next_readings import next_places, plan_basis, posed
+from axiscal.planning.next_readings import next_places, plan_basis
 from axiscal.planning.overrun import with_rooms
-from axiscal.planning.plan.beginnings import evenly_spaced
-from axiscal.planning.plan.order import arriving, in_order
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
-from axiscal.ports.study.study_case import FIGURES, Method, Stop, StudyCase, Variant
+from axiscal.ports.study.study_case import FIGURES, Stop, StudyCase, Variant
 from axiscal.present.findings import findings
 from axiscal.units import to_unit
-
-_ANYWHERE = 4000
-"""Places among which those are drawn that are read anywhere: many more than are read."""
-_MOST = 2000
-"""Readings after which a design that needs no thought has not reached its target."""
 
 _POSES = 80
 """Where the tool point is looked at in each machine; the error over many machines is that of their number."""
@@ -62,11 +51,10 @@ class Prepared:
     """What all machines of a variant have in common.
 
     simulator : makes the machines, with every set-up of the campaign, so that what a set-up does not know of itself is
-    the same whichever others are used; places : None where each machine has its own
+    the same whichever others are used; places : None where each machine is planned anew
     """
 
     case: Case
-    limits: Limits
     simulator: Simulator
     places: tuple[Place, ...] | None
 
@@ -81,10 +69,10 @@ def _found(variant: Variant) -> Prepared:
     described = campaign_from_texts(variant.campaign, names[0], variant.machine, names[1], prior_text=variant.prior)
     simulator = Simulator(_true_machine(described.machine, variant), described.setups)
     case = case_of(_stated(described, variant))
-    limits = limits_of(case, variant.stop)
-    own = variant.method in ("random", "replanned")
-    places = None if own else places_read(case, variant.method, limits, np.random.default_rng(0))
-    return Prepared(case, limits, simulator, places)
+    if variant.method == "replanned":
+        return Prepared(case, simulator, None)
+    plan = proposed(case, limits_of(case, variant.stop), bounded=False).plan
+    return Prepared(case, simulator, with_rooms(case, plan.places))
 
 
 def _true_machine(machine: Machine, variant: Variant) -> Machine:
@@ -125,14 +113,10 @@ def outcome(question: StudyCase) -> dict[str, Any]:
 
 def _read(ready: Prepared, truth: VirtualMachine, question: StudyCase) -> tuple[Reading, ...]:
     """Return what is read of one machine."""
-    variant, number = question.variant, _number(question.seed, question.machine)
-    if variant.method == "replanned":
-        return replanned(ready.case, variant.stop, truth, number)
-    places = ready.places
-    if places is None:
-        rng = np.random.default_rng((number, 7))
-        places = places_read(ready.case, variant.method, ready.limits, rng)
-    return taken(ready.case, truth, places, number)
+    number = _number(question.seed, question.machine)
+    if ready.places is None:
+        return replanned(ready.case, question.variant.stop, truth, number)
+    return taken(ready.case, truth, ready.places, number)
 
 
 def _rounded(value: Any, name: str) -> Any:
@@ -208,14 +192,14 @@ def curves_held(estimation: Estimation, machine: VirtualMachine) -> float:
     names = [term.name for term in machine.model.terms]
     inside = [
         _curve(estimation, name, machine.curves[names.index(name)])
-        for name in estimation.banded.case.errors.names
+        for name in estimation.case.errors.names
         if name in names
     ]
     return float(np.mean(np.concatenate(inside)))
 
 
 def _curve(estimation: Estimation, name: str, truth: Curve) -> Array:
-    function = estimation.banded.case.errors.names[name]
+    function = estimation.case.errors.names[name]
     positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], _POSITIONS)
     mean, std = estimation.estimate().curve(name, positions)
     held: Array = (np.abs(truth(positions) - mean) <= BAND * std).astype(float)
@@ -293,76 +277,3 @@ def limits_of(case: Case, stop: Stop) -> Limits:
     if stop.readings is not None or stop.budget is not None:
         return Limits(stop.readings, budget=stop.budget)
     return Limits.of(case.description.target)
-
-
-def places_read(case: Case, method: Method, limits: Limits, rng: np.random.Generator) -> tuple[Place, ...]:
-    """Return where is read, in order; raises PlanError, StudyError where a target is not reached.
-
-    rng : of the case, for places anywhere
-    """
-    if method == "planned":
-        return with_rooms(case, proposed(case, limits, bounded=False).plan.places)
-    return _enough(case, _drawing(case, method, rng), limits)
-
-
-def _drawing(case: Case, method: Method, rng: np.random.Generator) -> Callable[[int], Places]:
-    """Return what gives so many places; those anywhere are the first ones of one row, whatever their number."""
-    task, setups = posed(case, case.knowledge), case.description.setups
-    if method == "even":
-        return lambda count: evenly_spaced(task, _shared(count, len(setups)))
-    anywhere = [
-        Places.of_setup(index, part.poses, part.approaches).within(rng.permutation(len(part)))
-        for index, part in enumerate(spread(case.description.machine, (setup,), _ANYWHERE) for setup in setups)
-    ]
-
-    def drawn(count: int) -> Places:
-        return Places.joined(
-            [
-                anywhere[index].within(np.arange(min(of, len(anywhere[index]))))
-                for index, of in _shared(count, len(setups))
-            ]
-        )
-
-    return drawn
-
-
-def _shared(count: int, setups: int) -> list[tuple[int, int]]:
-    """Return how many of so many readings each set-up takes: as many as the others, the first ones one more."""
-    shares = [(index, count // setups + (index < count % setups)) for index in range(setups)]
-    return [(index, share) for index, share in shares if share]
-
-
-def _enough(case: Case, drawing: Callable[[int], Places], limits: Limits) -> tuple[Place, ...]:
-    """Return the fewest places at which the first limit is reached, by doubling and halving; within a budget."""
-    task = posed(case, case.knowledge)
-
-    def ordered(count: int) -> tuple[Place, ...]:
-        order = in_order(task, drawing(count))
-        return with_rooms(case, replace(order, approaches=arriving(task, order)))
-
-    def ended(count: int) -> bool:
-        places = ordered(count)
-        if limits.budget is not None and elapsed(case, Timed(), places) > limits.budget:
-            return True
-        return limits.accurate and reached_by(case, limits, places)
-
-    most = _MOST if limits.readings is None else limits.readings
-    if limits.budget is None and not limits.accurate:
-        return ordered(most)
-    short, enough = 0, 1
-    while enough < most and not ended(enough):
-        short, enough = enough, min(2 * enough, most)
-    if not ended(enough):
-        if limits.readings is None:
-            remedy = "Let a plan choose, or widen the target"
-            raise StudyError("{most} such readings do not reach the target", remedy, most=_MOST)
-        return ordered(enough)
-    while enough - short > 1:
-        middle = (short + enough) // 2
-        short, enough = (short, middle) if ended(middle) else (middle, enough)
-    places = ordered(enough)
-    over = limits.budget is not None and elapsed(case, Timed(), places) > limits.budget
-    if over and short == 0:
-        what = "{minutes:.3g} min is too short for one reading"
-        raise StudyError(what, "Allow more time", minutes=(limits.budget or math.nan) / 60)
-    return ordered(short) if over else places

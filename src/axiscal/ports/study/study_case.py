@@ -15,8 +15,8 @@ from typing import Any, Literal, NamedTuple, Protocol
 from axiscal.exceptions import AxiscalError
 from axiscal.numerics.stages import listening
 
-Method = Literal["planned", "replanned", "even", "random"]
-"""How places are chosen: as a plan asks for, planned anew while readings come, evenly along the axes, or anywhere."""
+Method = Literal["planned", "replanned"]
+"""How places are chosen: as a plan asks for, or planned anew while readings come."""
 
 
 class Stop(NamedTuple):
@@ -30,7 +30,7 @@ class Stop(NamedTuple):
 class Variant:
     """One way of measuring, as texts, so that it can go to another computer.
 
-    choices : JSON of the values of the grid, by key; draw : number of the draw of [random]
+    choices : JSON of the values of the grid, by key
     campaign, machine, truth : texts; of `truth` the errors are drawn; names : what failures call campaign and machine
     prior : text of the campaign or type whose result is the prior, or ""
     setups : those that are used, None for all; times : of the stated std of the errors
@@ -38,7 +38,6 @@ class Variant:
     """
 
     choices: str
-    draw: int
     campaign: str
     machine: str
     truth: str
@@ -62,12 +61,12 @@ class StudyCase:
     @property
     def key(self) -> str:
         """Name of the case as canonical JSON; with the texts it determines the outcome."""
-        return key_of(json.loads(self.variant.choices), self.variant.draw, self.machine)
+        return key_of(json.loads(self.variant.choices), self.machine)
 
 
-def key_of(choices: dict[str, Any], draw: int, machine: int) -> str:
-    """Return the key of a case: values of the grid, number of the draw, number of the machine."""
-    return canonical({"draw": draw, "grid": choices, "machine": machine})
+def key_of(choices: dict[str, Any], machine: int) -> str:
+    """Return the key of a case: values of the grid, number of the machine."""
+    return canonical({"grid": choices, "machine": machine})
 
 
 def canonical(value: Any) -> str:

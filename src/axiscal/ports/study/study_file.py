@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -20,7 +21,7 @@ from axiscal.exceptions import InputError, StudyError
 from axiscal.language.spoken import later, put, said
 from axiscal.machine.machine_schema import MachineFile
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
-from axiscal.ports.study.key_paths import Drawn, changed, drawn_key, parts_of
+from axiscal.ports.study.key_paths import changed, parts_of
 from axiscal.ports.study.study_case import FIGURES, Method, Stop, StudyCase, Variant, canonical
 from axiscal.units import parse_quantity
 
@@ -39,7 +40,7 @@ class StudyTable(_KnownKeys):
     seed: int = Field(1, ge=0, le=2**63, examples=["1"])
     machines: int = Field(100, ge=1, le=MOST_MACHINES, examples=["200"])
     stop: str | dict[str, Any] = Field("target", examples=['"target"', "{ readings = 30 }"])
-    method: Literal["planned", "replanned", "even", "random"] = Field("planned", examples=['"planned"'])
+    method: Method = Field("planned", examples=['"planned"'])
 
 
 class ResultsTable(_KnownKeys):
@@ -53,7 +54,6 @@ class StudyFile(_KnownKeys):
 
     study: StudyTable = Field(examples=['{ campaign = "campaign.toml" }'])
     grid: dict[str, list[Any]] = Field(default={}, examples=['{ "target.rms" = ["4 um", "8 um"] }'])
-    random: dict[str, Any] = Field(default={}, examples=["{ draws = 100 }"])
     results: ResultsTable = Field(default_factory=ResultsTable)
 
 
@@ -72,7 +72,6 @@ class Study:
     """A study as described by its owner.
 
     described : the campaign that every case begins with; grid : the values of each key
-    draws : how often the keys of `drawn` are drawn, at least 1
     """
 
     source: Path
@@ -84,8 +83,6 @@ class Study:
     method: Method
     keep: tuple[str, ...]
     grid: Mapping[str, tuple[Any, ...]]
-    drawn: tuple[Drawn, ...]
-    draws: int
 
     @property
     def digest(self) -> str:
@@ -96,32 +93,27 @@ class Study:
     @property
     def count(self) -> int:
         """How many cases there are."""
-        ways = self.draws
-        for values in self.grid.values():
-            ways *= len(values)
-        return ways * self.machines
+        return math.prod(map(len, self.grid.values())) * self.machines
 
-    def ways(self) -> Iterator[tuple[dict[str, Any], int]]:
-        """Yield all ways of measuring: every combination of the grid, and of each the number of every draw."""
+    def ways(self) -> Iterator[dict[str, Any]]:
+        """Yield all ways of measuring: every combination of the grid."""
         for values in product(*self.grid.values()):
-            for draw in range(self.draws):
-                yield dict(zip(self.grid, values, strict=True)), draw
+            yield dict(zip(self.grid, values, strict=True))
 
-    def variant(self, choices: Mapping[str, Any], draw: int) -> Variant:
+    def variant(self, choices: Mapping[str, Any]) -> Variant:
         """Return one way of measuring; raises StudyError for a key that is none.  choices : of the grid, by key"""
         described = self.described
         documents = {
             "campaign": Document.parse(described.text, described.source).data,
             "machine": Document.parse(described.machine.text, described.machine_source).data,
         }
-        for key, value in {**choices, **self.drawn_values(draw)}.items():
+        for key, value in choices.items():
             if key not in (SETUPS, TIMES):
                 of = _document_of(key)
                 documents[of] = changed(documents[of], key, value)
         used = choices.get(SETUPS, "all")
         return Variant(
             choices=canonical(dict(choices)),
-            draw=draw,
             campaign=toml_document(documents["campaign"]),
             machine=toml_document(documents["machine"]),
             truth=described.machine.text,
@@ -134,14 +126,10 @@ class Study:
             keep=self.keep,
         )
 
-    def drawn_values(self, draw: int) -> dict[str, Any]:
-        """Return the values of a draw, by key."""
-        return {each.key: each.value(self.seed, draw) for each in self.drawn}
-
     def cases(self) -> Iterator[StudyCase]:
         """Yield all cases, one way of measuring after the other."""
         for way in self.ways():
-            variant = self.variant(*way)
+            variant = self.variant(way)
             for machine in range(self.machines):
                 yield StudyCase(variant, self.seed, machine)
 
@@ -154,7 +142,6 @@ def read_study(path: str | Path) -> Study:
     document = Document.read(path)
     table = read_model(document, StudyFile, StudyError)
     described = campaign_with_sisters(document.path.parent / table.study.campaign, target_needed=False)
-    draws, drawn = _random(table.random, document)
     study = Study(
         source=document.path,
         text=document.text,
@@ -165,13 +152,10 @@ def read_study(path: str | Path) -> Study:
         method=table.study.method,
         keep=_kept(table.results.keep, document),
         grid=MappingProxyType({key: _values(key, values, document) for key, values in table.grid.items()}),
-        drawn=drawn,
-        draws=draws,
     )
-    _refuse_twice(study, document)
     _try_values(study, document)
     if study.count > MOST_CASES:
-        what, remedy = "these are {count:,} cases, more than {most:,}", "Give fewer values, draws or machines"
+        what, remedy = "these are {count:,} cases, more than {most:,}", "Give fewer values or machines"
         raise document.fault(StudyError(what, remedy, count=study.count, most=MOST_CASES), "grid")
     return study
 
@@ -227,23 +211,6 @@ def _kept(names: list[str], document: Document) -> tuple[str, ...]:
     return tuple(name for name in FIGURES if name in names)
 
 
-def _random(table: dict[str, Any], document: Document) -> tuple[int, tuple[Drawn, ...]]:
-    if not table:
-        return 1, ()
-    draws = table.get("draws")
-    if not isinstance(draws, int) or isinstance(draws, bool) or draws < 1:
-        remedy = "Write a whole number, such as draws = 100"
-        fault = StudyError("draws = {text} is no number of draws", remedy, text=shown(draws))
-        raise document.fault(fault, "random", "draws")
-    found = list[Drawn]()
-    for key, how in table.items():
-        if key == "draws":
-            continue
-        with document.placed("random", key):
-            found.append(drawn_key(key, how))
-    return draws, tuple(found)
-
-
 def _values(key: str, values: list[Any], document: Document) -> tuple[Any, ...]:
     if not values:
         raise document.fault(StudyError("there is no value", "Give at least one"), "grid", key)
@@ -254,29 +221,14 @@ def _values(key: str, values: list[Any], document: Document) -> tuple[Any, ...]:
     return tuple(values)
 
 
-def _refuse_twice(study: Study, document: Document) -> None:
-    for each in study.drawn:
-        if each.key in study.grid:
-            fault = StudyError("this key is in [grid] as well", "Leave one of them out")
-            raise document.fault(fault, "random", each.key)
-        if each.key in (SETUPS, TIMES):
-            raise document.fault(StudyError("this key is not drawn", "Put it under [grid]"), "random", each.key)
-
-
 def _try_values(study: Study, document: Document) -> None:
     """Raise the fault of the first value that campaign or machine cannot have, at its line."""
-    alone, first = replace(study, drawn=()), {key: values[0] for key, values in study.grid.items()}
+    first = {key: values[0] for key, values in study.grid.items()}
     for key, values in study.grid.items():
         for index, value in enumerate(values):
-            fault = _fault_of(alone, {key: value})
-            if fault is not None and _fault_of(alone, {**first, key: value}) is not None:
+            fault = _fault_of(study, {key: value})
+            if fault is not None and _fault_of(study, {**first, key: value}) is not None:
                 raise _of_study(fault, key, value).at(document.path, document.line("grid", key, index))
-    for drawn in study.drawn:
-        fault = _fault_of(replace(study, drawn=(drawn,)), {})
-        if fault is not None:
-            raise _of_study(fault, drawn.key, drawn.value(study.seed, 0)).at(
-                document.path, document.line("random", drawn.key)
-            )
 
 
 def _fault_of(study: Study, choices: Mapping[str, Any]) -> InputError | None:
@@ -304,6 +256,6 @@ def _try(study: Study, choices: Mapping[str, Any]) -> None:
         what = "{text} is no factor of the stated std"
         remedy = "Write a number from {least:g} to {most:g}; 1 states what is true"
         raise StudyError(what, remedy, text=shown(times), least=1 / _MOST_TIMES, most=_MOST_TIMES)
-    variant = study.variant(choices, 0)
+    variant = study.variant(choices)
     names = variant.names
     campaign_from_texts(variant.campaign, names[0], variant.machine, names[1], prior_text=variant.prior)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from axiscal.answers.digits import number
 from axiscal.ports.study.comparing import (
@@ -23,7 +23,7 @@ from axiscal.ports.study.study_case import FIGURES, Done
 from axiscal.ports.study.study_file import Study
 from axiscal.present.drawing.shown import shown
 from axiscal.present.drawing.svg_picture import Figure
-from axiscal.present.figures import SYMBOLS, axis_style, colour, layout, line_trace, mark_trace
+from axiscal.present.figures import SYMBOLS, axis_style, colour, layout, line_trace
 from axiscal.present.sentences import figure, short
 from axiscal.present.standalone import page_of
 
@@ -43,7 +43,6 @@ def render(study: Study, found: Mapping[str, Done]) -> str:
     if cost is not None and accuracy is not None:
         title = f"{FIGURES[accuracy].words} against {FIGURES[cost].words}"
         pictures.append({"title": title, "svg": shown(against(ways, cost, accuracy), title)})
-        pictures += _drawn_pictures(study, ways, accuracy)
     failed = [(key, done.error) for key, done in sorted(found.items()) if done.result is None]
     return page_of(
         "axiscal.ports.study",
@@ -90,35 +89,6 @@ def _at(way: MeasuringWay, cost: str, accuracy: str) -> tuple[float, float]:
     assert spread is not None
     assert mean is not None
     return number(spread.middle, cost), number(mean.value, accuracy)
-
-
-def _drawn_pictures(study: Study, ways: Sequence[MeasuringWay], accuracy: str) -> Iterator[dict[str, object]]:
-    """Yield for each key that was drawn the accuracy against what was drawn, one mark for each machine."""
-    for drawn in study.drawn:
-        values = [drawn.value(study.seed, draw) for draw in range(study.draws)]
-        numbers = [_number_in(value) for value in values]
-        if any(math.isnan(each) for each in numbers):
-            continue
-        traces = [_drawn_trace(way, numbers, accuracy, colour(index)) for index, way in enumerate(ways)]
-        x = axis_style(f"{drawn.key}{f', {drawn.unit}' if drawn.unit else ''}")
-        y = axis_style(_heading(accuracy), rangemode="tozero")
-        title = f"{FIGURES[accuracy].words} against {drawn.key}"
-        drawing = {"data": traces, "layout": layout(x, y, _HEIGHT, margin=_MARGIN), "wide": True}
-        yield {"title": title, "svg": shown(drawing, title)}
-
-
-def _drawn_trace(way: MeasuringWay, numbers: Sequence[float], accuracy: str, shade: str) -> Figure:
-    found = sorted(way.figures[accuracy].items())
-    x, y = [numbers[draw] for (draw, _), _ in found], [number(value, accuracy) for _, value in found]
-    return mark_trace(x, y, shade, 5)
-
-
-def _number_in(value: object) -> float:
-    """Return the number of a quantity; nan of anything else."""
-    try:
-        return float(str(value).split()[0])
-    except (ValueError, IndexError):
-        return math.nan
 
 
 def _tabled(study: Study) -> list[str]:

@@ -6,7 +6,6 @@ That truth is made of measured shapes on the axes of a machine, scaled to what i
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 
@@ -20,7 +19,6 @@ from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.errors.model import ErrorFunction, ErrorModel
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import Estimation
 from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.check import Check
 from axiscal.machine import load_machine
@@ -29,11 +27,10 @@ from axiscal.measurement.readers.truth_curves import TruthCurve
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.present.check_answer import check_answer
-from axiscal.present.delivery import deliver, reached
+from axiscal.present.delivery import deliver
 from axiscal.present.summarising import Extras
-from axiscal.present.summary import Summary, TruthCheck
+from axiscal.present.summary import Summary
 from axiscal.record.events import Asked
-from axiscal.units import to_unit
 
 SEED = 2005
 """Any seed: the demo is to be the same every time."""
@@ -68,8 +65,7 @@ def run_demo(
             planned((first.place, *campaign.state.plan))
         campaign.run(SimulatedSource(truth, SEED), watch)
         estimation = campaign.estimate(ended=True)
-        check = truth_check(estimation, truth)
-        extras = Extras(truth=truth, truth_check=check, checked=checked(campaign, truth))
+        extras = Extras(truth=truth, checked=checked(campaign, truth))
         return deliver(campaign, estimation, out, extras)
 
 
@@ -81,19 +77,6 @@ def checked(campaign: Campaign, truth: VirtualMachine) -> TablesChecked | None:
     places = check.planned(tolerance=check.allowed(None))
     judged = check.judged(check.read_on(truth, SEED, places), None)
     return check_answer(judged, len(places), check.promised, Taken()).summary
-
-
-def truth_check(estimation: Estimation, truth: VirtualMachine) -> TruthCheck:
-    """Return the accuracy promised and the accuracy reached over the volume, and the RMS error as found."""
-    before, after = as_found_and_left(estimation, truth)
-    return TruthCheck(to_unit(estimation.accuracy.rms, "um"), to_unit(after, "um"), to_unit(before, "um"))
-
-
-def as_found_and_left(estimation: Estimation, truth: VirtualMachine) -> tuple[float, float]:
-    """Return the RMS deviation of the machine, and what the estimate does not know of it, m."""
-    blank = replace(estimation.estimate(), belief=estimation.case.prior)
-    yardstick, found = estimation.case.yardstick, truth.deviation
-    return reached(yardstick, blank, found), reached(yardstick, estimation.estimate(), found)
 
 
 def measured_shapes() -> tuple[Array, ...]:

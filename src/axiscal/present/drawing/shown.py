@@ -36,24 +36,15 @@ def shown(figure: Figure, label: str) -> Markup:
     if not figure.get("wide"):
         return Markup(picture(figure, _PANEL, label))
     return Markup("".join(
-        f'<div class="at-{name}">{picture(at_width(figure, width), width, label)}</div>'
+        f'<div class="at-{name}">{picture(figure, width, label)}</div>'
         for name, width in WIDTHS.items()
     ))  # fmt: skip
-
-
-def at_width(figure: Figure, width: int) -> Figure:
-    """Return a figure for a width: on a telephone there is no room for names beside lines, a legend has them."""
-    layout = figure["layout"]
-    if width > WIDTHS["small"] or "annotations" not in layout:
-        return figure
-    kept = [label for label in layout["annotations"] if label["x"] != 1]
-    return {**figure, "layout": {**layout, "annotations": kept, "margin": {**layout["margin"], "r": 12}}}
 
 
 def paper_svg(figure: Figure, width: int) -> str:
     """Return a figure as the text of an SVG file."""
     lower = {**figure["layout"], "height": _LOWER * figure["layout"]["height"]}
-    return alone(picture(at_width({**figure, "layout": lower}, width), width))
+    return alone(picture({**figure, "layout": lower}, width))
 
 
 def alone(svg: str) -> str:

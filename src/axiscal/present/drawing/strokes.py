@@ -99,7 +99,7 @@ _CORNERS = {
 """Symbol -> corners, angle of the first in degrees, and how much larger than a circle it is to look as large."""
 
 
-def mark(symbol: str, at: Point, size: float, colour: str, edge: str, width: float) -> str:
+def mark(at: Point, symbol: str, size: float, colour: str, edge: str, width: float) -> str:
     """Return one mark.  size : its diameter; edge, width : of its outline"""
     base, hollow = symbol.removesuffix("-open"), symbol.endswith("-open")
     outline = f' stroke="{colour if hollow else edge}" stroke-width="{width:g}"' if width else ""

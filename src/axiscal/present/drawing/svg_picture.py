@@ -87,7 +87,7 @@ def _scale(figure: Figure, name: str, start: float, end: float) -> PixelScale:
     logarithmic = axis.get("type") == "log"
     if "range" in axis:
         return PixelScale(axis["range"][0], axis["range"][1], start, end, logarithmic)
-    values = [value for trace in figure["data"] for value in trace[name] if value is not None]
+    values = [value for trace in figure["data"] for value in trace[name]]
     probe = PixelScale(0.0, 1.0, 0.0, 1.0, logarithmic)
     low, high = spread_of([probe.pixel(value) for value in values], axis.get("rangemode") == "tozero")
     return PixelScale(low, high, start, end, logarithmic)
@@ -143,48 +143,33 @@ def _place(scale: PixelScale, shape: Figure, name: str, end: int) -> float:
 
 
 def _annotation(label: Figure, frame: Frame) -> str:
-    x = frame.x.start + label["x"] * (frame.x.end - frame.x.start) + label.get("xshift", 0)
-    y = frame.y.of_range(label["y"]) - label.get("yshift", 0)
-    y += 4 if label["yanchor"] == "middle" else -4
-    return words(label["text"], (x, y), label["font"]["size"], label["font"]["color"])
+    x = frame.x.start + label["x"] * (frame.x.end - frame.x.start)
+    return words(label["text"], (x, frame.y.of_range(label["y"]) + 4), label["font"]["size"], label["font"]["color"])
 
 
 def _trace(trace: Figure, frame: Frame) -> Iterator[str]:
     if trace["type"] == "heatmap":
         yield _map(trace, frame)
         return
-    pairs = zip(trace["x"], trace["y"], strict=True)
-    points = [None if y is None else frame.at(x, y) for x, y in pairs]
+    points = [frame.at(x, y) for x, y in zip(trace["x"], trace["y"], strict=True)]
     mode = trace["mode"]
     if trace.get("fill"):
-        yield f'<path d="{way([p for p in points if p], closed=True)}" fill="{trace["fillcolor"]}"/>'
+        yield f'<path d="{way(points, closed=True)}" fill="{trace["fillcolor"]}"/>'
         return
     if "lines" in mode:
         look = trace["line"]
-        for stretch in _stretches(points):
-            yield line(way(stretch), look["color"], look.get("width", 1.5), look.get("dash", ""))
+        yield line(way(points), look["color"], look.get("width", 1.5), look.get("dash", ""))
     if "error_y" in trace:
         yield _whiskers(trace, points, frame)
     if "markers" in mode:
         yield from _marks(trace, points)
 
 
-def _stretches(points: Sequence[Point | None]) -> Iterator[list[Point]]:
-    found: list[Point] = []
-    for point in (*points, None):
-        if point is not None:
-            found.append(point)
-        elif found:
-            yield found
-            found = []
-
-
-def _whiskers(trace: Figure, points: Sequence[Point | None], frame: Frame) -> str:
+def _whiskers(trace: Figure, points: Sequence[Point], frame: Frame) -> str:
     bars, d = trace["error_y"], []
     for point, y, half in zip(points, trace["y"], bars["array"], strict=True):
-        if point is not None:
-            low, high = (short_number(_edge(frame, y + sign * half)) for sign in (-1, 1))
-            d.append(f"M{short_number(point[0])} {low}V{high}")
+        low, high = (short_number(_edge(frame, y + sign * half)) for sign in (-1, 1))
+        d.append(f"M{short_number(point[0])} {low}V{high}")
     return line("".join(dict.fromkeys(d)), bars["color"], bars.get("thickness", 1))
 
 
@@ -193,26 +178,18 @@ def _edge(frame: Frame, value: float) -> float:
     return frame.y.start if frame.y.logarithmic and value <= 0 else frame.y.pixel(value)
 
 
-def _marks(trace: Figure, points: Sequence[Point | None]) -> Iterator[str]:
-    marker, texts = trace["marker"], trace.get("text")
-    count = len(points)
-    symbols, colours = _each(marker.get("symbol", "circle"), count), _each(marker["color"], count)
-    edge = marker.get("line", {})
-    pointed = texts is not None and count <= _POINTED_AT
+def _marks(trace: Figure, points: Sequence[Point]) -> Iterator[str]:
+    marker, texts = trace["marker"], trace.get("text", [])
+    colour, size, edge = marker["color"], marker["size"], marker.get("line", {})
     if marker.get("round"):
-        yield from _dots([point for point in points if point], marker)
-    for number, point in enumerate(points):
-        if point is None:
-            continue
-        size = marker["size"]
-        drawn = "" if marker.get("round") else mark(
-            symbols[number], point, size, colours[number], edge.get("color", colours[number]), edge.get("width", 0)
-        )  # fmt: skip
-        if pointed and texts:
-            ground = mark("circle", point, max(size, 10.0), "transparent", "", 0) if marker.get("round") else drawn
-            yield f"<g>{title(texts[number])}{ground}</g>"
-        elif drawn:
-            yield drawn
+        yield from _dots(points, marker)
+    look = marker.get("symbol", "circle"), size, colour, edge.get("color", colour), edge.get("width", 0)
+    if texts and len(points) <= _POINTED_AT:
+        if marker.get("round"):
+            look = "circle", max(size, 10.0), "transparent", "", 0
+        yield from (f"<g>{title(text)}{mark(point, *look)}</g>" for text, point in zip(texts, points, strict=True))
+    elif not marker.get("round"):
+        yield from (mark(point, *look) for point in points)
 
 
 def _dots(points: Sequence[Point], marker: Figure) -> Iterator[str]:
@@ -220,10 +197,6 @@ def _dots(points: Sequence[Point], marker: Figure) -> Iterator[str]:
     yield dots(points, marker["color"], marker["size"])
     if marker["symbol"].endswith("-open"):
         yield dots(points, marker["line"]["color"], marker["size"] - 3)
-
-
-def _each(value: Any, count: int) -> Sequence[Any]:
-    return value if isinstance(value, list) else [value] * count
 
 
 def _map(trace: Figure, frame: Frame) -> str:

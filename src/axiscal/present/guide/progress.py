@@ -1,12 +1,10 @@
 """How far a campaign is: readings and minutes done and to come, and how well the machine is known.
 
-Beside it stands what there would be if the campaign ended now: the table of each control, tried as it would be loaded.
-So does what is due beside the readings: the temperature, and the place that shows whether a zero has wandered.
+Beside it stands what is due beside the readings: the temperature, and the place that shows whether a zero has wandered.
 """
 
 from __future__ import annotations
 
-import math
 import re
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,11 +13,9 @@ from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Accuracy
-from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import counted, said
 from axiscal.planning.promise import promised, reachable_rms
 from axiscal.record.opening import file_name
-from axiscal.tables import registry
 from axiscal.units import said_quantity, to_unit
 
 
@@ -66,7 +62,7 @@ class Progress(AnswerDocument):
             left_minutes=to_unit(campaign.seconds(places) - machine, "min"),
             before=KnownTo.of(case.yardstick.measure(case.prior)),
             now=KnownTo.of(known.accuracy),
-            promised=KnownTo.of(promised(*known.banded, places) if places else known.accuracy),
+            promised=KnownTo.of(promised(known.case, known.printed, places) if places else known.accuracy),
             floor_um=to_unit(reachable_rms(case), "um"),
             goals=goals_text(campaign.description.target),
         )
@@ -80,35 +76,6 @@ def goals_text(target: Target) -> str:
     goals += [] if target.readings is None else [counted("{count} reading", "{count} readings", target.readings)]
     goals += [] if target.budget is None else [said_quantity(target.budget, "min", 3)]
     return " · ".join(goals)
-
-
-class TableLeft(AnswerDocument):
-    """What the table of a control would do if the campaign ended now: RMS over the volume without and with it.
-
-    refusal : why there is no table for it, "" where there is one
-    """
-
-    control: str
-    before_um: float
-    expected_um: float
-    refusal: str
-
-
-def controls_of(campaign: Campaign) -> tuple[str, ...]:
-    """Return the controls that hold tables: those of the campaign first, then all others."""
-    names = dict.fromkeys((*campaign.description.controls, *registry.CONTROLLERS))
-    return tuple(name for name in names if name != "csv")
-
-
-def table_left(campaign: Campaign, controller: str) -> TableLeft:
-    """Return what the table of a control would do if the readings so far were all; nothing is written."""
-    estimation = campaign.estimate(ended=True)
-    try:
-        offered = registry.offered(estimation, controller)
-    except (TableError, ReadingError) as refusal:
-        return TableLeft(control=controller, before_um=0.0, expected_um=0.0, refusal=f"{refusal.what}.")
-    before = to_unit(math.hypot(offered.effect.before, offered.unknown), "um")
-    return TableLeft(control=controller, before_um=before, expected_um=to_unit(offered.expected, "um"), refusal="")
 
 
 def results_beside(record: Path) -> Path:

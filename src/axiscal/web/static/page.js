@@ -1,7 +1,7 @@
 // The dialogue: shows the newest state, sends what is typed, and says which state that answers.
 import { element, find, hear } from "/elements.js";
 import { drawDirection, shown, strip, unitText } from "/pictures.js";
-import { LANGUAGE, said, translate } from "/words.js";
+import { said, translate } from "/words.js";
 
 const ROOT = "/api/1";
 let state = null;
@@ -23,10 +23,8 @@ function show(id, visible) {
 }
 
 async function call(path, body) {
-  const headers = { "Accept-Language": LANGUAGE };
-  const posted = { method: "POST", headers: { ...headers, "Content-Type": "application/json" }, body: JSON.stringify(body) };
-  const asking = body === undefined ? { headers } : posted;
-  const answer = await fetch(ROOT + path, asking);
+  const posted = { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
+  const answer = await fetch(ROOT + path, body === undefined ? {} : posted);
   return { ok: answer.ok, status: answer.status, document: await answer.json() };
 }
 
@@ -207,7 +205,7 @@ function drawMachine() {
   const place = find(mounting ? "mount-drawing" : "machine-drawing"), width = Math.round(Math.min(place.clientWidth, 900));
   if (width < 200) return;
   const picture = place.querySelector("img") ?? place.appendChild(document.createElement("img"));
-  const asked = new URLSearchParams({ width, version: state.version, language: LANGUAGE });
+  const asked = new URLSearchParams({ width, version: state.version });
   picture.alt = said("How the instrument stands: {instrument}", { instrument: said(question.instrument) });
   if (picture.getAttribute("src") !== `/setup.svg?${asked}`) picture.src = `/setup.svg?${asked}`;
 }
@@ -319,27 +317,10 @@ function asksForNote(visible) {
   else home();
 }
 
-// What the table of the chosen control would reach; the choice is remembered.
-async function askTable() {
-  const control = find("control").value;
-  localStorage.setItem("control", control);
-  text("table-words", said("one moment"));
-  const { ok, document: table } = await call(`/table?control=${encodeURIComponent(control)}`);
-  if (control !== find("control").value) return;
-  const reached = () => said("with its table {expected} µm RMS is to be expected, without it {before}", { expected: shown(table.expected_um), before: shown(table.before_um) });
-  text("table-words", !ok ? table.sentence : table.refusal || reached());
-}
-
 function asksToStop(visible) {
   const p = state.progress, figures = { now: shown(p.now.rms_um), count: p.coming, minutes: shown(Math.ceil(p.left_minutes), 0), promised: shown(p.promised.rms_um) };
   text("stop-words", said("Now {now} µm RMS; with the readings to come ({count}), in about {minutes} minutes, {promised} µm.", figures));
   show("stopping", visible);
-  if (visible) {
-    const control = find("control"), last = localStorage.getItem("control");
-    control.replaceChildren(...state.controls.map((name) => element("option", name)));
-    control.value = state.controls.includes(last) ? last : "linuxcnc";
-    askTable();
-  }
   if (visible) find("not-stop").focus();
   else home();
 }
@@ -363,7 +344,6 @@ on("note-form", "submit", async () => {
   find("sentence").value = "";
   asksForNote(false);
 });
-on("control", "change", askTable);
 on("not-skip", "click", () => asksForReason(false));
 on("skip-form", "submit", async () => {
   const done = await plain("/skips", { reason: find("reason").value, rest: giving === "leave" });

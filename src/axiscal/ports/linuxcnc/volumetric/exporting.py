@@ -8,7 +8,6 @@ from importlib import resources
 import numpy as np
 
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.accuracy.other_tool import other_tool
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
@@ -129,7 +128,6 @@ def _notes(estimate: Estimate, file: VcompFile) -> tuple[str, ...]:
         for axis in file.axes
         if axis.rotary
     )
-    longer = other_tool(estimate.model, estimate.belief, estimate.box, counted=estimate.counted)
     notes = [
         "Once on every machine (Debian: linuxcnc-uspace-dev and gcc): sudo halcompile --install axiscal_vcomp.comp, in "
         "the folder of these files. A campaign brings a new axiscal.vcomp only. uspace only.",
@@ -139,7 +137,6 @@ def _notes(estimate: Estimate, file: VcompFile) -> tuple[str, ...]:
         "Soft limits, positions shown and the following error are those without the correction: keep "
         f"{file.limit:.4g} {file.unit} to the switches. Give the drives 1.2 times MAX_ACCELERATION.",
         "A campaign is measured with axiscal-vcomp.active false, its verification with active true.",
-        *([longer.words] if longer.costs else []),
         "Faults: 1 over the limit, 2 not finite, 3 COMP_FILE or BACKLASH works as well, 4 the linear axes do not span "
         "space. The correction then goes within ramp-time; enable off, reset, and find out why.",
         *_reversals(estimate, file),

@@ -19,9 +19,7 @@ from axiscal.tables.controllers.isg.formats import (
     NAMES,
     list_file,
     read_csv,
-    read_etalon,
     write_csv,
-    write_etalon,
 )
 from axiscal.tables.effect import table_control
 from axiscal.tables.export_options import ExportOptions
@@ -39,7 +37,8 @@ _BOTH = "; what two axes do together as a table of the later one over both"
 _APART = "; and what each axis is apart between its directions"
 _RECORDS = 1000
 """Points of an axis that a table of the kernel may have; four an interval are rarely more than a hundred."""
-_REMEDY = "give the files that the kernel loads: ISG_CSV, ETALON_EXCHANGE, and leadscrew lists (kw.ssfk)"
+_REMEDY = "give the files that the kernel loads: ISG_CSV, and leadscrew lists (kw.ssfk)"
+_FILE = "volcomp.csv"
 _MULTIPLE = (1e-6, float(np.radians(1e-4)))
 """The grid of positions, m and rad: the decimals that are written."""
 
@@ -48,22 +47,17 @@ class Isg(Exporter):
     """ISG_CSV, the list file, and leadscrew tables of axes with a reversal."""
 
     left_out = "the reversal of straightness and of angles, and the orientation of the tool."
-    file, kind = "volcomp.csv", "ISG_CSV"
-
-    def text(self, found: Mapping[str, SampledError], machine: Machine) -> str:
-        """Return the file of the errors."""
-        return write_csv(found, machine)
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
         """Return the files; raises TableError."""
         machine, found = estimate.machine, self._errors(estimate, options)
         halves = options.old.within().under_tables(apart(estimate, options), machine, _RECORDS, even=True)
         lists = leadscrew_files(machine, halves, options)
-        listed = list_file(machine, options, self.file, self.kind)
-        files = {self.file: self.text(found, machine), "volcomp.lis": listed, **lists}
+        listed = list_file(machine, options, _FILE)
+        files = {_FILE: write_csv(found, machine), "volcomp.lis": listed, **lists}
         apart_by = [(t.axis, 0.5 * leadscrew.unit(machine.axis(t.axis).unit) + 1e-12) for t in halves]
         steps = summed([*((axis.name, 1e-8) for axis in machine.axes if not axis.rotary), *apart_by])
-        notes = _notes(machine, found, self.file, options.flip) + _leadscrew_notes(lists)
+        notes = _notes(machine, found, options.flip) + _leadscrew_notes(lists)
         holds = _HOLDS.format(_BOTH * any(curve.over for curve in found.values()) + (_APART if lists else ""))
         held = self.held(Written(files, steps, notes), machine, options)
         wanted = sum_of(tip_control(estimate.model, found), table_control(machine, halves))
@@ -80,8 +74,7 @@ class Isg(Exporter):
                 if "kw.ssfk." in file.text:
                     lookups += leadscrew.read(file.text, machine)
                 elif "file_format[0]" not in file.text:
-                    read = read_etalon if file.text.lstrip().startswith("[") else read_csv
-                    errors |= {n: e for n, e in read(file.text, machine).items() if not n.startswith("P")}
+                    errors |= {n: e for n, e in read_csv(file.text, machine).items() if not n.startswith("P")}
             except (TableError, ValueError, LookupError) as fault:
                 what = fault.what if isinstance(fault, TableError) else "this is no table of the ISG kernel"
                 raise TableError(what, _REMEDY, file.name) from None
@@ -95,21 +88,11 @@ class Isg(Exporter):
             k: points(estimate.model, k, options.spacing, _RECORDS, _MULTIPLE[axis.rotary])
             for k, axis in enumerate(estimate.machine.axes)
         }
-        found = curves(estimate, grids, together=self.kind == "ISG_CSV")
+        found = curves(estimate, grids, together=True)
         _refuse_names(found)
         if not found:
             raise TableError("there is no deviation that these files could hold", "take readings first")
         return together(anchored(estimate.model, found), options.old.errors) | nominal(estimate.machine)
-
-
-class IsgEtalon(Isg):
-    """ETALON_EXCHANGE instead of ISG_CSV."""
-
-    file, kind = "volcomp.txt", "ETALON_EXCHANGE"
-
-    def text(self, found: Mapping[str, SampledError], machine: Machine) -> str:
-        """Return the file of the errors."""
-        return write_etalon(found, machine)
 
 
 def apart(estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
@@ -147,11 +130,11 @@ def _refuse_names(found: Mapping[str, SampledError]) -> None:
             raise TableError("{name} is not an error that the ISG kernel knows", remedy, name=name)
 
 
-def _notes(machine: Machine, found: Mapping[str, SampledError], name: str, flip: bool) -> tuple[str, ...]:
+def _notes(machine: Machine, found: Mapping[str, SampledError], flip: bool) -> tuple[str, ...]:
     records = sum(curve.values.size for curve in found.values())
     negated = " The list file negates them, as --flip asks." if flip else ""
     return (
-        f"Put volcomp.lis and {name} where the start-up list names them: vol_comp[0].file_name volcomp.lis and "
+        f"Put volcomp.lis and {_FILE} where the start-up list names them: vol_comp[0].file_name volcomp.lis and "
         f"vol_comp[0].max_records {records} or more.",
         "In the NC program: #VOLCOMP OFF [ID0], #VOLCOMP [ID0 UPDATE], #VOLCOMP ON [ID0].",
         "Errors say what the moving component does in machine directions, also where it carries the workpiece; "

@@ -1,7 +1,6 @@
-"""ISG_CSV and ETALON_EXCHANGE, written and read back by the documentation's rules (TF5280), and the list file.
+"""ISG_CSV, written and read back by the documentation's rules (TF5280), and the list file.
 
-ISG_CSV: columns under a header, `#` begins a new one, `//` a comment; mm, deg and rad. ETALON_EXCHANGE: one block for
-each error.
+Columns under a header, `#` begins a new one, `//` a comment; mm, deg and rad.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ from axiscal.tables.volumetric import SampledError
 from axiscal.units import from_unit, to_unit
 
 NAMES = re.compile(r"E[XYZABC][XYZABC]|[XYZABC]0[XYZABC]|P[XYZ][ABC]|P0[XYZ]")
-_GRID = re.compile(r"\[(\w+)\]\s*(?:VALUE\s*=\s*(\S+)|Gridpoints\s*=\s*\{([^}]*)\})")
 
 
 def write_csv(found: Mapping[str, SampledError], machine: Machine) -> str:
@@ -101,46 +99,14 @@ def _sampled(name: str, at: Mapping[str, Array], values: Array) -> SampledError:
     return SampledError(positions, grid, others[0], across)
 
 
-def write_etalon(found: Mapping[str, SampledError], machine: Machine) -> str:
-    """Return the ETALON_EXCHANGE text."""
-    parts = []
-    for name, curve in found.items():
-        values = _shown(name, curve.values)
-        if len(values) == 1:
-            parts.append(f"[{name}]\nVALUE = {values[0]:.9e}\n")
-            continue
-        at = to_unit(curve.positions, machine.axis(parse_error_name(name).axis).unit)
-        rows = "".join(f"{p:.6f} {value:.9e}\n" for p, value in zip(at, values, strict=True))
-        parts.append(f"[{name}]\nGridpoints = {{\n{rows}}}\n")
-    return "".join(parts)
-
-
-def read_etalon(text: str, machine: Machine) -> dict[str, SampledError]:
-    """Return the errors of an ETALON_EXCHANGE text; raises TableError for anything else in it."""
-    found: dict[str, SampledError] = {}
-    end = 0
-    for match in _GRID.finditer(text):
-        name, value, grid = match.groups()
-        if text[end : match.start()].strip() or not NAMES.fullmatch(name) or name in found:
-            raise TableError("the kernel would refuse {text!r}", "this is a defect of axiscal", text=match[0][:30])
-        end = match.end()
-        if value is not None:
-            found[name] = SampledError(np.zeros(1), _inside(name, np.array([float(value)])))
-            continue
-        at, values = np.array([float(word) for word in grid.split()]).reshape(-1, 2).T
-        unit = machine.axis(parse_error_name(name).axis).unit
-        found[name] = SampledError(from_unit(at, unit), _inside(name, values))
-    return found
-
-
-def list_file(machine: Machine, options: ExportOptions, name: str, kind: str) -> str:
+def list_file(machine: Machine, options: ExportOptions, name: str) -> str:
     """Return the configuration of one compensation, as TF5280 has it."""
     workpiece = sum(axis.workpiece_side for axis in machine.axes)
     chain = "".join(axis.name for axis in machine.axes)
     negate = "".join(axis.name for axis in machine.axes if not axis.rotary) if options.flip else ""
     lines = [f"{axis} {number}" for axis, number in options.numbered(machine).items()]
     lines += [f"chain {chain}", f"workpiece_axes {workpiece}", *([f"negate {negate}"] if negate else [])]
-    lines += ["interpolation GRID", f"file[0] {name}", f"file_format[0] {kind}"]
+    lines += ["interpolation GRID", f"file[0] {name}", "file_format[0] ISG_CSV"]
     return "\n".join(lines) + "\n"
 
 

@@ -8,24 +8,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
-from axiscal.tables.controllers.sinumerik.read_back import read, read_all
-from axiscal.tables.controllers.sinumerik.surfaces import Product, product_control, products
+from axiscal.tables.controllers.sinumerik.read_back import read
 from axiscal.tables.controllers.sinumerik.writing import CEC, TableBlock, blocks_of, write
 from axiscal.tables.controllers.sinumerik.writing import POINTS as CEC_POINTS
-from axiscal.tables.effect import Control
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import TableFormat, Written
-from axiscal.tables.loaded import Loaded, lookup_control
+from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import Draft
 from axiscal.tables.old_files import OldFile
-from axiscal.tables.surface import sum_of
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
 
@@ -36,14 +32,10 @@ _SMALL = (8, 200)
 
 _STEP = 1e-6
 """The grid of positions, m: the decimals that are written."""
-_SURFACES = " What two axes do together: as products of CEC tables."
 
 
-@dataclass(frozen=True, slots=True)
 class Sinumerik(TableFormat):
-    """Encoder compensation and CEC tables.  together : what two axes do, as products of such tables"""
-
-    together: tuple[Product, ...] = ()
+    """Encoder compensation and CEC tables."""
 
     holds = (
         "encoder compensation for every axis (the mean of both directions), and CEC tables for what the directions are "
@@ -54,36 +46,21 @@ class Sinumerik(TableFormat):
     on_top = CEC_POINTS
     grid = (_STEP, float(np.radians(1e-3)))
 
-    def most(self, options: ExportOptions) -> int:
-        """Return how many points a table holds: the owner of the control sets its memory."""
-        return options.points or self.points
-
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
-        """Return the files with what two axes do together; raises TableError."""
+        """Return the files with their tables; raises TableError."""
         if options.unit != "mm":
             what = "tables for SINUMERIK are written in mm and deg"
             raise TableError(what, "leave --unit out, and load them in metric")
-        together = products(estimate, options, self.most(options), _STEP)
-        return TableFormat.make(Sinumerik(together), estimate, options)
-
-    def wanted(self, tables: Sequence[CompensationTable], machine: Machine) -> Control:
-        """Return what takes the tables and the products away."""
-        return sum_of(TableFormat.wanted(self, tables, machine), product_control(machine, self.together))
+        return super().make(estimate, options)
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return the files that are needed."""
         names, encoder = _names(machine, options), options.encoder - 1
         own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
-        blocks = blocks_of(own, over, self.together)
+        blocks = blocks_of(own, over)
         files = write(own, blocks, names, -1.0 if options.flip else 1.0, encoder)
         steps = {axis.name: float(from_unit(4e-6, axis.unit)) for axis in machine.axes}
-        holds = self.holds + _SURFACES * bool(self.together)
-        return Written(files, steps, notes(own, blocks, names, encoder), holds)
-
-    def held(self, written: Written, machine: Machine, options: ExportOptions) -> Control:
-        """Return what the control does with the files, products as well."""
-        alone, pairs = read_all(written.files.values(), _names(machine, options), machine, options.flip)
-        return sum_of(lookup_control(machine, alone), product_control(machine, pairs))
+        return Written(files, steps, notes(own, blocks, names, encoder))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what tables did of the chosen measuring system; raises TableError."""
@@ -126,7 +103,6 @@ def _cec(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> tuple[str, .
     return (
         f"Before loading {CEC}: MD18342 MM_CEC_MAX_POINTS must be at least {points}; setting it clears the memory.",
         *small,
-        *_together(blocks),
         "To load CEC: MD32710 CEC_ENABLE = 0, load, set it to 1 and SD41300 CEC_TABLE_ENABLE = 1 for each table. CEC "
         "is a licensed option.",
         f"MD32720 CEC_MAX_SUM limits what all CEC tables of an axis add: it must be above {_sums(blocks, names)}.",
@@ -134,20 +110,6 @@ def _cec(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> tuple[str, .
         f"{_slopes(blocks, names)}. A reversal is spread over the time that this allows.",
         "CEC: no Siemens text that we know states the sign; here it is that of ENC_COMP. Check one point with a dial "
         "gauge, and export with --flip if the axis goes the wrong way.",
-    )
-
-
-def _together(blocks: Sequence[TableBlock]) -> tuple[str, ...]:
-    """Return what to know of tables that are multiplied by each other; nothing where none are."""
-    twins = [number for number, block in enumerate(blocks) if block.times is not None or block.factor]
-    if not twins:
-        return ()
-    largest = max(float(np.max(np.abs(blocks[number].values))) for number in twins)
-    return (
-        f"Tables {twins[0]} to {twins[-1]} are what two axes do together, as products: each table comes with its "
-        "negative, so that they cancel where a control adds the factors themselves as well (Siemens' texts differ), "
-        "and the products are left. Load and enable all of them or none: one alone moves its axis by up to "
-        f"{to_unit(largest, 'mm'):.3f} mm.",
     )
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.tables.controllers.sinumerik.surfaces import Product
 from axiscal.tables.loaded import Lookup
 from axiscal.units import from_unit
 
@@ -31,17 +30,6 @@ def read(
     encoder : 0 or 1, the measuring system that is looked at; None for the one that there is
     Raises TableError for a line that is none, for tables that are not whole, and for one that is multiplied by another.
     """
-    lookups, products = read_all(texts, names, machine, flip, encoder)
-    if products:
-        what = "a CEC table of {axis} is multiplied by another one"
-        raise TableError(what, "leave MULT_BY_TABLE at 0", axis=products[0].first.axis)
-    return lookups
-
-
-def read_all(
-    texts: Iterable[str], names: Mapping[str, str], machine: Machine, flip: bool = False, encoder: int | None = None
-) -> tuple[list[Lookup], list[Product]]:
-    """Return what the tables do by themselves, and their products; arguments and failures as for `read`."""
     own = {f"{name}1": name for name in names} | {name: name for name in names}
     axes = own | {identifier: name for name, identifier in names.items()}
     tables: dict[tuple[str, ...], dict[str, str]] = {}
@@ -59,17 +47,8 @@ def read_all(
             place = (kind, first) if kind == "CEC" else (kind, first, (third or second or ""))
             index = key or f"#{second}"
             tables.setdefault(place, {})[index] = value
-    found_all = {place: _understood(place, values, axes, machine, flip) for place, values in tables.items()}
-    products = []
-    for where, first in found_all.items():
-        times = int(tables[where].get("MULT_BY_TABLE", "0"))
-        second = found_all.get(("CEC", str(times - 1))) if times and first is not None else None
-        if first is not None and second is not None:
-            products.append(Product(first, second, 1.0 if flip else -1.0))
-        elif times and first is not None:
-            what = "a CEC table of {axis} is multiplied by table {times}, which is not there"
-            raise TableError(what, "give all the tables that belong together", axis=first.axis, times=times)
-    return [lookup for lookup in found_all.values() if lookup is not None], products
+    lookups = (_understood(place, values, axes, machine, flip) for place, values in tables.items())
+    return [lookup for lookup in lookups if lookup is not None]
 
 
 def _understood(
@@ -85,6 +64,9 @@ def _understood(
     if count > _MOST_POINTS:
         remedy = "write a larger STEP"
         raise TableError("the table of {moved} has {count:g} points between its ends", remedy, moved=moved, count=count)
+    if int(values.get("MULT_BY_TABLE", "0")):
+        what = "a CEC table of {axis} is multiplied by another one"
+        raise TableError(what, "leave MULT_BY_TABLE at 0", axis=moved)
     entries = [_number(values.get(f"#{i}", "0")) for i in range(round(count))]
     if abs(count - round(count)) > 1e-6 or _number(values.get(f"#{round(count)}", "0")):
         remedy = "this is a defect of axiscal"

@@ -9,7 +9,6 @@ import numpy as np
 
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
-from axiscal.tables.controllers.sinumerik.surfaces import PER_METRE, Product
 from axiscal.tables.table import CompensationTable
 from axiscal.units import to_unit
 
@@ -22,52 +21,34 @@ ENC, CEC = "AX_EEC.INI", "NC_CEC.INI"
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TableBlock:
-    """One CEC table: values (n,) m or rad, taken away after moving in a direction, 0 for both.
-
-    times : the table that it is multiplied by; factor : it is one that another is multiplied by
-    """
+    """One CEC table: values (n,) m or rad, taken away after moving in a direction, 0 for both."""
 
     table: CompensationTable
     values: Array
     direction: int
-    times: TableBlock | None = None
-    factor: bool = False
 
     @property
     def size(self) -> float:
-        """The most that it adds to an axis, m or rad; of a product both factors, which cancel with their twins."""
-        if self.factor:
-            return 0.0
-        alone = float(np.max(np.abs(self.values)))
-        return alone if self.times is None else PER_METRE * alone * float(np.max(np.abs(self.times.values)))
+        """The most that it adds to an axis, m or rad."""
+        return float(np.max(np.abs(self.values)))
 
     @property
     def slope(self) -> float:
-        """How fast that changes at most along the axis that is looked up, or along both together."""
-        if self.factor:
-            return 0.0
-        alone = float(np.max(np.abs(np.diff(self.values) / np.diff(self.table.positions))))
-        if self.times is None:
-            return alone
-        other, most = self.times, float(np.max(np.abs(self.values)))
-        steepest = float(np.max(np.abs(np.diff(other.values) / np.diff(other.table.positions))))
-        return PER_METRE * (alone * float(np.max(np.abs(other.values))) + most * steepest)
+        """How fast that changes at most along the axis that is looked up."""
+        return float(np.max(np.abs(np.diff(self.values) / np.diff(self.table.positions))))
 
 
-def blocks_of(
-    own: Sequence[CompensationTable], over: Sequence[CompensationTable], together: Sequence[Product] = ()
-) -> tuple[TableBlock, ...]:
+def blocks_of(own: Sequence[CompensationTable], over: Sequence[CompensationTable]) -> tuple[TableBlock, ...]:
     """Return the CEC tables, in the order of their numbers; raises TableError for more than there can be."""
     apart = [block for table in own for block in _directions(table)]
-    twins = [block for product in together for block in _twins(product)]
-    blocks = (*apart, *(TableBlock(table, table.forward, 0) for table in over), *twins)
+    blocks = (*apart, *(TableBlock(table, table.forward, 0) for table in over))
     if len(blocks) > TABLES:
         remedy = "leave axes out of the description"
         raise TableError("{count} CEC tables are needed, {most} fit", remedy, count=len(blocks), most=TABLES)
     for block in blocks:
         if len(block.values) > POINTS:
             what = "the CEC table of {axis} has {count} points, MD18342 allows {most}"
-            remedy = "take --points {most} or less"
+            remedy = "export without --on-top-of, or give coarser tables to it"
             raise TableError(what, remedy, axis=block.table.axis, count=len(block.values), most=POINTS)
     return blocks
 
@@ -82,8 +63,7 @@ def write(
     """Return the files by name.  names : machine axis identifiers; encoder : 0 or 1, index of the measuring system."""
     enc = "".join(_enc(table, names[table.axis], encoder) for table in own)
     files = {ENC: f"%_N_AX_EEC_INI\nCHANDATA(1)\n{enc}M17\n"} if enc else {}
-    numbers = {id(block): number for number, block in enumerate(blocks, 1)}
-    cec = "".join(_cec(number, block, cec_sign, names, numbers) for number, block in enumerate(blocks))
+    cec = "".join(_cec(number, block, cec_sign, names) for number, block in enumerate(blocks))
     return files | ({CEC: f"%_N_NC_CEC_INI\nCHANDATA(1)\n{cec}M17\n"} if cec else {})
 
 
@@ -93,17 +73,6 @@ def _directions(table: CompensationTable) -> list[TableBlock]:
     return [] if not np.any(seen) else [TableBlock(table, half, 1), TableBlock(table, -half, -1)]
 
 
-def _twins(product: Product) -> list[TableBlock]:
-    """Return F, −F, G and −G, F multiplied by G and −F by −G."""
-    tables = [
-        CompensationTable(each.axis, False, each.positions, each.added, each.added, 0 * each.added, each.over)
-        for each in (product.first, product.second)
-    ]
-    second = [TableBlock(tables[1], sign * tables[1].forward, 0, factor=True) for sign in (1.0, -1.0)]
-    pairs = zip((1.0, -1.0), second, strict=True)
-    return [*(TableBlock(tables[0], sign * tables[0].forward, 0, times=times) for sign, times in pairs), *second]
-
-
 def _enc(table: CompensationTable, name: str, encoder: int) -> str:
     values = np.asarray(to_unit((table.forward + table.reverse) / 2, _unit(table)))
     lines = [f"$AA_ENC_COMP[{encoder},{i},{name}]={value:.6f}" for i, value in enumerate(np.round(values, 6) + 0.0)]
@@ -111,16 +80,15 @@ def _enc(table: CompensationTable, name: str, encoder: int) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _cec(number: int, block: TableBlock, sign: float, names: Mapping[str, str], numbers: Mapping[int, int]) -> str:
-    """Return the text of a table; of a product one factor alone has the sign, or it would cancel."""
-    table, times = block.table, 0 if block.times is None else numbers[id(block.times)]
-    shown = np.asarray(to_unit((1.0 if block.factor else sign) * block.values, _unit(table)))
+def _cec(number: int, block: TableBlock, sign: float, names: Mapping[str, str]) -> str:
+    table = block.table
+    shown = np.asarray(to_unit(sign * block.values, _unit(table)))
     lines = [f"$AN_CEC[{number},{i}]={value:.6f}" for i, value in enumerate(np.round(shown, 6) + 0.0)]
     lines.append(f"$AN_CEC_INPUT_AXIS[{number}]=({names[table.over]})")
     lines.append(f"$AN_CEC_OUTPUT_AXIS[{number}]=({names[table.axis]})")
     *span, modulo = _span(table)
     lines += [f"$AN_CEC_{key}[{number}]={value}" for key, value in span]
-    lines += [f"$AN_CEC_DIRECTION[{number}]={block.direction}", f"$AN_CEC_MULT_BY_TABLE[{number}]={times}"]
+    lines += [f"$AN_CEC_DIRECTION[{number}]={block.direction}", f"$AN_CEC_MULT_BY_TABLE[{number}]=0"]
     lines.append(f"$AN_CEC_{modulo[0]}[{number}]={modulo[1]}")
     return "\n".join(lines) + "\n"
 

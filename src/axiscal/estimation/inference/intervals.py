@@ -1,0 +1,162 @@
+"""Readings that say no more than an interval: those of a coarse display or within a wide bound.
+
+A display of steps q, or a bound ±q/2 on what a reading may be off beside its noise:
+
+    p(y | s) = Φ((y + q/2 − s)/σ) − Φ((y − q/2 − s)/σ)
+
+Up to q = 3σ a variance of q²/12 beside σ² says as much. Above, readings repeated in one cell of the display would pass
+for independent ones. Expectation propagation (Minka 2001) replaces each interval by a normal site ỹ, ṽ. The estimate
+then agrees with each interval in mean and variance, given all the others:
+
+    α, β = (y ∓ q/2 − μ)/√(v + σ²),   Z = Φ(β) − Φ(α),   d₁ = (φ(α) − φ(β))/Z,   d₂ = (αφ(α) − βφ(β))/Z
+    mean μ + v d₁/√(v + σ²),   variance v + v² (d₂ − d₁²)/(v + σ²)
+
+with μ, v what all others say there. The interval is log-concave, so sites have positive variances (Rasmussen and
+Williams 2006, section 3.6).
+
+All numbers of all readings are estimated at once, each with its own precision. The model is y = Φ z + v, z ~ N(0, 1), v
+~ N(0, 1/d). Let D = diag(d) and M = 1 + Φᵀ D Φ. The estimate of Φ z is Φ M⁻¹ Φᵀ D y, its variance diag(Φ M⁻¹ Φᵀ).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.description.sizes import NONE_VARY
+from axiscal.estimation.promise.problem import Inherited, problem
+from axiscal.estimation.promise.spaces import turned
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.setup import FINEST, Setup
+from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import log_normal_share
+
+COARSE = 3.0
+"""Steps of so many standard deviations of the scatter are taken as intervals."""
+_SWEEPS, _DAMPING, _SETTLED = 30, 0.5, 1e-4
+"""Sweeps end where the intervals settle; half steps keep them from swinging."""
+_TAIL = 1e-300
+"""The smallest that has a logarithm."""
+
+
+def is_coarse(setup: Setup) -> bool:
+    """Whether readings of a set-up say no more than an interval that is coarse beside their scatter."""
+    return setup.interval > COARSE * setup.scatter
+
+
+def sited(
+    observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None
+) -> list[Reading]:
+    """Return readings with the normal ones in the place of those of coarse set-ups.
+
+    prior : mean and covariance of the errors, where they are not the stated ones
+    Readings of three values, and those that state a std of their own, stay as they are.
+    """
+    setups = {setup.name: setup for setup in observation.setups}
+    coarse = [len(r.values) == 1 and r.std is None and is_coarse(setups[r.setup]) for r in readings]
+    if not any(coarse):
+        return list(readings)
+    fitted = Fitted.of(observation, readings, prior)
+    which = np.array(coarse)[fitted.reading]
+    owners = [setups[readings[int(i)].setup] for i in fitted.reading]
+    steps = np.where(which, [setup.interval for setup in owners], 0.0)
+    soft = np.where(steps > 0, [setup.scatter for setup in owners], FINEST)
+    scatter = np.maximum(fitted.noise - steps**2 / 12.0, soft**2)
+    found = sites(fitted, steps, scatter)
+    shift = dict(zip(fitted.reading.tolist(), zip(*found, fitted.values, strict=True), strict=False))
+    return [_moved(reading, *shift[index]) if coarse[index] else reading for index, reading in enumerate(readings)]
+
+
+def _moved(reading: Reading, value: float, variance: float, before: float) -> Reading:
+    return replace(reading, value=reading.value + value - before, std=float(np.sqrt(variance)))
+
+
+def sites(fitted: Fitted, steps: Array, scatter: Array) -> Sites:
+    """Return the sites of all numbers.
+
+    fitted : the numbers, with their priors; steps : (m,) widths of intervals, 0 where there is none
+    scatter : (m,) σ²
+    """
+    which = steps > 0
+    values, precisions = fitted.values.copy(), 1.0 / fitted.noise
+    for _ in range(_SWEEPS):
+        mean, spread = fitted.estimate(values, precisions)
+        cavity = 1.0 / np.maximum(1.0 / spread - precisions, 1.0 / (WIDEST * fitted.noise))
+        centre = cavity * (mean / spread - precisions * values)
+        wanted_mean, wanted = _moments(fitted.values, steps, scatter, centre, cavity)
+        fresh = np.maximum(1.0 / wanted - 1.0 / cavity, 1.0 / (WIDEST * fitted.noise))
+        pull = wanted_mean / wanted - centre / cavity
+        change = np.where(which, fresh - precisions, 0.0)
+        target = (1 - _DAMPING) * precisions * values + _DAMPING * pull
+        precisions = precisions + _DAMPING * change
+        values = np.where(which, target / precisions, values)
+        if float(np.max(np.abs(change) / precisions)) < _SETTLED:
+            break
+    return Sites(values, 1.0 / precisions)
+
+
+def _moments(shown: Array, steps: Array, scatter: Array, centre: Array, cavity: Array) -> tuple[Array, Array]:
+    """Return mean and variance of what was read, given its interval and what all others say, each (m,)."""
+    width = np.sqrt(cavity + scatter)
+    low, high = (shown - steps / 2 - centre) / width, (shown + steps / 2 - centre) / width
+    mirrored = low > 0  # in the left tail both are small and their difference keeps its digits
+    low, high = np.where(mirrored, -high, low), np.where(mirrored, -low, high)
+    log_high, log_low = log_normal_share(high), log_normal_share(low)
+    log_share = log_high + np.log(np.maximum(-np.expm1(log_low - log_high), _TAIL))
+    at_low, at_high = (np.exp(-(x**2) / 2 - 0.5 * np.log(2 * np.pi) - log_share) for x in (low, high))
+    first, second = at_low - at_high, low * at_low - high * at_high
+    first = np.where(mirrored, -first, first)
+    mean = centre + cavity * first / width
+    variance = cavity + cavity**2 * (second - first**2) / width**2
+    return mean, np.maximum(variance, np.finfo(float).tiny)
+
+
+WIDEST = 1e8
+"""Times the noise: so wide a site says nothing."""
+
+
+class Fitted:
+    """Numbers before any of them was read, and their estimate.
+
+    features : (m, r) Φ; noise : (m,) σ²; values : (m,); reading : (m,) index of the reading of each number
+    """
+
+    def __init__(self, features: Array, noise: Array, values: Array, reading: NDArray[np.intp]) -> None:
+        self._features, self.noise, self.values, self.reading = _short(features), noise, values, reading
+
+    @classmethod
+    def of(
+        cls, observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None
+    ) -> Fitted:
+        """Return the numbers of readings, by the stated model or another prior of the errors (mean, covariance)."""
+        posed = problem(observation, readings, NONE_VARY, None if prior is None else Inherited(*prior), usual=False)
+        stated = np.zeros(0)
+        features = turned(posed, posed.rows, stated, [curves.roots(stated) for curves in posed.curves])
+        return cls(features * posed.noise[:, None], posed.noise**2, posed.values * posed.noise, posed.reading)
+
+    def estimate(self, values: Array, precisions: Array) -> tuple[Array, Array]:
+        """Return mean and variance of the numbers without noise, (m,), if these values had these precisions 1/σ²."""
+        information = np.eye(self._features.shape[1]) + (self._features.T * precisions) @ self._features
+        spread = self._features @ np.asarray(np.linalg.inv(information), dtype=float)
+        mean: Array = spread @ (self._features.T @ (precisions * values))
+        return mean, np.einsum("mr,mr->m", spread, self._features)
+
+
+def _short(features: Array) -> Array:
+    """Return features with the same products of rows, no more of them than there are rows."""
+    if features.shape[1] <= len(features):
+        return features
+    triangle: Array = np.asarray(np.linalg.qr(features.T, mode="r"))
+    return triangle.T
+
+
+class Sites(NamedTuple):
+    """Normal readings in the place of others.  values, variances : (m,)"""
+
+    values: Array
+    variances: Array
