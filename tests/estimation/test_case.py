@@ -114,10 +114,10 @@ def test_what_is_to_be_learnt_is_what_the_campaign_says_and_of_an_inherited_prio
     assert plain.sizes.of == ()
     learning = mixed()
     kinds = {size.kind for size in learning.sizes.of}
-    assert {"std", "reversal", "noise", "rest", "drift", "cycle", "growth"} <= kinds
+    assert {"std", "reversal", "noise", "rest", "drift", "cycle", "growth", "way"} <= kinds
     size = learning.errors.size
     left = replace(learning, inherited=Inherited(np.zeros(size), np.eye(size))).sizes
-    alone = ("noise", "rest", "drift", "cycle", "growth")
+    alone = ("noise", "rest", "drift", "cycle", "growth", "way")
     assert left.of == tuple(each for each in learning.sizes.of if each.kind in alone)
 
 

@@ -108,8 +108,3 @@ def _setup(
     return Setup(
         name, "indicator", direction, tuple(range(count)), park, noise, unknowns, *times, (0.0,) * count, approach
     )
-
-
-def in_one_round(places: Places) -> Places:
-    """Return places of one axis from below as it rises, and then from above as it falls."""
-    return places.within(np.lexsort([places.approaches[:, 0] * places.poses[:, 0], -places.approaches[:, 0]]))

@@ -1,4 +1,4 @@
-"""A set-up that moves one axis is read out and back: what a drift hides, and what the way back costs."""
+"""A set-up that moves one axis is read out and back, or interleaved: what a drift hides, and what the way costs."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import posed
-from axiscal.planning.plan.order import in_order, seconds_each
+from axiscal.planning.plan.interleaved import interleaved
+from axiscal.planning.plan.order import in_order, seconds_along, seconds_each
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.renewal import renewed
 from axiscal.planning.plan.task import Limits, Task
-from tests.generators.designs import in_one_round, levered
+from tests.generators.designs import levered
 
 CAMPAIGN = """machine = "one-axis"
 [target]
@@ -51,6 +52,12 @@ def one_axis(approach: str = "both") -> tuple[Case, Task]:
 def planned(task: Task) -> Places:
     """Return the twenty places that leave least, in the order of the way."""
     return make_plan(task, Limits(readings=20), bounded=False).places
+
+
+@cache
+def apart(task: Task) -> Places:
+    """Return the same places interleaved."""
+    return interleaved(task, Limits(readings=20), planned(task))
 
 
 def once_along(places: Places) -> Places:
@@ -89,21 +96,21 @@ def test_the_noncentrality_that_is_seen_with_ninety_percent_is_that_of_scipy() -
     assert stats.ncx2.sf(limit, 1, NEEDED) == pytest.approx(0.9, abs=1e-4)
 
 
-def test_a_drift_of_twenty_micrometres_hides_once_along_and_not_out_and_back() -> None:
+def test_a_drift_of_twenty_micrometres_hides_once_along_and_not_interleaved() -> None:
     case, task = one_axis()
-    back = planned(task)
+    back = apart(task)
     along = once_along(back)
     assert damage(case, task, along) > 5.5e-6
     assert damage(case, task, back) < 0.2 * damage(case, task, along)
     more = minutes(task, back)[-1] - minutes(task, along)[-1]
-    assert 0 < more < 16.0
+    assert 0 < more < 0.02 * seconds_along(task, along)
 
 
-def test_sampled_drifts_spoil_the_curve_once_along_unseen_and_are_seen_out_and_back() -> None:
+def test_sampled_drifts_spoil_the_curve_once_along_unseen_and_are_seen_interleaved() -> None:
     case, task = one_axis()
     rng, limit = np.random.default_rng(1), stats.chi2.isf(FALSE, 20)
     wrong, seen = dict[str, list[float]](), dict[str, list[bool]]()
-    back = planned(task)
+    back = apart(task)
     for name, places in (("along", once_along(back)), ("back", back)):
         time = minutes(task, places)
         for _ in range(40):
@@ -118,82 +125,47 @@ def test_sampled_drifts_spoil_the_curve_once_along_unseen_and_are_seen_out_and_b
     assert np.mean(seen["back"]) > 0.5  # a fifth of them is too small to be seen, or to matter
 
 
-def test_what_comes_and_goes_hides_in_one_round_and_not_in_two() -> None:
+def test_what_comes_and_goes_hides_out_and_back_and_not_where_readings_interleave() -> None:
     """A zero that goes by 20 um and comes back; 20 readings have a χ² of 20 by chance."""
     case, task = one_axis()
-    two = planned(task)
-    one = in_one_round(two)
-    humps = [(1 - np.cos(2 * np.pi * minutes(task, each) / minutes(task, each)[-1])) / 2 for each in (one, two)]
-    found = [seen_and_left(case, task, each, DRIFT * hump) for each, hump in zip((one, two), humps, strict=True)]
+    back = planned(task)
+    both = back, apart(task)
+    humps = [(1 - np.cos(2 * np.pi * minutes(task, each) / minutes(task, each)[-1])) / 2 for each in both]
+    found = [seen_and_left(case, task, each, DRIFT * hump) for each, hump in zip(both, humps, strict=True)]
     assert found[0][0] < 10
     assert np.sum(found[0][1] ** 2) > 6e-6**2
     assert found[1][0] > 200
-    assert 0 < minutes(task, two)[-1] - minutes(task, one)[-1] < 12.0
+    assert 0 < minutes(task, both[1])[-1] - minutes(task, back)[-1] < 0.02 * seconds_along(task, back)
 
 
 @pytest.mark.parametrize("approach", ["both", pytest.param("+", marks=pytest.mark.long)])
-def test_each_of_two_rounds_goes_out_and_back_and_reads_every_other_place(approach: str) -> None:
+def test_the_way_goes_out_and_back_and_reads_every_other_place(approach: str) -> None:
     _, task = one_axis(approach)
     order = planned(task)
     at, sides = order.poses[:, 0], order.approaches[:, 0]
-    ways = np.split(np.arange(20), [5, 10, 15])
-    rises = [bool(at[way[-1]] > at[way[0]]) for way in ways]
-    assert rises[0] != rises[1]
-    assert rises[2] != rises[3]
-    for way, rising in zip(ways, rises, strict=True):
-        assert np.all((np.diff(at[way]) > 0) == rising)
-        assert approach == "+" or np.all((sides[way] > 0) == rising)
-    apart = 4 if approach == "+" else 2
-    for way in ways:
-        alike = np.flatnonzero(sides == sides[way[0]])
-        rank = np.searchsorted(np.sort(at[alike]), at[way])
-        assert np.all(np.abs(np.diff(rank)) == apart)
+    assert np.sum(np.diff(np.sign(np.diff(at))) != 0) == 1
+    if approach == "both":
+        assert np.sum(np.diff(sides) != 0) == 1
+        assert np.all(np.diff(at[sides > 0]) > 0)
+        assert np.all(np.diff(at[sides < 0]) < 0)
+    else:
+        rank = np.argsort(np.argsort(at))
+        assert np.sum(np.abs(np.diff(rank)) == 2) == 18
 
 
-def test_few_readings_are_read_in_one_round() -> None:
-    _, task = one_axis()
-    order = in_order(task, in_one_round(planned(task)).within(np.arange(0, 20, 3)))
-    assert np.sum(np.diff(np.sign(np.diff(order.poses[:, 0]))) != 0) == 1
-
-
+@pytest.mark.parametrize("skipped", [0, 1])
 @pytest.mark.parametrize("approach", ["both", pytest.param("+", marks=pytest.mark.long)])
-def test_what_is_left_is_read_as_planned_wherever_the_campaign_was_broken_off(approach: str) -> None:
+def test_what_is_left_is_read_in_its_order_wherever_the_campaign_was_broken_off(approach: str, skipped: int) -> None:
+    """What is read in the place of a reading that was skipped stands beside its neighbour."""
     _, task = one_axis(approach)
-    order = planned(task)
-    for count in range(1, 20):
+    order = apart(task)
+    for count in range(1, 18, 3):
         after = replace(task, here=order.at(count - 1), read=order.within(slice(0, count)))
-        left = order.within(slice(count, None))
-        mixed = left.within(np.random.default_rng(count).permutation(len(left)))
-        assert np.array_equal(in_order(after, mixed).poses, left.poses)
-
-
-@pytest.mark.parametrize("approach", ["both", pytest.param("+", marks=pytest.mark.long)])
-def test_a_place_that_is_skipped_leaves_the_others_in_their_rounds(approach: str) -> None:
-    """What is read in its place stands beside its neighbour."""
-    _, task = one_axis(approach)
-    order = planned(task)
-    for count in range(1, 18):
-        after = replace(task, here=order.at(count - 1), read=order.within(slice(0, count)))
-        left = order.within(slice(count + 1, None))
+        left = order.within(slice(count + skipped, None))
         found = renewed(after, Limits(readings=20 - count), left)
         kept, stayed = (np.isin(a.poses[:, 0], b.poses[:, 0]) for a, b in ((found, left), (left, found)))
         assert np.array_equal(found.poses[kept], left.poses[stayed])
-        assert np.sum(~kept) >= 1
-
-
-def test_a_reading_whose_side_nobody_told_changes_nothing_for_those_to_come() -> None:
-    _, task = one_axis()
-    order = planned(task)
-    stray = replace(order.at(7), poses=np.array([[0.5]]), approaches=np.zeros((1, 1)))
-    after = replace(task, here=stray, read=stray)
-    assert in_order(after, order).same_as(order)
-    assert [sorted(way) for way in _ways(in_order(after, order))] == [sorted(way) for way in _ways(order)]
-
-
-def _ways(order: Places) -> list[list[float]]:
-    """Return the places of both rounds."""
-    at: list[float] = order.poses[:, 0].tolist()
-    return [at[:10], at[10:]]
+        assert len(found) == 20 - count
 
 
 def test_a_set_up_that_moves_several_axes_goes_a_short_way() -> None:
@@ -209,14 +181,3 @@ def test_of_several_axes_a_place_that_is_read_again_is_read_last() -> None:
     order = in_order(task, Places.joined([places, places.at(2)]))
     assert np.array_equal(order.poses[-1], places.poses[2])
     assert order.same_as(Places.joined([places, places.at(2)]))
-
-
-def test_a_place_that_is_read_twice_is_read_once_in_each_round() -> None:
-    _, task = one_axis()
-    places = planned(task)
-    again = Places.joined([places.at(3), places, places.at(16)])
-    order = in_order(task, again)
-    assert order.same_as(again)
-    for index in (3, 16):
-        found = np.flatnonzero(np.all(order.poses == places.poses[index], axis=1))
-        assert [each // 11 for each in found.tolist()] == [0, 1]

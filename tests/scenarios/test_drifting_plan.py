@@ -20,7 +20,7 @@ from tests.planning.test_out_and_back import minutes, one_axis
 @cache
 def planned() -> Places:
     """Return twenty planned places."""
-    return make_plan(one_axis()[1], Limits(readings=20), bounded=False).places
+    return make_plan(one_axis()[1], Limits(readings=20), bounded=False, usual=True).places
 
 
 @cache

@@ -27,7 +27,7 @@ _REACHED = "target reached"
 ALL_REACHED = f"every {_REACHED}"
 _BEYOND = "cannot be reached with these set-ups"
 _HARDLY = 0.99
-_PASSING = {"drift", "cycle", "growth", "noise"}
+_PASSING = {"drift", "cycle", "growth", "way", "noise"}
 """Kinds of sizes that endless readings take away, however large."""
 
 

@@ -21,7 +21,7 @@ from axiscal.description.causes import BAD, CYCLE, NOISE
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import normal_share
 
-Kind = Literal["std", "length", "rest", "reversal", "together", "drift", "cycle", "growth", "noise"]
+Kind = Literal["std", "length", "rest", "reversal", "together", "drift", "cycle", "growth", "way", "noise"]
 _FARTHEST = 7.0
 """Of |θ|, a factor of a thousand: beyond it lies nothing but overflow."""
 _LARGEST: dict[Kind, float] = {"noise": math.log(BAD.size / NOISE.size), "cycle": math.log(BAD.size / CYCLE.size)}

@@ -84,16 +84,16 @@ def first_places(
 
 def _chosen(case: Case, task: Task, limits: Limits, left: Sequence[Place], gaps: Sequence[Gap]) -> Places:
     """Return the readings of a plan that goes on with those that are left, or of a new one."""
-    shake, coming = case.description.usual, columns_of(case, left)
+    usual, coming = case.description.usual, columns_of(case, left)
     long = task.observation.size > _SMALL
     if len(coming):  # climbing would bring places that were shaken back to their regular distances
         unsure = 1 + 1 / math.sqrt(2 * max(len(task.taken), 1)) if len(case.sizes) else 1.0
-        coming = renewed(task, limits, coming, 0.0 if gaps or shake or long else math.inf, unsure)
+        coming = renewed(task, limits, coming, 0.0 if gaps or usual or long else math.inf, unsure)
     if len(coming):
         return coming
     # off the lattice a way might lead into a gap
     patience = 0.0 if gaps or (long and len(left)) else PATIENCE
-    return make_plan(task, limits, patience=patience, bounded=False, shake=shake).places
+    return make_plan(task, limits, patience=patience, bounded=False, usual=usual).places
 
 
 def placed(case: Case, plan: Plan) -> tuple[Place, ...]:

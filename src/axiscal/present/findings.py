@@ -34,6 +34,7 @@ _WORDS: dict[Kind, str] = {
     "drift": later("drift of the zero"),
     "cycle": later("coming and going of the zero"),
     "growth": later("growth while it was read"),
+    "way": later("what a reversal needs a way for"),
     "noise": later("noise"),
 }
 

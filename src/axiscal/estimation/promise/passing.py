@@ -1,9 +1,10 @@
-"""What only readings suffer: zeros that drift, axes that grow while they are read, and causes that no reading shows.
+"""What only readings suffer: drift, growth, reversals that are not there yet, and causes that no reading shows.
 
 A zero drifts by a line, Brownian motion over the time T of its set-up, and Matérn-1/2 in time with 6 min. The Brownian
 motion has Karhunen-Loève functions √2 sin((k − ½)π t/T)/((k − ½)π), k = 1…20, which leave 0.5 % of its variance. A
-linear axis grows by the coordinate over its travel times Matérn-3/2 in time with 0.4 T, linear between ten nodes.
-Without what usually goes wrong a zero wanders as stated (`measurement.drift`).
+linear axis grows by the coordinate over its travel times Matérn-3/2 in time with 0.4 T, linear between ten nodes. Of a
+reversal exp(−d/100 mm) may be missing, d the way since the axis turned. Without what usually goes wrong a zero wanders
+as stated (`measurement.drift`).
 
 Causes of type B have columns for readings as they came; see `type_b`.
 """
@@ -18,9 +19,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.causes import CYCLE, DRIFT, GROWTH
+from axiscal.description.causes import CYCLE, DRIFT, GROWTH, WAY
 from axiscal.description.sizes import Kind, Sizes
 from axiscal.description.type_b import TYPE_B, Read, TypeB
+from axiscal.description.usual import needs_a_way
 from axiscal.errors.prior import exponential, matern32
 from axiscal.measurement.drift import Course, wandering
 from axiscal.measurement.instrument import model_of
@@ -41,6 +43,8 @@ _CYCLE_SECONDS = 360.0
 """s, six minutes: assumption."""
 _MEMORY = 0.4
 """Of the set-up's time: over so much the growth of an axis forgets itself."""
+_WAY = 0.1
+"""m, over which a reversal comes: assumption."""
 _LONGEST = 4 * 3600.0
 """s: over a longer time six minutes are too short to be told from noise."""
 _MOST = 300
@@ -60,7 +64,7 @@ class Passing(NamedTuple):
 class _Mine:
     """The numbers of one set-up's readings.
 
-    first : (r,) which number of all is the first of each reading; clock : (r,) s; length : T, s
+    first : (r,) which number of all is the first of each reading; clock : (r,) s
     """
 
     setup: Setup
@@ -69,17 +73,6 @@ class _Mine:
     approaches: Array
     first: NDArray[np.intp]
     clock: Array
-
-    @property
-    def length(self) -> float:
-        """T, s; 1 where all readings have one time."""
-        return float(np.ptp(self.clock)) or 1.0
-
-    @property
-    def share(self) -> Array:
-        """Times as shares of T, (r,)."""
-        result: Array = (self.clock - self.clock.min()) / self.length
-        return result
 
 
 def passing_columns(
@@ -105,19 +98,120 @@ def passing_columns(
         for kind, made in chain(*made_of) if usual else _as_stated(mine, len(reading)):
             parts.append(made)
             size_at += [sizes.index(kind, setup.name)] * made.shape[1]
+        turns = turning(observation, index, mine.poses, mine.approaches) if usual else []
+        parts.append(np.zeros((len(reading), len(turns))))
+        for column, turn in zip(parts[-1].T, turns, strict=True):
+            for number, missing in enumerate(turn.missing(mine.poses, np.argsort(mine.clock, kind="stable"))):
+                column[mine.first + number] = missing
+            size_at.append(sizes.index("way", turn.name))
     columns = np.hstack(parts) if parts else np.zeros((len(reading), 0))
     return Passing(columns, np.array(size_at, dtype=np.intp))
 
 
+def _length(clock: Array) -> float:
+    """Return T, s; 1 where all readings have one time."""
+    return float(np.ptp(clock)) or 1.0
+
+
+def _share(clock: Array) -> Array:
+    """Return times as shares of T, (r,)."""
+    result: Array = (clock - clock.min()) / _length(clock)
+    return result
+
+
+def drift_functions(setup: Setup, clock: Array) -> Array:
+    """Return how far a zero of a set-up has drifted at some times, of unknowns of variance one, (r, 21) m or rad.
+
+    clock : (r,) s
+    """
+    share, turns = _share(clock), (np.arange(_FUNCTIONS) + 0.5) * np.pi
+    drift = np.column_stack([share, np.sqrt(2.0) * np.sin(np.outer(share, turns)) / turns])
+    return _drift_size(setup, _length(clock)) * drift
+
+
+def growth_functions(setup: Setup, clock: Array) -> Array:
+    """Return by how much a linear axis has grown at some times, of unknowns of variance one, (r, 10) m.
+
+    clock : (r,) s; both ends of the travel then stand off by half of it
+    """
+    nodes = np.linspace(0.0, 1.0, _NODES)
+    correlation = matern32(np.abs(nodes[:, None] - nodes[None]) / _MEMORY)
+    root = lower_root(correlation + _SINGLE * np.eye(_NODES))
+    hats = np.column_stack([np.interp(_share(clock), nodes, each) for each in np.eye(_NODES)])
+    return GROWTH.size * setup.noise * hats @ root
+
+
+def growing(observation: Observation, index: int, poses: Array) -> list[Array]:
+    """Return what growth by one does to each number of readings of a set-up, (k, r), for each axis that may grow.
+
+    A linear axis may if it moves in the set-up and its positions are an error.  poses : (r, q)
+    """
+    machine, levers, found = observation.machine, None, list[Array]()
+    for k in observation.setups[index].moves:
+        axis = machine.axes[k]
+        term = next((i for i, t in enumerate(observation.errors.terms) if t.name == f"E{axis.name}{axis.name}"), None)
+        if term is None or axis.rotary:
+            continue
+        levers = observation.levers(index, poses) if levers is None else levers
+        along = (poses[:, k] - np.mean(axis.travel)) / axis.length
+        found.append(np.array([lever[term] * along for lever in levers]))
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Turning:
+    """A reversal of a linear axis that may need a way to be complete.
+
+    name : of the error; axis : k; overrun : m, that the axis has come since it turned where it comes from another side
+    sides : (r,) from where it comes; effects : (k, r) what one standard deviation does to each number when it is whole
+    """
+
+    name: str
+    axis: int
+    overrun: float
+    sides: Array
+    effects: Array
+
+    def missing(self, poses: Array, order: NDArray[np.intp]) -> Array:
+        """Return what is missing of each number of readings, (k, r) m or rad.
+
+        poses : (r, q); order : (r,) in which they are taken
+        """
+        at, sides, since = poses[order, self.axis], self.sides[order], np.full(len(poses), self.overrun)
+        step = np.diff(at) * sides[1:]
+        for number in np.flatnonzero((sides[1:] == sides[:-1]) & (step >= 0)).tolist():
+            since[number + 1] = since[number] + step[number]
+        left = np.empty(len(poses))
+        left[order] = np.exp(-since / _WAY)
+        result: Array = -WAY.size * left * self.effects
+        return result
+
+
+def turning(observation: Observation, index: int, poses: Array, approaches: Array) -> list[Turning]:
+    """Return the reversals of linear axes that readings of a set-up from both sides show.
+
+    poses, approaches : (r, q)
+    """
+    setup, machine, found = observation.setups[index], observation.machine, list[Turning]()
+    terms = [
+        (number, term)
+        for number, term in enumerate(observation.errors.functions)
+        if term.axis in setup.moves and needs_a_way(term.kind, machine.axes[term.axis]) and len(setup.sides) > 1
+    ]
+    levers = observation.levers(index, poses) if terms else np.zeros((0, 0, 0))
+    for number, term in terms:
+        sides, size = approaches[:, term.axis], 0.5 * float(np.sqrt(term.covariance[0, 0]))
+        effects = size * sides * levers[:, number]
+        found.append(Turning(term.name, term.axis, machine.axes[term.axis].overrun, sides, effects))
+    return found
+
+
 def _of_zeros(mine: _Mine, numbers: int) -> Iterator[tuple[Kind, Array]]:
     """Yield the columns of drift and cycle of each zero of a set-up."""
-    noise, share = mine.setup.noise, mine.share
-    turns = (np.arange(_FUNCTIONS) + 0.5) * np.pi
-    drift = np.column_stack([share, np.sqrt(2.0) * np.sin(np.outer(share, turns)) / turns])
-    functions: list[tuple[Kind, Array]] = [("drift", _drift_size(mine) * drift)]
-    if mine.length <= _LONGEST and numbers <= _MOST:
+    functions: list[tuple[Kind, Array]] = [("drift", drift_functions(mine.setup, mine.clock))]
+    if _length(mine.clock) <= _LONGEST and numbers <= _MOST:
         apart = np.abs(mine.clock[:, None] - mine.clock[None]) / _CYCLE_SECONDS
-        root: Array = CYCLE.size * noise * lower_root(exponential(apart) + _SINGLE * np.eye(len(apart)))
+        root: Array = CYCLE.size * mine.setup.noise * lower_root(exponential(apart) + _SINGLE * np.eye(len(apart)))
         functions.append(("cycle", root))
     yield from _of_each_zero(mine, numbers, functions)
 
@@ -138,32 +232,23 @@ def _of_each_zero(mine: _Mine, numbers: int, functions: Sequence[tuple[Kind, Arr
             yield kind, columns
 
 
-def _drift_size(mine: _Mine) -> float:
+def _drift_size(setup: Setup, length: float) -> float:
     """Return the size of line and Brownian motion: as usual of the noise, with what is stated or usual of the zero."""
-    usual, stated = DRIFT.size * mine.setup.noise, 0.0
-    if mine.setup.drift > 0:
-        stated = float(np.sqrt(wandering(mine.setup.drift, [mine.length])[0, 0] / 2))
+    usual, stated = DRIFT.size * setup.noise, 0.0
+    if setup.drift > 0:
+        stated = float(np.sqrt(wandering(setup.drift, [length])[0, 0] / 2))
     return float(np.hypot(usual, stated))
 
 
 def _of_axes(observation: Observation, mine: _Mine, numbers: int) -> Iterator[tuple[Kind, Array]]:
-    """Yield the columns of the growth of each linear axis that moves in a set-up and whose positions are an error."""
-    nodes = np.linspace(0.0, 1.0, _NODES)
-    correlation = matern32(np.abs(nodes[:, None] - nodes[None]) / _MEMORY)
-    root = lower_root(correlation + _SINGLE * np.eye(_NODES))
-    hats = np.column_stack([np.interp(mine.share, nodes, each) for each in np.eye(_NODES)]) @ root
-    machine, levers = observation.machine, None
-    for k in mine.setup.moves:
-        axis = machine.axes[k]
-        term = next((i for i, t in enumerate(observation.errors.terms) if t.name == f"E{axis.name}{axis.name}"), None)
-        if term is None or axis.rotary:
-            continue
-        levers = observation.levers(mine.index, mine.poses) if levers is None else levers
-        along = (mine.poses[:, k] - np.mean(axis.travel)) / axis.length
+    """Yield the columns of the growth of each axis."""
+    axes = growing(observation, mine.index, mine.poses)
+    functions = growth_functions(mine.setup, mine.clock) if axes else None
+    for axis in axes:
         columns = np.zeros((numbers, _NODES))
-        for number, lever in enumerate(levers):
-            columns[mine.first + number] = (lever[term] * along)[:, None] * hats
-        yield "growth", GROWTH.size * mine.setup.noise * columns
+        for number, share in enumerate(axis):
+            columns[mine.first + number] = share[:, None] * functions
+        yield "growth", columns
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,12 +1,9 @@
 """The order of the readings of a plan, set-up by set-up, and how long they take in it.
 
-A set-up that moves one axis is read out along it and back again, twice, so that no drift looks like a curve. Read once
-along, a zero that moves steadily by 10 µm is a slope of 10 µm, and nothing contradicts it. Read out and back, it is the
+A set-up that moves one axis is read out along it and back again, so that no drift looks like a curve. Read once along,
+a zero that moves steadily by 10 µm is a slope of 10 µm, and nothing contradicts it. Read out and back, it is the
 difference of the two ways (ISO 230-2 reads so, too). If the side counts, the way out reads one side and the way back
-the other: neither then turns round before a place.
-
-A drift that comes and goes is the same on both ways, and looks like an error of the curve. So a second round reads
-every other place of a side. The common part of both rounds may be the curve, and the difference cannot.
+the other: neither then turns round before a place. `interleaved` goes on from there.
 """
 
 from __future__ import annotations
@@ -111,9 +108,7 @@ def _on_a_short_way(task: Task, places: Places, exact: bool) -> Places:
         here = task.here.poses[0]
         first = way_seconds(machine, setup, here, places.poses, approaches)
     if returns(setup):
-        taken = task.taken.within(task.taken.setups == places.setups[0])
-        before = np.column_stack([taken.poses, counting(task, taken)])
-        return out_and_back(machine, setup, places, approaches, here, before)
+        return out_and_back(machine, setup, places, approaches, here)
     once, again = _repeats(np.column_stack([places.poses, approaches]))
     begin = None if first is None else first[once]
     order, _ = short_way(machine, setup, places.poses[once], approaches[once], begin, exact=exact)
@@ -150,8 +145,6 @@ def arriving(task: Task, order: Places) -> Array:
 
 _LONGER = 1e-9
 """s; rounding of a time."""
-_FEWEST = 8
-"""Of fewer readings there is no second round: each of four ways has two."""
 
 
 def returns(setup: Setup) -> bool:
@@ -159,32 +152,23 @@ def returns(setup: Setup) -> bool:
     return setup.chart is None and len(setup.moves) == 1
 
 
-def out_and_back(
-    machine: Machine, setup: Setup, places: Places, counted: Array, here: Array | None, before: Array
-) -> Places:
-    """Return the readings of such a set-up out and back, in two rounds.
+def out_and_back(machine: Machine, setup: Setup, places: Places, counted: Array, here: Array | None) -> Places:
+    """Return the readings of such a set-up out and back.
 
     counted : (m, q) approaches, 0 where any side will do; here : (q,) where the machine stands if it is mounted
-    before : (t, 2 q) poses and approaches, as counted, of its readings that are taken already
     """
     (k,) = setup.moves
-    side, told = places.poses.shape[1] + k, _told(setup, counted[:, k]) is not None
-    before = before[before[:, side] != 0] if told else before
-    rows = np.concatenate([before, np.column_stack([places.poses, counted])])
-    rises, second = (each[len(before) :] for each in _ways(rows[:, k], rows[:, side] if told else None))
-    along, order = np.argsort(places.poses[:, k], kind="stable"), np.zeros(0, dtype=np.intp)
-    for part in (~second, second):
-        out, back = along[(part & rises)[along]], along[(part & ~rises)[along]][::-1]
-        stands = places.poses[order[-1]] if len(order) else here
-        order = np.concatenate([order, _shorter(machine, setup, places, counted, out, back, stands)])
-    return places.within(order)
+    rises = _rises(places.poses[:, k], _told(setup, counted[:, k]))
+    along = np.argsort(places.poses[:, k], kind="stable")
+    out, back = along[rises[along]], along[~rises[along]][::-1]
+    return places.within(_shorter(machine, setup, places, counted, out, back, here))
 
 
 def beside(setup: Setup, counted: Array, places: Places, counted_before: Array, before: Places) -> Places:
     """Return readings in the order of an earlier way, those that are not on it beside the nearest ones of their side.
 
     counted : (m, q) approaches, 0 where any side will do; counted_before : (t, q) those of the earlier way
-    Readings of a side that is not on it leave all as they come.
+    Where none of their side is on it, those of the other side count.
     """
     (k,) = setup.moves
     told, at = _told(setup, counted[:, k]), places.poses[:, k]
@@ -194,9 +178,9 @@ def beside(setup: Setup, counted: Array, places: Places, counted_before: Array, 
     for row in np.column_stack([before.poses, counted_before]).tolist():
         way += [index for index, each in enumerate(rows) if each == row and index not in way][:1]
     for index in np.setdiff1d(np.arange(len(places)), way).tolist():
-        alike = [place for place, other in enumerate(way) if sides[other] == sides[index]]
-        if not alike:
+        if not way:
             return places
+        alike = [place for place, other in enumerate(way) if sides[other] == sides[index]] or [*range(len(way))]
         near = min(alike, key=lambda place: (abs(at[way[place]] - at[index]), place))
         beyond = bool(at[index] >= at[way[near]])
         way.insert(near + (_rises_at(at[way], sides[way], near) == beyond), index)
@@ -216,20 +200,14 @@ def _told(setup: Setup, sides: Array) -> Array | None:
     return sides if len(setup.sides) > 1 and np.all(sides != 0) else None
 
 
-def _ways(at: Array, sides: Array | None) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return which readings are taken on a way that rises, and which in the second round, (m,) each.
+def _rises(at: Array, sides: Array | None) -> NDArray[np.bool_]:
+    """Return which readings are taken on the way that rises, (m,).
 
     at : (m,) m or rad along the axis; sides : (m,) from where it comes; None where the way is free
     """
     rank = np.empty(len(at), dtype=np.intp)
-    rank[np.lexsort([at] if sides is None else [at, sides])] = np.arange(len(at))
-    if sides is None:
-        few = len(at) < _FEWEST
-        return (rank // (1 if few else 2)) % 2 == 0, (rank % 2 == 1) & (not few)
-    from_above = int(np.sum(sides < 0))
-    rank -= np.where(sides > 0, from_above, 0)
-    few = min(from_above, len(at) - from_above) < _FEWEST // 2
-    return sides > 0, (rank % 2 == 1) & (not few)
+    rank[np.argsort(at, kind="stable")] = np.arange(len(at))
+    return np.asarray(rank % 2 == 0 if sides is None else sides > 0)
 
 
 def _shorter(

@@ -28,6 +28,7 @@ from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.beginnings import best_of_random, plain_designs
 from axiscal.planning.plan.exchange import exchange, fitted, polish
 from axiscal.planning.plan.greedy import Setups, Trial, affordable, chosen_setups, filled
+from axiscal.planning.plan.interleaved import interleaved
 from axiscal.planning.plan.order import arriving, in_order, seconds_each
 from axiscal.planning.plan.task import PATIENCE, Clock, Limits, Patience, Task, clock
 
@@ -92,12 +93,13 @@ def make_plan(
     *,
     patience: float = PATIENCE,
     bounded: bool = True,
-    shake: bool = False,
+    usual: bool = False,
 ) -> Plan:
     """Return a plan that ends at the first limit it reaches. Raises PlanError.
 
     patience : operations that climbing off the lattice may take; the same plan on any machine, and under any load
-    bounded : whether the lower bound is wanted; shake : whether places are shaken off their regular distances
+    bounded : whether the lower bound is wanted
+    usual : with what usually goes wrong: places are shaken off their regular distances, and their order is interleaved
     """
     _refuse(task, limits)
     times = clock(task)
@@ -109,7 +111,7 @@ def make_plan(
     with stage("off the lattice"):
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
     places = fitted(task, limits, times, trial).scores.places
-    order = in_order(task, shaken(task, places) if shake else places)
+    order = interleaved(task, limits, in_order(task, shaken(task, places))) if usual else in_order(task, places)
     return judged(task, limits, replace(order, approaches=arriving(task, order)), bounded)
 
 

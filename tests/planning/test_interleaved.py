@@ -1,0 +1,106 @@
+"""Readings interleaved: what passes looks like no error of the axis, in hardly more time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from axiscal.description.sizes import NONE_VARY
+from axiscal.estimation.promise.passing import passing_columns
+from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
+from axiscal.planning.plan.interleaved import interleaved
+from axiscal.planning.plan.order import in_order, seconds_along, seconds_each
+from axiscal.planning.plan.task import Limits, Task
+from tests.generators.designs import levered
+from tests.planning.test_out_and_back import apart, one_axis, planned
+
+
+def passing(task: Task, order: Places) -> Array:
+    """Return the columns of what passes but for a cycle, three times as large as usual, (m, q)."""
+    ends = np.cumsum(seconds_each(task, order)).tolist()
+    rows = zip(order.poses.tolist(), order.approaches.tolist(), ends, strict=True)
+    readings = [Reading("laser", tuple(pose), tuple(side), 0.0, time=end) for pose, side, end in rows]
+    columns = passing_columns(task.observation, readings, order, np.arange(len(order)), NONE_VARY).columns
+    return 3.0 * np.delete(columns, slice(21, 21 + len(order)), axis=1)
+
+
+def left(task: Task, order: Places) -> float:
+    """Return J with what passes: all unknowns at once."""
+    state = task.state.opened(order)
+    seen = state.rows(order)
+    both = np.hstack([seen.rows @ state.factor, passing(task, order)]) / np.sqrt(seen.variances)[:, None]
+    covariance = np.linalg.inv(np.eye(both.shape[1]) + both.T @ both)[: state.factor.shape[1], : state.factor.shape[1]]
+    return float(np.trace(state.weighted @ covariance @ state.weighted.T))
+
+
+def test_j_with_what_passes_falls_by_more_than_the_time_rises() -> None:
+    _, task = one_axis()
+    before, after = planned(task), apart(task)
+    assert sorted(map(tuple, before.poses)) == sorted(map(tuple, after.poses))
+    costs = [left(task, each) * seconds_along(task, each) for each in (before, after)]
+    assert costs[1] < 0.8 * costs[0]
+    assert left(task, after) < 0.8 * left(task, before)
+    assert seconds_along(task, after) < 1.02 * seconds_along(task, before)
+
+
+def test_no_exchange_of_two_readings_was_taken_that_costs_more() -> None:
+    """The search has J to rounding: where it ends few of all exchanges are better, by little."""
+    _, task = one_axis()
+    after = apart(task)
+
+    def cost(places: Places) -> float:
+        return left(task, places) * seconds_along(task, places)
+
+    best, better = cost(after), list[Array]()
+    for first in range(0, 20, 2):
+        for second in range(first + 1, 20, 3):
+            turns = np.arange(20)
+            turns[[first, second]] = second, first
+            better.append(np.array(cost(after.within(turns)) / best))
+    assert np.min(better) > 0.97
+    assert np.mean(np.array(better) > 0.999) > 0.9
+
+
+def test_a_budget_is_kept() -> None:
+    _, task = one_axis()
+    before = planned(task)
+    allowed = seconds_along(task, before) + 3.0
+    after = interleaved(task, Limits(20, budget=allowed), before)
+    assert seconds_along(task, before) < seconds_along(task, after) <= allowed
+
+
+def test_two_readings_and_set_ups_that_move_several_axes_stay_as_they_are() -> None:
+    _, task = one_axis()
+    two = planned(task).within(np.array([3, 11]))
+    assert interleaved(task, Limits(2), two).same_as(two)
+    several = levered(300)
+    order = in_order(several, several.lattice.within(np.arange(0, len(several.lattice), 15)))
+    assert interleaved(several, Limits(len(order)), order).same_as(order)
+
+
+def test_where_the_machine_stands_counts() -> None:
+    _, task = one_axis()
+    before = planned(task)
+    here = replace(task, here=before.at(19))
+    after = interleaved(here, Limits(20), in_order(here, before))
+    assert seconds_along(here, after) < seconds_along(task, after)
+    assert left(here, after) < left(here, in_order(here, before))
+
+
+def test_growth_in_between_moves_the_estimate_less() -> None:
+    """An axis that grows by 10 um and shrinks again, taken for an error of the axis: RMS over the travel."""
+    _, task = one_axis()
+    moved = []
+    for order in (planned(task), apart(task)):
+        time = np.cumsum(seconds_each(task, order))
+        share = (time - time[0]) / np.ptp(time)
+        grown = 10e-6 * (order.poses[:, 0] - 0.5) * (1 - np.abs(2 * share - 1))
+        state, columns = task.state.opened(order), passing(task, order)
+        seen = state.rows(order)
+        rows = seen.rows @ state.factor
+        covariance = rows @ rows.T + columns @ columns.T + np.diag(seen.variances)
+        moved.append(float(np.linalg.norm(state.weighted @ rows.T @ np.linalg.solve(covariance, grown))))
+    assert moved[1] < 0.85 * moved[0]
