@@ -60,8 +60,3 @@ def test_where_a_reading_was_taken_the_rest_of_the_cell_is_not_new() -> None:
     again = expectation(estimated(axis, [reading] * 50), reading.place)
     assert again.mean[0] == pytest.approx(3e-6, abs=0.05e-6)
     assert again.std[0] == pytest.approx(1e-6, rel=0.02)  # the noise alone: curve, rest and zero are in the mean
-
-
-def test_a_surprise_is_counted_in_standard_deviations() -> None:
-    expected = expectation(estimated(case(), []), Place("dial", (0.5,), (0,)))
-    assert expected.surprise(expected.mean + 3 * expected.std) == pytest.approx(3.0)

@@ -19,10 +19,9 @@ from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, said
 from axiscal.present.guide.answers import ACTIONS, Value, Word, action, answer
 from axiscal.present.guide.progress import Progress
-from axiscal.present.guide.question import BAND, SURPRISING, Question, mount_sentence, mount_steps
+from axiscal.present.guide.question import SURPRISING, Question, coming_text, go_text, parked_text
 from axiscal.present.guide.taking_back import contradictions, doubted, others_doubted, take_back
 from axiscal.record.events import Asked
-from axiscal.units import to_unit
 
 
 class _Then(Enum):
@@ -58,12 +57,12 @@ class Prompt:
         if isinstance(asked, Ended):
             return self._ended(asked)
         question = Question.of(self.campaign, asked)
-        if question.setup.name != self.mounted:
+        if question.setup != self.mounted:
             say(mounting_text(question))
             then = self._asked(said("Enter when it stands, or ? > "), question, standing=False)
             if then is not _Then.STANDS:
                 return then
-            self.mounted = question.setup.name
+            self.mounted = question.setup
         say(headline(self.campaign, question))
         say(question_lines(question))
         return self._asked(said("reading [{unit}] > ", unit=question.unit), question, standing=True)
@@ -73,7 +72,7 @@ class Prompt:
         then = _Then.SAME
         while then is _Then.SAME:
             try:
-                typed = answer(ask(prompt), question.setup)
+                typed = answer(ask(prompt), self.campaign.description.setup(question.setup))
                 then = self._heed(typed, question) if standing else self._heed_mounting(typed, question)
             except OvertakenError:
                 self.campaign.looked_at_again()
@@ -117,7 +116,7 @@ class Prompt:
 
     def _keep(self, typed: Value, question: Question) -> _Then:
         vouched = False
-        surprise = question.expected.surprise(typed.values)
+        surprise = question.surprise(typed.values)
         if surprise >= SURPRISING:
             far = "It is {size} standard deviations from what is expected, {expected}."
             say("  " + said(far, size=decimals(f"{surprise:.1f}"), expected=expected_text(question)))
@@ -129,7 +128,7 @@ class Prompt:
         before = doubted(self.campaign)
         value, *others = (float(each) for each in typed.values)
         kept = self.campaign.record(value, accepted=vouched, others=tuple(others))
-        at = question.go or said('set-up "{setup}"', setup=question.setup.name)
+        at = go_text(question.places) or said('set-up "{setup}"', setup=question.setup)
         say("  " + said("kept reading {number} at {place}; it is on the disk", number=kept.number, place=at))
         for sentence in [*others_doubted(self.campaign, before), *contradictions(self.campaign)]:
             say("  " + said("Mind: {sentence}", sentence=sentence))
@@ -142,7 +141,7 @@ class Prompt:
         return bool(words)
 
     def _leave(self, reason: str, question: Question) -> _Then:
-        setup = question.setup.name
+        setup = question.setup
         if self._costs(rest=True):
             choice = said("Type yes to leave it, Enter to go on:")
             if ask(f"  {choice} ").strip().lower() not in ("yes", "y", said("yes")):
@@ -223,8 +222,8 @@ def help_text() -> str:
 
 def mounting_text(question: Question) -> str:
     """Return what to mount and the steps to do so."""
-    steps = [f"  {name:<9} {what}" for name, what in mount_steps(question)]
-    return "\n".join([f'\n{said("Set-up")} "{question.setup.name}": {mount_sentence(question)}.', *steps])
+    steps = [f"  {step.name:<9} {step.what}" for step in question.mounting]
+    return "\n".join([f'\n{said("Set-up")} "{question.setup}": {question.mount_sentence}.', *steps])
 
 
 def headline(campaign: Campaign, question: Question) -> str:
@@ -249,9 +248,9 @@ def headline(campaign: Campaign, question: Question) -> str:
 def question_lines(question: Question) -> str:
     """Return where to go, from which side, the sign in words, and what to expect."""
     rows = (
-        (said("go to"), question.go),
-        (said("coming"), question.coming),
-        (said("parked"), question.parked),
+        (said("go to"), go_text(question.places)),
+        (said("coming"), coming_text(question.places)),
+        (said("parked"), parked_text(question.places)),
         (said("at"), question.touch),
         (said("again"), question.again),
         (said("sign"), question.sign),
@@ -262,14 +261,10 @@ def question_lines(question: Question) -> str:
 
 def expected_text(question: Question) -> str:
     """Return what each number of the reading is expected to be, with two standard deviations."""
-    pairs = zip(question.expected.mean, question.expected.std, strict=True)
-    return ", ".join(f"{_plain(m, question.unit)} ± {_plain(BAND * s, question.unit)}" for m, s in pairs) + (
-        f" {question.unit}"
-    )
+    return f"{', '.join(f'{_plain(each.mean)} ± {_plain(each.half)}' for each in question.expected)} {question.unit}"
 
 
-def _plain(value: float, unit: str) -> str:
-    """Return a number in its unit with one decimal, none from a hundred on, and no minus before zero."""
-    shown = to_unit(float(value), unit)
+def _plain(shown: float) -> str:
+    """Return a number with one decimal, none from a hundred on, and no minus before zero."""
     digits = 1 if abs(shown) < 100 else 0
     return decimals(f"{round(shown, digits) + 0.0:.{digits}f}")

@@ -7,7 +7,7 @@ from axiscal.campaign.ending import Ended
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.language.spoken import decimals, said
 from axiscal.measurement.place_texts import reading_unit, value_names
-from axiscal.present.guide.question import coming_text, go_text, parked_text, reads_text, touch_text
+from axiscal.present.guide.question import axis_places, coming_text, go_text, parked_text, reads_text, touch_text
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 
@@ -26,11 +26,11 @@ def question_text(campaign: Campaign, asked: Asked) -> str:
     """Return what the operator is to do."""
     setup = campaign.description.setup(asked.place.setup)
     values = ", ".join(f"{name.upper() or 'VALUE'} {reading_unit(setup)}" for name in value_names(setup))
-    words = coming_text, touch_text, parked_text
-    coming, touch, parked = (word(campaign, asked) for word in words)
+    places, touch = axis_places(campaign, asked), touch_text(campaign, asked)
+    coming, parked = coming_text(places), parked_text(places)
     lines = [
         f'Reading {asked.reading}: set-up "{setup.name}", {setup.instrument}, reads {reads_text(setup)}',
-        f"  go to     {go_text(campaign, asked)}",
+        f"  go to     {go_text(places)}",
         f"  coming    {coming}" if coming else "",
         f"  {'at       ' if setup.artefact else 'the way  '} {touch}" if touch else "",
         f"  parked    {parked}" if parked else "",

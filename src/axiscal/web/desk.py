@@ -108,10 +108,10 @@ class Desk:
         if question is None or not text.strip():
             return TypedShape(values=[], surprise=0.0, surprising=False, sentence="")
         try:
-            values = _value(text, question).values
+            values = self._value(text, question).values
         except AxiscalError as failure:
             return TypedShape(values=[], surprise=0.0, surprising=False, sentence=str(failure))
-        surprise = question.expected.surprise(values)
+        surprise = question.surprise(values)
         shown = [float(to_unit(float(each), question.unit)) for each in values]
         sentence = str(SurprisingError(surprise)) if surprise >= SURPRISING else ""
         return TypedShape(values=shown, surprise=surprise, surprising=surprise >= SURPRISING, sentence=sentence)
@@ -121,8 +121,8 @@ class Desk:
         self._refuse_overtaken(after)
         asked = self.campaign.open_question()
         question = self._question or Question.of(self.campaign, asked)
-        typed = _value(text, question)
-        surprise = question.expected.surprise(typed.values)
+        typed = self._value(text, question)
+        surprise = question.surprise(typed.values)
         if surprise >= SURPRISING and not (keep or vouch):
             raise SurprisingError(surprise)
         before = doubted(self.campaign)
@@ -248,10 +248,9 @@ class Desk:
             self._alike.clear()
             return self.campaign.next()
 
-
-def _value(text: str, question: Question) -> Value:
-    typed = answer(text, question.setup)
-    if not isinstance(typed, Value):
-        what = said('"{text}" is no reading', text=text.strip())
-        raise ReadingError(what, said("Type the number that the instrument shows"))
-    return typed
+    def _value(self, text: str, question: Question) -> Value:
+        typed = answer(text, self.campaign.description.setup(question.setup))
+        if not isinstance(typed, Value):
+            what = said('"{text}" is no reading', text=text.strip())
+            raise ReadingError(what, said("Type the number that the instrument shows"))
+        return typed

@@ -13,27 +13,22 @@ from axiscal.answers.answer_words import answer_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text
 from axiscal.estimation.agreement_words import agreement_words
-from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
-from axiscal.measurement.place_texts import reading_unit, shown_coordinate, value_names
+from axiscal.measurement.place_texts import reading_unit, shown_coordinate
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.present.guide.progress import Progress, due
-from axiscal.present.guide.question import BAND, Expectation, Question, axis_places, mount_sentence, mount_steps, ways
+from axiscal.present.guide.question import Question
 from axiscal.present.guide.taking_back import last_step
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
 from axiscal.present.plan_words import plan_text
 from axiscal.present.sentences import spelt
-from axiscal.record.events import Asked
 from axiscal.units import to_unit
 from axiscal.web.shapes import (
     AnswerShape,
-    ExpectedShape,
     NoteShape,
-    QuestionShape,
     ReadingShape,
     StateShape,
-    StepShape,
 )
 
 _LATEST = 3
@@ -54,14 +49,13 @@ class Shown(NamedTuple):
 def state_shape(campaign: Campaign, shown: Shown, results: Path) -> StateShape:
     """Return all that a page shows."""
     state = campaign.state
-    asked = state.pending if shown.question is not None else None
     return StateShape(
         version=shown.version,
         last=state.last,
         machine=campaign.description.machine.name,
         record=campaign.path.name,
         progress=Progress.of(campaign),
-        question=None if asked is None or shown.question is None else _question(campaign, asked, shown.question),
+        question=shown.question,
         ended=None if shown.ended is None else spelt(because_text(shown.ended)),
         finished=None if state.finished is None else spelt(because_text(state.finished)),
         trouble=shown.trouble,
@@ -89,32 +83,6 @@ def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: P
         commands=text.commands,
         document=answer,
     )
-
-
-def _question(campaign: Campaign, asked: Asked, question: Question) -> QuestionShape:
-    """Return the question as the page shows it."""
-    return QuestionShape(
-        number=question.number,
-        setup=question.setup.name,
-        instrument=question.setup.instrument,
-        mount=question.mount,
-        mount_sentence=mount_sentence(question),
-        mounting=[StepShape(name=name, what=what) for name, what in mount_steps(question)],
-        places=list(axis_places(campaign, asked)),
-        touch=question.touch,
-        again=question.again,
-        ways=list(ways(question.setup)),
-        turns=INSTRUMENTS[question.setup.instrument].reads == "angle",
-        sign=question.sign,
-        unit=question.unit,
-        expected=_expected(question.expected, question.unit),
-        names=list(value_names(question.setup)),
-    )
-
-
-def _expected(expected: Expectation, unit: str) -> list[ExpectedShape]:
-    means, halves = to_unit(expected.mean, unit), to_unit(BAND * expected.std, unit)
-    return [ExpectedShape(mean=float(m), half=float(h)) for m, h in zip(means, halves, strict=True)]
 
 
 def _latest(campaign: Campaign) -> list[ReadingShape]:

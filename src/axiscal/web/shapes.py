@@ -9,50 +9,11 @@ from pydantic import Field
 from axiscal.answers.answer import AnswerDocument, PlannedAnswer, ResultAnswer
 from axiscal.campaign.possible import LONGEST_TEXT
 from axiscal.present.guide.progress import Due, Progress
-from axiscal.present.guide.question import AxisPlace
+from axiscal.present.guide.question import Question
 
 LONGEST = 25.0
 """s that a request may wait for news: less than what programs between us and a browser would take for a fault."""
 After = Annotated[int, Field(ge=0, description="`last` of the state that is answered; 409 if it has changed")]
-
-
-class ExpectedShape(AnswerDocument):
-    """What one number of the reading is expected to be: mean, and half of the band that is shown."""
-
-    mean: float
-    half: float
-
-
-class StepShape(AnswerDocument):
-    """One thing to do."""
-
-    name: str
-    what: str
-
-
-class QuestionShape(AnswerDocument):
-    """The reading to take. `mount` says whether its set-up has to be mounted first, by `mounting`.
-
-    ways : directions, of the workpiece, in which a reading is positive; turns : it is about them
-    again : which reading has been taken there before, in words
-    names : of the numbers of a reading, x, y, z or those of stations; "" of a single one
-    """
-
-    number: int
-    setup: str
-    instrument: str
-    mount: bool
-    mount_sentence: str
-    mounting: list[StepShape]
-    places: list[AxisPlace]
-    touch: str
-    again: str
-    sign: str
-    ways: list[tuple[float, float, float]]
-    turns: bool
-    unit: str
-    expected: list[ExpectedShape]
-    names: list[str]
 
 
 class ReadingShape(AnswerDocument):
@@ -100,7 +61,7 @@ class StateShape(AnswerDocument):
     machine: str
     record: str
     progress: Progress
-    question: QuestionShape | None
+    question: Question | None
     ended: str | None
     finished: str | None
     trouble: str

@@ -6,6 +6,7 @@ reading is positive, and what it should show; where to park and what to zero whe
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -19,75 +20,126 @@ from axiscal.language.spoken import said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
-from axiscal.measurement.place_texts import direction_text, place_text, reading_unit, shown_coordinate
+from axiscal.measurement.place_texts import direction_text, place_text, reading_unit, shown_coordinate, value_names
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Setup, Vector
 from axiscal.numerics import Array
 from axiscal.record.events import Asked
+from axiscal.units import to_unit
+
+_DIGITS = 4
+"""Behind the point: one more than controls show; a reading there differs by less than its noise."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Question:
-    """The words for one reading; those that do not apply are empty.
+class AxisPlace(AnswerDocument):
+    """axis : its name; value : in its unit, mm or deg; moves : whether the set-up moves it
 
-    number : of the reading; mount : whether the set-up has to be mounted first
-    go, parked : coordinates; coming : sides of the last motion; touch : the ball, and how to get there
-    again : which reading was taken there before; decides : between which causes it decides
-    unit : of the values when none is typed; expected : what earlier readings say of it
+    changed : whether it stood elsewhere at the reading before, or there was none
+    side : "+" where it comes from below, "-" from above, "" where that does not matter
+    """
+
+    axis: str
+    value: float
+    unit: str
+    moves: bool
+    changed: bool
+    side: Literal["+", "-", ""]
+
+    @property
+    def shown(self) -> str:
+        """The coordinate to a tenth of a micrometre, or of a thousandth of a degree, without zeros behind."""
+        return f"{round(self.value, _DIGITS) + 0.0:.{_DIGITS}f}".rstrip("0").rstrip(".")
+
+
+class ExpectedNumber(AnswerDocument):
+    """What one number of the reading is expected to be: mean, and half of the band that is shown."""
+
+    mean: float
+    half: float
+
+
+class MountingStep(AnswerDocument):
+    """One thing to do."""
+
+    name: str
+    what: str
+
+
+class Question(AnswerDocument):
+    """The reading to take. `mount` says whether its set-up has to be mounted first, by `mounting`.
+
+    touch : the ball, and how to get there; again : which reading has been taken there before, in words
+    ways : directions, of the workpiece, in which a reading is positive; turns : it is about them
+    unit : of the values when none is typed
+    names : of the numbers of a reading, x, y, z or those of stations; "" of a single one
     """
 
     number: int
-    setup: Setup
+    setup: str
+    instrument: str
     mount: bool
-    go: str
-    coming: str
+    mount_sentence: str
+    mounting: list[MountingStep]
+    places: list[AxisPlace]
     touch: str
     again: str
-    parked: str
     sign: str
+    ways: list[Vector]
+    turns: bool
     unit: str
-    expected: Expectation
+    expected: list[ExpectedNumber]
+    names: list[str]
 
     @classmethod
     def of(cls, campaign: Campaign, asked: Asked) -> Question:
-        """Return the words for what is asked."""
+        """Return what is asked."""
         setup, readings = campaign.description.setup(asked.place.setup), campaign.state.readings
+        places, touch, unit = axis_places(campaign, asked), touch_text(campaign, asked), reading_unit(setup)
+        known = expectation(campaign.estimate(), asked.place)
+        means, halves = to_unit(known.mean, unit).tolist(), to_unit(BAND * known.std, unit).tolist()
         return cls(
             number=asked.reading,
-            setup=setup,
+            setup=setup.name,
+            instrument=setup.instrument,
             mount=not readings or readings[-1].setup != setup.name,
-            go=go_text(campaign, asked),
-            coming=coming_text(campaign, asked),
-            touch=touch_text(campaign, asked),
+            mount_sentence=mount_sentence(setup, places),
+            mounting=[MountingStep(name=name, what=what) for name, what in mount_steps(setup, places, touch)],
+            places=places,
+            touch=touch,
             again=again_text(campaign, asked),
-            parked=parked_text(campaign, asked),
             sign=sign_text(setup),
-            unit=reading_unit(setup),
-            expected=expectation(campaign.estimate(), asked.place),
+            ways=list(ways(setup)),
+            turns=INSTRUMENTS[setup.instrument].reads == "angle",
+            unit=unit,
+            expected=[ExpectedNumber(mean=mean, half=half) for mean, half in zip(means, halves, strict=True)],
+            names=list(value_names(setup)),
         )
 
+    def surprise(self, values: Array) -> float:
+        """Return by how many standard deviations the most surprising of the numbers is away.  values : (k,) m or rad"""
+        pairs = zip(to_unit(values, self.unit).tolist(), self.expected, strict=True)
+        return float(max(BAND * abs(value - each.mean) / each.half for value, each in pairs))
 
-def go_text(campaign: Campaign, asked: Asked) -> str:
+
+def go_text(places: Sequence[AxisPlace]) -> str:
     """Return where the axes go that move: "X = 120 mm"."""
-    return _coordinates_text(campaign, asked, moves=True)
+    return _coordinates_text(places, moves=True)
 
 
-def parked_text(campaign: Campaign, asked: Asked) -> str:
+def parked_text(places: Sequence[AxisPlace]) -> str:
     """Return where the other axes stand."""
-    return _coordinates_text(campaign, asked, moves=False)
+    return _coordinates_text(places, moves=False)
 
 
-def _coordinates_text(campaign: Campaign, asked: Asked, *, moves: bool) -> str:
+def _coordinates_text(places: Sequence[AxisPlace], *, moves: bool) -> str:
     """Return coordinates in the order of the control's display, as many digits as it shows."""
-    chosen = [place for place in axis_places(campaign, asked) if place.moves is moves]
-    return ", ".join(f"{place.axis} = {place.shown} {place.unit}" for place in chosen)
+    return ", ".join(f"{place.axis} = {place.shown} {place.unit}" for place in places if place.moves is moves)
 
 
-def coming_text(campaign: Campaign, asked: Asked) -> str:
+def coming_text(places: Sequence[AxisPlace]) -> str:
     """Return from which sides to come: "X from below"; empty where none matters."""
     below, above = said("from below"), said("from above")
-    sided = [place for place in axis_places(campaign, asked) if place.side]
-    return ", ".join(f"{place.axis} {below if place.side == '+' else above}" for place in sided)
+    return ", ".join(f"{place.axis} {below if place.side == '+' else above}" for place in places if place.side)
 
 
 def touch_text(campaign: Campaign, asked: Asked) -> str:
@@ -119,31 +171,7 @@ def asked_text(campaign: Campaign, asked: Asked) -> str:
     return said('reading {number} in "{setup}" at {place}', number=asked.reading, setup=setup.name, place=where)
 
 
-_DIGITS = 4
-"""Behind the point: one more than controls show; a reading there differs by less than its noise."""
-
-
-class AxisPlace(AnswerDocument):
-    """axis : its name; value : in its unit, mm or deg; moves : whether the set-up moves it
-
-    changed : whether it stood elsewhere at the reading before, or there was none
-    side : "+" where it comes from below, "-" from above, "" where that does not matter
-    """
-
-    axis: str
-    value: float
-    unit: str
-    moves: bool
-    changed: bool
-    side: Literal["+", "-", ""]
-
-    @property
-    def shown(self) -> str:
-        """The coordinate to a tenth of a micrometre, or of a thousandth of a degree, without zeros behind."""
-        return f"{round(self.value, _DIGITS) + 0.0:.{_DIGITS}f}".rstrip("0").rstrip(".")
-
-
-def axis_places(campaign: Campaign, asked: Asked) -> tuple[AxisPlace, ...]:
+def axis_places(campaign: Campaign, asked: Asked) -> list[AxisPlace]:
     """Return where the axes are to stand, linear axes first, by their letters, as a control shows them."""
     setup, readings = campaign.description.setup(asked.place.setup), campaign.state.readings
     before = readings[-1].pose if readings else None
@@ -158,7 +186,7 @@ def axis_places(campaign: Campaign, asked: Asked) -> tuple[AxisPlace, ...]:
         )
         for k, axis in enumerate(campaign.description.machine.axes)
     )
-    return tuple(sorted(found, key=lambda place: (place.unit != "mm", place.axis)))
+    return sorted(found, key=lambda place: (place.unit != "mm", place.axis))
 
 
 def sign_text(setup: Setup) -> str:
@@ -213,10 +241,6 @@ class Expectation:
     mean: Array
     std: Array
 
-    def surprise(self, values: Array) -> float:
-        """Return by how many standard deviations the most surprising of the numbers is away.  values : (k,)"""
-        return float(np.max(np.abs(values - self.mean) / self.std))
-
 
 def expectation(known: Estimation, place: Place) -> Expectation:
     """Return what the readings so far say of the next one: ŷ = h·m and s² = h C hᵀ + rests + σ² (method.md 2)."""
@@ -225,9 +249,9 @@ def expectation(known: Estimation, place: Place) -> Expectation:
     return Expectation(-np.atleast_1d(found.value), np.atleast_1d(found.std))
 
 
-def mount_sentence(question: Question) -> str:
+def mount_sentence(setup: Setup, places: Sequence[AxisPlace]) -> str:
     """Return what to mount and what it will read."""
-    setup, reads = question.setup, reads_text(question.setup)
+    reads, moving = reads_text(setup), [place.axis for place in places if place.moves]
     if setup.artefact is not None:
         with_artefact = "set up {artefact}, and mount the instrument ({instrument}); it reads {reads}"
         mounted = said(with_artefact, artefact=setup.artefact.standing, instrument=said(setup.instrument), reads=reads)
@@ -235,18 +259,16 @@ def mount_sentence(question: Question) -> str:
         mounted = said(
             "mount the instrument ({instrument}); it reads {reads}", instrument=said(setup.instrument), reads=reads
         )
-    if question.go.count("=") == 1:
-        return said("{mounted}, while {axis} moves", mounted=mounted, axis=question.go.split(" = ")[0])
-    return mounted
+    return said("{mounted}, while {axis} moves", mounted=mounted, axis=moving[0]) if len(moving) == 1 else mounted
 
 
-def mount_steps(question: Question) -> tuple[tuple[str, str], ...]:
+def mount_steps(setup: Setup, places: Sequence[AxisPlace], touch: str) -> tuple[tuple[str, str], ...]:
     """Return the steps, each as a short name and what to do."""
-    zeroed = any(unknown.name.startswith("zero") for unknown in question.setup.unknowns)
+    zeroed = any(unknown.name.startswith("zero") for unknown in setup.unknowns)
     steps = (
-        (said("park"), question.parked),
-        (said("go to"), question.go),
-        (said("at"), question.touch),
+        (said("park"), parked_text(places)),
+        (said("go to"), go_text(places)),
+        (said("at"), touch),
         (said("then"), said("set its display to zero there; the zero need not be exact") if zeroed else ""),
     )
     return tuple(step for step in steps if step[1])
