@@ -11,7 +11,7 @@ import pytest
 
 from axiscal.cli import stages
 from axiscal.cli.stages import StageLine, stage_text
-from axiscal.numerics.stages import Stage, counted, listening, stage
+from axiscal.numerics.stages import Stage, listening, stage, staged
 
 
 class Terminal(io.StringIO):
@@ -50,7 +50,7 @@ def test_on_a_terminal_one_line_changes_and_goes_when_the_work_is_done(monkeypat
     monkeypatch.setattr("sys.stderr", err)
     shown = StageLine()
     with listening(shown):
-        for _ in counted("readings", "abcdefghijklmnopqrst", 20):
+        for _ in staged("readings", "abcdefghijklmnopqrst", 20):
             shown.show(shown._start + 4.0)
     said = [line for line in err.getvalue().split("\r") if line.strip()]
     assert said[0] == "readings, 0 of 20, 4 s so far"

@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Callable
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 
@@ -16,7 +17,7 @@ from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import RecordError
 from axiscal.ports.fleet import shop_list as listing
-from axiscal.ports.fleet.shop_list import brought, shop_list, target_words
+from axiscal.ports.fleet.shop_list import _found, brought, shop_list, target_words
 from tests.generators.sisters import read_on, shop, slide, write_record
 
 
@@ -42,9 +43,11 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_each_record_is_listed_with_what_it_comes_to(folder: Path) -> None:
-    told = list[str]()
-    found = shop_list(folder, told.append)
-    assert [said for said in told if "estimating" in said] == ["estimating A.axiscal", "estimating B.axiscal"]
+    with patch("axiscal.ports.fleet.shop_list._found", wraps=_found) as estimated:
+        found = shop_list(folder)
+        assert [call.args[0].name for call in estimated.mock_calls] == ["A.axiscal", "B.axiscal"]
+        assert shop_list(folder) == found
+        assert estimated.call_count == 2
     for each in found.listed:
         with Campaign.open(each.file, write=False) as campaign:
             known = concluded(case_of(campaign.description), campaign.state.readings)
@@ -53,9 +56,6 @@ def test_each_record_is_listed_with_what_it_comes_to(folder: Path) -> None:
         assert (each.known.rms, each.known.expanded) == (known.accuracy.rms, expanded_uncertainty(known).space)
         assert each.known.agreement == "agree"
         assert (each.known.target, each.known.readings) == ("RMS 2 um", 16)
-    told.clear()
-    assert shop_list(folder, told.append) == found
-    assert told == []
 
 
 @pytest.mark.parametrize("change", [lambda text: text.replace('"readings": 16', '"readings": 17'), lambda _: "{}"])

@@ -175,7 +175,6 @@ def five_axis_summary(readings: int = 60) -> Summary:
         iso230=[block],
         agreement=ReadingAgreement(60, 59, 1.03, 0.4, words="59 of 60 readings agree with the others"),
         versions={"axiscal": "0.1.0", "numpy": "2.2.0"},
-        files=["readings.csv"],
     )
 
 

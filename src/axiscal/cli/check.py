@@ -10,7 +10,7 @@ import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
-from axiscal.cli.printing import say_either, tell_progress
+from axiscal.cli.printing import say_either
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document.durable import write_whole
 from axiscal.measurement.readers.files import read_any
@@ -76,7 +76,7 @@ def _usual(begun: datetime) -> float:
 
 
 def _planned(asked: QuickCheck, readings: int, plan: Path | None, as_json: bool) -> None:
-    places = asked.planned(readings, lambda said: tell_progress(f"{said} ..."))
+    places = asked.planned(readings)
     sheet = asked.sheet(places)
     if plan is not None:
         write_whole(plan, sheet.encode())

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import Json, Records, positive_length
-from axiscal.cli.printing import say_either, tell
+from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text, micrometres
 from axiscal.document.durable import write_whole
 from axiscal.estimation.type_prior import type_prior
@@ -61,7 +61,7 @@ def due(
     """
     rms, worst = (None if each is None else positive_length(each) for each in (target, tolerance))
     taught = None if of_type is None else type_prior(carried_text(of_type))
-    found = due_dates(records_of(folder), _day(today), Wanted(rms, worst, tables, taught, again), tell)
+    found = due_dates(records_of(folder), _day(today), Wanted(rms, worst, tables, taught, again))
     if calendar_file is not None:
         write_whole(calendar_file, calendar(found.machines, datetime.now(UTC)).encode())
     written = [] if calendar_file is None else [f"Written: {calendar_file}"]

@@ -13,7 +13,6 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.placed_log import placed_log
-from axiscal.cli.printing import tell
 from axiscal.cli.progress import tell_unasked
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
@@ -57,7 +56,7 @@ def estimate(
       axiscal data estimate campaign.toml --log axiscal_3F2A9C01.txt --programs programs --out results
     """
 
-    description = campaign_with_sisters(campaign, target_needed=False, asking=False, told=tell)
+    description = campaign_with_sisters(campaign, target_needed=False, asking=False)
     if readings is None and log is None:
         raise typer.BadParameter("give READINGS.csv or --log FILE")
     placed, extras = tuple[Reading, ...](), Extras()

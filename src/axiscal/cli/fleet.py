@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import Json, Records, positive_length
-from axiscal.cli.printing import say_either, tell, tell_progress
+from axiscal.cli.printing import say_either, tell
 from axiscal.cli.texts import count_text, micrometres
 from axiscal.document.durable import write_whole
 from axiscal.ports.fleet.due_dates import Wanted, due_dates
@@ -49,7 +49,7 @@ def fleet(
       axiscal fleet store:
     """
     wanted = None if target is None else positive_length(target)
-    found = shop_list(folder, lambda said: tell_progress(f"{said} ..."))
+    found = shop_list(folder)
     if found.why_apart:
         tell(f"Nothing is kept for the next time: {found.why_apart}.")
     if page is not None:
@@ -60,7 +60,7 @@ def fleet(
 
 def _draw(folder: Path, page: Path, target: float | None) -> None:
     now = datetime.now(UTC)
-    shop = due_dates(records_of(folder), now.date(), Wanted(target), lambda said: tell_progress(f"drawing {said}"))
+    shop = due_dates(records_of(folder), now.date(), Wanted(target))
     write_whole(page, render(shop, histories(shop, now)).encode())
 
 

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import CampaignFile, Json
-from axiscal.cli.printing import say, say_document, tell, tell_progress
+from axiscal.cli.printing import say, say_document
 from axiscal.cli.progress import tell_mind
 from axiscal.description.campaign import CampaignDescription, as_exact
 from axiscal.description.hardly_reached import hardly_reached, unused_artefacts
@@ -103,7 +103,7 @@ def plan(
         raise PlanError("--picture draws an SVG file, and {name} is none", remedy, name=picture.name)
     if gcode is not None:
         dialect(gcode)
-    described = campaign_with_sisters(campaign, target_needed=False, told=tell)
+    described = campaign_with_sisters(campaign, target_needed=False)
     for sentence in (unused_artefacts(described), hardly_reached(described)):
         if sentence is not None:
             tell_mind(sentence)
@@ -117,9 +117,9 @@ def plan(
     if (unread := reached_unread(case, limits)) is not None:
         tell_mind(unread)
         limits = few_more(limits)
-    proposal = proposed(case, limits, how, lambda step: tell_progress(f"{step} ..."))
+    proposal = proposed(case, limits, how)
     if prove:
-        proposal = proven(case, proposal, how, _share(case, gap), lambda step: tell_progress(f"{step} ..."))
+        proposal = proven(case, proposal, how, _share(case, gap))
     if picture is not None:
         title = f"Where {case.description.machine.name} is read"
         write_whole(picture, plan_picture(title, case.description, placed(case, proposal.plan)).encode())

@@ -42,7 +42,7 @@ def report(
 
     target = record.with_suffix(".html") if out is None else _page(out)
     with Campaign.open(record, write=False) as campaign:
-        summary = summarise(campaign, campaign.estimate(ended=True), Extras(files=[str(record)]))
+        summary = summarise(campaign, campaign.estimate(ended=True), Extras())
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target, language)
     if summary.record is not None and key_file().exists():

@@ -13,7 +13,6 @@ from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, because_text
 from axiscal.campaign.sources import Source, open_source
 from axiscal.cli.arguments import CampaignFile, Details, Json, Out
 from axiscal.cli.outputs import write_outputs
-from axiscal.cli.printing import tell
 from axiscal.cli.progress import shown_progress, tell_out_of_reach
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.exceptions import AxiscalError, InputError, RecordError, TargetError
@@ -67,7 +66,7 @@ def run_loop(
             stack.callback(readings.close)
             if opened is None:  # a source that cannot be opened has left nothing behind
                 out.mkdir(parents=True, exist_ok=True)
-                opened = stack.enter_context(Campaign.create(out / RECORD, with_sisters(description, tell)))
+                opened = stack.enter_context(Campaign.create(out / RECORD, with_sisters(description)))
             tell_out_of_reach(opened)
             _loop(opened, readings, again)
         write_outputs(opened, out, as_json=json, details=details)

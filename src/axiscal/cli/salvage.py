@@ -10,7 +10,7 @@ import typer
 from axiscal.campaign.possible import beginning_of
 from axiscal.campaign.salvaging import Salvaged, salvaged
 from axiscal.cli.arguments import Json, RecordFile
-from axiscal.cli.printing import say_either, tell
+from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.record.line_form import EventText
@@ -47,7 +47,7 @@ def _first(file: Path) -> EventText:
     if file.suffix != ".toml":
         with Record.open(file, write=False) as record:
             return record.texts()[0].row
-    return rows_of([beginning_of(campaign_with_sisters(file, told=tell))])[0]
+    return rows_of([beginning_of(campaign_with_sisters(file))])[0]
 
 
 def _lines(record: Path, new: Path, found: Salvaged) -> list[str]:

@@ -11,7 +11,7 @@ import typer
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json
-from axiscal.cli.printing import say_either, tell
+from axiscal.cli.printing import say_either
 from axiscal.cli.progress import tell_out_of_reach, tell_unasked
 from axiscal.description.campaign import CampaignDescription
 from axiscal.language.spoken import counted, said, speaking
@@ -36,7 +36,7 @@ def start(
       axiscal step start campaign.toml mill.axiscal
     """
 
-    description = campaign_with_sisters(campaign, told=tell)
+    description = campaign_with_sisters(campaign)
     path = record or Path(f"{campaign.stem}.axiscal")
     with _begun(path, description) as opened:
         tell_out_of_reach(opened)

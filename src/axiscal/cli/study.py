@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import math
-import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
 from typing import Annotated
@@ -15,7 +12,7 @@ import typer
 
 from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Json
-from axiscal.cli.printing import say_either, tell, tell_progress
+from axiscal.cli.printing import say_either, tell
 from axiscal.cli.texts import count_text
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import AxiscalError, InputError, StudyError
@@ -25,13 +22,11 @@ from axiscal.ports.study.cluster import Certificates, Cluster
 from axiscal.ports.study.comparing import MeasuringWay, verdicts, ways_of
 from axiscal.ports.study.outcome import outcome
 from axiscal.ports.study.processes import Processes
-from axiscal.ports.study.results import Ran, Results, Watch, rows_of, run_missing, write_table
+from axiscal.ports.study.results import Ran, Results, rows_of, run_missing, write_table
 from axiscal.ports.study.study_case import FIGURES, Done, Engine, WorkItem, answered, here, processors_here
 from axiscal.ports.study.study_file import Study, read_study
 from axiscal.ports.study.study_page import render
 
-_TOLD = 20
-"""Lines about the progress where nobody watches a screen; a matter of taste."""
 _TRIED = 2
 """Cases that --dry-run computes."""
 
@@ -100,7 +95,7 @@ def _engine(described: Study, workers: int | None, scheduler: str | None, files:
 def _run(described: Study, results: Results, engine: Engine, again: str) -> Ran:
     questions = (WorkItem(case.key, case) for case in described.cases())
     try:
-        with _progress() as watch:
+        with counting("cases") as watch:
             return run_missing(results, questions, described.count, outcome, engine, watch)
     except InputError as failure:
         kept = put("{remedy}. {kept}", remedy=failure.remedy, kept=_kept(results, described, again))
@@ -178,21 +173,3 @@ def _foretell(described: Study, workers: int, json: bool) -> None:
 
 _HOUR = 1.0
 """Processor hours, below which minutes are said."""
-
-
-@contextmanager
-def _progress() -> Iterator[Watch]:
-    """Yield what is to be told of every case: a stage that counts on a screen, else a line now and then."""
-    if sys.stderr.isatty():
-        with counting("cases") as watch:
-            yield watch
-        return
-    begun, told = time.monotonic(), [0]
-
-    def watch_lines(done: int, of: int) -> None:
-        if done and (done == of or done >= told[0] + max(1, of // _TOLD)):
-            told[0] = done
-            left = (time.monotonic() - begun) * (of - done) / done
-            tell_progress(f"{done} of {count_text(of, 'case')}" + (f", about {left:.0f} s left" if done < of else ""))
-
-    yield watch_lines

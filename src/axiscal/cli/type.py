@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from axiscal.cli.arguments import CampaignFile, Json
-from axiscal.cli.printing import say_either, tell, tell_progress
+from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
 from axiscal.description.campaign import read_campaign
 from axiscal.document.durable import write_whole
@@ -72,7 +72,7 @@ def learn(
     if not 0 < doubt < 1:
         raise typer.BadParameter("a doubt lies between 0 and 1", param_hint="--doubt")
     of = None if machine is None else load_machine(machine)
-    prior = learnt_type(_files(records), of, directions, doubt, tell, named)
+    prior = learnt_type(_files(records), of, directions, doubt, named)
     written = []
     for file, text in ((out, prior.text()), (page, type_page.render(prior) if page else "")):
         if file is not None:
@@ -106,10 +106,10 @@ def explain(
     if len(source) == 1 and source[0].suffix == ".json":
         prior = type_prior(carried_text(source[0]))
     else:
-        prior = learnt_type(_files(source), None if described is None else described.machine, told=tell)
+        prior = learnt_type(_files(source), None if described is None else described.machine)
     saved = []
     if described is not None:
-        saved = [saving_words(saving(described, prior.text(), lambda said: tell_progress(f"{said} ...")))]
+        saved = [saving_words(saving(described, prior.text()))]
     if page is not None:
         write_whole(page, type_page.render(prior, saved).encode())
     _show(prior, saved, [] if page is None else [page], json)
@@ -203,6 +203,6 @@ def rehearse(
     if not 0 < size <= _LARGEST:
         raise typer.BadParameter(f"a size lies above 0 and is at most {_LARGEST:g}", param_hint="--size")
     described = read_campaign(campaign)
-    files = rehearsed(described, Imagined(size, common), machines, out, seed, lambda said: tell_progress(f"{said} ..."))
+    files = rehearsed(described, Imagined(size, common), machines, out, seed)
     words = f"{count_text(len(files), 'record')} in {out}. Learn from them: axiscal type learn {out}"
     say_either(json, "axiscal-type-rehearsed/1", {"records": [str(file) for file in files]}, [words])

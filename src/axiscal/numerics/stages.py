@@ -62,7 +62,7 @@ def stage(name: str, number: int = 0, of: int = 0) -> Iterator[None]:
         listener.ended()
 
 
-def counted(name: str, things: Iterable[Thing], of: int) -> Iterator[Thing]:
+def staged(name: str, things: Iterable[Thing], of: int) -> Iterator[Thing]:
     """Yield things, and say of how many each is which."""
     listener = _LISTENER.get()
     with stage(name, 0, of):

@@ -34,7 +34,7 @@ from axiscal.planning.enough import AT_ONCE, enough, roughly
 from axiscal.planning.other_readings import EVERY, plane_start, planned_with_markers, with_both_sides, without_markers
 from axiscal.planning.overrun import with_rooms
 from axiscal.planning.plan.order import in_order, seconds_along
-from axiscal.planning.plan.plan import Plan, Progress, make_plan
+from axiscal.planning.plan.plan import Plan, make_plan
 from axiscal.planning.plan.renewal import renewed
 from axiscal.planning.plan.task import PATIENCE, Limits, Task
 from axiscal.record.events import Asked, Gap
@@ -55,7 +55,6 @@ def planned_places(
     readings: Sequence[Reading] = (),
     gaps: Sequence[Gap] = (),
     left: Sequence[Place] = (),
-    progress: Progress = lambda _: None,
 ) -> tuple[Place, ...]:
     """Return the readings to come, chosen together, in the order of a short way.  Raises PlanError.
 
@@ -66,7 +65,7 @@ def planned_places(
         return begin
 
     def planned(within: Limits) -> tuple[Place, ...]:
-        coming = _chosen(case, task, within, [place for place in left if not in_gap(case, place, gaps)], gaps, progress)
+        coming = _chosen(case, task, within, [place for place in left if not in_gap(case, place, gaps)], gaps)
         places = with_both_sides(case, readings, with_rooms(case, coming))
         return tuple(place for place in places if not in_gap(case, place, gaps))
 
@@ -83,9 +82,7 @@ def first_places(
     return tuple(place for place in with_rooms(case, start) if not in_gap(case, place, gaps))
 
 
-def _chosen(
-    case: Case, task: Task, limits: Limits, left: Sequence[Place], gaps: Sequence[Gap], progress: Progress
-) -> Places:
+def _chosen(case: Case, task: Task, limits: Limits, left: Sequence[Place], gaps: Sequence[Gap]) -> Places:
     """Return the readings of a plan that goes on with those that are left, or of a new one."""
     shake, coming = case.description.usual, columns_of(case, left)
     long = task.observation.size > _SMALL
@@ -96,7 +93,7 @@ def _chosen(
         return coming
     # off the lattice a way might lead into a gap
     patience = 0.0 if gaps or (long and len(left)) else PATIENCE
-    return make_plan(task, limits, patience=patience, bounded=False, shake=shake, progress=progress).places
+    return make_plan(task, limits, patience=patience, bounded=False, shake=shake).places
 
 
 def placed(case: Case, plan: Plan) -> tuple[Place, ...]:

@@ -14,7 +14,7 @@ from axiscal.planning.bound.prove import prove, refuse_setup
 from axiscal.planning.enough import enough
 from axiscal.planning.gains.candidate_rows import MEMORY
 from axiscal.planning.next_readings import CANDIDATES, columns_of, first_places, planned_places, posed
-from axiscal.planning.plan.plan import Plan, Progress, judged
+from axiscal.planning.plan.plan import Plan, judged
 from axiscal.planning.plan.task import Limits, Task
 
 
@@ -39,7 +39,6 @@ def proposed(
     case: Case,
     limits: Limits,
     how: Thoroughness = Thoroughness(),
-    progress: Progress = lambda _: None,
     bounded: bool = True,
 ) -> Proposal:
     """Return a plan from the beginning, with its bound.  Raises PlanError.
@@ -49,13 +48,13 @@ def proposed(
     """
     task = replace(posed(case, case.knowledge, candidates=how.candidates), memory=how.memory)
     limits = enough(case, task, limits)
-    places = planned_places(case, task, limits, progress=progress)
+    places = planned_places(case, task, limits)
     if first_places(case, task, limits):
-        places += _after(case, task, limits, places, progress)
-    return Proposal(judged(task, limits, columns_of(case, places), bounded, progress))
+        places += _after(case, task, limits, places)
+    return Proposal(judged(task, limits, columns_of(case, places), bounded))
 
 
-def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...], progress: Progress) -> tuple[Place, ...]:
+def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...]) -> tuple[Place, ...]:
     """Return the readings that follow on the first ones, whatever these show."""
     readings = blank_readings(case.description.setups, first)
     count = None if limits.readings is None else limits.readings - len(first)
@@ -63,7 +62,7 @@ def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...], pro
     left = replace(limits, readings=count, budget=None if limits.budget is None else max(limits.budget - spent, 0.0))
     then = posed(case, case.knowledge.read(readings), readings=readings, candidates=len(task.lattice))
     try:
-        return planned_places(case, replace(then, memory=task.memory), left, readings, progress=progress)
+        return planned_places(case, replace(then, memory=task.memory), left, readings)
     except PlanError:  # there is no time for another
         return ()
 
@@ -75,11 +74,11 @@ def refuse_unless_provable(case: Case) -> None:
 
 
 @one_thread()
-def proven(case: Case, proposal: Proposal, how: Thoroughness, gap: float, progress: Progress) -> Proposal:
+def proven(case: Case, proposal: Proposal, how: Thoroughness, gap: float) -> Proposal:
     """Return a plan with a bound for as many readings of any of the set-ups, wherever they are taken.
 
     gap : share of J at which to stop.  Raises PlanError.
     """
     task = posed(case, case.knowledge, candidates=how.candidates)
-    proof = prove(task.state, task.lattice, proposal.plan.places, gap, progress)
+    proof = prove(task.state, task.lattice, proposal.plan.places, gap)
     return Proposal(replace(proposal.plan, bound=proof.bound), proof.gap)

@@ -84,7 +84,6 @@ class Extras:
     tables: Sequence[TableOffer] = ()
     truth: VirtualMachine | None = None
     iso230: Sequence[Iso230] = ()
-    files: Sequence[str] = ()
     warnings: Sequence[Finding] = ()
     anyway: bool = False
     checked: TablesChecked | None = None
@@ -140,7 +139,6 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         target_reached=reaches(target, estimation),
         iso230=extras.iso230 or iso230_blocks(description, campaign.state.readings, estimation.left_out),
         versions=versions(),
-        files=extras.files,
         record=record_state(campaign),
         agreement=agreement_of(estimation),
         volume=volume_error(estimation, *left_by) if campaign.state.readings else None,

@@ -263,7 +263,6 @@ class Summary:
     target_reached: bool | None = None
     iso230: Sequence[Iso230] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
-    files: Sequence[str] = ()
     record: RecordState | None = None
     agreement: ReadingAgreement = NOTHING_READ
     volume: VolumeError | None = None

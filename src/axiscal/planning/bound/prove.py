@@ -18,7 +18,7 @@ axis plus one of the next (B&H eq. 28-30). Poses all over the travels test wheth
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -44,6 +44,7 @@ from axiscal.numerics.bernstein import (
 )
 from axiscal.numerics.chebyshev import nodes
 from axiscal.numerics.spread import even_points
+from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.certificate import Dual
 from axiscal.planning.bound.chart_boxes import Largest, apart, largest_on_chart, refuse_unless_boxed
@@ -75,12 +76,12 @@ class Proof:
 
 
 @one_thread()
+@stage("the proof")
 def prove(
     state: Covariance,
     lattice: Places,
     places: Places,
     gap: float = GAP,
-    progress: Callable[[str], None] = lambda _: None,
 ) -> Proof:
     """Return the bound for as many readings as a plan has of all set-ups of a lattice, wherever they are taken.
 
@@ -96,7 +97,7 @@ def prove(
     best, closed, reached, numbers = 0.0, 0.0, np.inf, most_numbers(state, setups, count)
     open_ones: list[float] = []
     lattice = _begun(state, lattice, places)
-    for number in range(1, _ROUNDS + 1):
+    for _ in range(_ROUNDS):
         relaxation = _everywhere(state, lattice, count)
         dual = relaxation.solved()
         level = float(relaxation.slopes(dual) @ relaxation.weights) / count
@@ -108,7 +109,6 @@ def prove(
         best = max(best, dual.floor(spent, numbers))
         closed, reached = max(closed, dual.whole - spent), min(reached, dual.value)
         left = reached / closed - 1 if closed > 0 else np.inf
-        progress(f"the proof, round {number}: {100 * left:.2g} % open" if closed > 0 else f"the proof, round {number}")
         steeper = Places.joined([each.places for each in found])
         open_ones.append(left)
         if left <= gap or not len(steeper) or _stalled(open_ones):

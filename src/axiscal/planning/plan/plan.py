@@ -10,7 +10,6 @@ rest.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +18,7 @@ from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import PlanError
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
+from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.bound.lower_bound import Bound, lower_bound
@@ -30,8 +30,6 @@ from axiscal.planning.plan.exchange import exchange, fitted, polish
 from axiscal.planning.plan.greedy import Setups, Trial, affordable, chosen_setups, filled
 from axiscal.planning.plan.order import arriving, in_order, seconds_each
 from axiscal.planning.plan.task import PATIENCE, Clock, Limits, Patience, Task, clock
-
-Progress = Callable[[str], None]
 
 _RANDOM = 0.05
 """Share of the patience that random starts may take besides."""
@@ -95,26 +93,24 @@ def make_plan(
     patience: float = PATIENCE,
     bounded: bool = True,
     shake: bool = False,
-    progress: Progress = lambda _: None,
 ) -> Plan:
     """Return a plan that ends at the first limit it reaches. Raises PlanError.
 
     patience : operations that climbing off the lattice may take; the same plan on any machine, and under any load
     bounded : whether the lower bound is wanted; shake : whether places are shaken off their regular distances
-    progress : is given what is being done, in words
     """
     _refuse(task, limits)
     times = clock(task)
-    progress("which set-ups")
-    setups = chosen_setups(task, limits)
+    with stage("which set-ups"):
+        setups = chosen_setups(task, limits)
     pool = Pool(task.observation, task.lattice.within(np.isin(task.lattice.setups, setups)), task.memory)
-    progress("readings chosen together")
-    trial = _together(task, limits, times, pool, setups, _RANDOM * patience)
-    progress("off the lattice")
-    polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
+    with stage("readings chosen together"):
+        trial = _together(task, limits, times, pool, setups, _RANDOM * patience)
+    with stage("off the lattice"):
+        polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
     places = fitted(task, limits, times, trial).scores.places
     order = in_order(task, shaken(task, places) if shake else places)
-    return judged(task, limits, replace(order, approaches=arriving(task, order)), bounded, progress)
+    return judged(task, limits, replace(order, approaches=arriving(task, order)), bounded)
 
 
 def _refuse(task: Task, limits: Limits) -> None:
@@ -149,9 +145,7 @@ def _together(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setu
     return trials[first_best(-np.array([trial.scores.state.value for trial in trials]), ALIKE)]
 
 
-def judged(
-    task: Task, limits: Limits, places: Places, bounded: bool = True, progress: Progress = lambda _: None
-) -> Plan:
+def judged(task: Task, limits: Limits, places: Places, bounded: bool = True) -> Plan:
     """Return the plan of readings in their order: what each leaves, and what no plan could beat.
 
     bounded : whether the lower bound is wanted
@@ -165,8 +159,8 @@ def judged(
     value, accuracy = (readings[-1].value, readings[-1].accuracy) if readings else (state.value, before)
     bound = None
     if bounded:
-        progress("the bound")
-        bound = _bound(task, limits, Pool(task.observation, lattice, task.memory), places)
+        with stage("the bound"):
+            bound = _bound(task, limits, Pool(task.observation, lattice, task.memory), places)
     return Plan(places, readings, value, before, limits.met(accuracy), bound, len(lattice), among)
 
 

@@ -27,6 +27,7 @@ from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import SisterRecord, TypePrior
 from axiscal.exceptions import AxiscalError, InputError, PlanError, RecordError, TableError, TargetError
 from axiscal.language.spoken import listed, put
+from axiscal.numerics.stages import staged
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
@@ -45,7 +46,6 @@ _DAY = 86400.0 / YEAR
 """Years; dates are days."""
 _CHANCE = 0.05
 """How probable it may be that the worst place is beyond the tolerance."""
-Told = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -117,10 +117,9 @@ def titles(machines: Sequence[DueMachine]) -> list[str]:
 
 
 @one_thread()
-def due_dates(files: Iterable[Path], today: date, wanted: Wanted = Wanted(), told: Told = lambda said: None) -> Shop:
+def due_dates(files: Iterable[Path], today: date, wanted: Wanted = Wanted()) -> Shop:
     """Return when the machines of records are due.
 
-    told : called with what is being done
     Raises RecordError where no record can be read, TargetError where no campaign has a target of RMS or U and no
     tolerance is stated, or no tables can be made.
     """
@@ -128,8 +127,7 @@ def due_dates(files: Iterable[Path], today: date, wanted: Wanted = Wanted(), tol
     records = [record for record in found if not record.description.compensation_active]
     left += [_with_tables(record) for record in found if record.description.compensation_active]
     known = dict[str, Estimation]()
-    for record in records:
-        told(f"{record.file.name} ...")
+    for record in staged("records", records, len(records)):
         try:
             known[record.digest] = concluded(case_of(record.description), record.readings)
         except AxiscalError as fault:
@@ -143,7 +141,7 @@ def due_dates(files: Iterable[Path], today: date, wanted: Wanted = Wanted(), tol
     machines, faults = list[DueMachine](), list[InputError]()
     for last in (history[-1] for history in histories):
         try:
-            machines.append(_due(last, known[last.digest], learnt, today, wanted, told))
+            machines.append(_due(last, known[last.digest], learnt, today, wanted))
         except (TargetError, TableError) as fault:
             faults.append(fault)
             why = put("{what}; {remedy}", what=fault.what, remedy=fault.remedy)
@@ -207,9 +205,7 @@ def moment(text: str) -> datetime:
     return at if at.tzinfo else at.replace(tzinfo=UTC)
 
 
-def _due(
-    record: MachineRecord, known: Estimation, learnt: Aging, today: date, wanted: Wanted, told: Told
-) -> DueMachine:
+def _due(record: MachineRecord, known: Estimation, learnt: Aging, today: date, wanted: Wanted) -> DueMachine:
     own, tolerance = _own_target(known), wanted.tolerance
     target = own if wanted.target is None else wanted.target
     if target is None and tolerance is None:
@@ -237,9 +233,8 @@ def _due(
     )
     if not wanted.again:
         return found
-    told(f"{record.file.name}: measuring it again ...")
     try:
-        return replace(found, again=recalibration(known, machine.prior(max(since, days or 0) * _DAY), own, told))
+        return replace(found, again=recalibration(known, machine.prior(max(since, days or 0) * _DAY), own))
     except PlanError as fault:
         return replace(found, why_not=fault.what)
 
@@ -322,9 +317,7 @@ def case_again(described: CampaignDescription, prior: Inherited) -> Case:
     return Case(plain, prior)
 
 
-def recalibration(
-    known: Estimation, prior: Inherited, rms: float | None, told: Callable[[str], None] = lambda said: None
-) -> Plan:
+def recalibration(known: Estimation, prior: Inherited, rms: float | None) -> Plan:
     """Return the plan by which a machine is measured again: until the targets of its last campaign.
 
     prior : what is known of it by then; rms : that campaign's target of an RMS or U, as an RMS, m
@@ -334,4 +327,4 @@ def recalibration(
     limits = Limits(target.readings, rms, target.worst, target.budget)
     if limits.met(case.yardstick.measure(case.knowledge.belief)):
         raise PlanError("what is known of it meets the target of its last campaign", "Ask for less in a campaign")
-    return proposed(case, limits, progress=told, bounded=False).plan
+    return proposed(case, limits, bounded=False).plan

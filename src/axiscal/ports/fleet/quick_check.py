@@ -17,7 +17,7 @@ the crashes becomes least; χ² of twelve readings is 12. A crash that stands ou
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -115,9 +115,9 @@ class QuickCheck:
         control = None if controller is None else control_of(known, controller)
         return cls(again(known), found_by(known), kept, control, Wearing.of(known))
 
-    def planned(self, count: int, told: Callable[[str], None] = lambda said: None) -> tuple[Place, ...]:
+    def planned(self, count: int) -> tuple[Place, ...]:
         """Return the places that say most, moved until crashes show; raises PlanError."""
-        plan = proposed(self.case, Limits(count), progress=told, bounded=False).plan
+        plan = proposed(self.case, Limits(count), bounded=False).plan
         return with_rooms(self.case, showing_crashes(self.case, plan.places))
 
     def sheet(self, places: Sequence[Place]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
+from axiscal.numerics.stages import staged
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
@@ -60,14 +61,12 @@ class VirtualType:
         return simulator.with_coefficients(errors, self._seed * 1000 + number), errors
 
 
-def planned_places(
-    described: CampaignDescription, told: Callable[[str], None] = lambda said: None
-) -> tuple[Place, ...]:
+def planned_places(described: CampaignDescription) -> tuple[Place, ...]:
     """Return where a campaign reads by its stated prior; raises TargetError where nothing ends it, PlanError."""
     case, target = Case(replace(described, prior_text="", sisters=None)), described.target
     if target.empty:
         raise TargetError("nothing would ever end this plan", 'Give the campaign a target, such as rms = "4 um"')
-    return placed(case, proposed(case, Limits.of(target), progress=told).plan)
+    return placed(case, proposed(case, Limits.of(target)).plan)
 
 
 def measured(
@@ -88,19 +87,14 @@ def rehearsed(
     count: int,
     folder: Path,
     seed: int,
-    told: Callable[[str], None] = lambda said: None,
 ) -> list[Path]:
-    """Write the records of so many virtual sisters into a folder, and return them; raises RecordError, TargetError.
-
-    told : called with what is being done
-    """
+    """Write the records of so many virtual sisters into a folder, and return them; raises RecordError, TargetError."""
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / f"sister-{number:02}.axiscal" for number in range(1, count + 1)]
     if there := [file for file in files if file.exists()]:
         raise RecordError("This record exists already", "Name another folder, or remove it", there[0])
-    virtual, places = VirtualType(described, imagined, seed), planned_places(described, told)
-    for number, file in enumerate(files, start=1):
-        told(f"sister {number} of {count}")
+    virtual, places = VirtualType(described, imagined, seed), planned_places(described)
+    for number, file in enumerate(staged("sisters", files, count), start=1):
         machine, _ = virtual.machine(number)
         with Campaign.create(file, described) as campaign:
             campaign.adopt(tuple(measured(machine, described, places, seed * 1000 + number)))

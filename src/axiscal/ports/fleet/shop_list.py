@@ -12,7 +12,7 @@ import hashlib
 import json
 import os
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -24,6 +24,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import AxiscalError, RecordError, UnreachableError
+from axiscal.numerics.stages import staged
 from axiscal.ports.fleet.sister_records import why_not
 from axiscal.record.events import Recorded
 from axiscal.record.log import campaign_of, shared_events
@@ -91,23 +92,21 @@ class ShopList:
         return len(set(which))
 
 
-def shop_list(shop: Path, told: Callable[[str], None] = lambda said: None) -> ShopList:
+def shop_list(shop: Path) -> ShopList:
     """Return the records of a folder, or of the store, the machine measured last first.
 
-    told : called with what is being done
     Raises RecordError for what is neither, and where the store does not answer.
     """
     records, left = _looked_at(shop)
     before, why_apart, listed = kept_answers(), "", list[ShopRecord]()
     answers = {**before}
-    for record in records:
+    for record in staged("records", records, len(records)):
         why, remark = _beside_others(record, records)
         if why:
             left.append((record.file, why))
             continue
         try:
             if record.chain not in answers:
-                told(f"estimating {record.file.name}")
                 answers[record.chain] = asdict(_found(record.file))
         except AxiscalError as fault:
             left.append((record.file, why_not(fault)))

@@ -6,7 +6,7 @@ import hashlib
 import json
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -24,6 +24,7 @@ from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.numerics.stages import staged
 from axiscal.record.events import Note, Recorded
 from axiscal.record.log import campaign_of, shared_events
 from axiscal.record.opening import opened_log
@@ -183,17 +184,16 @@ def repeated(records: Sequence[MachineRecord]) -> dict[str, str]:
 
 
 def equations_of(
-    records: Sequence[MachineRecord], reference: Machine, units: Array, told: Callable[[str], None]
+    records: Sequence[MachineRecord], reference: Machine, units: Array
 ) -> tuple[list[SisterRecord], dict[str, DataEquation]]:
     """Return what became of each record, and of those that count the data equations over the units of the type.
 
-    units : (n, k) T of the reference machine's errors; told : called with the name of each record before it is read
+    units : (n, k) T of the reference machine's errors
     """
     errors = ErrorModel(reference)
     again = repeated([record for record in records if not _unlike(record, reference)])
     seen, equations = list[SisterRecord](), dict[str, DataEquation]()
-    for record in records:
-        told(record.file.name)
+    for record in staged("records", records, len(records)):
         why = _unlike(record, reference) or again.get(record.digest, "")
         if not why:
             try:

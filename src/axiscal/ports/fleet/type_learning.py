@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -30,8 +30,6 @@ DIRECTIONS, DOUBT = 3, 0.1
 """In which sisters differ together; that a machine is no sister, before it is measured. A user states them."""
 FEW = 3
 """Fewer sisters than this hardly teach what is common, and teach only in which sizes the tolerances are wrong."""
-_EVERY = 20
-"""Sweeps between two words on the progress."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,24 +49,19 @@ class Lesson:
         self,
         directions: int = DIRECTIONS,
         doubt: float = DOUBT,
-        told: Callable[[str], None] = lambda said: None,
         without: frozenset[str] = frozenset(),
     ) -> TypePrior:
         """Return what they teach.
 
-        told : called with what is being done; without : digests of records that are to teach nothing
+        without : digests of records that are to teach nothing
         Raises RecordError where no record is left.
         """
         taken = [digest for digest in self.equations if digest not in without]
         if not taken:
             raise _nothing(self.records)
 
-        def swept(done: int, of: int) -> None:
-            if done % _EVERY == 0:
-                told(f"sweep {done} of {of}")
-
         data, seed = [self.equations[digest] for digest in taken], [int(digest[:15], 16) for digest in taken]
-        found = sister_prior(data, Hierarchy(self.units.blocks, directions), seed, swept)
+        found = sister_prior(data, Hierarchy(self.units.blocks, directions), seed)
         return self._prior(found, directions, doubt)
 
     def _prior(self, found: SisterPrior, directions: int, doubt: float) -> TypePrior:
@@ -92,13 +85,12 @@ class Lesson:
 def lesson(
     files: Iterable[Path],
     machine: Machine | None = None,
-    told: Callable[[str], None] = lambda said: None,
     named: str | None = None,
 ) -> Lesson:
     """Return what records say of a type.
 
     machine : over whose errors; None for the description that most of them have
-    told : called with the name of each record before it is read; named : only machines of this name, None for all
+    named : only machines of this name, None for all
     Raises RecordError where no record counts.
     """
     found, left = read_records(files)
@@ -108,7 +100,7 @@ def lesson(
         raise _nothing(left)
     reference = machine or _as_stated(usual_machine(found))
     units = prior_units(ErrorModel(reference))
-    seen, equations = equations_of(found, reference, units.root, lambda name: told(f"{name} ..."))
+    seen, equations = equations_of(found, reference, units.root)
     records = tuple(sorted([*seen, *left], key=lambda record: (record.digest, record.file)))
     if not equations:
         raise _nothing(records)
@@ -120,11 +112,10 @@ def learnt_type(
     machine: Machine | None = None,
     directions: int = DIRECTIONS,
     doubt: float = DOUBT,
-    told: Callable[[str], None] = lambda said: None,
     named: str | None = None,
 ) -> TypePrior:
     """Return what records teach of a type: the same for the same records in any order; arguments as for `lesson`."""
-    return lesson(files, machine, told, named).learnt(directions, doubt, told)
+    return lesson(files, machine, named).learnt(directions, doubt)
 
 
 def _as_stated(machine: Machine) -> Machine:
@@ -153,19 +144,15 @@ def campaign_with_sisters(
     *,
     target_needed: bool = True,
     asking: bool = True,
-    told: Callable[[str], None] = lambda said: None,
 ) -> CampaignDescription:
     """Return the campaign in a file, with the prior that the records named under [sisters] teach.
 
-    As `read_campaign` for a campaign that names none; told : called with what is being done. Raises InputError.
+    As `read_campaign` for a campaign that names none. Raises InputError.
     """
-    described = read_campaign(path, target_needed=target_needed, asking=asking)
-    return with_sisters(described, told)
+    return with_sisters(read_campaign(path, target_needed=target_needed, asking=asking))
 
 
-def with_sisters(
-    described: CampaignDescription, told: Callable[[str], None] = lambda said: None
-) -> CampaignDescription:
+def with_sisters(described: CampaignDescription) -> CampaignDescription:
     """Return a campaign with what its sisters teach as its prior; itself where it names none."""
     named = described.sisters
     if named is None or described.prior_text:
@@ -175,7 +162,7 @@ def with_sisters(
         raise RecordError("[sisters] names no record that is there", remedy, described.source)
     doubt = DOUBT if described.doubt is None else described.doubt
     files = gathered(named.records)
-    prior = learnt_type(files, described.machine, named.directions, doubt, told, named.type)
+    prior = learnt_type(files, described.machine, named.directions, doubt, named.type)
     return replace(described, prior_text=prior.text())
 
 
@@ -197,19 +184,16 @@ class Saving:
         return self.stated.seconds - self.taught.seconds
 
 
-def saving(described: CampaignDescription, text: str, told: Callable[[str], None] = lambda said: None) -> Saving:
-    """Return both plans of a campaign.  text : what its type has taught; told : called with what is being done
+def saving(described: CampaignDescription, text: str) -> Saving:
+    """Return both plans of a campaign.  text : what its type has taught
 
     Raises TargetError where nothing would end the plans, PlanError.
     """
     plain = replace(described, prior_text="", sisters=None)
     if plain.target.empty:
         raise TargetError("nothing would ever end this plan", 'Give the campaign a target, such as rms = "4 um"')
-    return Saving(
-        _planned(plain, lambda said: told(f"as stated: {said}")),
-        _planned(replace(plain, prior_text=text), lambda said: told(f"by its type: {said}")),
-    )
+    return Saving(_planned(plain), _planned(replace(plain, prior_text=text)))
 
 
-def _planned(described: CampaignDescription, told: Callable[[str], None]) -> Plan:
-    return proposed(case_of(described), Limits.of(described.target), progress=told).plan
+def _planned(described: CampaignDescription) -> Plan:
+    return proposed(case_of(described), Limits.of(described.target)).plan

@@ -13,7 +13,7 @@ the draw leaves the posterior as it is, however coarse the places are.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -23,6 +23,7 @@ from axiscal.estimation.inference.data_equation import DataEquation
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import back_solution, inverse_of_product, solution
 from axiscal.numerics.gaussian import lower_root
+from axiscal.numerics.stages import staged
 from axiscal.numerics.threads import one_thread
 from axiscal.ports.fleet.sisters.hierarchy import (
     CERTAINTY,
@@ -192,23 +193,20 @@ def sister_prior(
     data: Sequence[DataEquation],
     hierarchy: Hierarchy,
     seed: Sequence[int],
-    told: Callable[[int, int], None] = lambda done, of: None,
 ) -> SisterPrior:
     """Return the prior of the next machine: a mixture over sweeps, by its moments.
 
     m̄ = mean P⁻¹h,    C̄ = mean(P⁻¹ + Σ) + scatter of P⁻¹h
 
     data : of each sister, over the unknowns of the hierarchy; seed : the same one gives the same prior
-    told : called after each sweep with how many are done, and of how many
     """
     rng, squeezed = np.random.default_rng(list(seed)), [each.squeezed for each in data]
     state, size = usual(hierarchy, len(data), rng), hierarchy.size
     means, states = list[Array](), list[Sisters]()
     within, own, directions = (np.zeros((size, size)) for _ in range(3))
-    for sweep in range(BEFORE + SWEEPS):
+    for sweep in staged("sweeps", range(BEFORE + SWEEPS), BEFORE + SWEEPS):
         before = state
         state, common = swept(state, squeezed, hierarchy, rng)
-        told(sweep + 1, BEFORE + SWEEPS)
         if sweep < BEFORE:
             continue
         roots, joint = half_covariance(before, hierarchy)
