@@ -26,7 +26,7 @@ StepCode = Literal["load", "verify", "undo", "accept", "measure", "next", "finis
 class AnswerDocument(BaseModel):
     """A document: complete, with no other keys."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class AnswerLine(AnswerDocument):
