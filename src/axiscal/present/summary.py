@@ -60,7 +60,7 @@ class HistoryRow:
     @property
     def rejected(self) -> bool:
         """Whether it was not believed."""
-        return self.reason != ""
+        return self.reason != "" and self.value_um is not None
 
     @property
     def values(self) -> tuple[float, ...]:
