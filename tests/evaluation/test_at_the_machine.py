@@ -150,7 +150,7 @@ def test_a_place_that_a_machine_does_not_reach_is_said(check: Check, tmp_path: P
 
     sheet = Sheet(tmp_path / "found.csv", check.description, requests(check.description, check.planned(4)))
     with pytest.raises(SourceError, match=r"leaves the travel of Y.*another number of --points"):
-        sheet.fill(Source, lambda *_: None, Taken())
+        sheet.fill(Source, Taken())
 
 
 def test_the_standard_deviation_of_a_reading_is_kept_in_the_file(check: Check, tmp_path: Path) -> None:
@@ -168,7 +168,7 @@ def test_the_standard_deviation_of_a_reading_is_kept_in_the_file(check: Check, t
 
     file = tmp_path / "found.csv"
     for some in (2, 4):
-        Sheet(file, check.description, wanted[:some]).fill(Source, lambda *_: None, Taken())
+        Sheet(file, check.description, wanted[:some]).fill(Source, Taken())
         assert file.read_text().splitlines()[0].endswith("std_um") == (some == 4)
     held = Sheet(file, check.description, wanted).held()
     assert [each.std for each in held] == [None, None, *map(pytest.approx, stds[2:])]

@@ -27,7 +27,6 @@ from axiscal.present.summary import (
     Finding,
     HistoryRow,
     Iso230,
-    Rejection,
     SetupUse,
     Summary,
     TableOffer,
@@ -96,7 +95,7 @@ def _history(rng: np.random.Generator, readings: int) -> list[HistoryRow]:
                 rms_um=rms,
                 worst_um=1.9 * rms,
                 minutes=0.7 * n + 12 * (1 + n * 4 // (readings + 1)),
-                rejected=n == 31,
+                reason="7.3 standard deviations from what was expected." if n == 31 else "",
                 approach="X+",
             )
         )
@@ -161,9 +160,6 @@ def five_axis_summary(readings: int = 60) -> Summary:
         constants=constants,
         observability=[
             "The constant part of EXX, EXY and EXZ cannot be told apart; a probe on a fixed ball would separate them."
-        ],
-        rejected=[
-            Rejection(31, "set-up 3", {"B": 20.0, "C": 180.0}, 14.6, "7.3 standard deviations from what was expected.")
         ],
         warnings=[Finding("prior-misfit", "EXX", "EXX, size: 2.4 times as large as stated or usual.")],
         tables=[
@@ -355,9 +351,9 @@ def test_nothing_is_cut_and_no_words_lie_on_each_other(browser: Browser, page: s
 @pytest.mark.chromium
 def test_the_layout_check_notices_what_is_wrong(browser: Browser, page: str, tmp_path: Path) -> None:
     broken = page.replace("</main>", '<div style="width: 3000px; margin-top: 300px">x</div></main>')
-    tick = re.search(r'<text x="[^"]*" y="[^"]*"', page)
+    tick = re.search("<text [^>]*>", page)
     assert tick is not None
-    twice = broken.replace(tick[0], f"{tick[0]}>lies on the other</text>{tick[0]}", 1)
+    twice = broken.replace(tick[0], f"{tick[0]}lies on the other</text>{tick[0]}", 1)
     found = _laid_out(browser, twice, tmp_path, 1400)
     assert found["beyond"]
     assert found["overlapping"]

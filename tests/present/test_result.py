@@ -17,7 +17,6 @@ from axiscal.present.summary import (
     CurveSummary,
     Finding,
     HistoryRow,
-    Rejection,
     Summary,
     Uncertainty,
 )
@@ -77,7 +76,7 @@ CURVE = CurveSummary(
 )
 ROWS = [
     HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0),
-    HistoryRow(1, "laser", {"X": 120.0}, 1.5, 0.1, 0.2, 9.1, 20.0, 31.2),
+    HistoryRow(1, "laser", {"X": 120.0}, 1.5, 0.1, 0.2, 9.1, 20.0, 31.2, reason="too far off"),
 ]
 SUMMARY = Summary(
     title="t",
@@ -99,7 +98,6 @@ SUMMARY = Summary(
     reversals=[replace(CURVE, name="EXX_reversal")],
     constants=[ConstantSummary("C0Y", "squareness of Y to X", 12.1, 1.1, 30.0, "urad")],
     observability=["one sentence"],
-    rejected=[Rejection(2, "laser", {"X": 1.0}, 99.0, "too far off")],
     warnings=[Finding("lack-of-fit", "EXX", "finer than this model")],
     versions={"numpy": "2", "axiscal": "0.1.0"},
 )

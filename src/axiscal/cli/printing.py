@@ -25,12 +25,6 @@ def tell(text: str) -> None:
     _write(sys.stderr, text + "\n")
 
 
-def tell_progress(text: str) -> None:
-    """Write a line about the work that goes on to a terminal; where nobody looks, nothing is written."""
-    if sys.stderr.isatty():
-        tell(text)
-
-
 def rewrite(text: str) -> None:
     """Write a line to stderr in the place of the one that stands there."""
     sys.stderr.write(f"\r{text}")

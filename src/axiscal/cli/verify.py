@@ -11,7 +11,7 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Source
 from axiscal.cli.arguments import Json, RecordFile
-from axiscal.cli.printing import say, say_document, say_either, tell_progress
+from axiscal.cli.printing import say, say_document, say_either
 from axiscal.document.durable import write_whole
 from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.check import Check
@@ -120,14 +120,14 @@ def _read_live(check: Check, source: str, places: Places, files: tuple[Path, Pat
     person, (before, after) = own_hand().person, check.sheets(places, *files)
     (bare, held), (compensated, in_force) = (_opening(check, source, loaded, active) for active in (False, True))
     if not before.complete():
-        before.fill(bare, _tell_read, Taken(person, source, held))
+        before.fill(bare, Taken(person, source, held))
         if not after.complete():
             return (
                 f"{before.file} holds the readings as found. Load the exported files and switch them on, then give the "
                 f"same command again: it reads as left, into {after.file}."
             )
     if not after.complete():
-        after.fill(compensated, _tell_read, Taken(person, source, in_force))
+        after.fill(compensated, Taken(person, source, in_force))
     return ""
 
 
@@ -150,10 +150,6 @@ def _opening(
     any_of = InForce(active or bool(check.description.compensation_active))
     in_force = any_of if tables is None else InForce.of(tables)
     return lambda: attached_to(host, check.description.machine, in_force), in_force.files
-
-
-def _tell_read(file: Path, read: int, of: int) -> None:
-    tell_progress(f"{file}: reading {read} of {of}")
 
 
 def _say_next(text: str, json: bool) -> None:

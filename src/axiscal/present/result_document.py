@@ -14,7 +14,6 @@ from axiscal.present.summary import (
     HistoryRow,
     Linear,
     Position,
-    Rejection,
     Summary,
     TableOffer,
 )
@@ -145,6 +144,6 @@ def _table(offer: TableOffer, summary: Summary) -> dict[str, Any]:
     )
 
 
-def _rejection(rejection: Rejection) -> dict[str, Any]:
+def _rejection(rejection: HistoryRow) -> dict[str, Any]:
     found = _kept(rejection, "reading setup unit reason", value=rejection.value_um)
     return found | {"position": _position(rejection.position)}

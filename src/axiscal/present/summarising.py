@@ -45,7 +45,6 @@ from axiscal.present.summary import (
     Iso230,
     Linear,
     RecordState,
-    Rejection,
     SetupUse,
     Summary,
     TableOffer,
@@ -130,7 +129,6 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         planes=planes(estimation),
         observability=observability(case),
         questions=open_questions(description),
-        rejected=_rejections(estimation, rows),
         warnings=[*extras.warnings, *_accepted(campaign), *findings(estimation), *not_gaussian(linear)],
         tables=extras.tables,
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
@@ -205,29 +203,17 @@ def _reversal(curve: CurveSummary) -> bool:
 
 
 def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:
-    """Return how well the machine was known after each reading, and how much each surprised."""
+    """Return how well the machine was known after each reading, and how much each surprised, or was not believed."""
+    away = {doubt.reading: float(doubt.surprise) for doubt in estimation.outliers}
     first, *moments = path(estimation)
     rows = [_row(estimation.case, None, 0, first)]
     for index, (reading, moment) in enumerate(zip(campaign.state.readings, moments, strict=True)):
         row = _row(estimation.case, reading, reading.numbered(index), moment)
-        rows.append(replace(row, rejected=index in estimation.left_out))
+        if index in away:
+            text = "{away:.3g} standard deviations from what the other readings say"
+            row = replace(row, reason=said(text, away=away[index]))
+        rows.append(row)
     return rows
-
-
-def _rejections(estimation: Estimation, rows: Sequence[HistoryRow]) -> list[Rejection]:
-    """Return the readings that were not believed."""
-    return [
-        Rejection(
-            row.reading,
-            row.setup or "",
-            row.position or {},
-            row.value_um or 0.0,
-            said("{away:.3g} standard deviations from what the other readings say", away=float(doubt.surprise)),
-            row.unit,
-        )
-        for doubt in estimation.outliers
-        if (row := rows[doubt.reading + 1])
-    ]
 
 
 def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> HistoryRow:

@@ -40,6 +40,7 @@ class HistoryRow:
 
     unit : of `value_um`, `others`, `innovation`, `innovation_std`: "um" except for angle readings
     others : the further numbers of a reading that has several, such as a sphere's along y and z
+    reason : why it was not believed, "" where it was
     """
 
     reading: int
@@ -51,10 +52,15 @@ class HistoryRow:
     rms_um: float
     worst_um: float
     minutes: float
-    rejected: bool = False
     unit: str = "um"
     approach: str = ""
     others: tuple[float, ...] = ()
+    reason: str = ""
+
+    @property
+    def rejected(self) -> bool:
+        """Whether it was not believed."""
+        return self.reason != "" and self.value_um is not None
 
     @property
     def values(self) -> tuple[float, ...]:
@@ -120,18 +126,6 @@ class Finding:
     code: str
     error: str | None
     text: str
-
-
-@dataclass(frozen=True, slots=True)
-class Rejection:
-    """A reading that was not believed, and why."""
-
-    reading: int
-    setup: str
-    position: Position
-    value_um: float
-    reason: str
-    unit: str = "um"
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,7 +248,6 @@ class Summary:
     planes: Sequence[PlaneSummary] = ()
     observability: Sequence[str] = ()
     questions: Sequence[str] = ()
-    rejected: Sequence[Rejection] = ()
     warnings: Sequence[Finding] = ()
     tables: Sequence[TableOffer] = ()
     target_rms_um: float | None = None
@@ -274,3 +267,8 @@ class Summary:
     checksums: Mapping[str, str] = field(default_factory=dict)
     ended: str = ""
     linear: Linear | None = None
+
+    @property
+    def rejected(self) -> Sequence[HistoryRow]:
+        """The readings that were not believed."""
+        return [row for row in self.history if row.rejected]

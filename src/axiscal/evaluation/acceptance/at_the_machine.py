@@ -23,11 +23,10 @@ from axiscal.exceptions import InputError, ReadingError, SourceError
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.csv_readings import filled_sheet, read_readings
 from axiscal.measurement.reading import Reading
+from axiscal.numerics.stages import staged
 
 _SAME = 1e-7
 """m or rad: rounding of a place that was written down."""
-Watch = Callable[[Path, int, int], None]
-"""Is told the file, how many readings it holds, and how many it is to hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,14 +97,15 @@ class Sheet:
         """Whether it holds all of its readings."""
         return len(self.held()) == len(self.wanted)
 
-    def fill(self, opened: Callable[[], Source], watch: Watch, taken: Taken) -> None:
+    def fill(self, opened: Callable[[], Source], taken: Taken) -> None:
         """Read what is missing; raises ReadingError before that, SourceError with how many readings are kept."""
         readings = list(self.held())
         if not os.access(self.file.absolute().parent, os.W_OK | os.X_OK):
             raise ReadingError("nothing can be written there", "Name a file in a folder of yours", self.file)
         source = opened()
         try:
-            for request in self.wanted[len(readings) :]:
+            missing = self.wanted[len(readings) :]
+            for request in staged("readings", missing, len(missing)):
                 answer = source.read(request)
                 if isinstance(answer, Skip):
                     raise SourceError(
@@ -115,7 +115,6 @@ class Sheet:
                 readings.append(Reading(*at, answer.value, answer.std, others=answer.others))
                 write_whole(self.file, filled_sheet(self.description.machine.axes, readings).encode())
                 taken.write(self.file)
-                watch(self.file, len(readings), len(self.wanted))
         except InputError as failure:
             kept = "{remedy}. {count} of {wanted} readings are kept in {path}; go on with the same command"
             counts = {"count": len(readings), "wanted": len(self.wanted)}
