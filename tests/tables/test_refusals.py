@@ -173,8 +173,6 @@ def test_a_folder_without_files(tmp_path: Path) -> None:
     ("options", "what"),
     [
         ({"unit": "cm"}, '"cm" is not the unit of a machine'),
-        ({"points": 1}, "a table of 1 points"),
-        ({"points": 5001}, "a table of 5001 points"),
         ({"mesh": 1}, "a mesh of 1 points a side"),
         ({"encoder": 3}, "measuring system 3"),
         ({"numbers": {"X": (-1,)}}, "numbers of axes are negative"),

@@ -36,7 +36,7 @@ class Results(Closing):
         self.path, self._found = folder / FILE, dict[str, Done]()
         self._held = ExitStack()
         try:
-            with self._said("The results cannot be read: {reason}"):
+            with self._refusing("The results cannot be read: {reason}"):
                 folder.mkdir(parents=True, exist_ok=True)
                 self._held.enter_context(_held(folder))
                 if not self.path.exists():
@@ -47,7 +47,7 @@ class Results(Closing):
             self._found = {done.key: done for done in map(_done, reversed(lines[1:])) if done is not None}
             self._refuse_other(lines[0] if lines else b"", digest, versions, resume)
             self._end = content.rfind(b"\n") + 1  # behind it stands what an end of power or room has torn
-            with self._said("The results cannot be written: {reason}"):
+            with self._refusing("The results cannot be written: {reason}"):
                 self._file = self._held.enter_context(self.path.open("r+b", buffering=0)).fileno()
         except BaseException:
             self._held.close()
@@ -81,7 +81,7 @@ class Results(Closing):
         if done.key in self._found:
             return
         line = _line({**done._asdict(), "sha256": _digest(done)})
-        with self._said("The results cannot be written: {reason}"):
+        with self._refusing("The results cannot be written: {reason}"):
             os.ftruncate(self._file, self._end)
             write_at(self._file, self._end, line)
             sync(self._file)
@@ -93,7 +93,7 @@ class Results(Closing):
         return dict(self._found)
 
     @contextmanager
-    def _said(self, what: str) -> Iterator[None]:
+    def _refusing(self, what: str) -> Iterator[None]:
         """Say what the disk did as a failure of ours."""
         try:
             yield

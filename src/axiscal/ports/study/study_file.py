@@ -155,8 +155,9 @@ def read_study(path: str | Path) -> Study:
     )
     _try_values(study, document)
     if study.count > MOST_CASES:
-        what, remedy = "these are {count:,} cases, more than {most:,}", "Give fewer values or machines"
-        raise document.fault(StudyError(what, remedy, count=study.count, most=MOST_CASES), "grid")
+        what = "these are {count:,} cases, more than {most:,}"
+        fault = StudyError(what, "Give fewer values or machines", count=study.count, most=MOST_CASES)
+        raise document.fault(fault, "grid")
     return study
 
 
