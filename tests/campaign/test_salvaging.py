@@ -226,7 +226,7 @@ def test_a_damaged_record_names_the_command_and_it_writes_over_nothing(
     new = tmp_path / "mill-salvaged.axiscal"
     for command in ("status", "copy"):
         assert run([command, str(path)]) == 1
-        assert f"axiscal salvage {path} {new};" in " ".join(capsys.readouterr().err.split())
+        assert f"axiscal data salvage {path} {new};" in " ".join(capsys.readouterr().err.split())
     assert run(["salvage", str(path), str(new), "--json"]) == 0
     said = json.loads(capsys.readouterr().out)
     assert (said["readings"], said["events"], len(said["missing"]), said["left_out"]) == (7, 8, 1, [])

@@ -58,7 +58,7 @@ def test_two_priors_and_a_damaged_type_are_sentences(folder: Path, capsys: pytes
     (folder / "bad.type.json").write_text('{\n "schema": "axiscal-type/1", "machine": "')
     (folder / "campaign.toml").write_text(CAMPAIGN.format(first='prior = "bad.type.json"\n'))
     assert run(["plan", str(folder / "campaign.toml")]) == 1
-    assert "axiscal type learn" in " ".join(capsys.readouterr().err.split())
+    assert "axiscal shop type learn" in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.long
