@@ -23,16 +23,12 @@ def test_a_curve_has_a_rough_part_besides_its_rest() -> None:
         assert after.rest == pytest.approx(np.hypot(white, ROUGH.size * before.std))
 
 
-def test_what_is_constant_stays_smooth_but_for_reversals_of_linear_axes() -> None:
+def test_what_is_constant_stays_smooth() -> None:
     described = plain_case("five axes").description
     machine = described.machine
     pairs = list(zip(machine.errors, usual_machine(machine, described.setups).errors, strict=True))
     assert any(before.constant for before, _ in pairs)
-    assert all(before == after for before, after in pairs if before.constant and before.kind != "reversal")
-    for before, after in pairs:
-        if before.kind == "reversal":
-            rest = None if machine.axis(before.axis).rotary else 0.27 * before.std
-            assert after == replace(before, rest=rest)
+    assert all(before == after for before, after in pairs if before.constant)
 
 
 @pytest.mark.parametrize("kind", ["axis", "plate", "five axes", "two set-ups"])
@@ -91,5 +87,5 @@ def test_an_inherited_prior_keeps_its_sizes() -> None:
 
 def test_the_table_says_where_its_figures_come_from() -> None:
     causes = [each for each in vars(model).values() if isinstance(each, model.Cause)]
-    assert len(causes) == len({cause.name for cause in causes}) == 14
+    assert len(causes) == len({cause.name for cause in causes}) == 13
     assert all(cause.source and cause.kernel and cause.size > 0 and cause.factor >= 1 for cause in causes)

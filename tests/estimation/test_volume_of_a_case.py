@@ -54,7 +54,7 @@ def test_from_both_sides_more_is_seen_than_from_one() -> None:
     plus_x, both = (_whitened(list(each._allowed_parts())) for each in (case, replace(case, both=frozenset({"laser"}))))
     assert np.unique(np.sign(plus_x[:, reversal])).tolist() == [1.0]
     assert np.unique(np.sign(both[:, reversal])).tolist() == [-1.0, 1.0]
-    noise = float(np.linalg.norm([0.5e-6, *case.errors.rests[:2]]))
+    noise = float(np.hypot(0.5e-6, case.errors.names["EXX"].rest))
     curve = case.errors.names["EXX"].columns
     expected = case.errors.names["EXX"].basis.rows(case.lattice.poses[:, 0]) / noise
     assert np.abs(plus_x[:, curve]) == pytest.approx(np.abs(expected), abs=1e-6 / noise)

@@ -57,10 +57,6 @@ REST = Cause(
 )  # fmt: skip
 REVERSAL = Cause("reversal", "constant", 1.0, "std as stated", 3.0, "as the errors' own factor")
 """The factor is that of errors; nobody has measured another."""
-VARIES = Cause(
-    "reversal that varies", "side, apart in each eighth of the travel", 0.27, "std of the reversal", 3.0,
-    "0.21, 0.24, 0.35 of the reversal in ISO 230-2 tests of linear axes",
-)  # fmt: skip
 WAY = Cause(
     "reversal that needs a way", "side times exp(-d/100 mm), d the way since the axis turned", 0.2,
     "std of the reversal", 3.0, "assumption",

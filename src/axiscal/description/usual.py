@@ -21,7 +21,6 @@ from axiscal.description.causes import (
     ROUGH,
     SURE,
     TOGETHER,
-    VARIES,
     WAY,
 )
 from axiscal.description.sizes import Kind, Size, Sizes
@@ -82,8 +81,6 @@ def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[PlaneEntry]
 
 
 def _as_usual(entry: ErrorEntry, axis: Axis) -> ErrorEntry:
-    if entry.constant and entry.kind == "reversal" and not axis.rotary:
-        return replace(entry, rest=VARIES.size * entry.std)
     if entry.constant or entry.harmonics or entry.joints:
         return entry
     white = REST.size * entry.std if entry.rest is None else entry.rest
@@ -114,7 +111,7 @@ class Learnable(NamedTuple):
 def sizes_of(machine: Machine, setups: Sequence[Setup], may: Learnable) -> Sizes:
     """Return the sizes that vary: one factor for errors that are alike."""
     found = [] if may.inherited else [*_of_errors(machine, may)]
-    found += [Size("rest", owners, spread) for owners, spread in _rests(machine, may.usual)]
+    found += [Size("rest", owners, ROUGH.spread) for owners in _rests(machine, may.usual)]
     names = tuple(setup.name for setup in setups)
     if may.usual:
         passing: tuple[tuple[Kind, float], ...] = (
@@ -162,20 +159,14 @@ def _alike(entry: ErrorEntry, kind: Kind, machine: Machine) -> tuple[bool, ...] 
     return (rotary, entry.parts.angular, entry.harmonics > 0)
 
 
-def _rests(machine: Machine, usual: bool) -> Iterator[tuple[tuple[str, ...], float]]:
-    """Yield names of errors that share the size of their rough part, and how well it is known.
-
-    All have one with usual causes, else those that say so.
-    """
-    groups = dict[tuple[bool, bool], list[str]]()
+def _rests(machine: Machine, usual: bool) -> list[tuple[str, ...]]:
+    """Return the names of errors that share the size of their rough part: all with usual causes, else some."""
+    groups = dict[bool, list[str]]()
     for entry in machine.errors:
         if entry.first_rest > 0 and (usual or entry.rest_estimated):
-            groups.setdefault((machine.axis(entry.axis).rotary, entry.constant), []).append(entry.name)
-    for (_, constant), names in groups.items():
-        yield tuple(names), VARIES.spread if constant else ROUGH.spread
+            groups.setdefault(machine.axis(entry.axis).rotary, []).append(entry.name)
     planes = [entry.name for entry in machine.planes if entry.first_rest > 0 and (usual or entry.rest_estimated)]
-    if planes:
-        yield tuple(planes), ROUGH.spread
+    return [tuple(names) for names in (*groups.values(), planes) if names]
 
 
 def rescaled_machine(machine: Machine, sizes: Mapping[tuple[Kind, str], float]) -> Machine:
