@@ -136,7 +136,7 @@ complete in the volume and missing in readings that come soon after the axis has
 
 _SINCE = """
 ## Since then
-As above, planned, {machines} machines: readings along one axis are interleaved, and reversals have two rows more.
+As above, planned, {machines} machines: readings along one axis are interleaved, and reversals have one row more.
 (`make trust PART=since MACHINES={machines}`)
 
 | inside, ratio, above 1.5, withheld | planned |
