@@ -101,7 +101,7 @@ def test_an_inherited_prior_stays_where_noises_and_rests_are_learnt(tmp_path: Pa
     stated, learnt = found["stated"], found["learnt"]
     size = stated.case.errors.size
     assert stated.stated.sizes.of == ()
-    assert {size.kind for size in learnt.stated.sizes.of} == {"noise", "rest", "drift", "cycle", "growth"}
+    assert {size.kind for size in learnt.stated.sizes.of} == {"noise", "rest", "drift", "cycle", "growth", "way"}
     assert 1e-6 < learnt.case.description.setups[0].noise < 2.5e-6
     assert np.array_equal(learnt.case.prior.covariance[:size, :size], stated.case.prior.covariance[:size, :size])
     assert np.array_equal(learnt.case.prior.mean, stated.case.prior.mean)

@@ -21,12 +21,6 @@ def product(factors: gaussian.Factors) -> Array:
     return factors.upper @ np.diag(factors.diagonal) @ factors.upper.T
 
 
-def conditioned(
-    factors: gaussian.Factors, mean: Array, rows: Array, values: Array, noise: Array
-) -> gaussian.Conditioned:
-    return gaussian.condition(factors, mean, rows, values, noise, np.arange(len(rows)))
-
-
 @pytest.mark.parametrize(("size", "rank"), [(1, 1), (5, 5), (40, 40), (40, 39), (40, 7), (40, 1)])
 @pytest.mark.parametrize("decades", [0.0, 8.0])
 def test_factors_multiply_to_the_covariance(size: int, rank: int, decades: float) -> None:
@@ -46,7 +40,7 @@ def test_variables_that_are_known_exactly_stay_so() -> None:
     matrix[np.ix_([0, 2], [0, 2])] = covariance(2, 2, 0.0, 1)
     factors = gaussian.factorise(matrix)
     assert np.abs(product(factors) - matrix).max() < 1e-15
-    after = conditioned(factors, np.zeros(4), np.ones((1, 4)), np.ones(1), np.array([1e-3]))
+    after = gaussian.condition(factors, np.zeros(4), np.ones((1, 4)), np.ones(1), np.array([1e-3]))
     assert np.array_equal(after.mean[[1, 3]], np.zeros(2))
 
 
@@ -87,13 +81,26 @@ def test_an_update_is_the_textbook_formula(size: int) -> None:
     rng = np.random.default_rng(size)
     matrix, mean, row = covariance(size, size, 1.0, size), rng.standard_normal(size), rng.standard_normal(size)
     value, variance = 0.7, 0.3
-    found = conditioned(gaussian.factorise(matrix), mean, row[None], np.array([value]), np.array([variance]))
+    found = gaussian.condition(gaussian.factorise(matrix), mean, row[None], np.array([value]), np.array([variance]))
     expected = row @ matrix @ row + variance
     gain = matrix @ row / expected
-    assert value - found.expected == pytest.approx([value - row @ mean])
-    assert found.variance + variance == pytest.approx([expected])
+    assert found.innovation == pytest.approx([value - row @ mean])
+    assert found.variance == pytest.approx([expected])
     assert np.abs(found.mean - (mean + gain * (value - row @ mean))).max() < 1e-12 * np.abs(found.mean).max()
     assert np.abs(product(found.factors) - (matrix - np.outer(gain, row @ matrix))).max() < 1e-12 * matrix.max()
+
+
+def test_readings_one_after_another_are_those_at_once() -> None:
+    """Two ways to the same posterior; the expectation of each is what was known before it."""
+    rng = np.random.default_rng(5)
+    factors, mean, rows = gaussian.factorise(covariance(9, 9, 1.0, 5)), rng.standard_normal(9), rng.normal(size=(6, 9))
+    values, noise = rng.standard_normal(6), rng.uniform(0.1, 2.0, 6)
+    found = gaussian.condition(factors, mean, rows, values, noise)
+    at_once = gaussian.condition_at_once(factors, mean, rows, values, noise, np.arange(6))
+    assert product(found.factors) == pytest.approx(product(at_once.factors), rel=1e-9, abs=1e-12)
+    assert found.mean == pytest.approx(at_once.mean, rel=1e-9)
+    assert found.innovation == pytest.approx(values - at_once.expected, rel=1e-9)
+    assert found.variance == pytest.approx(at_once.variance + noise, rel=1e-9)
 
 
 def _of_parts(rng: np.random.Generator) -> tuple[gaussian.Factors, Array, Array]:
@@ -110,8 +117,8 @@ def _of_parts(rng: np.random.Generator) -> tuple[gaussian.Factors, Array, Array]
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_readings_are_those_one_after_another_by_the_textbook(seed: int) -> None:
-    """Of three parts mixed, with one that sees nothing, and two that do not count."""
+def test_parts_that_have_nothing_in_common_are_those_one_after_another(seed: int) -> None:
+    """Readings of three parts mixed, one that sees nothing, and two that do not count."""
     rng = np.random.default_rng(seed)
     factors, mean, rows = _of_parts(rng)
     values, noise = rng.standard_normal(20), rng.uniform(0.1, 2.0, 20)
@@ -119,16 +126,16 @@ def test_readings_are_those_one_after_another_by_the_textbook(seed: int) -> None
     used[[3, 11]] = np.inf
     counts = np.isfinite(used)
     before = np.cumsum(counts) - counts
-    found = gaussian.condition(factors, mean, rows, values, used, before)
+    found = gaussian.condition_at_once(factors, mean, rows, values, used, before)
     whole = product(factors)
     for i, row in enumerate(rows):
         assert found.expected[i] == pytest.approx(row @ mean, rel=1e-9, abs=1e-12)
         assert found.variance[i] == pytest.approx(row @ whole @ row, rel=1e-9, abs=1e-12)
         if counts[i]:
-            gain = whole @ row / (row @ whole @ row + noise[i])
-            lost = np.outer(gain, row @ whole)
-            assert np.outer(found.losses[i], found.losses[i]) == pytest.approx(lost, rel=1e-8, abs=1e-11)
-            mean, whole = mean + gain * (values[i] - row @ mean), whole - lost
+            done = gaussian.condition(factors, mean, row[None], values[i : i + 1], noise[i : i + 1])
+            after = product(done.factors)
+            assert np.outer(found.losses[i], found.losses[i]) == pytest.approx(whole - after, rel=1e-8, abs=1e-11)
+            factors, mean, whole = done.factors, done.mean, after
     assert product(found.factors) == pytest.approx(whole, rel=1e-9, abs=1e-12)
     assert np.array_equal(found.factors.upper, np.triu(found.factors.upper))
     assert found.mean == pytest.approx(mean, rel=1e-9)
@@ -137,7 +144,7 @@ def test_readings_are_those_one_after_another_by_the_textbook(seed: int) -> None
 def test_a_part_of_which_no_reading_counts_stays_as_it_was() -> None:
     rows = np.array([[1.0, 0.5, 0.0], [0.0, 0.0, 2.0]])
     factors, noise = gaussian.factorise(np.diag([1.0, 2.0, 3.0])), np.array([1.0, np.inf])
-    found = gaussian.condition(factors, np.zeros(3), rows, np.ones(2), noise, np.array([0, 1]))
+    found = gaussian.condition_at_once(factors, np.zeros(3), rows, np.ones(2), noise, np.array([0, 1]))
     assert product(found.factors)[2, 2] == pytest.approx(3.0)
     assert found.mean[2] == 0.0
     assert found.variance == pytest.approx([1.5, 12.0])
@@ -157,7 +164,7 @@ def test_a_triangle_over_rows_is_a_root_of_both(size: int, count: int) -> None:
 def test_an_update_leaves_its_input_alone() -> None:
     factors, mean = gaussian.factorise(covariance(5, 5, 0.0, 2)), np.ones(5)
     copies = factors.upper.copy(), factors.diagonal.copy()
-    conditioned(factors, mean, np.arange(5.0)[None], np.ones(1), np.array([0.1]))
+    gaussian.condition(factors, mean, np.arange(5.0)[None], np.ones(1), np.array([0.1]))
     assert np.array_equal(factors.upper, copies[0])
     assert np.array_equal(factors.diagonal, copies[1])
     assert np.array_equal(mean, np.ones(5))

@@ -49,8 +49,6 @@ class Innovations:
 
 _NONE = Innovations(np.zeros(0), np.zeros(0))
 """Before the first reading."""
-_AT_ONCE = 100
-"""The cost grows with the cube of so many, and a few cost as much as one."""
 
 
 class Updated(NamedTuple):
@@ -103,29 +101,27 @@ class Belief:
 
         rows : (m, n) or (n,); values, variances : (m,) or scalars; variances > 0
         One reading, several, or all at once give the same posterior to rounding, in any order.
-        As a vector (B&H eq. 31-33); innovations are those of one after the other (B&H eq. 21-23). Raises ShapeError.
+        The readings are taken in one by one (B&H eq. 21-23; as a vector B&H eq. 31-33). Raises ShapeError.
         """
         table, read, noise = self._readings(rows, values, variances)
-        after, found = self, [_NONE]
-        for at in range(0, len(read), _AT_ONCE):
-            some = slice(at, at + _AT_ONCE)
-            each = np.arange(len(read[some]))
-            after = after.update_many(table[some], read[some], noise[some], noise[some], each).belief
-            found.append(after.innovations)
-        surprise = Innovations(*(np.concatenate(each) for each in zip(*((f.value, f.std) for f in found), strict=True)))
-        return _fill(Belief.__new__(Belief), after.mean, after.factors, surprise)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            done = gaussian.condition(self.factors, self.mean, table, read, noise)
+        if not all(np.all(np.isfinite(result)) for result in (done.mean, *done.factors, done.variance)):
+            raise ShapeError("Rows, values and variances lie so far apart in size that the update overflows.")
+        surprise = Innovations(done.innovation, np.sqrt(done.variance))
+        return _fill(Belief.__new__(Belief), done.mean, done.factors, surprise)
 
     def update_many(self, rows: Array, values: Array, noise: Array, used: Array, reading: NDArray[np.intp]) -> Updated:
-        """Return the belief after many readings, with the innovations of each.
+        """Return the belief after many updates, made all at once, with the innovations of each.
 
         rows : (m, n); values, noise : (m,); used : (m,) the variances of the updates, infinite for none
         reading : (m,) ascending; numbers of one reading are predicted from what was known before the first of them
-        Raises ShapeError.
+        Hundreds of updates cost no more than a few made one by one.  Raises ShapeError.
         """
         table, read, own = self._readings(rows, values, noise)
         counted = np.concatenate([[0], np.cumsum(np.isfinite(used))])
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            done = gaussian.condition(
+            done = gaussian.condition_at_once(
                 self.factors, self.mean, table, read, used, counted[np.searchsorted(reading, reading)]
             )
         if not all(np.all(np.isfinite(result)) for result in (done.mean, *done.factors, done.variance)):

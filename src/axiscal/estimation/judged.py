@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import later, listed, said
 from axiscal.machine.axis import Axis
@@ -92,19 +93,20 @@ def surprises(observation: Observation, mean: Array, covariance: Array, readings
     rows, own = np.split(numbers.rows, [len(mean)], axis=1)
     scatter = numbers.variances + np.einsum("mi,mi->m", rows @ covariance, rows)
     stds = [unknown.std for unknown in observation.unknowns]
-    known, spread = np.zeros(len(stds)), np.diag(np.square(stds))
+    unknowns = Belief(np.zeros(len(stds)), np.diag(np.square(stds))) if stds else None
     values, own = numbers.values - rows @ mean, own[:, : len(stds)]
     setups, first, sizes = {setup.name: setup for setup in observation.setups}, dict[str, float](), list[float]()
     ends = np.searchsorted(numbers.reading, np.arange(len(readings) + 1)).tolist()
     for reading, mine in zip(readings, (slice(*each) for each in pairwise(ends)), strict=True):
         setup = setups[reading.setup]
         variances = scatter[mine] + bent(observation.machine, setup, reading) + _drifted(setup, reading, first)
-        crossed, away = spread @ own[mine].T, values[mine] - own[mine] @ known
-        whole = np.diag(variances) + own[mine] @ crossed
-        sizes.append(float(np.max(np.abs(away) / np.sqrt(np.diagonal(whole)))))
-        if reading.accepted or sizes[-1] <= IMPLAUSIBLE * _WIDEST:
-            gain = np.linalg.solve(whole, crossed.T).T
-            known, spread = known + gain @ away, spread - gain @ crossed.T
+        expected, spread = np.zeros(len(variances)), variances
+        if unknowns is not None:
+            known = unknowns.predict(own[mine])
+            expected, spread = known.mean, variances + known.std**2
+        sizes.append(float(np.max(np.abs(values[mine] - expected) / np.sqrt(spread))))
+        if unknowns is not None and (reading.accepted or sizes[-1] <= IMPLAUSIBLE * _WIDEST):
+            unknowns = unknowns.update(own[mine], values[mine], variances)
         if reading.time is not None:
             first.setdefault(reading.setup, reading.time)
     return sizes

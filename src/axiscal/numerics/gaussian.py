@@ -33,6 +33,15 @@ class Factors(NamedTuple):
     diagonal: Array
 
 
+class Conditioned(NamedTuple):
+    """Factors and mean after readings, with the innovation of each at its turn, (m,), and its variance, (m,)."""
+
+    factors: Factors
+    mean: Array
+    innovation: Array
+    variance: Array
+
+
 def factorise(covariance: Array) -> Factors:
     """Return the UD factors of a positive semidefinite matrix.
 
@@ -110,6 +119,38 @@ def _checked(covariance: Array) -> tuple[Array, Array]:
     return (correlation + correlation.T) / 2, scale
 
 
+def condition(factors: Factors, mean: Array, rows: Array, values: Array, variances: Array) -> Conditioned:
+    """Return factors and mean after the readings value_i = row_iᵀ a + v_i, v_i ~ N(0, variance_i), one after another.
+
+    rows : (m, n); values, variances : (m,), variances > 0. O(m n²): the way for a few readings.
+    Bierman's scalar update, its column loop written as cumulative sums: with f = Uᵀ row, v = D f and
+    α_j = variance + Σ_{k≤j} f_k v_k,   d_j ← d_j α_{j−1}/α_j,   U_j ← U_j − (f_j/α_{j−1}) Σ_{k<j} v_k U_k
+    (Bierman 1977, table V.3.1). The same numbers as B&H eq. 21-23 and B&H eq. 31-33, without forming C.
+    """
+    innovation, expected = np.empty(len(values)), np.empty(len(values))
+    for i, (row, variance) in enumerate(zip(rows, variances, strict=True)):
+        alpha, sums, changed = _bierman(factors, row, float(variance))
+        innovation[i], expected[i] = float(values[i] - row @ mean), float(alpha[-1])
+        factors = Factors(changed, factors.diagonal * (alpha[:-1] / alpha[1:]))
+        mean = mean + sums[:, -1] * (innovation[i] / alpha[-1])
+    return Conditioned(factors, mean, innovation, expected)
+
+
+def _bierman(factors: Factors, row: Array, variance: float) -> tuple[Array, Array, Array]:
+    """Return α (n + 1,), Σ_{k≤j} v_k U_k (n, n) and the new U of one reading."""
+    upper, diagonal = factors
+    projected = row @ upper
+    weighted = diagonal * projected
+    alpha = np.empty(len(diagonal) + 1)
+    alpha[0] = variance
+    np.cumsum(projected * weighted, out=alpha[1:])
+    alpha[1:] += variance
+    sums = np.cumsum(upper * weighted, axis=1)
+    changed = upper.copy()
+    changed[:, 1:] -= sums[:, :-1] * (projected[1:] / alpha[1:-1])
+    return alpha, sums, changed
+
+
 def root(factors: Factors) -> Array:
     """Return F (n, n) with C = F Fᵀ."""
     return factors.upper * np.sqrt(factors.diagonal)
@@ -130,7 +171,7 @@ def extend(factors: Factors, extra: Array) -> Factors:
     return Factors(upper, np.concatenate([factors.diagonal, extra]))
 
 
-class Conditioned(NamedTuple):
+class AtOnce(NamedTuple):
     """Factors and mean after many readings, and what was known before each of them.
 
     expected, variance : (m,) of each row's value without its noise, given the readings that count before it
@@ -144,12 +185,11 @@ class Conditioned(NamedTuple):
     losses: Array
 
 
-def condition(
+def condition_at_once(
     factors: Factors, mean: Array, rows: Array, values: Array, noise: Array, before: NDArray[np.intp]
-) -> Conditioned:
-    """Return factors and mean after readings value_i = row_iᵀ a + v_i, v_i ~ N(0, noise_i), by QR. O(n³ + m n² + m³).
-
-    The same numbers as B&H eq. 21-23 and B&H eq. 31-33, without forming C.
+) -> AtOnce:
+    """Return what `condition` makes of readings one after the other, by matrix products and QR. O(n³ + m n² + m³):
+    for hundreds of them the cost of a few, for a few that of hundreds.
 
     rows : (m, n); values : (m,); noise : (m,) variances, infinite where a reading does not count
     before : (m,) how many of the readings that count come before each
@@ -170,7 +210,7 @@ def condition(
     after, moved = _after(start, own / std[:, None], left / std)
     losses = np.zeros_like(rows)
     losses[counts] = solved[:, :-1] @ start.T
-    return Conditioned(_from_triangle(after, factors), mean + moved, expected, variance, losses)
+    return AtOnce(_from_triangle(after, factors), mean + moved, expected, variance, losses)
 
 
 def _after(start: Array, scaled: Array, left: Array) -> tuple[Array, Array]:

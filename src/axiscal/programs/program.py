@@ -184,7 +184,7 @@ class _Writer:
         """Raise ProgramError where moves cannot be given their time."""
         if self._dialect.timed is None:
             what = "{control} programs have no feed by time, so linear and rotary axes cannot go in step"
-            remedy = "Leave --no-tcp out: the control holds the tool point itself"
+            remedy = "Leave tcp = false out: the control holds the tool point itself"
             raise ProgramError(what, remedy, control=self._dialect.title)
 
     @property
