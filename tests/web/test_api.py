@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import http.client
-import json
 import re
 import subprocess
 import sys
@@ -177,20 +176,6 @@ def test_the_set_up_that_is_asked_for_is_drawn_as_wide_as_the_page_wants(page: S
 
 
 @pytest.mark.long
-def test_the_table_of_a_control_is_the_one_that_would_be_written(page: Served) -> None:
-    for text in ("1.5", "-1", "0.5", "2"):
-        page.call("readings", after=page.state()["last"], text=text)
-    table = page.call("table?control=linuxcnc").document
-    assert 0 < table["expected_um"] < table["before_um"]
-    command(page, "finish", "mill.axiscal", "--out", "results", "--json")
-    left = json.loads((page.record.parent / "results" / "result.json").read_text())["tables"]
-    mine = next(each for each in left if each["controller"] == "linuxcnc")
-    assert mine["expected_um"] == pytest.approx(table["expected_um"], rel=1e-5)  # as many digits as are printed
-    assert "made from one of your control" in page.call("table?control=fanuc").document["refusal"]
-    assert page.call("table?control=abacus").document["refusal"].startswith('"abacus" is not a controller')
-
-
-@pytest.mark.long
 def test_the_description_names_every_document_and_every_answer(page: Served) -> None:
     described = page.call("openapi.json").document
     assert set(described["paths"]) == {
@@ -198,7 +183,6 @@ def test_the_description_names_every_document_and_every_answer(page: Served) -> 
         for name in (
             "state",
             "typed",
-            "table",
             "cost",
             "readings",
             "skips",

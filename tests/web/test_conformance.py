@@ -34,7 +34,7 @@ CHECKS = [
 ]
 MADE: Counter[tuple[str, str, schemathesis.GenerationMode]] = Counter()
 """Requests so far: of a kind with few forms hypothesis makes fewer than it may."""
-QUESTIONS, STEPS = ("state", "typed", "table", "cost"), ("readings", "skips", "notes", "undo", "next", "finish")
+QUESTIONS, STEPS = ("state", "typed", "cost"), ("readings", "skips", "notes", "undo", "next", "finish")
 OPERATIONS = [(f"/api/1/{name}", "get" if name in QUESTIONS else "post") for name in (*QUESTIONS, *STEPS)]
 
 
