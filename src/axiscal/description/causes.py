@@ -58,10 +58,10 @@ REST = Cause(
 REVERSAL = Cause("reversal", "constant", 1.0, "std as stated", 3.0, "as the errors' own factor")
 """The factor is that of errors; nobody has measured another."""
 WAY = Cause(
-    "reversal that needs a way", "side times exp(-d/100 mm), d the way since the axis turned", 0.2,
-    "std of the reversal", 3.0, "assumption",
+    "reversal that needs a way", "side times exp(-d/100 mm), d the way since the axis turned", 0.06,
+    "std of the reversal", 6.0, "assumption",
 )  # fmt: skip
-"""Assumption: of a fifth of the backlash the slide is wound up like a spring, over a hand's breadth of travel."""
+"""Assumption: little of the backlash is a slide wound up like a spring over a hand's breadth, of some machines most."""
 PITCH = Cause("pitch", "one sine for each stated period", 0.02, "std of the error", 4.0, "assumption")
 """Assumption: a fiftieth of the error."""
 TOGETHER = Cause(

@@ -27,6 +27,8 @@ from axiscal.planning.plan.task import Limits, Task
 
 _LARGER = 3.0
 """Times its default, so large is what passes here: with the defaults readings interleave too little."""
+_WOUND = 10.0
+"""Times its default, so much of a reversal needs a way here: else no two readings tell a reversal that needs one."""
 _PAIRS, _WORK = 300, 1e9
 """Pairs that are tried, and operations at most: a hundred pairs leave J within 2 % of what a thousand do."""
 _SEED = 1
@@ -74,7 +76,7 @@ class _OneSetup:
         at = np.ix_(turns[self.owner], turns[self.owner])
         known = self.lasting + self.passing.zeros[at] * self.shared + self.passing.growth[at] * self.growing
         for each in self.turning:
-            missing = _LARGER * each.missing(self.poses, np.argsort(turns))[self.inside, self.owner]
+            missing = _WOUND * each.missing(self.poses, np.argsort(turns))[self.inside, self.owner]
             known += np.outer(missing, missing)
         return self.total - float(np.sum(np.linalg.inv(known) * self.weights))
 
