@@ -2,10 +2,10 @@
 
 Read out and back, a zero that comes and goes is the same on both ways, and an axis that grows and shrinks again has
 always grown by half at its far end. Both then look like an error. So pairs of readings change their turns where that
-lowers J times the seconds of the plan, J with what passes and reversals that need a way. With rows G, the criterion V
-and columns P of what passes
+lowers D times the seconds of the plan. D is what J, with all that passes and reversals that need a way, lies above that
+of readings without noise at these places. With rows G, the criterion V and columns P of what passes
 
-    J = tr(V C Vᵀ) − tr(K⁻¹ B),    K = G C Gᵀ + R + P Pᵀ,    B = G C Vᵀ V C Gᵀ
+    D = tr(K₀⁻¹ B) − tr(K⁻¹ B),    K = K₀ + R + P Pᵀ,    K₀ = G C Gᵀ,    B = G C Vᵀ V C Gᵀ
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ _WOUND = 10.0
 """Times its default, so much of a reversal needs a way here: else no two readings tell a reversal that needs one."""
 _PAIRS, _WORK = 300, 1e9
 """Pairs that are tried, and operations at most: a hundred pairs leave J within 2 % of what a thousand do."""
+_SAME = 1e-9
+"""Readings that differ by less of their variances are the same."""
 _SEED = 1
 """Any: a plan is the same every time."""
 
@@ -52,14 +54,14 @@ class _AtTurns(NamedTuple):
 class _OneSetup:
     """Readings of one set-up, in any order.
 
-    lasting : (k, k) K without what passes; weights : B (k, k); owner : (k,) the reading of each number
+    exact : tr(K₀⁻¹ B); lasting : (k, k) K₀ + R; weights : B (k, k); owner : (k,) the reading of each number
     shared : (k, k) whether two numbers have one zero; growing : (k, k) how alike two of them grow
     turning : reversals that need a way; inside : (k,) which number of its reading each is; poses : (r, q)
     ways : (r, r) seconds from each reading to each; first : (r,) seconds to each from where the machine stands
     """
 
     passing: _AtTurns
-    total: float
+    exact: float
     lasting: Array
     weights: Array
     owner: NDArray[np.intp]
@@ -72,13 +74,13 @@ class _OneSetup:
     first: Array
 
     def value(self, turns: NDArray[np.intp]) -> float:
-        """Return J.  turns : (r,) of each reading"""
+        """Return D.  turns : (r,) of each reading"""
         at = np.ix_(turns[self.owner], turns[self.owner])
         known = self.lasting + self.passing.zeros[at] * self.shared + self.passing.growth[at] * self.growing
         for each in self.turning:
             missing = _WOUND * each.missing(self.poses, np.argsort(turns))[self.inside, self.owner]
             known += np.outer(missing, missing)
-        return self.total - float(np.sum(np.linalg.inv(known) * self.weights))
+        return self.exact - float(np.sum(np.linalg.inv(known) * self.weights))
 
     def seconds(self, turns: NDArray[np.intp]) -> float:
         """Return the time of the ways.  turns : (r,) of each reading"""
@@ -124,7 +126,8 @@ def _way(task: Task, order: Places, where: NDArray[np.intp]) -> _OneSetup:
     state = _after_others(task, order, where).opened(mine)
     rows, variances, owner = state.rows(mine)
     seen = rows @ state.factor
-    crossed = state.weighted @ seen.T
+    lasting, crossed = seen @ seen.T, state.weighted @ seen.T
+    weights = crossed.T @ crossed
     inside = np.arange(len(rows)) - np.searchsorted(owner, owner)
     grown = [axis[inside, owner] for axis in growing(task.observation, index, mine.poses)]
     counted = counting(task, mine)
@@ -132,9 +135,9 @@ def _way(task: Task, order: Places, where: NDArray[np.intp]) -> _OneSetup:
     first = np.zeros(len(mine)) if here is None else way_seconds(machine, setup, here.poses, mine.poses, counted)
     return _OneSetup(
         _AtTurns.at(setup, np.cumsum(seconds_each(task, order)[where])),
-        state.value,
-        seen @ seen.T + np.diag(variances),
-        crossed.T @ crossed,
+        float(np.sum(np.linalg.pinv(lasting, _SAME, hermitian=True) * weights)),
+        lasting + np.diag(variances),
+        weights,
         owner,
         inside[:, None] == inside,
         sum((np.outer(each, each) for each in grown), np.zeros((len(rows), len(rows)))),
