@@ -88,7 +88,7 @@ def _chosen(case: Case, task: Task, limits: Limits, left: Sequence[Place], gaps:
     long = task.observation.size > _SMALL
     if len(coming):  # climbing would bring places that were shaken back to their regular distances
         unsure = 1 + 1 / math.sqrt(2 * max(len(task.taken), 1)) if len(case.sizes) else 1.0
-        coming = renewed(task, limits, coming, 0.0 if gaps or usual or long else math.inf, unsure)
+        coming = renewed(task, limits, coming, 0.0 if gaps or usual or long else math.inf, unsure, usual)
     if len(coming):
         return coming
     # off the lattice a way might lead into a gap

@@ -164,37 +164,6 @@ def out_and_back(machine: Machine, setup: Setup, places: Places, counted: Array,
     return places.within(_shorter(machine, setup, places, counted, out, back, here))
 
 
-def beside(setup: Setup, counted: Array, places: Places, counted_before: Array, before: Places) -> Places:
-    """Return readings in the order of an earlier way, those that are not on it beside the nearest ones of their side.
-
-    counted : (m, q) approaches, 0 where any side will do; counted_before : (t, q) those of the earlier way
-    Where none of their side is on it, those of the other side count.
-    """
-    (k,) = setup.moves
-    told, at = _told(setup, counted[:, k]), places.poses[:, k]
-    sides = np.zeros(len(places)) if told is None else told
-    rows = np.column_stack([places.poses, counted]).tolist()
-    way = list[int]()
-    for row in np.column_stack([before.poses, counted_before]).tolist():
-        way += [index for index, each in enumerate(rows) if each == row and index not in way][:1]
-    for index in np.setdiff1d(np.arange(len(places)), way).tolist():
-        if not way:
-            return places
-        alike = [place for place, other in enumerate(way) if sides[other] == sides[index]] or [*range(len(way))]
-        near = min(alike, key=lambda place: (abs(at[way[place]] - at[index]), place))
-        beyond = bool(at[index] >= at[way[near]])
-        way.insert(near + (_rises_at(at[way], sides[way], near) == beyond), index)
-    return places.within(np.array(way, dtype=np.intp))
-
-
-def _rises_at(at: Array, sides: Array, index: int) -> bool:
-    """Whether a way rises where it comes to a reading: from below it does, and where no side says as it goes on."""
-    if sides[index] != 0:
-        return bool(sides[index] > 0)
-    start, stop = (index, index + 1) if index + 1 < len(at) else (max(index - 1, 0), index)
-    return bool(at[stop] >= at[start])
-
-
 def _told(setup: Setup, sides: Array) -> Array | None:
     """Return from which side places are come to, (m,); None where that does not say on which way."""
     return sides if len(setup.sides) > 1 and np.all(sides != 0) else None

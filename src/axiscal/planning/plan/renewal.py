@@ -18,7 +18,8 @@ from axiscal.planning.gains.covariance import RunningAccuracy
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.exchange import drop, exchange, fitted, polish
 from axiscal.planning.plan.greedy import Setups, Trial, affordable, filled, within_reach
-from axiscal.planning.plan.order import arriving, beside, counting, in_order, returns, seconds_along
+from axiscal.planning.plan.interleaved import interleaved
+from axiscal.planning.plan.order import arriving, in_order, seconds_along
 from axiscal.planning.plan.task import Clock, Limits, Patience, Task, clock
 
 _SWEEPS = 3
@@ -31,11 +32,14 @@ _FAR, _MOST = 40, 150
 """Readings more that are tried before a plan of other set-ups: the first always, all while mounting takes longer."""
 
 
-def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0, unsure: float = 1.0) -> Places:
+def renewed(
+    task: Task, limits: Limits, left: Places, patience: float = 0.0, unsure: float = 1.0, usual: bool = False
+) -> Places:
     """Return the readings to come in their order, from those that are left of a plan and within its set-ups.
 
     limits : what is left of them; patience : operations that climbing off the lattice may take
     unsure : factor by which what is foreseen may yet become larger, as learnt sizes do: what may be needed stays
+    usual : with what usually goes wrong: what is new is interleaved with the rest
     None are returned where there is no time for any of these set-ups, or they fall short by much and others do not.
     """
     times = clock(task)
@@ -52,28 +56,16 @@ def renewed(task: Task, limits: Limits, left: Places, patience: float = 0.0, uns
         exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
         places = fitted(task, limits.times(1 / unsure), times, trial).scores.places
-    order = _as_before(task, _shorter(task, in_order(task, places), left), left)
+    order = _ordered(task, limits, places, left, usual)
     return replace(order, approaches=arriving(task, order))
 
 
-def _shorter(task: Task, order: Places, left: Places) -> Places:
-    """Return the order as it was, where it holds the same readings and takes no longer."""
-    same = order.same_as(left)
-    return left if same and seconds_along(task, left) <= seconds_along(task, order) else order
-
-
-def _as_before(task: Task, order: Places, left: Places) -> Places:
-    """Return each set-up that is read out and back as it was, and its other readings beside those of their side.
-
-    A reading more would shift the rounds of all beyond it.
-    """
-    parts = []
-    for index in dict.fromkeys(order.setups.tolist()):
-        part, old = order.within(order.setups == index), left.within(left.setups == index)
-        setup = task.observation.setups[index]
-        own = returns(setup) and len(old)
-        parts.append(beside(setup, counting(task, part), part, counting(task, old), old) if own else part)
-    return Places.joined(parts) if parts else order
+def _ordered(task: Task, limits: Limits, places: Places, left: Places, usual: bool) -> Places:
+    """Return readings in their order: as it was where it holds the same ones, and a way out and back takes no less."""
+    order, same = in_order(task, places), places.same_as(left)
+    if same and (usual or seconds_along(task, left) <= seconds_along(task, order)):
+        return left
+    return interleaved(task, limits, order) if usual else order
 
 
 def _mountable(limits: Limits, times: Clock, left: Places) -> Places:
