@@ -217,7 +217,3 @@ class PortError(InputError):
 
 class StudyError(InputError):
     """A study that cannot be run, or gone on with."""
-
-
-class SchedulerError(InputError):
-    """A cluster that is asked to work and is not there, is not the right one, or went away."""

@@ -80,10 +80,6 @@ def test_a_dry_run_counts_and_writes_nothing(tmp_path: Path, capsys: pytest.Capt
     assert {path.name for path in tmp_path.iterdir()} == {"campaign.toml", "study.toml"}
 
 
-def test_a_scheduler_beside_workers_is_wrong_usage(tmp_path: Path) -> None:
-    assert run(["study", str(written(tmp_path)), "--workers", "2", "--scheduler", "tcp://127.0.0.1:9"]) == 2
-
-
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="needs SIGINT of another process")
 def test_ctrl_c_ends_at_once_and_keeps_what_is_done(tmp_path: Path) -> None:

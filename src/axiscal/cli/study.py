@@ -12,13 +12,12 @@ import typer
 
 from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Json
-from axiscal.cli.printing import say_either, tell
+from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import AxiscalError, InputError, StudyError
 from axiscal.language.spoken import counted, put
 from axiscal.numerics.stages import counting
-from axiscal.ports.study.cluster import Cluster
 from axiscal.ports.study.comparing import MeasuringWay, verdicts, ways_of
 from axiscal.ports.study.outcome import outcome
 from axiscal.ports.study.processes import Processes
@@ -39,9 +38,6 @@ def study(
     workers: Annotated[
         int | None, typer.Option(metavar="N", help="Processes on this computer; default: its processors.", min=1)
     ] = None,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="tcp://HOST:8786", help="Work on a Dask cluster that runs already.")
-    ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Compute only the cases that DIR lacks.")] = False,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say how many cases there are and how long they take, from the first two.")
@@ -58,16 +54,15 @@ def study(
     Examples:
       axiscal study study.toml --dry-run
       axiscal study study.toml --out results
-      axiscal study study.toml --out results --resume --scheduler tcp://192.168.1.5:8786
+      axiscal study study.toml --out results --resume
     """
-    if scheduler is not None and workers is not None:
-        raise typer.BadParameter("a cluster has workers of its own", param_hint="--workers")
     described = read_study(file)
     if dry_run:
         _foretell(described, workers or processors_here(), json)
         return
     folder = out or file.with_name(f"{file.stem}-results")
-    engine = _engine(described, workers, scheduler)
+    count = min(workers or processors_here(), described.count)
+    engine = here if count == 1 else Processes(count)
     again = f"axiscal study {file} --out {folder} --resume"
     with Results(folder, described.text, described.digest, versions(), resume) as results:
         ran = _run(described, results, engine, again)
@@ -77,16 +72,6 @@ def study(
         many = "{count} cases of {cases} could not be computed: the last column of the table says why"
         what = counted(one, many, ran.failed, cases=described.count)
         raise StudyError(what, "Mend the study, and begin another --out")
-
-
-def _engine(described: Study, workers: int | None, scheduler: str | None) -> Engine:
-    if scheduler is not None:
-        cluster = Cluster(scheduler, described.digest)
-        if cluster.open_to_others:
-            tell(f"Mind: whoever reaches {scheduler} can run anything on its workers. Use tls:// beyond this computer.")
-        return cluster
-    count = min(workers or processors_here(), described.count)
-    return here if count == 1 else Processes(count)
 
 
 def _run(described: Study, results: Results, engine: Engine, again: str) -> Ran:

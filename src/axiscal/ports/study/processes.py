@@ -16,10 +16,12 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 
 from axiscal.exceptions import StudyError
-from axiscal.ports.study.study_case import TRIES, Done, Solve, WorkItem, answered, given_up
+from axiscal.ports.study.study_case import Done, Solve, WorkItem, answered
 
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 """What the usual BLAS look at when they are loaded."""
+_TRIES = 4
+"""Processes that one question may bring to their end before it is given up: the first and three more."""
 
 
 class _Lane:
@@ -104,7 +106,9 @@ class Processes:
         except BrokenProcessPool:
             lane.renew()
             tried[question.key] = tried.get(question.key, 0) + 1
-            return given_up(question) if tried[question.key] >= TRIES else None
+            if tried[question.key] < _TRIES:
+                return None
+            return Done(question.key, None, f"the process that worked on it ended without a word, {_TRIES} times")
 
 
 @contextmanager

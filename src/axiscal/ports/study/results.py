@@ -170,7 +170,7 @@ def run_missing(
 ) -> Ran:
     """Work on all items that have no result yet, and keep what comes of them; each is on the disk at once.
 
-    count : of all items.  Raises StudyError, SchedulerError, KeyboardInterrupt; what was kept is kept.
+    count : of all items.  Raises StudyError, KeyboardInterrupt; what was kept is kept.
     """
     there = results.keys()
     missing, done = count - len(there), 0

@@ -1,6 +1,6 @@
 """A case of a study: one virtual machine, measured in one way. It carries all that it is a function of.
 
-As work it can go to any process: a question with its key, and what came of it.
+As work it can go to another process: a question with its key, and what came of it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Stop(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """One way of measuring, as texts, so that it can go to another computer.
+    """One way of measuring, as texts, so that it can go to another process.
 
     choices : JSON of the values of the grid, by key
     campaign, machine, truth : texts; of `truth` the errors are drawn; names : what failures call campaign and machine
@@ -103,9 +103,6 @@ FIGURES = {
 Solve = Callable[[Any], dict[str, Any]]
 """A pure function of a question that can be pickled; its result can be written as JSON."""
 
-TRIES = 4
-"""Processes that one question may bring to their end before it is given up: the first and three more."""
-
 
 class WorkItem(NamedTuple):
     """asked : what `Solve` is given"""
@@ -123,7 +120,7 @@ class Done(NamedTuple):
 
 
 class Engine(Protocol):
-    """Something that works: in this process, in some on this computer, or on many computers."""
+    """Something that works: in this process, or in some of this computer."""
 
     def __call__(self, solve: Solve, questions: Iterable[WorkItem]) -> Generator[Done]:
         """Yield what comes of questions, in any order."""
@@ -137,11 +134,6 @@ def answered(solve: Solve, question: WorkItem) -> Done:
         return Done(question.key, None, str(fault))
     except Exception as fault:  # noqa: BLE001 - a defect in one case of thousands is a row of the table
         return Done(question.key, None, f"a defect in axiscal: {type(fault).__name__}: {fault}")
-
-
-def given_up(question: WorkItem) -> Done:
-    """Return what is kept of a question that ends every process that works on it."""
-    return Done(question.key, None, f"the process that worked on it ended without a word, {TRIES} times")
 
 
 def here(solve: Solve, questions: Iterable[WorkItem]) -> Generator[Done]:
