@@ -28,41 +28,28 @@ _WORDS = {
 }
 
 
-_OTHERS = {
-    "G_plus": "ISO 230-4, circular deviation, counter-clockwise",
-    "G_minus": "ISO 230-4, circular deviation, clockwise",
-    "G_b": "ISO 230-4, bidirectional circular deviation",
-    "F_max": "ISO 230-4, radial deviation, the largest",
-    "F_min": "ISO 230-4, radial deviation, the smallest",
-    "D": "ISO 230-4, mean bidirectional radial deviation",
-    "E_d": "ISO 230-6, systematic deviation, the largest of the diagonals",
-    "B_d": "ISO 230-6, reversal, the largest of the diagonals",
-    "radial_total": "ISO 230-7, total error motion, radial",
-    "radial_synchronous": "ISO 230-7, synchronous error motion, radial",
-    "radial_asynchronous": "ISO 230-7, asynchronous error motion, radial",
-    "axial_total": "ISO 230-7, total error motion, axial",
-    "axial_synchronous": "ISO 230-7, synchronous error motion, axial",
-    "axial_asynchronous": "ISO 230-7, asynchronous error motion, axial",
-    "fundamental": "ISO 230-7, once per turn: runout, or along the axis an error motion",
+_CIRCLE = {
+    "G_plus": "circular deviation, counter-clockwise",
+    "G_minus": "circular deviation, clockwise",
+    "G_b": "bidirectional circular deviation",
+    "F_max": "radial deviation, the largest",
+    "F_min": "radial deviation, the smallest",
+    "D": "mean bidirectional radial deviation",
 }
-_TOGETHER = "ISO 10791-6, range of the deviation over the path"
 
 
 def iso230(
     readings: Annotated[Path, typer.Argument(metavar="READINGS.csv", help="The test; its columns say which one.")],
     json: Json = False,
 ) -> None:
-    """Print the figures of ISO 230 and ISO 10791-6.
+    """Print the figures of ISO 230-2 or ISO 230-4.
 
-    The columns say what was tested: an axis, a circle, diagonals, a spindle, or axes together.
+    The columns say what was tested: an axis or a circle.
 
     Positioning, ISO 230-2: target_mm, direction (+ or -), run, deviation_um; target_deg and deviation_arcsec for a
     rotary axis; a Renishaw .rtl file of a linear axis does as well. Behind ± stands how far each figure scatters when
     the test is repeated (k = 2).
-    Diagonals, ISO 230-6: the same with a column diagonal.
     Circle, ISO 230-4: angle_deg, direction (+ counter-clockwise), deviation_um of the radius.
-    Spindle, ISO 230-7: angle_deg, turn, deviation_um.
-    Kinematic, ISO 10791-6 (K, AK, BK, CK): test, angle_deg, direction, and deviation_um of a bar or x_um, y_um, z_um.
 
     \b
     Example:
@@ -78,7 +65,7 @@ def iso230(
         _say_positioning(found)
     else:
         for name, value in found.figures.items():
-            say(f"{name:20}{to_unit(value, 'um'):10.3f} um   {_OTHERS.get(name, _TOGETHER)}")
+            say(f"{name:20}{to_unit(value, 'um'):10.3f} um   {_CIRCLE[name]}")
     for warning in found.warnings:
         say(warning)
 

@@ -1,5 +1,6 @@
-"""The figures of the standards, from readings alone: positioning, circles, diagonals, rotating axes."""
+"""The figures of the standards, from readings alone: positioning and circles."""
 
+from axiscal.evaluation.circle import CircleFigures, circular, figures_of
 from axiscal.evaluation.one_axis import (
     FIGURES,
     Positioning,
@@ -8,19 +9,15 @@ from axiscal.evaluation.one_axis import (
     evaluate,
     read_iso230,
 )
-from axiscal.evaluation.other_tests import StandardFigures, circular, diagonals, error_motion, figures_of, kinematic
 
 __all__ = [
     "FIGURES",
+    "CircleFigures",
     "Positioning",
     "PositioningTest",
-    "StandardFigures",
     "TargetFigures",
     "circular",
-    "diagonals",
-    "error_motion",
     "evaluate",
     "figures_of",
-    "kinematic",
     "read_iso230",
 ]

@@ -1,0 +1,134 @@
+"""Circular tests, and which test a file holds: of a circle or of positioning.
+
+Circular tests by ISO 230-4: readings of a ball bar or a grid plate along a circle, in one or both directions. From the
+deviations of the radius, actual minus nominal, with the centre of least squares taken off (LSC):
+
+    G     circular deviation of one direction: max e − min e, the radial width of the path about its own centre
+    G_b   bidirectional circular deviation: the same of both paths together about their common centre
+    F     radial deviation, largest and smallest deviation of the radius from the nominal one about that centre
+    D     mean bidirectional radial deviation: mean of the radii of least squares of both paths, less the nominal one
+
+The standard defines G by the two concentric circles of least separation. The width about the centre of least squares is
+never smaller, and a few percent larger at most. The least-squares centre of readings around a turn is that of
+r(θ) = r₀ + a cos θ + b sin θ + e(θ).
+
+(Formulas after ISO 230-4:2005, quoted from memory.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from axiscal.evaluation.one_axis import Positioning, arranged, evaluate
+from axiscal.exceptions import EvaluationError
+from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, CsvTable, table_of
+from axiscal.measurement.readers.positioning import positioning_rows, read_direction
+from axiscal.measurement.readers.renishaw import is_rtl, rtl_positioning
+from axiscal.measurement.readers.text import read_text
+from axiscal.numerics import Array
+from axiscal.units import to_unit
+
+_AROUND = 8
+"""Angles that tell a centre from a lobed circle of two or three lobes."""
+_CIRCLE = frozenset({"angle", "direction", "deviation"})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CircularTest:
+    """A circular test: angles (m,) rad, deviations of the radius (m,) m, directions (m,) +1 counter-clockwise or −1."""
+
+    angles: Array
+    deviations: Array
+    directions: Array
+    file: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CircleFigures:
+    """Figures by name, m, and the centre of both paths together, m."""
+
+    figures: Mapping[str, float]
+    centre: tuple[float, float]
+    warnings: tuple[str, ...] = ()
+
+    def as_json(self) -> dict[str, object]:
+        """Return the document, figures in um."""
+        figures = {name: to_unit(value, "um") for name, value in self.figures.items()}
+        return {"schema": "axiscal-iso230-4/1", "unit": "um", **figures, "warnings": list(self.warnings)}
+
+
+def figures_of(path: str | Path) -> Positioning | CircleFigures:
+    """Return the figures of the test that a file holds; raises ReadingError, EvaluationError."""
+    file = read_text(path)
+    if is_rtl(file):
+        return evaluate(arranged(rtl_positioning(file)))
+    table = table_of(file)
+    if {column.stem for column in table.columns} >= _CIRCLE:
+        return circular(circle_of(table))
+    return evaluate(arranged(positioning_rows(table)))
+
+
+def circle_of(table: CsvTable) -> CircularTest:
+    """Interpret a table as a circular test; raises ReadingError."""
+    layout = {"angle": ANGLES, "direction": TEXT, "deviation": LENGTHS}
+    angle, direction, deviation = table.needed(layout, "angle_deg", "direction", "deviation_um")
+    rows = [(row.quantity(angle), row.quantity(deviation), read_direction(row, direction)) for row in table.rows]
+    angles, deviations, directions = np.array(rows, dtype=float).reshape(-1, 3).T
+    return CircularTest(angles, deviations, directions, table.file)
+
+
+def circular(test: CircularTest) -> CircleFigures:
+    """Return G_plus (counter-clockwise), G_minus, G_b, F_max, F_min, D; raises EvaluationError for less than a turn."""
+    measured = _ways(test.directions)
+    for name, mine in measured.items():
+        if not _covers_a_turn(test.angles[mine]):
+            what = "the clockwise readings do not go all around"
+            what = "the counter-clockwise readings do not go all around" if name == "plus" else what
+            raise EvaluationError(what, "Give eight angles or more, no quarter of the turn without one", test.file)
+    whole = _centred(test.angles, test.deviations)
+    each = {name: _centred(test.angles[mine], test.deviations[mine]) for name, mine in measured.items()}
+    figures = {f"G_{name}": float(np.ptp(found.left)) for name, found in each.items()}
+    radial = whole.radius + whole.left
+    if len(measured) == 2:
+        figures["G_b"] = float(np.ptp(whole.left))
+        figures["D"] = float(np.mean([found.radius for found in each.values()]))
+    figures |= {"F_max": float(radial.max()), "F_min": float(radial.min())}
+    missing = () if len(measured) == 2 else ("Only one direction was measured: G_b and D are not known.",)
+    return CircleFigures(figures, whole.centre, missing)
+
+
+def _ways(directions: Array) -> dict[str, NDArray[np.bool_]]:
+    """Return which readings were taken one way and the other, without ways that none was taken on."""
+    ways = {"plus": directions > 0, "minus": directions < 0}
+    return {name: mine for name, mine in ways.items() if np.any(mine)}
+
+
+class _Centred(NamedTuple):
+    """radius : r₀; centre : (a, b); left : (m,) e, all m"""
+
+    radius: float
+    centre: tuple[float, float]
+    left: Array
+
+
+def _centred(angles: Array, deviations: Array) -> _Centred:
+    """Return deviations (m,) of a radius without what the place of the centre does, by least squares.
+
+    angles : (m,) rad, on at least half a turn or the centre is not told from the radius
+    """
+    columns = np.column_stack([np.ones_like(angles), np.cos(angles), np.sin(angles)])
+    radius, a, b = np.linalg.lstsq(columns, deviations, rcond=None)[0].tolist()
+    return _Centred(radius, (a, b), deviations - columns @ np.array([radius, a, b]))
+
+
+def _covers_a_turn(angles: Array) -> bool:
+    """Whether no gap between neighbouring angles is as large as a quarter of a turn."""
+    around = np.sort(np.mod(angles, 2 * np.pi))
+    gaps = np.diff(around, append=around[:1] + 2 * np.pi)
+    return bool(len(around) >= _AROUND and gaps.max() < np.pi / 2)
