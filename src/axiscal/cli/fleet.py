@@ -2,20 +2,10 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
-from pathlib import Path
-from typing import Annotated
-
-import typer
-
-from axiscal.cli.arguments import Json, Records, positive_length
+from axiscal.cli.arguments import Json, Records
 from axiscal.cli.printing import say_either, tell
 from axiscal.cli.texts import count_text, micrometres
-from axiscal.document.durable import write_whole
-from axiscal.ports.fleet.due_dates import Wanted, due_dates
-from axiscal.ports.fleet.history_page import histories, render
 from axiscal.ports.fleet.shop_list import ShopList, ShopRecord, shop_list
-from axiscal.record.opening import records_of
 from axiscal.units import to_unit
 
 _SHOWN = 12
@@ -23,45 +13,22 @@ _SHOWN = 12
 _HEADS = "machine", "measured", "readings", "target", "RMS", "U (95 %)", "agreement", "digest", "record"
 
 
-def fleet(
-    folder: Records,
-    page: Annotated[
-        Path | None, typer.Option("--page", metavar="FILE.html", help="Draw each machine over the years, as a page.")
-    ] = None,
-    target: Annotated[
-        str | None, typer.Option(metavar="RMS", help='On the page, such as "4 um"; default: of each campaign.')
-    ] = None,
-    json: Json = False,
-) -> None:
+def fleet(folder: Records, json: Json = False) -> None:
     """List the records of a shop.
 
     Each line has machine, day, accuracy, target, and the digest of the record. What a record comes to is kept in your
     folder for caches, in `axiscal/fleet.json`, so that it is estimated only once; it can be thrown away. Records that
     are damaged, no records, or the same as another are named with the reason.
 
-    The page shows what is left with each machine's tables from campaign to campaign, and when it is due. Below stand
-    what the campaigns found with 95 % bands, figures of ISO 230-2 where readings are such a test, and the notes.
-
     \b
     Examples:
       axiscal fleet records
-      axiscal fleet records --page years.html --target "4 um"
       axiscal fleet store:
     """
-    wanted = None if target is None else positive_length(target)
     found = shop_list(folder)
     if found.why_apart:
         tell(f"Nothing is kept for the next time: {found.why_apart}.")
-    if page is not None:
-        _draw(folder, page, wanted)
-    written = [] if page is None else [f"Written: {page}"]
-    say_either(json, "axiscal-fleet/1", _document(found), [*_lines(found), *written])
-
-
-def _draw(folder: Path, page: Path, target: float | None) -> None:
-    now = datetime.now(UTC)
-    shop = due_dates(records_of(folder), now.date(), Wanted(target))
-    write_whole(page, render(shop, histories(shop, now)).encode())
+    say_either(json, "axiscal-fleet/1", _document(found), _lines(found))
 
 
 def _lines(found: ShopList) -> list[str]:

@@ -39,11 +39,6 @@ def line_trace(x: Sequence[float], y: Sequence[float], colour: str, width: float
     return {"type": "scatter", "mode": "lines", "x": x, "y": y, "line": {"color": colour, "width": width, "dash": dash}}
 
 
-def mark_trace(x: Sequence[float], y: Sequence[float], colour: str, size: float) -> Figure:
-    """Return round marks at points.  size : pixels across"""
-    return {"type": "scatter", "mode": "markers", "x": x, "y": y, "marker": {"color": colour, "size": size}}
-
-
 def positioning_figure(curve: PositioningCurve) -> Figure:
     """Return positioning from below, solid, and from above, dashed: found, and left over it, both with 95 %."""
     at, bands, lines = numbers(curve.position, f"positions of {curve.axis}"), list[Figure](), list[Figure]()

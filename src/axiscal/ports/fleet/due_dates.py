@@ -12,7 +12,7 @@ that all sisters share stays (`wearing`). Named tables of a control add the erro
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime, timedelta
 from itertools import pairwise
@@ -98,16 +98,11 @@ class DueMachine:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Shop:
-    """machines : those first that are due first; aging : how machines change; left_out : records that do not count
-
-    histories : the records of each machine in the order of time, by the digest of the last; known : what each came to
-    """
+    """machines : those first that are due first; aging : how machines change; left_out : records that do not count"""
 
     machines: tuple[DueMachine, ...]
     aging: Aging
     left_out: tuple[SisterRecord, ...]
-    histories: Mapping[str, Sequence[MachineRecord]]
-    known: Mapping[str, Estimation]
 
 
 def titles(machines: Sequence[DueMachine]) -> list[str]:
@@ -149,8 +144,7 @@ def due_dates(files: Iterable[Path], today: date, wanted: Wanted = Wanted()) -> 
     if not machines:
         raise faults[0]
     order = sorted(machines, key=lambda machine: (machine.due or date.max, machine.name))
-    by_last = {history[-1].digest: history for history in histories}
-    return Shop(tuple(order), learnt, tuple(left), by_last, known)
+    return Shop(tuple(order), learnt, tuple(left))
 
 
 def _with_tables(record: MachineRecord) -> SisterRecord:

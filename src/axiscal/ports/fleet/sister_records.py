@@ -25,7 +25,7 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.stages import staged
-from axiscal.record.events import Note, Recorded
+from axiscal.record.events import Recorded
 from axiscal.record.log import campaign_of, shared_events
 from axiscal.record.opening import opened_log
 from axiscal.record.payload import encode
@@ -42,7 +42,7 @@ class MachineRecord:
     """A record as it was read.
 
     digest : of its machine and readings; begun : ISO 8601, UTC; renewed : axes that a note after its last reading names
-    notes : all of them; campaign : which one it is of; chains : the hash behind each of its events
+    campaign : which one it is of; chains : the hash behind each of its events
     """
 
     file: Path
@@ -51,7 +51,6 @@ class MachineRecord:
     description: CampaignDescription
     readings: tuple[Reading, ...]
     renewed: tuple[str, ...] = ()
-    notes: tuple[Note, ...] = ()
     campaign: str = ""
     chains: tuple[str, ...] = ()
 
@@ -123,7 +122,7 @@ def _read(file: Path) -> MachineRecord:
     later = [note.text for note in state.notes if note.after >= len(state.readings)]
     chains = tuple(text.chain for text in texts)
     which = file, digest, texts[0].row.at, description, state.readings
-    return MachineRecord(*which, renewed_axes(later), state.notes, campaign_of(texts[0]), chains)
+    return MachineRecord(*which, renewed_axes(later), campaign_of(texts[0]), chains)
 
 
 def renewed_axes(notes: Iterable[str]) -> tuple[str, ...]:
