@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from datetime import UTC, date, datetime, timedelta
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -20,11 +20,11 @@ from axiscal.estimation.inference.data_equation import DataEquation, data_equati
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import TypePrior, individual, over
-from axiscal.exceptions import AmbiguityError, PlanError, RecordError, TableError, TargetError
+from axiscal.exceptions import AmbiguityError, RecordError, TableError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import unique_root
-from axiscal.ports.fleet.due_dates import DueMachine, Wanted, calendar, due_dates, titles
+from axiscal.ports.fleet.due_dates import due_dates, titles
 from axiscal.ports.fleet.type_learning import learnt_type
 from axiscal.ports.fleet.wearing import Aging, Pair, Wearing, aging
 from axiscal.ports.fleet.worn_machine import WornMachine
@@ -136,9 +136,6 @@ def test_what_all_sisters_have_does_not_wear_off(taught: TypePrior, renewed: tup
     shift = seen.mean(axis=0) if known.case.yardstick.zeroed[0] else 0.0
     true = float(np.sqrt(np.mean(((seen - shift) @ left) ** 2)))
     np.testing.assert_allclose(WornMachine(known, _certain(0.905), renewed).rms(1.0), true, rtol=0.05)
-    stated = concluded(Case(slide()), read_on(7))
-    by_type, plain = (WornMachine(stated, _certain(0.905), renewed, taught=of).rms(1.0) for of in (taught, None))
-    assert by_type < plain
 
 
 def test_a_machine_measured_by_what_its_type_has_taught_is_not_due_before_it_is(
@@ -150,23 +147,11 @@ def test_a_machine_measured_by_what_its_type_has_taught_is_not_due_before_it_is(
     with Campaign.open(tmp_path / "few.axiscal", write=False) as campaign:
         began, known = date.fromisoformat(campaign.begun[:10]), campaign.estimate(ended=True)
         there = known.accuracy.rms
-    (machine,) = due_dates([tmp_path / "few.axiscal"], began, Wanted(8e-6)).machines
+    (machine,) = due_dates([tmp_path / "few.axiscal"], began, 8e-6).machines
     assert there < machine.now < 1.3 * 4e-6
     for target, said in ((1.1 * there, "and what is not kept is more"), (0.9 * there, "was not as good")):
         assert run(["due", str(tmp_path), "--target", f"{1e6 * target:.9f} um"]) == 0
         assert said in capsys.readouterr().out
-    write_record(tmp_path / "plain.axiscal", slide(serial="2"), few)
-    write_record(tmp_path / "other.axiscal", slide(serial="3", travel=600), few)
-    (tmp_path / "slide.type.json").write_text(taught.text())
-    command = ["due", str(tmp_path), "--target", "8 um", "--json"]
-    now = []
-    for more in ([], ["--type", str(tmp_path / "slide.type.json")]):
-        assert run([*command, *more]) == 0
-        now.append({each["record"]: each["rms_um"] for each in json.loads(capsys.readouterr().out)["machines"]})
-    assert now[1]["few.axiscal"] == now[0]["few.axiscal"] < now[1]["plain.axiscal"] < now[0]["plain.axiscal"]
-    assert now[1]["other.axiscal"] == now[0]["other.axiscal"]
-    assert run([*command, "--type", str(tmp_path / "few.axiscal")]) == 1
-    assert run([*command, "--type", str(tmp_path / "none.json")]) == 1
 
 
 @pytest.fixture
@@ -178,11 +163,11 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_the_last_campaign_of_each_machine_counts(folder: Path) -> None:
-    found = due_dates(folder.glob("*.axiscal"), DAY, Wanted(15e-6))
+    found = due_dates(folder.glob("*.axiscal"), DAY, 15e-6)
     assert sorted(machine.record.name for machine in found.machines) == ["a-2.axiscal", "b.axiscal"]
     assert found.aging.pairs == 1
     for machine in found.machines:
-        later = due_dates(folder.glob("*.axiscal"), machine.due or DAY, Wanted(15e-6))
+        later = due_dates(folder.glob("*.axiscal"), machine.due or DAY, 15e-6)
         now = next(each.now for each in later.machines if each.record == machine.record)
         assert (now > 15e-6) == (machine.due is not None)
     with pytest.raises(RecordError, match="No record can be read"):
@@ -201,35 +186,30 @@ def test_machines_of_two_builds_may_have_the_same_number_and_one_that_cannot_be_
         return concluded(case, readings)
 
     monkeypatch.setattr("axiscal.ports.fleet.due_dates.concluded", estimated)
-    found = due_dates(folder.glob("*.axiscal"), DAY, Wanted(15e-6))
+    found = due_dates(folder.glob("*.axiscal"), DAY, 15e-6)
     names = sorted(machine.record.name for machine in found.machines)
     assert names == ["a-2.axiscal", "b.axiscal", "longer.axiscal"]
     assert [(each.file, each.left_out) for each in found.left_out] == [("mirrored.axiscal", "two places fit")]
 
 
 def test_a_renewed_axis_is_due_at_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    before = due_dates(folder.glob("b.axiscal"), DAY, Wanted(15e-6)).machines[0]
+    before = due_dates(folder.glob("b.axiscal"), DAY, 15e-6).machines[0]
     assert run(["note", str(folder / "b.axiscal"), "new ball screw", "--renewed", "Q"]) == 1
     assert "no axis" in capsys.readouterr().err
     assert run(["note", str(folder / "b.axiscal"), "new ball screw", "--renewed", "X"]) == 0
-    after = due_dates(folder.glob("b.axiscal"), DAY, Wanted(15e-6)).machines[0]
+    after = due_dates(folder.glob("b.axiscal"), DAY, 15e-6).machines[0]
     assert after.renewed == ("X",)
     assert after.now > 1.2 * before.now
     with Campaign.open(folder / "b.axiscal", write=False) as campaign:
         assert campaign.state.notes[-1].text == "new ball screw (renewed: X)"
 
 
-def test_the_command_and_its_calendar(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "torn.axiscal").write_text("no record")
-    days, command = folder / "due.ics", ["due", str(folder), "--today", "2030-01-01", "--target", "6 um"]
-    assert run([*command, "--calendar", str(days), "--json"]) == 0
+    command = ["due", str(folder), "--today", "2030-01-01", "--target", "6 um"]
+    assert run([*command, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert [each["file"] for each in document["left_out"]] == ["torn.axiscal"]
-    due = sorted(each["due"] for each in document["machines"] if each["due"])
-    lines = days.read_bytes().decode().split("\r\n")
-    starts = sorted(line.removeprefix("DTSTART;VALUE=DATE:") for line in lines if line.startswith("DTSTART"))
-    assert [day.replace("-", "") for day in due] == starts != []
-    assert max(len(line.encode()) for line in lines) <= 75
     assert run(command) == 0
     assert "learnt from 1 pair of campaigns" in capsys.readouterr().out
     assert run(["due", str(folder / "nowhere")]) == 1
@@ -237,29 +217,21 @@ def test_the_command_and_its_calendar(folder: Path, capsys: pytest.CaptureFixtur
 
 
 def test_machines_of_one_name_are_told_apart_by_their_records(folder: Path) -> None:
-    shop = due_dates([folder / "b.axiscal"], DAY, Wanted(12e-6)).machines
+    shop = due_dates([folder / "b.axiscal"], DAY, 12e-6).machines
     other = replace(shop[0], record=shop[0].record.with_name("c.axiscal"), minutes=75.0)
     assert titles(shop) == [shop[0].name]
     assert titles([*shop, other]) == [f"{shop[0].name} (b.axiscal)", f"{shop[0].name} (c.axiscal)"]
-    said = calendar([*shop, other], datetime(2030, 1, 1, tzinfo=UTC)).replace("\r\n ", "")
-    assert "(c.axiscal) is due for calibration" in said
-    assert "c.axiscal\\; about 75 minutes" in said
-
-
-def test_a_calendar_without_dates_is_empty() -> None:
-    assert calendar([], datetime(2030, 1, 1, tzinfo=UTC)).splitlines()[0] == "BEGIN:VCALENDAR"
-    assert "VEVENT" not in calendar([], datetime(2030, 1, 1, tzinfo=UTC))
 
 
 @pytest.mark.long
 def test_tables_leave_what_their_control_cannot_hold(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Of a slide with reversal a table of both sides leaves nothing, and a height map is none for it at all."""
     files = [folder / "b.axiscal"]
-    whole = due_dates(files, DAY, Wanted(15e-6)).machines[0].now
-    table = due_dates(files, DAY, Wanted(15e-6, tables="linuxcnc")).machines[0].now
+    whole = due_dates(files, DAY, 15e-6).machines[0].now
+    table = due_dates(files, DAY, 15e-6, "linuxcnc").machines[0].now
     np.testing.assert_allclose(table, whole, rtol=0.05)  # over other poses, a table with its own points
     with pytest.raises(TableError):
-        due_dates(files, DAY, Wanted(15e-6, tables="klipper"))
+        due_dates(files, DAY, 15e-6, "klipper")
     assert run(["due", str(folder), "--target", "15 um", "--tables", "nobody"]) == 1
     assert "not a controller" in capsys.readouterr().err
 
@@ -300,81 +272,3 @@ def test_a_target_of_u_is_read_from_the_campaign(folder: Path) -> None:
     file = write_record(folder / "u.axiscal", described, read_on(3))
     (machine,) = due_dates([file], DAY).machines
     assert 30e-6 / 2.2 < (machine.target or 0.0) < 30e-6 / 1.5  # the factor between both, as docs/conventions.md has it
-
-
-@pytest.mark.long
-def test_a_tolerance_of_the_worst_place_and_measuring_again(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A machine that is due by its worst place is due before its RMS passes; a renewed one is less known."""
-    command = ["due", str(folder), "--today", "2030-01-01", "--target", "15 um", "--tolerance", "35 um", "--again"]
-    assert run([*command, "--json", "--calendar", str(folder / "due.ics")]) == 0
-    document = json.loads(capsys.readouterr().out)
-
-    def on(day: date, wanted: Wanted) -> dict[str, DueMachine]:
-        return {each.record.name: each for each in due_dates(folder.glob("*.axiscal"), day, wanted).machines}
-
-    for each in document["machines"]:
-        name, due, alone = each["record"], date.fromisoformat(each["due"]), on(DAY, Wanted(15e-6))[each["record"]].due
-        assert each["by_worst"]
-        assert alone is None or due < alone
-        assert each["again"]["readings"] > 0
-        assert each["again"]["minutes"] > 0
-        then, before = (on(day, Wanted(15e-6, 35e-6))[name].beyond for day in (due, due - timedelta(days=1)))
-        assert before is not None
-        assert then is not None
-        assert before <= 0.05 < then
-    assert "the worst place may be beyond" in (folder / "due.ics").read_text()
-    assert run(command) == 0
-    said = capsys.readouterr().out
-    assert "P(worst > 35 um)" in said
-    assert "by its worst place" in said
-    (drifted,) = due_dates([folder / "b.axiscal"], DAY, Wanted(15e-6, again=True)).machines
-    assert run(["note", str(folder / "b.axiscal"), "new ball screw", "--renewed", "X"]) == 0
-    (renewed,) = due_dates([folder / "b.axiscal"], DAY, Wanted(15e-6, again=True)).machines
-    assert drifted.again is not None
-    assert renewed.again is not None
-    assert drifted.again.before.rms < renewed.again.before.rms
-    assert renewed.again.accuracy.rms <= 2e-6
-
-
-def test_a_machine_that_no_readings_make_good_enough_says_so(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def none(*_: object, **__: object) -> None:
-        raise PlanError("no readings reach 2 um", "Ask for more")
-
-    monkeypatch.setattr("axiscal.ports.fleet.due_dates.proposed", none)
-    (far,) = due_dates([folder / "b.axiscal"], DAY, Wanted(15e-6, again=True)).machines
-    assert (far.again, far.why_not) == (None, "no readings reach 2 um")
-    assert run(["due", str(folder), "--again"]) == 0
-    assert "again: no readings reach 2 um" in capsys.readouterr().out
-
-
-@pytest.mark.long
-def test_without_a_target_the_worst_place_decides_alone(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text = slide(serial="R").text.replace('rms = "2 um"', "readings = 12")
-    described = campaign_from_texts(text, "campaign.toml", slide(serial="R").machine.text, "machine.toml")
-    (folder / "r").mkdir()
-    file = write_record(folder / "r" / "r.axiscal", described, read_on(3))
-    with pytest.raises(TargetError, match=r"no RMS and no U.*`axiscal due --tolerance"):
-        due_dates([file], DAY)
-    (machine,) = due_dates([file], DAY, Wanted(tolerance=20e-6, again=True)).machines
-    assert (machine.target, machine.by_worst) == (None, True)
-    assert machine.again is not None
-    assert len(machine.again.places) == 12
-    assert run(["due", str(file.parent), "--tolerance", "1 um"]) == 0
-    said = capsys.readouterr().out
-    assert "at once: its worst place may be beyond the tolerance, what is not kept counted" in said
-    assert "as its last campaign left it" not in said
-
-
-@pytest.mark.long
-def test_no_plan_of_no_readings_is_made_where_what_is_known_meets_the_target(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    text = slide(serial="W").text.replace('rms = "2 um"', 'rms = "15 um"')
-    described = campaign_from_texts(text, "campaign.toml", slide(serial="W").machine.text, "machine.toml")
-    file = write_record(tmp_path / "w.axiscal", described, read_on(3))
-    (machine,) = due_dates([file], DAY, Wanted(tolerance=8e-6)).machines
-    assert machine.by_worst
-    assert run(["due", str(tmp_path), "--today", str(machine.last), "--tolerance", "8 um", "--again"]) == 0
-    assert "again: what is known of it meets the target of its last campaign" in capsys.readouterr().out

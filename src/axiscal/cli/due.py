@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from datetime import UTC, date, datetime
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -11,10 +10,7 @@ import typer
 from axiscal.cli.arguments import Json, Records, positive_length
 from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text, micrometres
-from axiscal.document.durable import write_whole
-from axiscal.estimation.type_prior import type_prior
-from axiscal.ports.fleet.due_dates import DueMachine, Shop, Wanted, calendar, due_dates, titles
-from axiscal.record.copies import carried_text
+from axiscal.ports.fleet.due_dates import DueMachine, Shop, due_dates, titles
 from axiscal.record.opening import records_of
 from axiscal.units import to_unit
 
@@ -24,24 +20,10 @@ def due(
     target: Annotated[
         str | None, typer.Option(metavar="RMS", help='What is to be kept, such as "4 um"; default: of each campaign.')
     ] = None,
-    tolerance: Annotated[
-        str | None,
-        typer.Option(metavar="LENGTH", help='Of the worst place, such as "20 um": due when it is beyond with 5 %.'),
-    ] = None,
-    again: Annotated[
-        bool, typer.Option("--again", help="Plan measuring each machine again on its day: readings, minutes.")
-    ] = False,
     today: Annotated[str | None, typer.Option(metavar="YYYY-MM-DD", help="Another day than today.")] = None,
-    calendar_file: Annotated[
-        Path | None, typer.Option("--calendar", metavar="FILE.ics", help="Write the days as a calendar.")
-    ] = None,
     tables: Annotated[
         str | None,
         typer.Option(metavar="CONTROLLER", help="Whose tables are loaded; default: all that was found is taken away."),
-    ] = None,
-    of_type: Annotated[
-        Path | None,
-        typer.Option("--type", metavar="FILE", help="What their type has taught: what all of them have does not wear."),
     ] = None,
     json: Json = False,
 ) -> None:
@@ -54,18 +36,12 @@ def due(
     \b
     Examples:
       axiscal shop due records
-      axiscal shop due records --target "4 um" --calendar due.ics
+      axiscal shop due records --target "4 um"
       axiscal shop due store: --tables sinumerik
-      axiscal shop due records --tolerance "20 um" --again
-      axiscal shop due records --type vmc600.type.json
     """
-    rms, worst = (None if each is None else positive_length(each) for each in (target, tolerance))
-    taught = None if of_type is None else type_prior(carried_text(of_type))
-    found = due_dates(records_of(folder), _day(today), Wanted(rms, worst, tables, taught, again))
-    if calendar_file is not None:
-        write_whole(calendar_file, calendar(found.machines, datetime.now(UTC)).encode())
-    written = [] if calendar_file is None else [f"Written: {calendar_file}"]
-    say_either(json, "axiscal-due/1", _document(found), [*_lines(found, tables, worst), *written])
+    wanted = None if target is None else positive_length(target)
+    found = due_dates(records_of(folder), _day(today), wanted, tables)
+    say_either(json, "axiscal-due/1", _document(found), _lines(found, tables))
 
 
 def _day(text: str | None) -> date:
@@ -77,11 +53,10 @@ def _day(text: str | None) -> date:
         raise typer.BadParameter(f'"{text}" is no day such as 2026-03-01', param_hint="--today") from None
 
 
-def _lines(found: Shop, tables: str | None, tolerance: float | None) -> list[str]:
+def _lines(found: Shop, tables: str | None) -> list[str]:
     names = titles(found.machines)
     width = max(map(len, names))
-    beyond = "" if tolerance is None else f"  {'P(worst > ' + micrometres(tolerance) + ')':>18}"
-    lines = [f"{'machine':{width}}  {'last':10}  {'RMS now':>9}  {'target':>9}{beyond}  due"]
+    lines = [f"{'machine':{width}}  {'last':10}  {'RMS now':>9}  {'target':>9}  due"]
     lines += [_line(machine, f"{name:{width}}") for machine, name in zip(found.machines, names, strict=True)]
     (once, once_std), (year, year_std) = found.aging.at_once, found.aging.yearly
     pairs = count_text(found.aging.pairs, "pair")
@@ -95,29 +70,18 @@ def _lines(found: Shop, tables: str | None, tolerance: float | None) -> list[str
 
 def _line(machine: DueMachine, name: str) -> str:
     day = "not within 20 years" if machine.due is None else machine.due.isoformat()
-    if machine.by_worst:
-        day += " by its worst place"
     if machine.due == machine.last:
         day = _at_once(machine)
     renewed = f", renewed since: {', '.join(machine.renewed)}" if machine.renewed else ""
-    rms, target = micrometres(machine.now), "-" if machine.target is None else micrometres(machine.target)
-    beyond = "" if machine.beyond is None else f"  {100 * machine.beyond:>16.1f} %"
-    said = f"{name}  {machine.last}  {rms:>9}  {target:>9}{beyond}  {day}"
-    return f"{said} ({machine.minutes:.0f} min the last time{_again(machine)}{renewed})"
+    rms, target = micrometres(machine.now), micrometres(machine.target)
+    said = f"{name}  {machine.last}  {rms:>9}  {target:>9}  {day}"
+    return f"{said} ({machine.minutes:.0f} min the last time{renewed})"
 
 
 def _at_once(machine: DueMachine) -> str:
-    if machine.target is None or machine.by_worst:
-        return "at once: its worst place may be beyond the tolerance, what is not kept counted"
     if machine.then > machine.target:
         return "at once: its last campaign was not as good"
     return f"at once: its last campaign came to {micrometres(machine.then)}, and what is not kept is more"
-
-
-def _again(machine: DueMachine) -> str:
-    if machine.again is None:
-        return f", again: {machine.why_not}" if machine.why_not else ""
-    return f", again {count_text(len(machine.again.places), 'reading')} in {machine.again.seconds / 60.0:.0f} min"
 
 
 def _document(found: Shop) -> dict[str, object]:
@@ -129,14 +93,11 @@ def _document(found: Shop) -> dict[str, object]:
                 "record": each.record.name,
                 "last": each.last.isoformat(),
                 "minutes": each.minutes,
-                "target_um": None if each.target is None else to_unit(each.target, "um"),
+                "target_um": to_unit(each.target, "um"),
                 "rms_then_um": to_unit(each.then, "um"),
                 "rms_um": to_unit(each.now, "um"),
                 "due": None if each.due is None else each.due.isoformat(),
                 "renewed": list(each.renewed),
-                "beyond": each.beyond,
-                "by_worst": each.by_worst,
-                "again": _plan(each),
             }
             for each in found.machines
         ],
@@ -145,9 +106,3 @@ def _document(found: Shop) -> dict[str, object]:
         "pairs": found.aging.pairs,
         "left_out": [{"file": each.file, "why": each.left_out} for each in found.left_out],
     }
-
-
-def _plan(machine: DueMachine) -> dict[str, object] | None:
-    if machine.again is None:
-        return {"why_not": machine.why_not} if machine.why_not else None
-    return {"readings": len(machine.again.places), "minutes": machine.again.seconds / 60.0}

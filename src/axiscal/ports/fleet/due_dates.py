@@ -6,7 +6,7 @@ With the tables of the last mean m in the control, what is left after Δt has th
 
 For errors of an axis that was renewed since, ρ = 0. C₀ is the machine's own part if its type is known, and the part
 that all sisters share stays (`wearing`). Named tables of a control add the errors that they cannot hold
-(`tables_left`). It is due when r passes the target, or when the worst place is beyond a tolerance with 5 %.
+(`worn_machine`). It is due when r passes the target.
 """
 
 from __future__ import annotations
@@ -24,45 +24,19 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, as_standard
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.type_prior import SisterRecord, TypePrior
-from axiscal.exceptions import AxiscalError, InputError, PlanError, RecordError, TableError, TargetError
+from axiscal.estimation.type_prior import SisterRecord
+from axiscal.exceptions import AxiscalError, InputError, RecordError, TableError, TargetError
 from axiscal.language.spoken import listed, put
 from axiscal.numerics.stages import staged
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.plan.plan import Plan
-from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import proposed
 from axiscal.ports.fleet.sister_records import MachineRecord, equation_of, other_machine, read_records, why_not
 from axiscal.ports.fleet.wearing import YEAR, Aging, Pair, Wearing, aging, found_by
 from axiscal.ports.fleet.worn_machine import WornMachine
-from axiscal.units import to_unit
-
-_LONGEST = 75
-"""Octets of a line (RFC 5545 3.1)."""
 
 _HORIZON = 20.0
 """Years: nobody plans farther."""
 _DAY = 86400.0 / YEAR
 """Years; dates are days."""
-_CHANCE = 0.05
-"""How probable it may be that the worst place is beyond the tolerance."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Wanted:
-    """What is wanted of all machines.
-
-    target : RMS, m, instead of that of each campaign; tolerance : of the worst place, m, None where none is stated
-    tables : of which control they have; None where all that was found is taken away
-    taught : by a type, of machines that were measured without it; machines of another build are as stated
-    again : whether measuring them again is planned
-    """
-
-    target: float | None = None
-    tolerance: float | None = None
-    tables: str | None = None
-    taught: TypePrior | None = None
-    again: bool = False
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -70,30 +44,20 @@ class DueMachine:
     """One machine and its last campaign.
 
     name : of machine and serial number; record : of that campaign; last : its day; minutes : of machine time it took
-    target : RMS, m, None where only the worst place counts; then : RMS that its last campaign came to, before anything
-    had changed, m
-    now : RMS of what is left today with its tables, m; beyond : how probable it is that the worst place is beyond the
-    tolerance today, None where there is none
-    due : the day it passes the target, or is beyond with 5 %, None for never; by_worst : whether it is that
+    target : RMS, m; then : RMS that its last campaign came to, before anything had changed, m
+    now : RMS of what is left today with its tables, m; due : the day it passes the target, None for never
     renewed : the axes that were renewed since
-    again : the plan by which it is measured again then, or today where that is later, until the targets of its last
-    campaign; None where nobody asked; why_not : or none is found, or none is needed
     """
 
     name: str
     record: Path
-    digest: str
     last: date
     minutes: float
-    target: float | None
+    target: float
     then: float
     now: float
-    beyond: float | None
     due: date | None
-    by_worst: bool
     renewed: tuple[str, ...]
-    again: Plan | None = None
-    why_not: str = ""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -112,11 +76,13 @@ def titles(machines: Sequence[DueMachine]) -> list[str]:
 
 
 @one_thread()
-def due_dates(files: Iterable[Path], today: date, wanted: Wanted = Wanted()) -> Shop:
+def due_dates(files: Iterable[Path], today: date, target: float | None = None, tables: str | None = None) -> Shop:
     """Return when the machines of records are due.
 
-    Raises RecordError where no record can be read, TargetError where no campaign has a target of RMS or U and no
-    tolerance is stated, or no tables can be made.
+    target : RMS, m, instead of that of each campaign
+    tables : of which control they have; None where all that was found is taken away
+    Raises RecordError where no record can be read, TargetError where no campaign has a target of RMS or U, TableError
+    where no tables can be made.
     """
     found, left = read_records(files)
     records = [record for record in found if not record.description.compensation_active]
@@ -132,11 +98,11 @@ def due_dates(files: Iterable[Path], today: date, wanted: Wanted = Wanted()) -> 
         what = "No record can be read: {whys}" if left else "No record can be read"
         raise RecordError(what, "Name records of measured machines", whys=whys)
     histories = _histories([record for record in records if record.digest in known])
-    learnt = aging([pair for history in histories for pair in _pairs(history, known, left, wanted.taught)])
+    learnt = aging([pair for history in histories for pair in _pairs(history, known, left)])
     machines, faults = list[DueMachine](), list[InputError]()
     for last in (history[-1] for history in histories):
         try:
-            machines.append(_due(last, known[last.digest], learnt, today, wanted))
+            machines.append(_due(last, known[last.digest], learnt, today, target, tables))
         except (TargetError, TableError) as fault:
             faults.append(fault)
             why = put("{what}; {remedy}", what=fault.what, remedy=fault.remedy)
@@ -176,9 +142,7 @@ def _same_machine(before: MachineRecord, after: MachineRecord) -> bool:
     return before.serial == after.serial and not other_machine(after.description.machine, before.description.machine)
 
 
-def _pairs(
-    history: Sequence[MachineRecord], known: dict[str, Estimation], left: list[SisterRecord], taught: TypePrior | None
-) -> Iterable[Pair]:
+def _pairs(history: Sequence[MachineRecord], known: dict[str, Estimation], left: list[SisterRecord]) -> Iterable[Pair]:
     """Yield what each campaign of a machine says of the one before; left : takes those that say nothing of it."""
     for before, after in pairwise(history):
         if before.renewed:
@@ -190,7 +154,7 @@ def _pairs(
         except AxiscalError as fault:
             left.append(_left(after, fault))
             continue
-        yield Pair(years, found_by(first), equation, Wearing.of(first, taught))
+        yield Pair(years, found_by(first), equation, Wearing.of(first))
 
 
 def moment(text: str) -> datetime:
@@ -199,38 +163,27 @@ def moment(text: str) -> datetime:
     return at if at.tzinfo else at.replace(tzinfo=UTC)
 
 
-def _due(record: MachineRecord, known: Estimation, learnt: Aging, today: date, wanted: Wanted) -> DueMachine:
-    own, tolerance = _own_target(known), wanted.tolerance
-    target = own if wanted.target is None else wanted.target
-    if target is None and tolerance is None:
-        remedy = 'Say one for all machines: --target "4 um"; `axiscal due --tolerance "20 um"` asks for the worst alone'
+def _due(
+    record: MachineRecord, known: Estimation, learnt: Aging, today: date, asked: float | None, tables: str | None
+) -> DueMachine:
+    target = _own_target(known) if asked is None else asked
+    if target is None:
+        remedy = 'Say one for all machines: --target "4 um"'
         raise TargetError("the campaign asks for no RMS and no U that could be kept", remedy, record.file)
     last = moment(record.begun).date()
-    machine = WornMachine(known, learnt, record.renewed, wanted.tables, wanted.taught)
-    passed = None if target is None else _first_day(lambda day: machine.rms(day * _DAY) > target)
-    beyond = None if tolerance is None else _first_day(lambda day: machine.beyond(day * _DAY, tolerance) > _CHANCE)
-    days = min((each for each in (passed, beyond) if each is not None), default=None)
-    since = max((today - last).days, 0)
-    found = DueMachine(
+    machine = WornMachine(known, learnt, record.renewed, tables)
+    days = _first_day(lambda day: machine.rms(day * _DAY) > target)
+    return DueMachine(
         name=record.description.machine.name + (f" {record.serial}" if record.serial else ""),
         record=record.file,
-        digest=record.digest,
         last=last,
         minutes=known.seconds / 60.0,
         target=target,
         then=known.accuracy.rms,
-        now=machine.rms(since * _DAY),
-        beyond=None if tolerance is None else machine.beyond(since * _DAY, tolerance),
+        now=machine.rms(max((today - last).days, 0) * _DAY),
         due=None if days is None else last + timedelta(days=days),
-        by_worst=days is not None and days != passed,
         renewed=record.renewed,
     )
-    if not wanted.again:
-        return found
-    try:
-        return replace(found, again=recalibration(known, machine.prior(max(since, days or 0) * _DAY), own))
-    except PlanError as fault:
-        return replace(found, why_not=fault.what)
 
 
 def _own_target(known: Estimation) -> float | None:
@@ -253,49 +206,6 @@ def _first_day(passed: Callable[[int], bool]) -> int | None:
     return high
 
 
-def calendar(machines: Sequence[DueMachine], now: datetime) -> str:
-    """Return the calendar, a day for each machine that is due; the same machine keeps its entry."""
-    lines = ["BEGIN:VCALENDAR", "VERSION:2.0", "PRODID:-//axiscal//due//EN"]
-    for machine, name in zip(machines, titles(machines), strict=True):
-        if machine.due is None:
-            continue
-        minutes = machine.minutes if machine.again is None else machine.again.seconds / 60.0
-        said = f"{_why(machine)}; last measured {machine.last}, {machine.record.name}; about {minutes:.0f} minutes"
-        lines += [
-            "BEGIN:VEVENT",
-            f"UID:{machine.digest[:32]}@axiscal",
-            f"DTSTAMP:{now.astimezone(UTC):%Y%m%dT%H%M%SZ}",
-            f"DTSTART;VALUE=DATE:{machine.due:%Y%m%d}",
-            f"SUMMARY:{_escaped(f'{name} is due for calibration')}",
-            f"DESCRIPTION:{_escaped(said)}",
-            "END:VEVENT",
-        ]
-    return "".join(f"{_folded(line)}\r\n" for line in [*lines, "END:VCALENDAR"])
-
-
-def _why(machine: DueMachine) -> str:
-    if machine.by_worst or machine.target is None:
-        return "the worst place may be beyond its tolerance"
-    return f"RMS passes {to_unit(machine.target, 'um'):.3g} um"
-
-
-def _escaped(text: str) -> str:
-    for sign in "\\;,":
-        text = text.replace(sign, f"\\{sign}")
-    return text.replace("\n", "\\n")
-
-
-def _folded(line: str) -> str:
-    """Return a line in pieces that are short enough, none of which cuts a letter."""
-    pieces, piece = list[str](), ""
-    for letter in line:
-        if len((piece + letter).encode()) > _LONGEST:
-            pieces.append(piece)
-            piece = " "
-        piece += letter
-    return "\r\n".join([*pieces, piece])
-
-
 def again(known: Estimation) -> CampaignDescription:
     """Return the description of a campaign with noise and sizes as learnt, and places anew."""
     described, learnt = known.stated.description, known.case.description
@@ -309,16 +219,3 @@ def case_again(described: CampaignDescription, prior: Inherited) -> Case:
     target = replace(described.target, readings=None, budget=None)
     plain = replace(described, prior_text="", sisters=None, doubt=None, target=target, sure="exactly", usual=False)
     return Case(plain, prior)
-
-
-def recalibration(known: Estimation, prior: Inherited, rms: float | None) -> Plan:
-    """Return the plan by which a machine is measured again: until the targets of its last campaign.
-
-    prior : what is known of it by then; rms : that campaign's target of an RMS or U, as an RMS, m
-    Raises PlanError where no readings reach them, or none has to: of a plan without readings nothing becomes better.
-    """
-    target, case = known.stated.description.target, case_again(again(known), prior)
-    limits = Limits(target.readings, rms, target.worst, target.budget)
-    if limits.met(case.yardstick.measure(case.knowledge.belief)):
-        raise PlanError("what is known of it meets the target of its last campaign", "Ask for less in a campaign")
-    return proposed(case, limits, bounded=False).plan

@@ -35,9 +35,8 @@ from axiscal.errors.model import ErrorModel
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.inference.data_equation import DataEquation, log_evidence
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.type_prior import TypePrior, individual, is_type_text, over, type_prior
+from axiscal.estimation.type_prior import individual, is_type_text, over, type_prior
 from axiscal.numerics import Array
-from axiscal.ports.fleet.sister_records import other_machine
 
 YEAR = 365.25 * 86400.0
 """s."""
@@ -102,14 +101,14 @@ class Wearing(NamedTuple):
         return cls(np.zeros(errors.size), errors.prior_covariance(), np.zeros((errors.size, errors.size)))
 
     @classmethod
-    def of(cls, known: Estimation, taught: TypePrior | None = None) -> Self:
-        """Return that of a machine that was measured by what its type has taught, or is of the type `taught`."""
+    def of(cls, known: Estimation) -> Self:
+        """Return that of a machine, by what its type has taught where it was measured by that."""
         errors, text = known.case.errors, known.stated.description.prior_text
-        found = type_prior(text) if is_type_text(text) else taught
-        if found is None or other_machine(errors.machine, found.machine):
+        if not is_type_text(text):
             return cls.as_stated(errors)
         if known.membership is not None and known.membership.sister < _SISTER:
             return cls.as_stated(errors)
+        found = type_prior(text)
         mean, covariance = over(found, errors)
         own = individual(found, errors)
         return cls(mean, own, covariance - own)

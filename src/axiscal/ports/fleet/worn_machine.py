@@ -1,8 +1,7 @@
 """A machine that runs on with the tables of its last campaign: its deviations after a time.
 
 The tool point is off by H (a' − m) + ℓ and the rests. Its errors after Δt are a' (`wearing`). The tables could not
-hold ℓ on the day of the campaign. The mean square over the volume is a closed form. Drawn machines, the same ones for
-every Δt, give the probability that the worst place is farther off than a tolerance.
+hold ℓ on the day of the campaign. The mean square over the volume is a closed form.
 
 Deviations with the tables of a control, for the years after a campaign.
 
@@ -16,14 +15,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.type_prior import TypePrior
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames, turn_between
 from axiscal.measurement.instrument import model_of
@@ -32,16 +28,12 @@ from axiscal.measurement.observation import directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import unique_root
-from axiscal.ports.fleet.wearing import Aging, Wearing, Worn, found_by
+from axiscal.ports.fleet.wearing import Aging, Wearing, found_by
 from axiscal.tables import registry
 from axiscal.tables.effect import Control, left_by
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.offer import spread_poses
 from axiscal.tables.on_top import informed
-
-_DRAWN, _AT_ONCE = 2000, 200
-"""Machines: 5 % of them are known to ± 0.5 %. So many at once keep their tool points within 10 MB."""
 
 
 class WornMachine:
@@ -49,7 +41,6 @@ class WornMachine:
 
     known : what that came to; aging : how machines change; renewed : axes of which nothing is as it was found
     tables : of which control; None where all that was found is taken away
-    taught : by a type, where the machine was measured without
     Raises TableError where no tables can be made for the control.
     """
 
@@ -59,14 +50,13 @@ class WornMachine:
         aging: Aging,
         renewed: Sequence[str] = (),
         tables: str | None = None,
-        taught: TypePrior | None = None,
     ) -> None:
         errors, self._root = known.case.errors, known.case.yardstick.root
         self._known, self._aging = known, aging
         self._fresh = np.zeros(errors.size, dtype=bool)
         for term in errors.terms:
             self._fresh[term.columns] = any(errors.machine.axes[axis].name in renewed for axis in term.axes)
-        self._worn = Wearing.of(known, taught).worn(found_by(known))
+        self._worn = Wearing.of(known).worn(found_by(known))
         self._control = None if tables is None else control_of(known, tables)
         if self._control is None:
             moving = self._worn.found.mean - self._worn.stays.mean
@@ -83,84 +73,11 @@ class WornMachine:
         drifted = np.sum(self._root.gram * self._worn.covariance(rho, square, self._fresh))
         return self._known.case.yardstick.rms_of(float(drifted + moved))
 
-    def prior(self, years: float) -> Inherited:
-        """Return what is known of its errors after a time in years: what a recalibration begins with."""
-        return self._worn.left(*self._aging.kept(years), self._fresh)
-
-    def beyond(self, years: float, tolerance: float) -> float:
-        """Return how probable it is that the worst place is farther off than a tolerance, m, after a time in years."""
-        far = 0
-        for start in range(0, _DRAWN, _AT_ONCE):
-            off = self._left[..., None] + self._off(years, slice(start, start + _AT_ONCE))
-            far += int(np.sum(np.max(np.sum(off**2, axis=1), axis=0) > tolerance**2))
-        return far / _DRAWN
-
-    def _off(self, years: float, some: slice) -> Array:
-        """Return the tool points of some of the machines that are drawn, their rests with them, (m, 3, k) m."""
-        rows, drawn = self._known.case.yardstick.rows, self._drawn
-        rho = drawn.kept(years)[some]
-        ages = ~self._fresh[:, None]
-        kept = ages * rho
-        errors = kept * drawn.errors[:, some] + (1 - kept) * drawn.stays[:, some]
-        errors += np.where(ages, np.sqrt(1 - rho**2), 1.0) * drawn.new[:, some]
-        moved = rows.reshape(-1, rows.shape[2]) @ (errors - self._worn.found.mean[:, None])
-        off: Array = moved.reshape(len(rows), 3, -1) + self._rests[:, :, some]
-        return off
-
-    @cached_property
-    def _rests(self) -> NDArray[np.float32]:
-        """Deviations by the rests of each machine at each pose of the yardstick, (m, 3, k) m: 20 MB, drawn once."""
-        roots = unique_root(self._known.case.yardstick.rests).astype(np.float32)
-        drawn = np.random.default_rng(23).standard_normal((len(roots), 3, _DRAWN), dtype=np.float32)
-        rests: NDArray[np.float32] = roots @ drawn
-        return rests
-
-    @cached_property
-    def _left(self) -> Array:
-        """Deviations with the tables on the day of the campaign at each pose of the yardstick, (m, 3) m."""
-        if self._control is None:
-            return np.zeros((len(self._known.case.yardstick.rows), 3))
-        return left_at(self._known, self._control, *self._known.case.yardstick.poses)
-
-    @cached_property
-    def _drawn(self) -> _Drawn:
-        return _Drawn(self._worn, self._aging, self._fresh)
-
-
-class _Drawn:
-    """Machines as the campaign left them: their errors, what of them stays, and what comes anew, (n, k) each."""
-
-    def __init__(self, worn: Worn, aging: Aging, fresh: NDArray[np.bool_]) -> None:
-        rng, size = np.random.default_rng(22), len(worn.found.mean)
-        self._aging, self._cells = aging, rng.choice(aging.weights.size, _DRAWN, p=aging.weights.ravel())
-        joint = np.block([[worn.found.covariance, worn.link], [worn.link.T, worn.stays.covariance]])
-        mean = np.concatenate([worn.found.mean, worn.stays.mean])
-        both = mean[:, None] + _scattered(joint, rng)
-        self.errors, self.stays = both[:size], both[size:]
-        self.new = _scattered(worn.own * (fresh[:, None] == fresh), rng)
-
-    def kept(self, years: float) -> Array:
-        """Return the share of its errors that each machine keeps, (k,)."""
-        kept: Array = self._aging.shares(years).ravel()[self._cells]
-        return kept
-
-
-def _scattered(covariance: Array, rng: np.random.Generator) -> Array:
-    """Return draws of a normal of mean 0, (n, k)."""
-    drawn: Array = unique_root(covariance) @ rng.standard_normal((len(covariance), _DRAWN))
-    return drawn
-
 
 def control_of(known: Estimation, controller: str) -> Control:
     """Return what a control does with the tables of a campaign; raises TableError where none can be made for it."""
     options = informed(ExportOptions(), known.case.description, controller)
     return registry.export(known.estimate(), controller, options).control
-
-
-def left_at(known: Estimation, control: Control, poses: Array, approaches: Array) -> Array:
-    """Return what a control leaves at poses, in the directions that count, less one shift of everything, (m, 3) m."""
-    estimate = known.estimate()
-    return _counted(known, poses, left_by(estimate.machine, estimate.deviation, control, poses, approaches))
 
 
 def _counted(known: Estimation, poses: Array, field: Array) -> Array:
