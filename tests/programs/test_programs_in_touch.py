@@ -22,12 +22,12 @@ from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.place import Place
 from axiscal.numerics import Array
 from axiscal.programs import Program, controllers, dialect, programs
-from axiscal.programs.gliding import SegmentDriver, SlideDriver, TipDriver
+from axiscal.programs.gliding import SlideDriver, TipDriver
 from axiscal.programs.groups import groups
 from axiscal.programs.in_touch import Ways
 from axiscal.programs.scale import AxisScale
 from tests.generators.kinematics import in_travel, pose_with_tip, tip
-from tests.generators.program_ways import STEP, Reader, words
+from tests.generators.program_ways import STEP, Reader
 
 NEST = """
 machine = "dmu60"
@@ -231,49 +231,6 @@ def test_a_bar_keeps_its_length_while_the_table_turns_in_step(controller: str) -
                 assert abs(short) <= rounded + 1e-9
 
 
-@pytest.mark.parametrize(
-    "controller", ["fanuc", *(pytest.param(name, marks=pytest.mark.long) for name in ("linuxcnc", "sinumerik"))]
-)
-def test_without_that_mode_short_pieces_keep_a_nest_within_a_tenth_of_its_stroke(controller: str) -> None:
-    campaign = described(NEST)
-    (setup,) = campaign.setups
-    pieces = replace(campaign, setups=(replace(setup, driving=replace(setup.driving, tcp=False)),))
-    places = places_of(campaign, 5, 0)
-    done = read(pieces, places, controller)
-    assert not any(held for _, _, held in done)
-    readings = [k for k, (what, _, _) in enumerate(done) if what.startswith("READING")]
-    rounded = 1e-6 if controller == "fanuc" else 1e-7
-    for k, place in zip(readings, places, strict=True):
-        np.testing.assert_allclose(done[k][1][0], place.pose, atol=math.radians(1e-3))
-        assert np.linalg.norm(tip(campaign.machine, done[k][1][0]) - BALL) < 1e-9 + 1e-3 * STEP[controller]
-    text = program_of(pieces, places, controller).text
-    touched = 0
-    for part in re.split(r"^G93$", text, flags=re.MULTILINE)[1:]:  # into touch, along, and out again
-        blocks = [line for line in part.split("G94")[0].splitlines() if re.match(r"(G53 G1|G1 SUPA|G1) ", line)]
-        at = [words(block) for block in blocks]
-        assert all(len(each) == 5 for each in at)
-        poses = [np.array([each[axis.name] for axis in campaign.machine.axes]) for each in at]
-        in_touch = [float(np.linalg.norm(tip(campaign.machine, pose) - BALL)) < 1e-5 for pose in poses]
-        for k, (before, after) in enumerate(pairwise(poses)):
-            seconds = 60 / float(blocks[k + 1].rsplit("F", 1)[1])
-            for axis, start, stop in zip(campaign.machine.axes, before, after, strict=True):
-                assert abs(stop - start) <= axis.speed * seconds * 1.01 + 2 * rounded
-            if in_touch[k] and in_touch[k + 1]:
-                touched += 1
-                for share in (0.25, 0.5, 0.75):
-                    off = tip(campaign.machine, before + share * (after - before)) - BALL
-                    assert np.linalg.norm(off) <= 1e-4 + 10 * rounded
-    assert touched > 10
-
-
-def test_a_control_that_knows_neither_refuses() -> None:
-    campaign = described(NEST)
-    (setup,) = campaign.setups
-    pieces = replace(campaign, setups=(replace(setup, driving=replace(setup.driving, tcp=False)),))
-    with pytest.raises(ProgramError, match="no feed by time"):
-        program_of(pieces, places_of(campaign, 2, 0), "heidenhain")
-
-
 @pytest.mark.parametrize("controller", controllers())
 def test_a_program_says_which_mode_and_zero_it_needs(controller: str) -> None:
     campaign = described(NEST)
@@ -340,13 +297,10 @@ def test_a_way_in_touch_that_leaves_the_travels_is_refused() -> None:
     scales = [AxisScale.of(axis, 4) for axis in machine.axes]
     slides, ways = SlideDriver(scales, groups(machine, Driving()), None), np.stack(a_way_that_swings_out(machine))
     held = TipDriver(machine, slides, scales, Decimal("0.0001"), 500)
-    for driver in (held, SegmentDriver(machine, slides, scales, 1e-4, 500)):
-        for _ in driver.begin(ways[0]):
-            pass
-        with pytest.raises(ProgramError, match="a way in touch leaves the travels"):
-            list(driver.along(ways))
-    with pytest.raises(ProgramError, match="no short pieces follow this way"):
-        list(SegmentDriver(machine, slides, scales, 0.0, 500).along(ways))
+    for _ in held.begin(ways[0]):
+        pass
+    with pytest.raises(ProgramError, match="a way in touch leaves the travels"):
+        list(held.along(ways))
     beyond = ways[0].copy()
     beyond[machine.index("X")] = 9.0
     with pytest.raises(ProgramError, match="a way in touch leaves the travel of X"):

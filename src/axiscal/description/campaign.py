@@ -272,7 +272,7 @@ _SLOWEST = 1e-3 / 60
 
 def read_driving(table: ProgramsTable, machine: Machine, document: Document) -> Driving:
     """Return how programs are driven; raises DescriptionError or UnitError at the line that is wrong."""
-    faults, driving = Faults(), Driving(dwell=table.dwell, tcp=table.tcp)
+    faults, driving = Faults(), Driving(dwell=table.dwell)
     if table.clearance is not None:
         with faults.noted(), document.placed("programs", "clearance"):
             driving = replace(driving, clearance=_clearance(table.clearance, machine))

@@ -282,7 +282,6 @@ class ProgramsTable(Table):
     order: str | None = Field(None, examples=['"Z,X Y"'])
     feed: str | None = Field(None, examples=['"500 mm/min"'])
     dwell: bool = Field(False, examples=["true"])
-    tcp: bool = Field(True, examples=["false"])
 
 
 class SistersTable(Table):

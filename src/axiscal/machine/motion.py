@@ -35,14 +35,12 @@ class Driving:
     order : names of axes that move together, group after group; None: linear axes first, then rotary ones
     feed : m/s, for the last millimetres to a place; a group of rotary axes takes its number of mm/min as deg/min
     dwell : at a reading the program waits the reading time, instead of stopping until somebody presses start
-    tcp : the control holds the tool point where it must stay in touch while rotary axes turn
     """
 
     clearance: tuple[str, float] | None = None
     order: tuple[tuple[str, ...], ...] | None = None
     feed: float | None = None
     dwell: bool = False
-    tcp: bool = True
 
     def feed_of(self, rotary: bool) -> float:
         """Return the feed near a place, m/s or rad/s; infinite where none is stated."""

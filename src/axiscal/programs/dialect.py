@@ -70,7 +70,6 @@ class Dialect:
     rotary axes in step; tip_needs : which mode and zero that needs, for the head; tip_notes : what must be known of it
     tip_decimals : of a place of the tool point, mm; from_zero : it takes the table as it stands when the mode begins
     tip_tables : letters of the rotary axes that it has such a mode for, all where empty; tip_tables_said : a message
-    timed : makes F the number of moves a minute, and ends that; None where the control has nothing of the kind
     axes : what an axis may be called; decimals : of a coordinate; longest_name : of a program
     signed : coordinates have a plus; numbered : so have blocks a number
     log : None where it writes none
@@ -96,7 +95,6 @@ class Dialect:
     proof: str | None = None
     pause: Lines = ("M0",)
     comment: str = "({text})"
-    timed: tuple[str, str] | None = ("G93", "G94")
     axes: str = f"[{LETTERS}]"
     decimals: int = 4
     longest_name: int = 24

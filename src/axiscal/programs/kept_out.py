@@ -21,7 +21,7 @@ from axiscal.measurement.charts.room import Room
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.programs.scale import AxisScale
-from axiscal.programs.steps import Arrival, Evenly, Glide, Hold, Move, Release, Step
+from axiscal.programs.steps import Arrival, Glide, Hold, Move, Release, Step
 from axiscal.units import from_unit
 
 _LIMIT = 2e-6
@@ -138,8 +138,8 @@ class _Follower:
         if isinstance(step, Move):
             for axis, value in step.to.items():
                 self._at[axis] = from_unit(float(value), self._scales[axis].unit)
-        elif isinstance(step, Evenly | Release):
-            for name, text in step.to if isinstance(step, Evenly) else step.at:
+        elif isinstance(step, Release):
+            for name, text in step.at:
                 axis = self._names.index(name)
                 self._at[axis] = from_unit(float(text), self._scales[axis].unit)
         return not np.all(np.isfinite(before)) or bool(np.all(before == self._at)) or self._kept.free(before, self._at)

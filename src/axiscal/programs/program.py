@@ -23,7 +23,7 @@ from axiscal.measurement.readers.touch_log import plan_code
 from axiscal.measurement.setup import Setup
 from axiscal.programs.cycles import SphereCycle
 from axiscal.programs.dialect import Dialect, filled, head
-from axiscal.programs.gliding import GENTLE, SAG, Driver, SegmentDriver, SlideDriver, TipDriver
+from axiscal.programs.gliding import GENTLE, Driver, SlideDriver, TipDriver
 from axiscal.programs.groups import Group, groups
 from axiscal.programs.in_touch import InTouch, Ways
 from axiscal.programs.kept_out import KeptOut, refuse_kept_out
@@ -33,12 +33,10 @@ from axiscal.programs.steps import (
     Arrival,
     Clearance,
     Dwell,
-    Evenly,
     Glide,
     Halt,
     Hold,
     Move,
-    Pieces,
     Release,
     Remark,
     Step,
@@ -167,25 +165,14 @@ class _Writer:
     def _in_touch(self, chart: Chart) -> InTouch:
         """Return what drives a set-up in touch; raises ProgramError where the control cannot."""
         setup, slides = self._setup, SlideDriver(self._scales, self._groups, self._clearance)
-        held = _turns(setup, self._machine)
         driver: Driver = slides
-        if held and not setup.driving.tcp:
-            self._refuse_untimed()
-            driver = SegmentDriver(self._machine, slides, self._scales, SAG * (setup.stroke or 1e-3), self._gentle)
-        elif held:
+        if _turns(setup, self._machine):
             self._dialect.refuse_no_tip(self._machine)
             step = Decimal(1).scaleb(-self._dialect.tip_decimals)
             driver = TipDriver(self._machine, slides, self._scales, step, self._gentle)
         from_zero = self._holds and self._dialect.from_zero
         ways = Ways(self._machine, setup, chart, from_zero, self._inside(self._clearance))
         return InTouch(setup, ways, driver)
-
-    def _refuse_untimed(self) -> None:
-        """Raise ProgramError where moves cannot be given their time."""
-        if self._dialect.timed is None:
-            what = "{control} programs have no feed by time, so linear and rotary axes cannot go in step"
-            remedy = "Leave tcp = false out: the control holds the tool point itself"
-            raise ProgramError(what, remedy, control=self._dialect.title)
 
     @property
     def _gentle(self) -> int:
@@ -227,7 +214,7 @@ class _Writer:
     @property
     def _holds(self) -> bool:
         """Whether the control holds the tool point."""
-        return self._setup.contact == "held" and _turns(self._setup, self._machine) and self._setup.driving.tcp
+        return self._setup.contact == "held" and _turns(self._setup, self._machine)
 
     def _lines(self, step: Step, code: str) -> list[str]:
         match step:
@@ -242,11 +229,6 @@ class _Writer:
                 return filled(self._dialect.tip_on, tool=self._tool(), to=self._dialect.words(step.at))
             case Release():
                 return filled(self._dialect.tip_off, to=self._dialect.words(step.at))
-            case Pieces():
-                on, off = self._dialect.timed or ("", "")
-                return [on if step.begin else off]
-            case Evenly():
-                return [self._dialect.moved(step.to, f"{60 / step.seconds:.4f}")]
             case Dwell():
                 return self._dialect.waited(step.seconds)
             case Halt():
@@ -269,7 +251,7 @@ class _Writer:
         """Yield the readings with the time from the start at the first one, stops not counted."""
         seconds, asked = 0.0, dict(places)
         for step in run:
-            if isinstance(step, Move | Glide | Evenly | Dwell | Touched):
+            if isinstance(step, Move | Glide | Dwell | Touched):
                 seconds += step.seconds
             elif isinstance(step, Arrival):
                 yield self._row(step.target, asked[step.target.number], seconds)

@@ -63,21 +63,6 @@ class Release:
 
 
 @dataclass(frozen=True, slots=True)
-class Pieces:
-    """From here on moves are given their time, or their feed again."""
-
-    begin: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Evenly:
-    """All axes go together to a place of the machine, in so many seconds.  to : names with where to, as text"""
-
-    to: tuple[tuple[str, str], ...]
-    seconds: float
-
-
-@dataclass(frozen=True, slots=True)
 class Dwell:
     """The axes stand still, s."""
 
@@ -135,7 +120,7 @@ _BEGINNING = (
 )
 """What the stops before the first reading are for, and whether the way to the start is slow then."""
 
-Step = Move | Glide | Hold | Release | Pieces | Evenly | Dwell | Halt | Remark | Arrival | Touched
+Step = Move | Glide | Hold | Release | Dwell | Halt | Remark | Arrival | Touched
 
 
 Clearance = tuple[int, Decimal]

@@ -38,7 +38,6 @@ HEIDENHAIN = Dialect(
     stop=("STOP",),
     pause=("STOP",),
     comment="; {text}",
-    timed=None,
     tip_on=("FUNCTION TCPM F CONT AXIS POS PATHCTRL AXIS",),
     tip_off=("FUNCTION RESET TCPM",),  # it must not be in force with M91
     tip_move="L {to} R0 F{feed}",

@@ -19,7 +19,6 @@ ISG = Dialect(
     closing=("M30",),
     move="G1 {to} F{feed}",
     dwell=("#TIME {s:.3f}",),
-    timed=None,
     tip_on=("G53", "D1", "#TRAFO ON"),
     tip_off=("#TRAFO OFF", "D0"),
     tip_move="G1 {to} F{feed}",
