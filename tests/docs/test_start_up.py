@@ -11,7 +11,7 @@ import pytest
 
 import axiscal
 
-HEAVY = ["scipy", "pydantic", "jinja2", "rich", "sqlite3", "fastapi"]
+HEAVY = ["scipy", "pydantic", "jinja2", "rich", "fastapi"]
 
 
 @pytest.mark.parametrize("module", ["axiscal", "axiscal.cli"])

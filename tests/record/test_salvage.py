@@ -150,12 +150,8 @@ def test_half_a_transaction_does_not_stand_unless_a_mark_counts_it(found: Path, 
 
 
 def test_a_file_without_a_whole_entry_is_refused(found: Path, whole: bytes) -> None:
-    for content, fault, words in (
-        (b"", RecordError, "No entry"),
-        (whole[:START], RecordError, "No entry"),
-        (b"SQLite format 3\0".ljust(68, b"\0") + b"AXIS", RecordError, "first form"),
-    ):
-        with pytest.raises(fault, match=words):
+    for content in (b"", whole[:START]):
+        with pytest.raises(RecordError, match="No entry"):
             _stands(found, content)
 
 

@@ -122,8 +122,6 @@ def test_an_entry_by_another_process_is_noticed(record: Record) -> None:
         (b"S", "not a campaign record"),
         (b"machine = 'mill'\n", "not a campaign record"),
         (b"SQLite format 3\0" + b"\0" * 84, "not a campaign record"),
-        (b"SQLite format 3\0" + b"\0" * 52 + b"AXIS" + b"\0" * 28, "damaged"),
-        (b"SQLite format 3\0" + b"\x10" * 52 + b"AXIS" + bytes(range(256)) * 32, "damaged"),
     ],
 )
 def test_a_file_that_is_no_record_is_refused(path: Path, content: bytes, says: str) -> None:

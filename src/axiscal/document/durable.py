@@ -9,7 +9,6 @@ import os
 import random
 import re
 import sys
-import tempfile
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
@@ -79,14 +78,6 @@ def read_at(handle: int, offset: int, size: int) -> bytes:
         parts.append(part)
         left -= len(part)
     return b"".join(parts)
-
-
-def read_aside(content: bytes) -> int:
-    """Return the handle of a file without a name that holds `content`; it is gone when it is closed.  Raises OSError"""
-    with tempfile.TemporaryFile() as file:
-        file.write(content)
-        file.flush()
-        return os.dup(file.fileno())
 
 
 def sync(handle: int) -> None:

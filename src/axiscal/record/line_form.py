@@ -23,8 +23,8 @@ MARKS = (BLOCK, 2 * BLOCK)
 """Where they stand: a block for each behind that of the head."""
 START = 3 * BLOCK
 """Where the lines begin."""
-FORM, SQLITE = 2, 1
-"""Forms: this one, and the one before."""
+FORM = 2
+"""This one."""
 MARK = 160
 """Bytes of a mark: some 130 with the largest numbers there will be."""
 MOST_TORN = 1 << 26
@@ -79,8 +79,6 @@ def head() -> bytes:
 
 def form_of(start: bytes) -> int | None:
     """Return the form that the first bytes of a file name, None if they name none."""
-    if start[:16] == b"SQLite format 3\0" and start[68:72] == b"AXIS":
-        return SQLITE
     found = _HEAD.match(start)
     return int(found[1]) if found and _sum(found[0][: -_SUM - 2]) == found[2] else None
 

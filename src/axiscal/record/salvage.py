@@ -16,7 +16,6 @@ from axiscal.record.line_form import (
     BLOCK,
     FORM,
     MARKS,
-    SQLITE,
     START,
     EventText,
     Mark,
@@ -66,8 +65,6 @@ def standing(path: Path) -> Standing:
     """Return what stands whole in the file of a record; raises RecordError where nothing does, OSError."""
     content = path.read_bytes()
     form = form_of(content[:BLOCK])
-    if form == SQLITE:
-        raise RecordError("This record is of the first form, an SQLite database", "Try sqlite3's .recover on it", path)
     if form is not None and form > FORM:
         raise NewerError("A newer axiscal wrote this record (form {form})", "Install that version", path, form=form)
     marks = [mark for at in MARKS if isinstance(mark := read_mark(content[at:]), Mark)]

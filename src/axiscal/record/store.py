@@ -19,12 +19,10 @@ from axiscal.document.durable import (
     alone,
     clear_drafts,
     draft_of,
-    read_aside,
     read_at,
     sync,
     sync_folder,
     write_at,
-    write_whole,
     written,
 )
 from axiscal.exceptions import NewerError, RecordError
@@ -36,7 +34,6 @@ from axiscal.record.line_form import (
     MARK,
     MARKS,
     MOST_TORN,
-    SQLITE,
     START,
     DamageError,
     EventText,
@@ -58,10 +55,7 @@ _CLOSED = -1
 
 
 class Record(EventLog):
-    """An open campaign record; a context manager. Every failure is a RecordError that names the file.
-
-    handle : of the file, or of what one of the first form would be in this one
-    """
+    """An open campaign record; a context manager. Every failure is a RecordError that names the file."""
 
     def __init__(self, path: Path, handle: int, *, write: bool = True) -> None:
         super().__init__(path)
@@ -211,16 +205,8 @@ def content_of(rows: Sequence[EventText]) -> tuple[bytes, Mark]:
 
 
 def _opened(path: Path, write: bool) -> int:
-    """Return the handle of a record; one of the first form is put into this one, in its place or aside to be read."""
-    if _form(path) == SQLITE:
-        from axiscal.record.first_form import first_rows, logs_beside
-
-        content = content_of(first_rows(path))[0]
-        if not write:
-            return read_aside(content)
-        write_whole(path, content)  # the earlier one stands until this one is whole
-        for log in logs_beside(path):
-            log.unlink(missing_ok=True)
+    """Return the handle of a record."""
+    _refuse_other_form(path)
     return os.open(path, (os.O_RDWR if write else os.O_RDONLY) | getattr(os, "O_BINARY", 0))
 
 
@@ -235,8 +221,8 @@ def _publish(draft: Path, path: Path) -> None:
     sync_folder(path.parent)
 
 
-def _form(path: Path) -> int:
-    """Return the form of a record; raises RecordError for a file that is none, or of a form to come."""
+def _refuse_other_form(path: Path) -> None:
+    """Raise RecordError for a file that is no record, or of a form to come."""
     if path.exists() and not path.is_file() and not path.is_dir():
         raise RecordError("This is a pipe or a device", "Name a record, which is a file", path)
     start = _start_of(path)
@@ -245,8 +231,8 @@ def _form(path: Path) -> int:
         what = "This record was written by a newer axiscal (form {form}; this one knows {known})"
         remedy = "Install the newer version to go on with it; nothing was changed"
         raise NewerError(what, remedy, path, form=form, known=FORM)
-    if form == SQLITE or start[:BLOCK] == head():
-        return form or FORM
+    if start[:BLOCK] == head():
+        return
     if any(isinstance(read_mark(start[at:]), Mark) for at in MARKS):
         raise DamageError("its first lines are not as they were written")
     remedy = "Name a record that `axiscal step start` or `axiscal step run` has made"
@@ -303,9 +289,6 @@ def record_errors(path: Path) -> Iterator[None]:
 def restoring(path: Path) -> str:
     """Return what to do about a damaged record."""
     left = said("the file has been left as it was")
-    with contextlib.suppress(OSError), path.open("rb") as file:
-        if form_of(file.read(BLOCK)) == SQLITE:
-            return said("Restore it from a copy; {left}", left=left)
     new = path.with_name(f"{path.stem}-salvaged.axiscal")
     command = f"axiscal data salvage {path} {new}"
     return said("Restore it from a copy, or save what stands whole: {command}; {left}", command=command, left=left)
