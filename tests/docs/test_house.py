@@ -33,7 +33,6 @@ REGISTRIES = [
 ]
 WORKPLACE = [r"(?<![\w.~-])/wo" + r"rk/", "/opt/" + "wheels", "/opt/py" + "pi", "/root" + "/", r"/home" + r"/\w+"]
 CLASSES_THAT_MAY = {
-    "Reader": "what reads the files of an instrument, and what reads a virtual machine in a study",
     "Case": "what is measured: as the stages take it, and as `ac.Case` is made in Python",
 }
 FILES_THAT_MAY = {

@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from axiscal.answers.digits import number
-from axiscal.campaign.ending import FUTILE, count_reached, out_of_reach, reaches, standing
+from axiscal.campaign.ending import reaches
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.campaign.sources.source import Request
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.wants import Want
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import BAND
-from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.prediction import tcp_prediction
@@ -32,7 +28,6 @@ from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import Memo
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.next_readings import next_places, plan_basis
 from axiscal.planning.overrun import with_rooms
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
@@ -51,12 +46,12 @@ class Prepared:
     """What all machines of a variant have in common.
 
     simulator : makes the machines, with every set-up of the campaign, so that what a set-up does not know of itself is
-    the same whichever others are used; places : None where each machine is planned anew
+    the same whichever others are used; places : of the plan
     """
 
     case: Case
     simulator: Simulator
-    places: tuple[Place, ...] | None
+    places: tuple[Place, ...]
 
 
 def prepared(variant: Variant) -> Prepared:
@@ -69,8 +64,6 @@ def _found(variant: Variant) -> Prepared:
     described = campaign_from_texts(variant.campaign, names[0], variant.machine, names[1], prior_text=variant.prior)
     simulator = Simulator(_true_machine(described.machine, variant), described.setups)
     case = case_of(_stated(described, variant))
-    if variant.method == "replanned":
-        return Prepared(case, simulator, None)
     plan = proposed(case, limits_of(case, variant.stop), bounded=False).plan
     return Prepared(case, simulator, with_rooms(case, plan.places))
 
@@ -105,18 +98,10 @@ def outcome(question: StudyCase) -> dict[str, Any]:
     """Return the figures of a case, by their columns.  Raises InputError where it cannot be measured."""
     ready = prepared(question.variant)
     truth = ready.simulator.drawn(_number(question.seed, question.machine))
-    readings = _read(ready, truth, question)
+    readings = taken(ready.case, truth, ready.places, _number(question.seed, question.machine))
     known = concluded(ready.case, readings)
     found = _figures(known, truth, question)
     return {FIGURES[name].column: _rounded(found[name], name) for name in question.variant.keep}
-
-
-def _read(ready: Prepared, truth: VirtualMachine, question: StudyCase) -> tuple[Reading, ...]:
-    """Return what is read of one machine."""
-    number = _number(question.seed, question.machine)
-    if ready.places is None:
-        return replanned(ready.case, question.variant.stop, truth, number)
-    return taken(ready.case, truth, ready.places, number)
 
 
 def _rounded(value: Any, name: str) -> Any:
@@ -132,9 +117,13 @@ def _number(seed: int, machine: int) -> int:
 
 def taken(case: Case, truth: VirtualMachine, places: tuple[Place, ...], number: int) -> tuple[Reading, ...]:
     """Return what a virtual machine shows at places, one after the other; zeros drift with the time of the plan."""
-    reader, readings = Reader(case, SimulatedSource(truth, number)), tuple[Reading, ...]()
+    source, readings = SimulatedSource(truth, number), tuple[Reading, ...]()
+    axes = case.description.machine.axes
     for place in places:
-        readings = reader.taken(readings, place)
+        seconds = elapsed(case, timed(case, readings), [place])
+        setup = case.description.setup(place.setup)
+        answer = source.read(Request(len(readings) + 1, setup, axes, place.pose, place.approach, seconds))
+        readings = *readings, Reading(place.setup, place.pose, place.approach, answer.value, others=answer.others)
     return readings
 
 
@@ -212,64 +201,6 @@ def tcp_held(estimation: Estimation, machine: VirtualMachine, poses: Array, appr
     moves = std > 0
     inside = np.abs(machine.deviation(poses, approaches) - mean)[moves] <= BAND * std[moves]
     return float(inside.mean())
-
-
-@dataclass(frozen=True, slots=True)
-class Reader:
-    """Takes readings of a virtual machine one after the other; zeros drift with the time that they take.
-
-    case : says how long they take
-    """
-
-    case: Case
-    source: SimulatedSource
-
-    def until(self, readings: Sequence[Reading], place: Place) -> float:
-        """Return what readings and one more take, s."""
-        return elapsed(self.case, timed(self.case, readings), [place])
-
-    def taken(self, readings: tuple[Reading, ...], place: Place) -> tuple[Reading, ...]:
-        """Return readings and one more."""
-        described = self.case.description
-        setup, axes = described.setup(place.setup), described.machine.axes
-        seconds = self.until(readings, place)
-        answer = self.source.read(Request(len(readings) + 1, setup, axes, place.pose, place.approach, seconds))
-        return *readings, Reading(place.setup, place.pose, place.approach, answer.value, others=answer.others)
-
-
-def replanned(case: Case, stop: Stop, truth: VirtualMachine, number: int) -> tuple[Reading, ...]:
-    """Return what a campaign reads that plans anew with what it has read, until it ends.
-
-    stop : when; with neither of both at the target of the campaign, or where none is to be reached
-    """
-    case = replace(case, description=_ending_so(case.description, stop))
-    reader, target = Reader(case, SimulatedSource(truth, number)), case.description.target
-    path, plan, basis = list[Accuracy](), tuple[Place, ...](), ""
-    readings = tuple[Reading, ...]()
-    while True:
-        known = estimated(case, readings)
-        path.append(known.accuracy)
-        reached = target.accurate and standing(target, known) is not None
-        hopeless = out_of_reach(target, path, partial(estimated, case, readings[:-FUTILE]), known)
-        if reached or hopeless or count_reached(target, len(readings)):
-            return readings
-        now = plan_basis(known.case, known.readings, known.outliers)
-        if not plan or now != basis:
-            plan = next_places(known.case, known.to_plan_by, known.readings, known.outliers, (), plan)
-            basis = now
-        if not plan or (target.budget is not None and reader.until(readings, plan[0]) > target.budget):
-            return readings
-        readings = reader.taken(readings, plan[0])
-        plan = plan[1:]
-
-
-def _ending_so(described: CampaignDescription, stop: Stop) -> CampaignDescription:
-    target = described.target
-    if stop.readings is not None or stop.budget is not None:
-        wants = tuple(Want(want.row) for want in target.wants)
-        target = replace(target, readings=stop.readings, budget=stop.budget, rms=None, worst=None, expanded=None)
-        target = replace(target, wants=wants)
-    return replace(described, target=target)
 
 
 def limits_of(case: Case, stop: Stop) -> Limits:

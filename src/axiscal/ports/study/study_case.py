@@ -10,13 +10,10 @@ import os
 import sys
 from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from axiscal.exceptions import AxiscalError
 from axiscal.numerics.stages import listening
-
-Method = Literal["planned", "replanned"]
-"""How places are chosen: as a plan asks for, or planned anew while readings come."""
 
 
 class Stop(NamedTuple):
@@ -46,7 +43,6 @@ class Variant:
     setups: tuple[str, ...] | None
     times: float
     stop: Stop
-    method: Method
     keep: tuple[str, ...]
 
 

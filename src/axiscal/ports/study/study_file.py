@@ -22,7 +22,7 @@ from axiscal.language.spoken import later, put, said
 from axiscal.machine.machine_schema import MachineFile
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.ports.study.key_paths import changed, parts_of
-from axiscal.ports.study.study_case import FIGURES, Method, Stop, StudyCase, Variant, canonical
+from axiscal.ports.study.study_case import FIGURES, Stop, StudyCase, Variant, canonical
 from axiscal.units import parse_quantity
 
 MOST_MACHINES = 1_000_000
@@ -40,7 +40,6 @@ class StudyTable(_KnownKeys):
     seed: int = Field(1, ge=0, le=2**63, examples=["1"])
     machines: int = Field(100, ge=1, le=MOST_MACHINES, examples=["200"])
     stop: str | dict[str, Any] = Field("target", examples=['"target"', "{ readings = 30 }"])
-    method: Method = Field("planned", examples=['"planned"'])
 
 
 class ResultsTable(_KnownKeys):
@@ -80,7 +79,6 @@ class Study:
     seed: int
     machines: int
     stop: Stop
-    method: Method
     keep: tuple[str, ...]
     grid: Mapping[str, tuple[Any, ...]]
 
@@ -122,7 +120,6 @@ class Study:
             setups=None if used == "all" else tuple(used),
             times=float(choices.get(TIMES, 1.0)),
             stop=self.stop,
-            method=self.method,
             keep=self.keep,
         )
 
@@ -149,7 +146,6 @@ def read_study(path: str | Path) -> Study:
         seed=table.study.seed,
         machines=table.study.machines,
         stop=_stop(table.study.stop, described, document),
-        method=table.study.method,
         keep=_kept(table.results.keep, document),
         grid=MappingProxyType({key: _values(key, values, document) for key, values in table.grid.items()}),
     )
