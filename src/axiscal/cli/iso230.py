@@ -29,12 +29,12 @@ _WORDS = {
 
 
 _CIRCLE = {
-    "G_plus": "circular deviation, counter-clockwise",
-    "G_minus": "circular deviation, clockwise",
-    "G_b": "bidirectional circular deviation",
-    "F_max": "radial deviation, the largest",
-    "F_min": "radial deviation, the smallest",
-    "D": "mean bidirectional radial deviation",
+    "G_plus": "ISO 230-4, circular deviation, counter-clockwise",
+    "G_minus": "ISO 230-4, circular deviation, clockwise",
+    "G_b": "ISO 230-4, bidirectional circular deviation",
+    "F_max": "ISO 230-4, radial deviation, the largest",
+    "F_min": "ISO 230-4, radial deviation, the smallest",
+    "D": "ISO 230-4, mean bidirectional radial deviation",
 }
 
 
