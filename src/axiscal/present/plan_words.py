@@ -169,17 +169,17 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
 
 
 def bound_sentence(answer: PlanAnswer) -> str:
-    """Return how far from the best possible plan this one is."""
+    """Return what no plan can bring, and by a proof how far from the best possible one this plan is."""
     if answer.bound_J is None or answer.bound_holds_for is None:
         return "No bound was asked for."
     bound = answer.bound_rms_um
     readings = f"{answer.readings} reading{'' if answer.readings == 1 else 's'}"
     best = f"make J smaller than {answer.bound_J:.4g}" if bound is None else f"be better than {bound:.3g} um"
     own = f"{answer.J:.4g}" if bound is None else f"{answer.rms_um:.3g} um"
-    text = f"No plan of {readings} {_where(answer.bound_holds_for)} can {best}; this one gives {own}: "
-    text += f"{_percent(answer.percent_from_best)} from the best possible"
+    text = f"No plan of {readings} {_where(answer.bound_holds_for)} can {best}; this one gives {own}"
     if answer.proof_gap_percent is not None:
-        text += f"; search stopped at a gap of {_percent(answer.proof_gap_percent)}"
+        text += f": {_percent(answer.percent_from_best)} from the best possible; "
+        text += f"search stopped at a gap of {_percent(answer.proof_gap_percent)}"
     if bound is None or answer.reachable_rms_um < _MUCH * bound:
         return f"{text}."
     return f"{text}. Of both, {answer.reachable_rms_um:.3g} um is what endless readings leave."
