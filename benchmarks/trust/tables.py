@@ -15,16 +15,15 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.machine import load_machine
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.truth_curves import TruthCurve
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.tables import registry
-from axiscal.tables.effect import left_by, tour
+from axiscal.tables.effect import left_by
 from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.offer import POSES, spread_poses
+from axiscal.tables.offer import places
 from benchmarks.trust.curves import CASES
 from benchmarks.trust.kept import Keeping, Trial
 from benchmarks.trust.virtual import READINGS, SETUPS, read_evenly
@@ -91,19 +90,17 @@ def kept_promise(trial: Trial) -> dict[str, float]:
     made = Simulator(machine, setups)
     truth = made.drawn(seed) if kind == "drawn" else made.with_curves(carried_over(machine, rng), seed)
     known = concluded(case, tuple(read_evenly(case, truth, rng, READINGS[MACHINE])))
-    estimate, factor = known.estimate(), expanded_uncertainty(known).factor(known.accuracy.rms)
-    sample = estimate.sample
-    poses, sides = spread_poses(estimate) if sample is None else tour(sample[:POSES], estimate.box)
+    estimate = known.estimate()
+    poses, sides = places(estimate)
     found = dict[str, float]()
     for control in CONTROLS:
         tables = registry.export(estimate, control, ExportOptions())
         left = left_by(estimate.machine, truth.deviation, tables.control, poses, sides)
         off = left - left.mean(axis=0) if estimate.alignment is None else estimate.alignment.left(poses, left)
         sizes = np.linalg.norm(off[:, list(estimate.counted)], axis=1)
-        promised = factor * tables.expected
-        found[f"{control} inside"] = float(np.mean(sizes <= promised))
-        found[f"{control} over"] = float(np.quantile(sizes, 0.95)) / promised
-        found[f"{control} um"] = 1e6 * promised
+        found[f"{control} inside"] = float(np.mean(sizes <= tables.U))
+        found[f"{control} over"] = float(np.quantile(sizes, 0.95)) / tables.U
+        found[f"{control} um"] = 1e6 * tables.U
     return found
 
 

@@ -46,9 +46,9 @@ def test_files_are_written_with_a_note(
     beside = {"README.txt", f"manifest-{controller}.json"}
     assert {Path(name).name for name in said["files"]} | beside == {path.name for path in out.iterdir()}
     assert (out / "README.txt").read_text() == said["readme"]
-    expected = next(line for line in said["readme"].splitlines() if line.startswith("With the files for "))
+    expected = next(line for line in said["readme"].splitlines() if line.startswith("They take the estimated "))
     assert " U = " in expected
-    assert f"of {said['rms_um_before']:.3g} um RMS as estimated" in expected
+    assert f"from {said['rms_um_before']:.3g} um RMS to " in expected
 
 
 def test_each_axis_may_have_a_spacing_of_its_own(record: Path, tmp_path: Path) -> None:

@@ -157,7 +157,9 @@ class TableValue(Fields):
     before_um: float | None = Field(description="RMS of the deviation as estimated, its mean taken off")
     after_um: float | None = Field(description="what the files leave of it")
     expected_um: float | None = Field(description="standard uncertainty to be expected with the files loaded")
-    U_um: float | None = Field(description="the same expanded, by `k`")
+    U_um: float | None = Field(
+        description="95 % of the deviations over the volume lie within it with the files loaded, with 95 % probability"
+    )
     left_out: str = Field(description="what they leave, or why there are none, in words")
 
 

@@ -35,7 +35,7 @@ def test_most_campaigns_write_results_on_a_screen_in_both_languages() -> None:
     assert sum(len(list(written(campaign))) for campaign in names()) >= 2 * 20
 
 
-_PROMISED = re.compile(r"With the files for (\S+) U = (\S+) um is to be expected")
+_PROMISED = re.compile(r"Compensation for (\S+), made by axiscal\..*?known U = (\S+) um:", re.DOTALL)
 
 
 def promised(campaign: str) -> Iterator[tuple[str, str, float]]:

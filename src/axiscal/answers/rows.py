@@ -18,8 +18,8 @@ from axiscal.estimation.functionals.functional import Functional
 from axiscal.estimation.functionals.known import KnownRow, known_row, with_one_more
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.tables.effect import Control, left_by, rms, tour
-from axiscal.tables.offer import POSES, spread_poses, unknown_rms
+from axiscal.tables.effect import Control, left_by, rms
+from axiscal.tables.offer import places, unknown_rms
 
 
 @dataclass(frozen=True)
@@ -95,8 +95,7 @@ def _squares(functional: Functional, row: Array) -> Array:
 def _volume(asked: AskedRow, known: Estimation, controls: Mapping[str, Control]) -> AnsweredRow:
     """Return the row of the volume."""
     estimate = known.estimate()
-    sample = estimate.sample
-    where = spread_poses(estimate) if sample is None else tour(sample[:POSES], estimate.box)
+    where = places(estimate)
     unknown = unknown_rms(estimate, *where)
 
     def shape(deviations: Array) -> Array:

@@ -14,7 +14,6 @@ from axiscal.cli.printing import say, say_document
 from axiscal.document import shown
 from axiscal.document.bounded import bounded_content
 from axiscal.estimation.agreement_words import agreement_words
-from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import said
@@ -137,10 +136,9 @@ def export(
         if estimation.agreement.withheld and not anyway:
             remedy = "Take readings again, or write the files all the same with --anyway"
             raise TableError(agreement_words(estimation, record), remedy, record)
-        factor = expanded_uncertainty(estimation).factor(estimation.accuracy.rms)
         doubts = [finding.text for finding in findings(estimation)]
         agreement = agreement_words(estimation, record) if estimation.readings else ""
-        offered = introduced(offered, factor, doubts, agreement, record_state(campaign))
+        offered = introduced(offered, doubts, agreement, record_state(campaign))
         sent = None if loader is None else loader.taken(offered.files)
         deliver_export(offered, out, record_state(campaign))
     if not json:

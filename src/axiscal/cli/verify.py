@@ -109,7 +109,7 @@ def verify(
         command = f"axiscal verify {shlex.quote(str(record))} --to {to}"
         _plan(check, check.planned(points, tolerance=check.tightest(tolerance)), plan, command, json)
         return
-    answer = check_answer(check.judged(readings, tolerance), len(readings[0]), check.promised, taken)
+    answer = check_answer(check.judged(readings, tolerance), len(readings[0]), check.tables.U, taken)
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
     else:

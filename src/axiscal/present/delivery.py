@@ -62,7 +62,7 @@ def _delivered(
         if live is None:
             campaign.copy(folder / RECORD)
         warnings = [each.text for each in summary.warnings]
-        told = summary.expanded.factor, warnings, summary.agreement.words, summary.record
+        told = warnings, summary.agreement.words, summary.record
         for name, each in made.items():
             if isinstance(each, Export):
                 write_files(introduced(each, *told), folder / "tables" / name)
@@ -134,45 +134,23 @@ def _offers(controller: str, made: Export | str) -> list[TableOffer]:
     """Return what the files for one control hold and leave, or why there are none."""
     if isinstance(made, str):
         return [TableOffer("none written", controller, "", made)]
-    left, effect = left_out(made), effect_of(made)
+    left = effect_sentence(said("All files together"), made.effect, made.U)
+    effect = TableEffect(*(to_unit(each, "um") for each in (*made.effect, made.expected, made.U)))
     axes = {name: name.partition(".")[0].replace("_", " ") for name in made.files}
     return [TableOffer(f"tables/{controller}/{name}", controller, axis, left, effect) for name, axis in axes.items()]
 
 
-def effect_of(offered: Export) -> TableEffect:
-    """Return what the files do to the tool point, um."""
-    return TableEffect(*(to_unit(each, "um") for each in (*offered.effect, offered.expected)))
+def introduced(offered: Export, warnings: Sequence[str], agreement: str, record: RecordState | None) -> Export:
+    """Return an export whose README.txt says where it comes from, and last what is doubtful.
 
-
-def introduced(
-    offered: Export, factor: float, warnings: Sequence[str], agreement: str, record: RecordState | None
-) -> Export:
-    """Return an export whose README.txt says where it comes from, what to expect of it, and last what is doubtful.
-
-    factor : k of the expanded uncertainty; agreement : whether the readings agree, "" before the first
+    agreement : whether the readings agree, "" before the first
     """
-    expected = f"{effect_words(offered.controller, effect_of(offered), factor)} (95 %)"
-    if agreement:
-        expected = f"{agreement}.\n{expected}"
-    text = offered.readme.replace("\nThese files hold ", f"\n{expected}\nThese files hold ", 1)
-    if record is not None:
-        origin = f"From the record {record.file} at event {record.event}: {record.hash}"
-        text = text.replace("\nThese files hold ", f"\n{origin}\nThese files hold ", 1)
+    origin = "" if record is None else f"From the record {record.file} at event {record.event}: {record.hash}\n"
+    before = origin + (f"{agreement}.\n" if agreement else "")
+    text = offered.readme.replace("\nThese files hold ", f"\n{before}These files hold ", 1)
     if warnings:
         text = f"{text.rstrip()}\n\nMind, before the files are loaded:\n" + "".join(f"- {each}\n" for each in warnings)
     return replace(offered, readme=text)
-
-
-def effect_words(controller: str, effect: TableEffect, factor: float) -> str:
-    """Return what is to be expected with all files of a control loaded.  factor : k"""
-    return said(
-        "With the files for {controller} U = {expanded:.3g} um is to be expected: of {before:.3g} um RMS as estimated "
-        "they leave {after:.3g} um.",
-        controller=controller,
-        expanded=factor * effect.expected,
-        before=effect.before,
-        after=effect.after,
-    )
 
 
 def write_files(offered: Export, folder: Path) -> None:
@@ -180,8 +158,3 @@ def write_files(offered: Export, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in {**offered.files, "README.txt": offered.readme}.items():
         write_whole(folder / name, text.encode())
-
-
-def left_out(offered: Export) -> str:
-    """Say what the files leave of the deviation."""
-    return effect_sentence(said("All files together"), offered.effect, offered.unknown)

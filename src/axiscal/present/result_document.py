@@ -125,7 +125,7 @@ def _answer(answer: ResultAnswer) -> dict[str, Any]:
 
 
 def _table(offer: TableOffer, summary: Summary) -> dict[str, Any]:
-    found, factor = offer.effect, summary.expanded.factor
+    found = offer.effect
     return _kept(
         offer,
         "controller axis left_out",
@@ -133,7 +133,7 @@ def _table(offer: TableOffer, summary: Summary) -> dict[str, Any]:
         before_um=None if found is None else found.before,
         after_um=None if found is None else found.after,
         expected_um=None if found is None else found.expected,
-        U_um=None if found is None or summary.answer.withheld else factor * found.expected,
+        U_um=None if found is None or summary.answer.withheld else found.U,
     )
 
 

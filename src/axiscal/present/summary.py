@@ -147,11 +147,13 @@ class TableEffect:
     """Effect of the files of one control on the tool point over the volume, RMS, um.
 
     before, after : of the deviation as estimated; expected : with what is not known, a standard uncertainty
+    U : of the export
     """
 
     before: float
     after: float
     expected: float
+    U: float
 
 
 @dataclass(frozen=True, slots=True)

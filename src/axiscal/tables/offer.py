@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import said
@@ -15,12 +16,14 @@ from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import uncounted
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
-from axiscal.tables.effect import Control, Effect, effect_of_control, planes_left, tour
+from axiscal.tables.effect import Control, Effect, effect_of_control, left_by, planes_left, tour
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity, said_quantity, to_unit
 
 POSES = 1000
 """Poses at which a file is tried: a file that adds the wrong thing does so at almost every pose."""
+_TRIED, _MACHINES = 400, 500
+"""Places and machines behind U: twice as many of either move it by 2 % at most."""
 _DEFECT = "do not load it: this is a defect of axiscal, please report it"
 _WORTH = 1e-9
 """m: a correction below a nanometre is none."""
@@ -58,6 +61,7 @@ class Export:
     effect : of the estimated deviation over the volume; readme : the text that goes beside them
     unknown : RMS over the volume of what the estimate may be wrong by, m, one shift of everything taken off, or the
     motion of an aligned part
+    U : m, of 95 machines in 100 that the readings leave possible, 95 % of the deviations with the files are within it
     """
 
     controller: str
@@ -66,6 +70,7 @@ class Export:
     control: Control
     effect: Effect
     unknown: float
+    U: float
     readme: str
 
     @property
@@ -92,13 +97,13 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
         raise TableError(what, _DEFECT, before=before, after=after)
     together = planes_left(estimate, draft.control, poses, approaches)
     if estimate.sample is not None:
-        poses, _ = tour(estimate.sample[:POSES], estimate.box)
-        tried = estimate.machine, estimate.deviation, draft.control, poses, estimate.box
+        tried = estimate.machine, estimate.deviation, draft.control, places(estimate)[0], estimate.box
         effect = effect_of_control(*tried, estimate.alignment, estimate.counted)
-    unknown = _unknown(estimate)
+    certain = _within(estimate, draft.control)
     said = replace(draft, left_out=" ".join(part for part in (draft.left_out, together) if part))
-    readme = _readme(controller, said, effect, unknown, (*draft.first, *foreword(estimate, draft.control)))
-    return Export(controller, draft.files, draft.tables, draft.control, effect, unknown, readme)
+    readme = _readme(controller, said, effect, certain, (*draft.first, *foreword(estimate, draft.control)))
+    done = draft.files, draft.tables, draft.control, effect, _unknown(estimate), certain, readme
+    return Export(controller, *done)
 
 
 def _nothing_held(estimate: Estimate) -> str:
@@ -115,9 +120,12 @@ def _nothing_held(estimate: Estimate) -> str:
 @remembered
 def _unknown(estimate: Estimate) -> float:
     """Return what is not known over the part, or over the volume, m: the same whatever control files are for."""
-    sample = estimate.sample
-    tried = spread_poses(estimate) if sample is None else tour(sample[:POSES], estimate.box)
-    return unknown_rms(estimate, *tried)
+    return unknown_rms(estimate, *places(estimate))
+
+
+def places(estimate: Estimate) -> tuple[Array, Array]:
+    """Return poses (m, q) over the part, or over the volume, and approaches."""
+    return spread_poses(estimate) if estimate.sample is None else tour(estimate.sample[:POSES], estimate.box)
 
 
 def unknown_rms(estimate: Estimate, poses: Array, approaches: Array) -> float:
@@ -126,26 +134,50 @@ def unknown_rms(estimate: Estimate, poses: Array, approaches: Array) -> float:
     Its square is the mean of trace((H - E[H]) C (H - E[H])ᵀ) and of the share of the rests. For an aligned part the
     alignment replaces E[H].
     """
+    spread, rest = _roots(estimate, poses, approaches)
+    return float(np.sqrt((np.sum(spread**2) + np.sum(rest**2)) / len(poses)))
+
+
+def _roots(estimate: Estimate, poses: Array, approaches: Array) -> tuple[Array, Array]:
+    """Return (H - E[H]) F (m, d, n) with F Fᵀ = C, and what one standard deviation of each rest does, (m, d, f), m."""
+    counts = list(estimate.counted)
     rows = estimate.model.rows(poses, approaches)
     off = rows.mean(axis=0) if estimate.alignment is None else estimate.alignment.taken_off(poses)
-    spread = (rows - off)[:, list(estimate.counted)] @ estimate.factor
-    levers = estimate.model.levers(poses)[:, :, list(estimate.counted)]
-    rest = np.einsum("fmc,f->mc", levers**2, estimate.model.rests**2)
-    return float(np.sqrt((np.sum(spread**2) + np.sum(rest)) / len(poses)))
+    levers = estimate.model.levers(poses)[:, :, counts] * estimate.model.rests[:, None, None]
+    return (rows - off)[:, counts] @ estimate.factor, levers.transpose(1, 2, 0)
 
 
-def effect_sentence(files: str, effect: Effect, unknown: float) -> str:
-    """Say what files leave of the deviation as it is estimated, and what is to be expected with what is not known."""
-    before, after, expected = (
-        said_quantity(value, "um") for value in (*effect, float(np.hypot(effect.after, unknown)))
-    )
+@remembered
+def _possible(estimate: Estimate) -> Array:
+    """Return what the estimate is wrong by on machines that the readings leave possible, (machines, m, d), m."""
+    poses, approaches = (each[:_TRIED] for each in places(estimate))
+    spread, rest = _roots(estimate, poses, approaches)
+    rng = np.random.default_rng(0)
+    drawn = (spread.reshape(-1, spread.shape[2]) @ rng.standard_normal((spread.shape[2], _MACHINES))).T
+    scattered = rng.standard_normal((_MACHINES, len(poses), rest.shape[2]))
+    each: Array = drawn.reshape(_MACHINES, *spread.shape[:2]) + np.einsum("mdf,kmf->kmd", rest, scattered)
+    return each
+
+
+def _within(estimate: Estimate, control: Control) -> float:
+    """Return U with the files of a control, m."""
+    poses, approaches = (each[:_TRIED] for each in places(estimate))
+    left = left_by(estimate.machine, estimate.deviation, control, poses, approaches)
+    left = left - left.mean(axis=0) if estimate.alignment is None else estimate.alignment.left(poses, left)
+    sizes = np.linalg.norm(left[:, list(estimate.counted)] + _possible(estimate), axis=2)
+    return float(np.quantile(np.quantile(sizes, LEVEL, axis=1), LEVEL))
+
+
+def effect_sentence(files: str, effect: Effect, certain: float) -> str:
+    """Say what files leave of the deviation as it is estimated, and U, m, with what is not known."""
+    before, after, certainly = (said_quantity(value, "um") for value in (*effect, certain))
     return said(
         "{files} take the estimated TCP deviation over the volume from {before} RMS to {after}. With what is not "
-        "known, {expected} RMS is to be expected.",
+        "known U = {U}: 95 % of the deviations lie within it, with 95 % probability.",
         files=files,
         before=before,
         after=after,
-        expected=expected,
+        U=certainly,
     )
 
 
@@ -178,13 +210,13 @@ def _poses(estimate: Estimate) -> Array:
     return spread
 
 
-def _readme(controller: str, draft: Draft, effect: Effect, unknown: float, first: Sequence[str]) -> str:
+def _readme(controller: str, draft: Draft, effect: Effect, certain: float, first: Sequence[str]) -> str:
     lines = [
         f"Compensation for {controller}, made by axiscal.",
         *first,
         "" if draft.tried else "NOT VERIFIED ON A CONTROL: the files were read back and tried in simulation only.",
         f"These files hold {draft.holds}",
-        effect_sentence("They", effect, unknown),
+        effect_sentence("They", effect, certain),
         f"Left out: {draft.left_out}" if draft.left_out else "",
         "",
         *(f"- {note}" for note in draft.notes),

@@ -17,7 +17,7 @@ from axiscal.campaign.sources import Answer, Request, Source, moved, virtual_mac
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
-from axiscal.estimation.estimation import Estimation, expanded_uncertainty
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.acceptance.at_the_machine import Sheet
 from axiscal.evaluation.acceptance.judgement import Judgement
@@ -71,12 +71,6 @@ class Check:
         estimate = estimation.estimate()
         tables = registry.export(estimate, controller, ExportOptions())
         return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)
-
-    @property
-    def promised(self) -> float:
-        """U over the volume that is to be expected with the tables loaded, m."""
-        known = self.estimation
-        return expanded_uncertainty(known).factor(known.accuracy.rms) * self.tables.expected
 
     @property
     def digests(self) -> dict[str, str]:

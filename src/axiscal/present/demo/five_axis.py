@@ -76,7 +76,7 @@ def checked(campaign: Campaign, truth: VirtualMachine) -> TablesChecked | None:
     check = Check.of(campaign, CONTROL)
     places = check.planned(tolerance=check.allowed(None))
     judged = check.judged(check.read_on(truth, SEED, places), None)
-    return check_answer(judged, len(places), check.promised, Taken()).summary
+    return check_answer(judged, len(places), check.tables.U, Taken()).summary
 
 
 def measured_shapes() -> tuple[Array, ...]:
