@@ -25,7 +25,9 @@ from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.ports.linuxcnc.tables.cross import Hal
 from axiscal.ports.printers import contents, klipper
-from axiscal.tables.controllers import fanuc, heidenhain, isg, sinumerik
+from axiscal.tables.controllers import heidenhain, isg, sinumerik
+from axiscal.tables.controllers.fanuc.exporting import increments
+from axiscal.tables.controllers.fanuc.pitch import PitchParameters
 from axiscal.tables.effect import Effect, effect_of_control, rms, tour
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.offer import Draft, tried_out
@@ -317,10 +319,10 @@ def test_isg_columns_that_the_kernel_would_refuse(text: str) -> None:
 @given(st.integers(0, 10**6), st.integers(1, 4))
 def test_fanuc_sums_are_within_half_an_entry(seed: int, magnification: int) -> None:
     rng = np.random.default_rng(seed)
-    plan = fanuc.PitchParameters(5, 0, 30, magnification, 0.01)
+    plan = PitchParameters(5, 0, 30, magnification, 0.01)
     curve = np.cumsum(rng.uniform(-2e-6, 2e-6, 32))
     table = CompensationTable("X", False, plan.positions, curve, curve, np.zeros(32))
-    sums = np.cumsum(np.r_[0, fanuc.increments(table, plan).up]) * plan.step
+    sums = np.cumsum(np.r_[0, increments(table, plan)]) * plan.step
     wanted = np.interp(0.0, plan.positions, curve) - curve
     assert np.max(np.abs((sums - sums[6]) - (wanted - wanted[6]))) <= 1.0 * plan.step + 1e-15
     rounded = np.round(wanted / plan.step) * plan.step
@@ -330,11 +332,11 @@ def test_fanuc_sums_are_within_half_an_entry(seed: int, magnification: int) -> N
 
 def test_fanuc_refuses_increments_that_do_not_fit() -> None:
     curve = np.array([0, 0, 20e-6, 20e-6])
-    plan = fanuc.PitchParameters(1, 1, 3, 1, 0.01)
+    plan = PitchParameters(1, 1, 3, 1, 0.01)
     table = CompensationTable("X", False, plan.positions, curve, curve, np.zeros(4))
     with pytest.raises(TableError, match=r"increment of 20, an entry holds 7. Magnification 3623 = 3 would fit"):
-        fanuc.increments(table, plan)
-    fanuc.increments(table, replace(plan, magnification=3))
+        increments(table, plan)
+    increments(table, replace(plan, magnification=3))
 
 
 def test_fanuc_leaves_the_rest_of_the_file_alone() -> None:

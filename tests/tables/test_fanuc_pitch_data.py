@@ -64,7 +64,7 @@ def deviation(estimate: Estimate, axis: str, at: Array, side: int) -> Array:
     return SIGN[axis] * np.asarray(total)
 
 
-def walk(text: str, axis: int, to: float, down: bool) -> float:
+def walk(text: str, axis: int, to: float) -> float:
     """Return what the control has added, um, after the way from the reference point to a place, mm (B-63980EN).
 
     The reference point has number 3620; the entry of number 3620 + k is added on the way from (k - 1) to k intervals.
@@ -73,14 +73,12 @@ def walk(text: str, axis: int, to: float, down: bool) -> float:
         int(n): {int(a or 0): float(p) for a, p in re.findall(r"(?:A(\d+))?P(-?[\d.]+)", rest)}
         for n, rest in re.findall(r"^N(\d+)Q1(.*);$", text, re.MULTILINE)
     }
-    own = {n: value[n][axis] for n in (3605, 3620, 3621, 3622, 3623, 3624, 3626, 3627)}
-    two = int(own[3605]) % 10 == 1 and down
-    shift = own[3626] - own[3621] if two else 0
-    total, sections = (own[3627] if two else 0.0), round(to / own[3624])
+    own = {n: value[n][axis] for n in (3620, 3621, 3622, 3623, 3624)}
+    total, sections = 0.0, round(to / own[3624])
     for k in range(1, sections + 1):
-        total += own[3623] * value[int(10000 + own[3620] + k + shift)][0]
+        total += own[3623] * value[int(10000 + own[3620] + k)][0]
     for k in range(0, sections, -1):
-        total -= own[3623] * value[int(10000 + own[3620] + k + shift)][0]
+        total -= own[3623] * value[int(10000 + own[3620] + k)][0]
     return total
 
 
@@ -90,8 +88,8 @@ def test_the_reader_walks_through_the_manual_s_example() -> None:
     text = template(N3620="A1P40A2P200", N3624="A1P50.0A2P20.0")
     for number, entry in zip(range(10033, 10050), values, strict=True):
         text = text.replace(f"N{number}Q1P0;", f"N{number}Q1P{entry};")
-    assert [walk(text, 1, x, False) for x in (50, 100, 300, -50, -200, -400)] == [2, 3, -1, 1, 2, 0]
-    assert walk(text, 1, -250, False) == 4
+    assert [walk(text, 1, x) for x in (50, 100, 300, -50, -200, -400)] == [2, 3, -1, 1, 2, 0]
+    assert walk(text, 1, -250) == 4
 
 
 @pytest.mark.parametrize("axis", ["X", "Y"])
@@ -102,61 +100,33 @@ def test_every_section_is_corrected_the_lowest_too(axis: str) -> None:
     low, high = estimate.machine.axis(axis).travel
     at = np.arange(low, high + 1e-9, 20e-3)
     mean = (deviation(estimate, axis, at, 1) + deviation(estimate, axis, at, -1)) / 2
-    added = [walk(text, "XY".index(axis) + 1, 1e3 * x, False) for x in at]
+    added = [walk(text, "XY".index(axis) + 1, 1e3 * x) for x in at]
     left = 1e6 * (mean - np.interp(0.0, at, mean)) + added
     assert np.ptp(1e6 * mean) > 5
     assert np.max(np.abs(left)) < 1.5  # half an entry at each end, and the line for the curve
     assert abs(added[0] - added[1]) >= 1  # the section that had no entry
 
 
-@pytest.mark.parametrize("down", [False, True])
-def test_both_directions_are_written_where_the_control_has_two_sets(down: bool) -> None:
-    estimate = known()
-    text = export(estimate, "fanuc", ExportOptions(template=template(**BOTH))).files["pitch.txt"]
-    at = np.arange(-100e-3, 300.1e-3, 20e-3)
-    curve = deviation(estimate, "X", at, -1 if down else 1)
-    home = deviation(estimate, "X", np.zeros(1), 1)[0]
-    left = 1e6 * (curve - home) + [walk(text, 1, 1e3 * x, down) for x in at]
-    assert np.max(np.abs(left)) < 2.0
-    assert abs(1e6 * np.ptp(deviation(estimate, "X", at, 1) - deviation(estimate, "X", at, -1))) > 1
-
-
-def test_a_reference_point_come_to_downwards_is_where_the_second_set_is_zero() -> None:
-    estimate = known()
-    homed = template(**BOTH, N1006="A1P00100000A2P00000000")
-    text = export(estimate, "fanuc", ExportOptions(template=homed)).files["pitch.txt"]
-    apart = int(re.findall(r"N3627Q1A1P(-?\d+)", text)[0])
-    up, down = (1e6 * deviation(estimate, "X", np.zeros(1), side)[0] for side in (1, -1))
-    assert apart == pytest.approx(down - up, abs=1.2)  # what is added on the way up, less what the way down needs
-    assert abs(apart) >= 2
-
-
-def test_only_values_of_the_points_and_3627_change() -> None:
-    given = template(**BOTH)
+def test_only_values_of_the_points_change() -> None:
+    given = template()
     made = export(known(), "fanuc", ExportOptions(template=given)).files["pitch.txt"]
     changed = [(a, b) for a, b in zip(given.splitlines(), made.splitlines(), strict=True) if a != b]
-    assert all(re.fullmatch(r"N10\d\d\dQ1P-?\d;|N3627Q1A1P-?\d+A2P0;", new) for _, new in changed)
-    numbers = {int(new[1:6]) for _, new in changed if new.startswith("N10")}
-    assert numbers <= {*range(10046, 10066), *range(10100, 10120), *range(10191, 10201)}
-    assert numbers & set(range(10100, 10120))
+    assert all(re.fullmatch(r"N10\d\d\dQ1P-?\d;", new) for _, new in changed)
+    assert {int(new[1:6]) for _, new in changed} <= {*range(10046, 10066), *range(10191, 10201)}
 
 
 def test_the_note_says_which_directions_the_file_holds() -> None:
     estimate = known()
-    one, two = (
-        tried_out("fanuc", estimate, exporter("fanuc").make(estimate, ExportOptions(template=text))).readme
-        for text in (template(), template(**BOTH))
-    )
-    assert "the mean of both directions of X, Y" in one
-    assert "parameter 1851" in one
-    assert "both directions of X and the mean of both directions of Y" in two
-    assert "3605#0 must be 1" in two
+    draft = exporter("fanuc").make(estimate, ExportOptions(template=template()))
+    said = tried_out("fanuc", estimate, draft).readme
+    assert "the mean of both directions of X, Y" in said
+    assert "parameter 1851" in said
 
 
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
-        ({"N3626": "A1P60A2P0", "N3605": "A1P1A2P0"}, "point 60 belongs to X and to X"),
+        (BOTH, "X .axis 1. has entries of its own for the way down"),
         ({"N3620": "A1P50A2P60", "N3621": "A1P46A2P51", "N3622": "A1P65A2P60"}, "point 51 belongs to X and to Y"),
         ({"N3621": "A1P47A2P191"}, "3621 = 46 and 3622 = 65 would cover it"),
     ],
@@ -244,11 +214,11 @@ def test_rotary_axes_without_parameters_are_left_out_and_named() -> None:
     assert "Left out: C, B (no parameters 3620 to 3624" in made.readme
 
 
-@pytest.mark.parametrize("parameter", ["3620", "3621", "3622", "3623", "3626"])
+@pytest.mark.parametrize("parameter", ["3620", "3621", "3622", "3623"])
 @pytest.mark.parametrize("digits", [5, 20, 5000])
 def test_a_number_that_no_point_has_is_a_sentence_and_not_a_memory_full_of_points(parameter: str, digits: int) -> None:
-    values = {"3620": "50", "3621": "46", "3622": "65", "3623": "1", "3626": "100"}
-    text = template(**{**BOTH, f"N{parameter}": f"A1P{digits * '9'}A2P{values[parameter]}"})
+    values = {"3620": "50", "3621": "46", "3622": "65", "3623": "1"}
+    text = template(**{f"N{parameter}": f"A1P{digits * '9'}A2P{values[parameter]}"})
     machine = machine_from_text(MACHINE)
     with pytest.raises(TableError, match=r"has the number 9{5,20} in its parameters"):
         loaded("fanuc", machine, ExportOptions(old_files=(OldFile("pitch.txt", text),)))

@@ -44,7 +44,7 @@ LATHE = machine_from_text(
     [
         ("klipper", "printer.cfg", "[printer]\nkinematics: cartesian\n", "no mesh and no skew is saved here"),
         ("fanuc", "par.txt", FANUC.format("N3624A1P0A2P0A3P0;"), "no axis has an interval of compensation"),
-        ("fanuc", "par.txt", FANUC.format(PITCH + "\nN3605A1P1;\nN3626A1P60;"), "parameter 3626 without 3627"),
+        ("fanuc", "par.txt", FANUC.format(PITCH + "\nN3605A1P1;\nN3626A1P60;"), "entries of its own for the way down"),
         ("linuxcnc-volumetric", "X.comp", "0 0 0\n1 0 0\n", "X.comp is no file of the whole correction"),
         (
             "csv",

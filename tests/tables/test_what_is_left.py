@@ -18,7 +18,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.volumetric.exporting import reversal_times
 from axiscal.tables.conditional import mean_along
-from axiscal.tables.controllers.fanuc.exporting import _both_notes, _turn_notes
+from axiscal.tables.controllers.fanuc.exporting import _turn_notes
 from axiscal.tables.controllers.fanuc.pitch import PitchParameters
 from axiscal.tables.effect import planes_left
 from axiscal.tables.loaded import Loaded, Lookup
@@ -261,15 +261,3 @@ def test_fanucs_note_names_the_type_of_each_rotary_axis(rotary: bool, turn: bool
     notes = _turn_notes({"C": cast("PitchParameters", plan)})
     assert len(notes) == bool(says)
     assert all(note.startswith(says) for note in notes)
-
-
-@pytest.mark.parametrize(("downwards", "word"), [(True, "downwards"), (False, "upwards")])
-def test_fanucs_note_names_the_axes_with_two_sets_and_which_way_they_come_to_their_reference(
-    downwards: bool, word: str
-) -> None:
-    two, one = (SimpleNamespace(negative=negative, downwards=downwards) for negative in (300, None))
-    plans = {"X": cast("PitchParameters", two), "Y": cast("PitchParameters", one), "Z": cast("PitchParameters", two)}
-    first, second = _both_notes(plans)
-    assert first.startswith("Two sets for X, Z: 3605#0 must be 1")
-    assert f"is come to X {word}, Z {word} (1006#5)" in second
-    assert _both_notes({"Y": cast("PitchParameters", one)}) == ()

@@ -27,14 +27,10 @@ Records = dict[int, dict[int, str]]
 
 DETECTION = {False: 1e-6, True: math.radians(1e-3)}
 """Detection unit of increment system IS-B: of a linear axis, m, of a rotary one, rad."""
-DIRECTION, BOTH, NEGATIVE, APART = 1006, 3605, 3626, 3627
-"""Numbers of the parameters that hold the way to the reference point, the choice of two sets, and the second one."""
+BOTH, NEGATIVE = 3605, 3626
+"""Numbers of the parameters by which a control takes another set of entries for travel downwards."""
 _NEEDED = range(3620, 3625)
 """By FANUC's manual: the parameters that say which points an axis has."""
-_BACKWARDS = 5
-"""Bit ZMI of parameter 1006."""
-
-
 _WIDEST = 1000.0
 """m or rad, of an interval: longer than any travel, so that any near would do."""
 _DIGITS = 4
@@ -46,8 +42,6 @@ class PitchParameters:
     """The points of one axis.
 
     reference, first, last : numbers of points; magnification : multiplies each entry; interval : m or rad
-    negative : number of the first point of the set for travel downwards, None without one
-    downwards : whether the reference point is approached downwards
     rotary : its coordinate is an angle; turn : it is a whole turn, whose end is its beginning
 
     A point holds the section that ends at it: the first one begins an interval below it (B-63980EN, parameter 3620). On
@@ -59,8 +53,6 @@ class PitchParameters:
     last: int
     magnification: int
     interval: float
-    negative: int | None = None
-    downwards: bool = False
     rotary: bool = False
     turn: bool = False
 
@@ -92,11 +84,9 @@ class PitchParameters:
         return self.magnification * self.detection
 
     @property
-    def numbers(self) -> tuple[range, ...]:
-        """Numbers of its points, of the second set too."""
-        count = self.last - self.first + 1
-        second = () if self.negative is None else (range(self.negative, self.negative + count),)
-        return (range(self.first, self.last + 1), *second)
+    def numbers(self) -> range:
+        """Numbers of its points."""
+        return range(self.first, self.last + 1)
 
     def covering(self, low: float, high: float) -> tuple[int, int]:
         """Return the numbers of the first and last point that a travel needs, by FANUC's formula."""
@@ -147,39 +137,30 @@ def _plan(records: Records, file: str, axis: Axis, number: int) -> PitchParamete
         what = "the interval {interval} of {name} (axis {number}) is longer than any travel"
         remedy = "parameter 3624 is in mm or deg where it has a point"
         raise TableError(what, remedy, file, interval=interval[:20], name=name, number=number)
-    negative = _second_set(records, file, name, number)
-    downwards = _bit(records.get(DIRECTION, {}).get(number, "0"), _BACKWARDS)
-    kind = negative, downwards, axis.rotary, axis.cyclic
+    _refuse_second_set(records, file, name, number)
+    kind = axis.rotary, axis.cyclic
     plan = PitchParameters(int(reference), int(first), int(last), max(1, int(magnification)), width, *kind)
     _refuse_order(name, plan, file)
     _refuse_part_of_a_turn(name, plan, file)
     return plan
 
 
-def _second_set(records: Records, file: str, name: str, number: int) -> int | None:
-    """Return parameter 3626 where it counts: it is not 0, and 3605#0 does not say that one set serves both ways."""
-    said = records.get(NEGATIVE, {}).get(number, "0")
-    _refuse_long(name, (said,), file)
-    first = int(said)
-    if first == 0 or not _bit(records.get(BOTH, {}).get(number, "1"), 0):
-        return None
-    if number not in records.get(APART, {}):
-        what = "{name} (axis {number}) has parameter 3626 without 3627"
-        raise TableError(what, EXPECTED, file, name=name, number=number)
-    return first
+def _refuse_second_set(records: Records, file: str, name: str, number: int) -> None:
+    """Raise TableError where the control takes other entries on the way down: 3626 is not 0, and 3605#0 says so."""
+    first, both = (records.get(key, {}).get(number, usual) for key, usual in ((NEGATIVE, "0"), (BOTH, "1")))
+    if first.strip("0+-") and both.endswith("1"):
+        what = "{name} (axis {number}) has entries of its own for the way down (3626)"
+        remedy = "set 3605#0 to 0, so that one set serves both ways, and enter the reversal as backlash (1851)"
+        raise TableError(what, remedy, file, name=name, number=number)
 
 
 def _refuse_long(name: str, values: Iterable[str], file: str) -> None:
     """Raise TableError for a number that no point has: as many points would not fit into a memory."""
     long = next((value for value in values if len(value.lstrip("+-0")) > _DIGITS), None)
     if long is not None:
-        what = "{name} has the number {text} in its parameters 3620 to 3623 or 3626"
+        what = "{name} has the number {text} in its parameters 3620 to 3623"
         remedy = "points and magnification have {most} digits at most"
         raise TableError(what, remedy, file, name=name, text=long[:20], most=_DIGITS)
-
-
-def _bit(value: str, place: int) -> bool:
-    return value.rjust(8, "0")[-1 - place] == "1"
 
 
 def _refuse_order(name: str, plan: PitchParameters, file: str) -> None:
@@ -202,10 +183,10 @@ def _refuse_part_of_a_turn(name: str, plan: PitchParameters, file: str) -> None:
 def _refuse_shared_points(plans: Mapping[str, PitchParameters], file: str) -> None:
     owner: dict[int, str] = {}
     for name, plan in plans.items():
-        for number in (number for points in plan.numbers for number in points):
+        for number in plan.numbers:
             if number in owner:
                 what = "point {number} belongs to {other} and to {name}"
-                remedy = "give each set points of its own: 3620 to 3622 and 3626"
+                remedy = "give each axis points of its own: 3620 to 3622"
                 raise TableError(what, remedy, file, number=number, other=owner[number], name=name)
             owner[number] = name
 
