@@ -17,7 +17,7 @@ from axiscal.estimation.case import Rival
 from axiscal.estimation.membership import shares_of_rivals
 from axiscal.estimation.promise.dense import Dense
 from axiscal.estimation.promise.problem import Inherited, problem
-from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior, individual, is_type_text, rivals, type_prior
+from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior, is_type_text, rivals, type_prior
 from axiscal.exceptions import RecordError
 from axiscal.machine import machine_from_text
 from tests.generators.laser_axis import CASE, machine, read
@@ -165,7 +165,6 @@ def test_the_beliefs_are_those_of_the_first_lines_of_the_module(doubt: float | N
         assert rival.weight == pytest.approx(weight)
         assert np.abs(rival.belief.mean - mean).max() < 1e-12
         assert np.abs(rival.belief.covariance - covariance).max() < 1e-15
-    assert np.abs(individual(found, ERRORS) - found.own).max() < 1e-15
 
 
 def _where(matrix: np.ndarray[Any, np.dtype[np.float64]], *names: str) -> np.ndarray[Any, np.dtype[np.float64]]:

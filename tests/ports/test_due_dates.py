@@ -16,14 +16,12 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.inference.data_equation import DataEquation, data_equation
-from axiscal.estimation.inheritance import case_of
+from axiscal.estimation.inference.data_equation import DataEquation
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.type_prior import TypePrior, individual, over
+from axiscal.estimation.type_prior import TypePrior
 from axiscal.exceptions import AmbiguityError, RecordError, TableError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import unique_root
 from axiscal.ports.fleet.due_dates import due_dates, titles
 from axiscal.ports.fleet.type_learning import learnt_type
 from axiscal.ports.fleet.wearing import Aging, Pair, Wearing, aging
@@ -61,7 +59,7 @@ def _known(rng: np.random.Generator, truth: Array, stated: Array) -> tuple[Inher
 @pytest.mark.parametrize(("once", "yearly"), [(0.9, 1.0), (0.97, 0.95)])
 def test_what_is_kept_is_learnt_from_pairs(once: float, yearly: float) -> None:
     rng, stated, pairs = np.random.default_rng(8), np.eye(30), list[Pair]()
-    wears = Wearing(np.zeros(30), stated, np.zeros((30, 30)))
+    wears = Wearing(np.zeros(30), stated)
     for _ in range(10):
         years = float(rng.uniform(0.5, 2.0))
         kept = once * yearly**years
@@ -106,36 +104,6 @@ def test_what_is_left_is_what_machines_that_drift_show(renewed: tuple[str, ...])
 @pytest.fixture(scope="module")
 def taught(tmp_path_factory: pytest.TempPathFactory) -> TypePrior:
     return learnt_type(shop(tmp_path_factory.mktemp("sisters"), 4), doubt=1e-9)
-
-
-@pytest.mark.parametrize("renewed", [(), ("X",)])
-def test_what_all_sisters_have_does_not_wear_off(taught: TypePrior, renewed: tuple[str, ...]) -> None:
-    """Machines are drawn with what all have and what is their own, both as the readings leave them."""
-    described, readings = slide(prior=taught.text()), read_on(7)[::3]
-    known = concluded(case_of(described), readings)
-    errors, kept = known.case.errors, 0.905 * 0.995
-    mean, prior, size = known.printed.belief.mean[: errors.size], over(taught, errors), errors.size
-    own = individual(taught, errors)
-    equation = data_equation(known.case.observation, readings)
-    rng, count = np.random.default_rng(9), 4000
-    normal = rng.standard_normal
-
-    def drawn(covariance: Array) -> Array:
-        result: Array = unique_root(covariance) @ normal((size, count))
-        return result
-
-    common, mine = prior.mean[:, None] + drawn(prior.covariance - own), drawn(own)
-    rows = equation.rows
-    gain = np.linalg.inv(rows @ prior.covariance @ rows.T + np.eye(len(rows)))
-    off = gain @ (equation.values[:, None] - rows @ (common + mine) - normal((len(rows), count)))
-    common, mine = common + (prior.covariance - own) @ rows.T @ off, mine + own @ rows.T @ off
-    rho = 0.0 if renewed else kept
-    left = common + rho * mine + np.sqrt(1 - rho**2) * drawn(own) - mean[:, None]
-    poses = np.tile(np.linspace(0.0, 0.5, 201)[:, None], (2, 1))
-    seen = errors.rows(poses, np.repeat([[1.0], [-1.0]], 201, axis=0))[:, 0]
-    shift = seen.mean(axis=0) if known.case.yardstick.zeroed[0] else 0.0
-    true = float(np.sqrt(np.mean(((seen - shift) @ left) ** 2)))
-    np.testing.assert_allclose(WornMachine(known, _certain(0.905), renewed).rms(1.0), true, rtol=0.05)
 
 
 def test_a_machine_measured_by_what_its_type_has_taught_is_not_due_before_it_is(

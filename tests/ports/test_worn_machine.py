@@ -66,20 +66,20 @@ def _drawn(mean: Array, covariance: Array, rng: np.random.Generator, count: int)
 
 
 class Twin:
-    """Machines one by one: what all sisters have and what is their own, as the readings of one of them leave both."""
+    """Machines one by one, of a type that was taught, as the readings of one of them leave it."""
 
     def __init__(self) -> None:
         errors = case_of(_described()).errors
         std = np.sqrt(np.diagonal(errors.prior_covariance()))
-        self.common, self.own = _spread(0.8 * std, 1), _spread(std, 2)
+        self.own = _spread(1.3 * std, 2)
         rng = np.random.default_rng(4)
         self.mean = 0.5 * std * rng.standard_normal(len(std))
         records = (SisterRecord("one.axiscal", "1", 1),)
         machine = machine_from_text(TABLE)
-        taught = TypePrior(machine.text, records, {}, 0, 1e-9, self.mean, self.common + self.own, self.own)
+        taught = TypePrior(machine.text, records, {}, 0, 1e-9, self.mean, self.own, self.own)
         described = _described(taught.text())
         places = [Place("laser", (x, y), (s, s)) for x in (0.05, 0.3) for y in (0.1, 0.35) for s in (1, -1)]
-        truth = _drawn(self.mean, self.common + self.own, rng, 1)[:, 0]
+        truth = _drawn(self.mean, self.own, rng, 1)[:, 0]
         virtual = Simulator(described.machine, described.setups).with_coefficients(truth, 5)
         readings = measured(virtual, described, places, 5)
         self.known, self.rng = concluded(case_of(described), readings), rng
@@ -91,18 +91,18 @@ class Twin:
         kept : (k,)
         """
         zero, rows, count = np.zeros(len(self.mean)), self._read.rows, len(kept)
-        common, mine = _drawn(self.mean, self.common, self.rng, count), _drawn(zero, self.own, self.rng, count)
-        shown = rows @ (common + mine) + self.rng.standard_normal((len(rows), count))
-        scatter = rows @ (self.common + self.own) @ rows.T + np.eye(len(rows))
+        mean, mine = self.mean[:, None], _drawn(zero, self.own, self.rng, count)
+        shown = rows @ (mean + mine) + self.rng.standard_normal((len(rows), count))
+        scatter = rows @ self.own @ rows.T + np.eye(len(rows))
         off = np.linalg.solve(scatter, self._read.values[:, None] - shown)
-        common, mine = common + self.common @ rows.T @ off, mine + self.own @ rows.T @ off
+        mine = mine + self.own @ rows.T @ off
         later, errors = np.empty_like(mine), self.known.case.errors
         # what comes anew on an axis that was renewed has nothing to do with how the other one ages
         aged = kept * mine + np.sqrt(1 - kept**2) * _drawn(zero, self.own, self.rng, count)
         new = _drawn(zero, self.own, self.rng, count)
         for term in errors.terms:
             later[term.columns] = (new if AXES[term.name] == renewed else aged)[term.columns]
-        left = common + later - self.known.printed.belief.mean[: errors.size][:, None]
+        left = mean + later - self.known.printed.belief.mean[: errors.size][:, None]
         poses, _ = self.known.case.yardstick.poses
         rests = self.rng.standard_normal((len(errors.rests), len(poses), count))
         loose = errors.levers(poses) * errors.rests[:, None, None]

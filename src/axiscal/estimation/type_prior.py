@@ -234,21 +234,12 @@ def over(found: TypePrior, errors: ErrorModel) -> Inherited:
 
     Details that its knots resolve and those of the type do not are as stated, in the sizes of the type.
     """
-    return _carried(found, errors, found.covariance)
-
-
-def individual(found: TypePrior, errors: ErrorModel) -> Array:
-    """Return the covariance of what is a machine's own and not common to its type, over its errors, (n, n)."""
-    return _carried(found, errors, found.own).covariance
-
-
-def _carried(found: TypePrior, errors: ErrorModel, covariance: Array) -> Inherited:
     across = carried_over(ErrorModel(found.machine), errors)
     beyond = across.beyond()
     for term in errors.terms:
         if term.name in found.learned:
             beyond[term.columns] *= np.sqrt(found.learned[term.name].scale)
-    return across.prior(found.mean, covariance, beyond @ beyond.T)
+    return across.prior(found.mean, found.covariance, beyond @ beyond.T)
 
 
 _ALIKE = 1e-9

@@ -4,9 +4,9 @@ With the tables of the last mean m in the control, what is left after Δt has th
 
     r²(Δt) = tr W [ρ² C + (1 − ρ²) C₀ + (1 − ρ)² m mᵀ] + rests
 
-For errors of an axis that was renewed since, ρ = 0. C₀ is the machine's own part if its type is known, and the part
-that all sisters share stays (`wearing`). Named tables of a control add the errors that they cannot hold
-(`worn_machine`). It is due when r passes the target.
+For errors of an axis that was renewed since, ρ = 0. If its type is known m and C₀ are counted from what that has
+taught (`wearing`). Named tables of a control add the errors that they cannot hold (`worn_machine`). It is due when r
+passes the target.
 """
 
 from __future__ import annotations

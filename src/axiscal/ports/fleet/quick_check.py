@@ -5,8 +5,6 @@ crashes show (`crash_places`). The readings z = R a + e have to fit N(ρ m, ·):
 
     χ² = (z − ρ R m)ᵀ (R (ρ² C + (1 − ρ²) C₀) Rᵀ + I)⁻¹ (z − ρ R m)
 
-If the campaign knew the machine's type, the part that all sisters share stays (`wearing`).
-
 Where a check shows that something broke: readings of a plan moved, each within its set-up, until crashes stand out.
 
 A crash d moves readings by R d. Among machines that changed as is usual they scatter by S = R C Rᵀ + V. So χ² grows by
@@ -99,7 +97,7 @@ class QuickCheck:
         wears: Wearing | None = None,
     ) -> None:
         wearing = wears or Wearing.as_stated(ErrorModel(description.machine))
-        self.last, self.case = last, case_again(description, wearing.worn(last).left(kept))
+        self.last, self.case = last, case_again(description, wearing.left(last, kept))
         self._control = control
 
     @classmethod

@@ -56,21 +56,21 @@ class WornMachine:
         self._fresh = np.zeros(errors.size, dtype=bool)
         for term in errors.terms:
             self._fresh[term.columns] = any(errors.machine.axes[axis].name in renewed for axis in term.axes)
-        self._worn = Wearing.of(known).worn(found_by(known))
+        self._found, self._wears = found_by(known), Wearing.of(known)
         self._control = None if tables is None else control_of(known, tables)
         if self._control is None:
-            moving = self._worn.found.mean - self._worn.stays.mean
+            moving = self._found.mean - self._wears.mean
             fields = np.array([self._root.matrix @ (moving * share) for share in (0.0, ~self._fresh, self._fresh)])
             self._products = fields @ fields.T
         else:
-            self._products = products_left(known, self._control, self._fresh, self._worn.stays.mean)
+            self._products = products_left(known, self._control, self._fresh, self._wears.mean)
 
     def rms(self, years: float) -> float:
         """Return the RMS over the volume after a time in years, m."""
         rho, square = self._aging.kept(years)
         once = np.array([1.0, rho - 1.0, -1.0])
         moved = once @ self._products @ once + (square - rho**2) * self._products[1, 1]
-        drifted = np.sum(self._root.gram * self._worn.covariance(rho, square, self._fresh))
+        drifted = np.sum(self._root.gram * self._wears.covariance(self._found, square, self._fresh))
         return self._known.case.yardstick.rms_of(float(drifted + moved))
 
 
