@@ -114,7 +114,7 @@ def _of_a_whole(term: Term, unseen: Array) -> Aspect:
     """Return the aspect of a term of two axes, waves or steps: all of it; constant and slopes are in the curves."""
     prior = float(np.trace(term.covariance))
     own = unseen[term.columns]
-    return Aspect(term, "curve", own[0], float(np.sum(own**2)) / prior, float(np.sqrt(prior / len(own))))
+    return Aspect(term, "curve", float(np.sum(own**2)) / prior, float(np.sqrt(prior / len(own))))
 
 
 def _aspects(function: ErrorFunction, idle: Array) -> Iterator[Aspect]:
@@ -134,15 +134,13 @@ def _candidates(function: ErrorFunction, unseen: Array) -> Iterator[Aspect]:
         rows.append(("slope", _projection(function, 1)))
     for kind, row in rows:
         prior = float(row @ function.covariance @ row)
-        yield Aspect(
-            function, kind, row @ own / np.sqrt(prior), float(np.sum((row @ own) ** 2)) / prior, np.sqrt(prior)
-        )
+        yield Aspect(function, kind, float(np.sum((row @ own) ** 2)) / prior, np.sqrt(prior))
     if function.basis.size > len(rows):
         straight = np.array([row for _, row in rows])
         shape = np.eye(function.basis.size) - np.linalg.pinv(straight) @ straight
         prior = float(np.trace(shape @ function.covariance @ shape.T))
-        share, shadow = float(np.sum((shape @ own) ** 2)) / prior, shape[function.basis.size // 2] @ own
-        yield Aspect(function, "curve", shadow, share, float(np.sqrt(prior / function.basis.size)))
+        share = float(np.sum((shape @ own) ** 2)) / prior
+        yield Aspect(function, "curve", share, float(np.sqrt(prior / function.basis.size)))
 
 
 def _projection(function: ErrorFunction, degree: int) -> Array:

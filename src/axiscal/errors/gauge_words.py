@@ -18,7 +18,6 @@ from axiscal.language.spoken import counted, either_of, joined, later, listed, p
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
 from axiscal.machine.names import COMPONENTS
-from axiscal.numerics import Array
 from axiscal.units import said_quantity
 
 _LISTED = 5
@@ -48,12 +47,11 @@ class Aspect:
     """What stays open of one error.
 
     kind : "constant", "slope", or "curve" for what is neither
-    shadow : (r,) its unseen part in prior standard deviations; share : of the prior variance; scale : prior std
+    share : of the prior variance that is unseen; scale : prior std
     """
 
     function: Term
     kind: str
-    shadow: Array
     share: float
     scale: float
 
