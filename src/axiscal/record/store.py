@@ -235,6 +235,9 @@ def _refuse_other_form(path: Path) -> None:
         return
     if any(isinstance(read_mark(start[at:]), Mark) for at in MARKS):
         raise DamageError("its first lines are not as they were written")
+    if start[:16] == b"SQLite format 3\0" and start[68:72] == b"AXIS":
+        remedy = "Bring it into today's: python tools/bring_first_form.py RECORD NEW"
+        raise RecordError("This record is of the first form, an SQLite database", remedy, path)
     remedy = "Name a record that `axiscal step start` or `axiscal step run` has made"
     raise RecordError("This file is not a campaign record", remedy, path)
 
