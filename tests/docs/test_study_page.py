@@ -26,6 +26,6 @@ def test_the_example_gives_an_answer_to_each_question_that_is_answered_there(
     assert (tmp_path / "results" / "study.html").is_file()
 
 
-def test_every_figure_that_can_be_kept_is_named() -> None:
+def test_every_figure_is_named() -> None:
     text = PAGE.read_text(encoding="utf-8")
     assert all(f"`{name}`" in text for name in FIGURES)

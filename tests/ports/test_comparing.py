@@ -16,7 +16,7 @@ from axiscal.ports.study.study_file import Study, read_study
 from axiscal.ports.study.study_page import render
 from tests.ports.texts import STUDY, written
 
-GRID = 'setups = [["laser"], ["laser", "dial"], ["dial"]]\n"prior.times" = [1, 3]\n'
+GRID = 'setups = [["laser"], ["laser", "dial"], ["dial"]]\n"errors.EXX.std" = ["5 um", "15 um"]\n'
 MACHINES = 12
 
 
@@ -38,7 +38,7 @@ def _found(study: Study, seed: int = 1) -> dict[str, Done]:
                 - both
                 + 0.5 * (choices["setups"] == ["dial"])
                 + 0.01 * rng.normal()
-                + 3.0 * (choices["prior.times"] == 3)
+                + 3.0 * (choices["errors.EXX.std"] == "15 um")
             )
             minutes = 40.0 + 7.0 * both + 2.0 * (choices["setups"] == ["dial"])
             figures: dict[str, Any] = {"minutes": minutes, "U_um": U, "coverage_tcp": 0.95, "reached": bool(U < 5)}
@@ -51,20 +51,22 @@ def test_differences_are_taken_machine_by_machine(tmp_path: Path) -> None:
     found = _found(study)
     every = changes(study, ways_of(study, found))
     assert [change.words for change in every] == [
-        "dial besides laser", "laser besides dial", "stated std × 3 instead of stated std × 1",
+        "dial besides laser", "laser besides dial", "errors.EXX.std = 15 um instead of errors.EXX.std = 5 um",
     ]  # fmt: skip
     rows = rows_of(study, found)
 
-    def of(setups: str, times: int) -> list[float]:
-        return [row["U_um"] for row in rows if row["setups"] == setups and row["prior.times"] == times]
+    def of(setups: str, std: str) -> list[float]:
+        return [row["U_um"] for row in rows if row["setups"] == setups and row["errors.EXX.std"] == std]
 
-    by_machine = np.mean([np.subtract(of('["laser","dial"]', n), of('["laser"]', n)) for n in (1, 3)], axis=0)
+    by_machine = np.mean(
+        [np.subtract(of('["laser","dial"]', n), of('["laser"]', n)) for n in ("5 um", "15 um")], axis=0
+    )
     U = every[0].figures["U"]
     assert U.value == pytest.approx(by_machine.mean())
     assert U.error == pytest.approx(2 * by_machine.std(ddof=1) / MACHINES**0.5)
     assert U.sure
     assert every[0].figures["minutes"][:2] == (7.0, 0.0)
-    unpaired = 2 * (np.var(of('["laser"]', 1), ddof=1) * 2 / MACHINES) ** 0.5
+    unpaired = 2 * (np.var(of('["laser"]', "5 um"), ddof=1) * 2 / MACHINES) ** 0.5
     assert U.error < unpaired / 10
 
 
@@ -75,15 +77,15 @@ def test_the_answer_is_in_words_and_first(tmp_path: Path) -> None:
     (dial,) = (sentence for sentence in said if sentence.startswith("dial besides laser"))
     assert "7.00 min more, and U 1.0" in dial
     assert dial.endswith("smaller. Accuracy for time.")
-    (times,) = (sentence for sentence in said if sentence.startswith("stated std"))
+    (times,) = (sentence for sentence in said if sentence.startswith("errors.EXX.std"))
     assert "as many minutes, and U 3.0" in times
     assert times.endswith("larger. It does not pay.")
 
 
 def test_ways_that_another_beats_are_not_among_the_unbeaten(tmp_path: Path) -> None:
     study = _study(tmp_path)
-    names = [way.name for way in unbeaten(ways_of(study, _found(study)), "minutes", "U")]
-    assert names == ["laser; stated std × 1", "laser + dial; stated std × 1"]
+    names = [way.name for way in unbeaten(ways_of(study, _found(study)))]
+    assert names == ["laser; errors.EXX.std = 5 um", "laser + dial; errors.EXX.std = 5 um"]
 
 
 def test_one_machine_is_not_sure_and_none_says_nothing() -> None:
@@ -106,14 +108,3 @@ def test_the_page_has_the_answer_the_pictures_and_what_failed(tmp_path: Path) ->
     assert "1 case is missing" in page
     assert "http://" not in page.replace("http://www.w3.org", "")
     assert page == render(study, dict(reversed(found.items())))
-
-
-def test_a_study_that_keeps_nothing_to_compare_still_has_a_page(tmp_path: Path) -> None:
-    study = replace(_study(tmp_path), keep=("coverage_tcp",))
-    found = {key: _covered(done) for key, done in _found(study).items()}
-    assert "95.0 %" in render(study, found)
-
-
-def _covered(done: Done) -> Done:
-    """Return what is kept of a case where only the coverage is."""
-    return Done(done.key, {"coverage_tcp": (done.result or {})["coverage_tcp"]})

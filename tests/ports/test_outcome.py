@@ -15,7 +15,7 @@ from axiscal.ports.study.study_case import FIGURES, Stop, StudyCase
 from axiscal.ports.study.study_file import read_study
 from tests.ports.texts import STUDY, written
 
-GRID = '[grid]\n"prior.times" = [1, 3]\n"setups" = [["laser"], "all"]\n'
+GRID = '[grid]\n"errors.EXX.std" = ["5 um", "15 um"]\n"setups" = [["laser"], "all"]\n'
 
 
 def _cases(folder: Path) -> list[StudyCase]:
@@ -43,16 +43,16 @@ def test_every_variant_measures_the_same_machines(tmp_path: Path) -> None:
     assert all(each == zeros[0] for each in zeros)
 
 
-def test_stated_std_is_multiplied_and_the_truth_is_not(tmp_path: Path) -> None:
+def test_the_grid_states_a_std_and_the_truth_stays(tmp_path: Path) -> None:
     once, thrice = (prepared(case.variant) for case in _cases(tmp_path)[::4])
-    assert thrice.case.errors.prior_covariance() == pytest.approx(9 * once.case.errors.prior_covariance())
+    stated = [{e.name: e.std for e in each.case.description.machine.errors}["EXX"] for each in (once, thrice)]
+    assert stated == pytest.approx([5e-6, 15e-6])
     assert [e.std for e in thrice.simulator.machine.errors] == [e.std for e in once.simulator.machine.errors]
 
 
 def test_readings_are_what_the_machine_does_within_their_noise(tmp_path: Path) -> None:
     ready = prepared(_cases(tmp_path)[0].variant)
     truth = ready.simulator.drawn(12)
-    assert ready.places is not None
     readings = taken(ready.case, truth, ready.places, 12)
     assert readings == taken(ready.case, truth, ready.places, 12)
     poses = np.array([each.pose for each in readings])
@@ -64,9 +64,7 @@ def test_readings_are_what_the_machine_does_within_their_noise(tmp_path: Path) -
 
 def test_a_budget_is_kept_and_one_that_is_too_short_is_said(tmp_path: Path) -> None:
     case = _cases(tmp_path)[0]
-    within = outcome(
-        replace(case, variant=replace(case.variant, stop=Stop(budget=700.0), keep=("minutes", "readings")))
-    )
+    within = outcome(replace(case, variant=replace(case.variant, stop=Stop(budget=700.0))))
     assert within["minutes"] <= 700.0 / 60
     assert within["readings"] > 1
     with pytest.raises(PlanError, match="that the first reading takes"):

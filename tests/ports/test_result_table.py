@@ -10,7 +10,7 @@ from axiscal.ports.study.study_case import Done
 from axiscal.ports.study.study_file import read_study
 from tests.ports.texts import STUDY, written
 
-TEXT = STUDY.replace("machines = 2", "machines = 4\nseed = 4") + '[results]\nkeep = ["U", "said"]\n'
+TEXT = STUDY.replace("machines = 2", "machines = 4\nseed = 4")
 
 
 def test_rows_are_in_the_order_of_the_study(tmp_path: Path) -> None:

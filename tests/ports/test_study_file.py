@@ -51,10 +51,7 @@ FAULTS = [
     ('[grid]\n"target.rms" = ["2 um", "2 um"]\n', 5, "is there twice", ""),
     ('[grid]\nsetups = [["laser", "lazer"]]\n', 5, 'no set-up "lazer"', '"laser", "dial"'),
     ("[grid]\nsetups = [3]\n", 5, "names no set-ups", '"all"'),
-    ('[grid]\n"prior.times" = [0]\n', 5, "is no factor", ""),
-    ('[grid]\n"prior.times" = ["3"]\n', 5, "is no factor", ""),
     ('[grid]\nmachine = ["five.toml"]\n', 5, "cannot vary", ""),
-    ('[results]\nkeep = ["minuts"]\n', 5, "nothing that can be kept", '"minutes"'),
     ("[gird]\n", 4, 'unknown key "gird"', '"grid"'),
 ]
 

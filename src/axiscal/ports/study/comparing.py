@@ -6,19 +6,18 @@ A difference is taken machine by machine and then averaged, d̄ ± 2 s/√n: wha
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from axiscal.ports.study.study_case import FIGURES, Done, Stop, canonical, key_of
-from axiscal.ports.study.study_file import SETUPS, TIMES, Study
+from axiscal.ports.study.study_file import SETUPS, Study
 from axiscal.present.sentences import figure
 
 _REACHES = 0.5
 """Share of the machines on which a way has to reach the target for its time to count."""
-_WORDS = {"U": "U", "rms": "the promised RMS", "true_rms": "the true RMS"}
 
 _SURE = 2.0
 """Standard errors on either side: nineteen of twenty."""
@@ -26,8 +25,6 @@ NOTHING = 0.05
 """Minutes or readings, of which nobody takes notice."""
 _ROUNDING = 1e-9
 """Share of the values below which they are all the same."""
-ACCURACIES, COSTS = ("U", "rms", "true_rms"), ("minutes", "readings")
-"""By what ways are compared, the first one that is kept."""
 
 
 class Quartiles(NamedTuple):
@@ -108,7 +105,7 @@ def ways_of(study: Study, found: Mapping[str, Done]) -> list[MeasuringWay]:
                 for machine, result in results.items()
                 if isinstance(value := result.get(FIGURES[name].column), bool | int | float)
             }
-            for name in study.keep
+            for name in FIGURES
         }
         failed = sum(each is not None and each.result is None for each in done.values())
         ways.append(MeasuringWay(way_name(study, choices), choices, figures, failed))
@@ -124,19 +121,12 @@ def choice_words(key: str, value: Any) -> str:
     """Return one choice in words."""
     if key == SETUPS:
         return "all set-ups" if value == "all" else " + ".join(value)
-    if key == TIMES:
-        return f"stated std × {value:g}"
     return f"{key} = {value if isinstance(value, str | int | float) else canonical(value)}"
 
 
-def best_kept(study: Study, among: Iterable[str]) -> str | None:
-    """Return the first of some figures that is kept."""
-    return next((name for name in among if name in study.keep), None)
-
-
-def unbeaten(ways: Sequence[MeasuringWay], cost: str, accuracy: str) -> list[MeasuringWay]:
-    """Return the ways of which no other is both as cheap and as good, the cheapest first."""
-    known = [(c.middle, a.value, way) for way in ways if (c := way.spread(cost)) and (a := way.mean(accuracy))]
+def unbeaten(ways: Sequence[MeasuringWay]) -> list[MeasuringWay]:
+    """Return the ways of which no other is both as quick and as good, the quickest first."""
+    known = [(c.middle, a.value, way) for way in ways if (c := way.spread("minutes")) and (a := way.mean("U"))]
     return [
         way
         for spent, left, way in sorted(known, key=lambda each: each[:2])
@@ -150,7 +140,7 @@ def changes(study: Study, ways: Sequence[MeasuringWay]) -> list[ChoiceChange]:
     for key, values in study.grid.items():
         for words, before, after in _steps(key, values, study):
             pairs = list(_alike(ways, key, before, after))
-            means = {name: mean for name in study.keep if (mean := _difference(pairs, name)) is not None}
+            means = {name: mean for name in FIGURES if (mean := _difference(pairs, name)) is not None}
             if means:
                 found.append(ChoiceChange(words, key, means))
     return found
@@ -197,12 +187,9 @@ def _difference(pairs: Sequence[tuple[MeasuringWay, MeasuringWay]], name: str) -
 
 def verdicts(study: Study, ways: Sequence[MeasuringWay]) -> list[str]:
     """Return what the study has shown, the answer first."""
-    cost, accuracy = best_kept(study, COSTS), best_kept(study, ACCURACIES)
-    said = list[str]()
-    if cost is not None and accuracy is not None:
-        said += _soonest_of_targets(ways, cost) if study.stop == Stop() else []
-        said += _front(ways, cost, accuracy)
-        said += [sentence for change in changes(study, ways) if (sentence := _change_words(change, cost, accuracy))]
+    said = [*_soonest_of_targets(ways)] if study.stop == Stop() else []
+    said += _front(ways)
+    said += [sentence for change in changes(study, ways) if (sentence := _change_words(change))]
     machines = study.machines
     of = f"{_counted(len(ways), 'way')} of measuring, each on the same {_counted(machines, 'virtual machine')}"
     said.append(
@@ -212,20 +199,20 @@ def verdicts(study: Study, ways: Sequence[MeasuringWay]) -> list[str]:
     return said
 
 
-def _soonest_of_targets(ways: Sequence[MeasuringWay], cost: str) -> Iterator[str]:
+def _soonest_of_targets(ways: Sequence[MeasuringWay]) -> Iterator[str]:
     for target, own in _by_target(ways):
         shares = [(way, share.value) for way in own if (share := way.mean("reached")) is not None]
         good = [way for way, share in shares if share >= _REACHES]
         if shares and not good:
             yield f"{target}: no way reaches it on half of the machines."
         if good:
-            yield f"{target}: {_soonest(good, cost)}"
+            yield f"{target}: {_soonest(good)}"
 
 
-def _front(ways: Sequence[MeasuringWay], cost: str, accuracy: str) -> Iterator[str]:
-    front = unbeaten(ways, cost, accuracy)
+def _front(ways: Sequence[MeasuringWay]) -> Iterator[str]:
+    front = unbeaten(ways)
     if len(ways) > 1 and front:
-        each = "; ".join(f"{way.name} ({_at(way, cost, accuracy)})" for way in front)
+        each = "; ".join(f"{way.name} ({_at(way)})" for way in front)
         yield (
             f"No other way is both quicker and better than: {each}."
             if len(front) < len(ways)
@@ -242,26 +229,28 @@ def _by_target(ways: Sequence[MeasuringWay]) -> list[tuple[str, list[MeasuringWa
     return list(found.items())
 
 
-def _soonest(good: Sequence[MeasuringWay], cost: str) -> str:
+def _soonest(good: Sequence[MeasuringWay]) -> str:
     """Return which way reaches the target soonest, and by how much."""
-    ranked = sorted((spread.middle, number, way) for number, way in enumerate(good) if (spread := way.spread(cost)))
+    ranked = sorted(
+        (spread.middle, number, way) for number, way in enumerate(good) if (spread := way.spread("minutes"))
+    )
     best = ranked[0][2]
-    said = f"reached soonest by {best.name}, in {_amount(ranked[0][0], cost)}"
+    said = f"reached soonest by {best.name}, in {_amount(ranked[0][0], 'minutes')}"
     if len(ranked) == 1:
         return f"{said}."
     other = ranked[1][2]
-    both = sorted(best.figures[cost].keys() & other.figures[cost].keys())
-    saved = mean_of([other.figures[cost][unit] - best.figures[cost][unit] for unit in both])
+    both = sorted(best.figures["minutes"].keys() & other.figures["minutes"].keys())
+    saved = mean_of([other.figures["minutes"][unit] - best.figures["minutes"][unit] for unit in both])
     if saved is None or not saved.sure:
-        return f"{said}; {other.name} takes {_amount(ranked[1][0], cost)}, which is not surely more."
-    return f"{said}, {_plus_minus(saved, cost)} less than {other.name}."
+        return f"{said}; {other.name} takes {_amount(ranked[1][0], 'minutes')}, which is not surely more."
+    return f"{said}, {_plus_minus(saved, 'minutes')} less than {other.name}."
 
 
-def _change_words(change: ChoiceChange, cost: str, accuracy: str) -> str:
-    spent, gained = change.figures.get(cost), change.figures.get(accuracy)
+def _change_words(change: ChoiceChange) -> str:
+    spent, gained = change.figures.get("minutes"), change.figures.get("U")
     if spent is None or gained is None:
         return ""
-    return f"{change.words}: {_more(spent, cost)}, and {_smaller(gained, accuracy)}. {_pays(spent, gained)}"
+    return f"{change.words}: {_more(spent)}, and {_smaller(gained)}. {_pays(spent, gained)}"
 
 
 def _pays(spent: Mean, gained: Mean) -> str:
@@ -277,9 +266,9 @@ def _pays(spent: Mean, gained: Mean) -> str:
     return "Accuracy for time." if better or worse else "It makes no difference that these machines show."
 
 
-def _more(found: Mean, cost: str) -> str:
+def _more(found: Mean) -> str:
     word = "more" if found.value > 0 else "less"
-    return f"{_plus_minus(found, cost)} {word}" if _counts(found) else f"as many {cost}"
+    return f"{_plus_minus(found, 'minutes')} {word}" if _counts(found) else "as many minutes"
 
 
 def _counts(spent: Mean) -> bool:
@@ -287,10 +276,10 @@ def _counts(spent: Mean) -> bool:
     return spent.sure and abs(spent.value) > NOTHING
 
 
-def _smaller(found: Mean, accuracy: str) -> str:
+def _smaller(found: Mean) -> str:
     word = "larger" if found.value > 0 else "smaller"
-    said = _plus_minus(found, accuracy)
-    return f"{_WORDS[accuracy]} {said} {word}" if found.sure else f"{_WORDS[accuracy]} the same ({said})"
+    said = _plus_minus(found, "U")
+    return f"U {said} {word}" if found.sure else f"U the same ({said})"
 
 
 def _plus_minus(found: Mean, name: str) -> str:
@@ -302,11 +291,11 @@ def _amount(value: float, name: str) -> str:
     return f"{figure(value)} {_unit(name)}"
 
 
-def _at(way: MeasuringWay, cost: str, accuracy: str) -> str:
-    spread, mean = way.spread(cost), way.mean(accuracy)
+def _at(way: MeasuringWay) -> str:
+    spread, mean = way.spread("minutes"), way.mean("U")
     assert spread is not None
     assert mean is not None
-    return f"{_amount(spread.middle, cost)}, {_WORDS[accuracy]} {_amount(mean.value, accuracy)}"
+    return f"{_amount(spread.middle, 'minutes')}, U {_amount(mean.value, 'U')}"
 
 
 def _unit(name: str) -> str:

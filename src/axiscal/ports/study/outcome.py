@@ -75,22 +75,10 @@ def _true_machine(machine: Machine, variant: Variant) -> Machine:
 
 
 def _stated(described: CampaignDescription, variant: Variant) -> CampaignDescription:
-    """Return the campaign with the set-ups of a variant, and with `times` the true std of its errors."""
-    if variant.setups is not None:
-        chosen = tuple(setup for setup in described.setups if setup.name in variant.setups)
-        described = replace(described, setups=chosen)
-    if variant.times == 1:
+    """Return the campaign with the set-ups of a variant."""
+    if variant.setups is None:
         return described
-    machine, times = described.machine, variant.times
-    errors = tuple(
-        replace(entry, std=times * entry.std, rest=None if entry.rest is None else times * entry.rest)
-        for entry in machine.errors
-    )
-    planes = tuple(
-        replace(plane, std=times * plane.std, rest=None if plane.rest is None else times * plane.rest)
-        for plane in machine.planes
-    )
-    return replace(described, machine=replace(machine, errors=errors, planes=planes))
+    return replace(described, setups=tuple(each for each in described.setups if each.name in variant.setups))
 
 
 @one_thread()
@@ -101,7 +89,7 @@ def outcome(question: StudyCase) -> dict[str, Any]:
     readings = taken(ready.case, truth, ready.places, _number(question.seed, question.machine))
     known = concluded(ready.case, readings)
     found = _figures(known, truth, question)
-    return {FIGURES[name].column: _rounded(found[name], name) for name in question.variant.keep}
+    return {figure.column: _rounded(found[name], name) for name, figure in FIGURES.items()}
 
 
 def _rounded(value: Any, name: str) -> Any:

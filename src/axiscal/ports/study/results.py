@@ -196,7 +196,7 @@ def rows_of(study: Study, found: Mapping[str, Done]) -> list[Row]:
             if done is not None:
                 result = done.result or {}
                 row: Row = {"machine": machine} | {key: _cell(value) for key, value in choices.items()}
-                row |= {FIGURES[name].column: result.get(FIGURES[name].column) for name in study.keep}
+                row |= {FIGURES[name].column: result.get(FIGURES[name].column) for name in FIGURES}
                 rows.append({**row, "error": done.error})
     return rows
 

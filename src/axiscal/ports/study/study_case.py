@@ -30,8 +30,7 @@ class Variant:
     choices : JSON of the values of the grid, by key
     campaign, machine, truth : texts; of `truth` the errors are drawn; names : what failures call campaign and machine
     prior : text of the campaign or type whose result is the prior, or ""
-    setups : those that are used, None for all; times : of the stated std of the errors
-    keep : the figures that are wanted
+    setups : those that are used, None for all
     """
 
     choices: str
@@ -41,9 +40,7 @@ class Variant:
     names: tuple[str, str]
     prior: str
     setups: tuple[str, ...] | None
-    times: float
     stop: Stop
-    keep: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)

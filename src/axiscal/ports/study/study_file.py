@@ -22,7 +22,7 @@ from axiscal.language.spoken import later, put, said
 from axiscal.machine.machine_schema import MachineFile
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.ports.study.key_paths import changed, parts_of
-from axiscal.ports.study.study_case import FIGURES, Stop, StudyCase, Variant, canonical
+from axiscal.ports.study.study_case import Stop, StudyCase, Variant, canonical
 from axiscal.units import parse_quantity
 
 MOST_MACHINES = 1_000_000
@@ -42,26 +42,17 @@ class StudyTable(_KnownKeys):
     stop: str | dict[str, Any] = Field("target", examples=['"target"', "{ readings = 30 }"])
 
 
-class ResultsTable(_KnownKeys):
-    """[results]: what is kept of every case."""
-
-    keep: list[str] = Field(default=list(FIGURES), min_length=1, examples=['["minutes", "U"]'])
-
-
 class StudyFile(_KnownKeys):
     """The whole file."""
 
     study: StudyTable = Field(examples=['{ campaign = "campaign.toml" }'])
     grid: dict[str, list[Any]] = Field(default={}, examples=['{ "target.rms" = ["4 um", "8 um"] }'])
-    results: ResultsTable = Field(default_factory=ResultsTable)
 
 
-SETUPS, TIMES = "setups", "prior.times"
-"""Keys with a meaning of their own: which set-ups are used, and how many times the true std is stated."""
+SETUPS = "setups"
+"""The key with a meaning of its own: which set-ups are used."""
 _FIXED = ("machine", "prior", "sisters")
 _STOP = later('Write "target", {{ readings = 30 }} or {{ budget = "90 min" }}')
-_MOST_TIMES = 1000.0
-"""Nobody's tolerances are wrong by more."""
 MOST_CASES = 10_000_000
 """Years of work; whoever says more has slipped."""
 
@@ -79,7 +70,6 @@ class Study:
     seed: int
     machines: int
     stop: Stop
-    keep: tuple[str, ...]
     grid: Mapping[str, tuple[Any, ...]]
 
     @property
@@ -106,7 +96,7 @@ class Study:
             "machine": Document.parse(described.machine.text, described.machine_source).data,
         }
         for key, value in choices.items():
-            if key not in (SETUPS, TIMES):
+            if key != SETUPS:
                 of = _document_of(key)
                 documents[of] = changed(documents[of], key, value)
         used = choices.get(SETUPS, "all")
@@ -118,9 +108,7 @@ class Study:
             names=(described.source, described.machine_source),
             prior=described.prior_text,
             setups=None if used == "all" else tuple(used),
-            times=float(choices.get(TIMES, 1.0)),
             stop=self.stop,
-            keep=self.keep,
         )
 
     def cases(self) -> Iterator[StudyCase]:
@@ -146,7 +134,6 @@ def read_study(path: str | Path) -> Study:
         seed=table.study.seed,
         machines=table.study.machines,
         stop=_stop(table.study.stop, described, document),
-        keep=_kept(table.results.keep, document),
         grid=MappingProxyType({key: _values(key, values, document) for key, values in table.grid.items()}),
     )
     _try_values(study, document)
@@ -161,7 +148,7 @@ def _document_of(key: str) -> str:
     """Return which file a key stands in; raises StudyError for one that stands in none."""
     first = parts_of(key)[0].name
     if first in _FIXED:
-        remedy = "Make a study of each; prior.times says how many times the true std is stated"
+        remedy = "Make a study of each"
         raise StudyError('"{key}" cannot vary within a study', remedy, key=first)
     if first in CampaignTable.model_fields:
         return "campaign"
@@ -197,15 +184,6 @@ def _stop(given: str | dict[str, Any], described: CampaignDescription, document:
     if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= MOST_READINGS:
         raise _refused(document, "{text} is no number of readings", text=shown(count))
     return Stop(readings=count)
-
-
-def _kept(names: list[str], document: Document) -> tuple[str, ...]:
-    for index, name in enumerate(names):
-        if name not in FIGURES:
-            remedy = meant(name, FIGURES)
-            fault = StudyError("{name} is nothing that can be kept", remedy, name=shown(name))
-            raise document.fault(fault, "results", "keep", index)
-    return tuple(name for name in FIGURES if name in names)
 
 
 def _values(key: str, values: list[Any], document: Document) -> tuple[Any, ...]:
@@ -248,11 +226,6 @@ def _try(study: Study, choices: Mapping[str, Any]) -> None:
             raise StudyError("{text} names no set-ups", 'Write "all", or a list of names of set-ups', text=shown(used))
         for name in used:
             study.described.setup(name)
-    times = choices.get(TIMES, 1.0)
-    if not isinstance(times, int | float) or isinstance(times, bool) or not 1 / _MOST_TIMES <= times <= _MOST_TIMES:
-        what = "{text} is no factor of the stated std"
-        remedy = "Write a number from {least:g} to {most:g}; 1 states what is true"
-        raise StudyError(what, remedy, text=shown(times), least=1 / _MOST_TIMES, most=_MOST_TIMES)
     variant = study.variant(choices)
     names = variant.names
     campaign_from_texts(variant.campaign, names[0], variant.machine, names[1], prior_text=variant.prior)

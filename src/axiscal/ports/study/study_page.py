@@ -7,13 +7,10 @@ from collections.abc import Mapping, Sequence
 
 from axiscal.answers.digits import number
 from axiscal.ports.study.comparing import (
-    ACCURACIES,
-    COSTS,
     ChoiceChange,
     Mean,
     MeasuringWay,
     Quartiles,
-    best_kept,
     changes,
     unbeaten,
     verdicts,
@@ -32,51 +29,50 @@ _HEIGHT = 360
 _MOST_FAILED = 50
 """Failed cases that the page names; the table has all."""
 _SPREADS = ("readings", "minutes")
+_TABLED = [name for name in FIGURES if name not in ("agreement", "said")]
+"""Figures that a table of ways can show: numbers."""
+_CHANGED = (*_SPREADS, "U", "rms", "true_rms")
 _SHARES = ("within_U", "coverage_curves", "coverage_tcp", "reached")
 
 
 def render(study: Study, found: Mapping[str, Done]) -> str:
     """Return the page as self-contained HTML.  found : what came of the cases, by their keys"""
     ways = ways_of(study, found)
-    cost, accuracy = best_kept(study, COSTS), best_kept(study, ACCURACIES)
-    pictures = list[dict[str, object]]()
-    if cost is not None and accuracy is not None:
-        title = f"{FIGURES[accuracy].words} against {FIGURES[cost].words}"
-        pictures.append({"title": title, "svg": shown(against(ways, cost, accuracy), title)})
+    title = f"{FIGURES['U'].words} against {FIGURES['minutes'].words}"
     failed = [(key, done.error) for key, done in sorted(found.items()) if done.result is None]
     return page_of(
         "axiscal.ports.study",
         "study.html",
         title=f"Which set-up pays: {study.source.stem}",
         sentences=verdicts(study, ways),
-        pictures=pictures,
+        pictures=[{"title": title, "svg": shown(against(ways), title)}],
         legend=[{"name": way.name, "colour": colour(index)} for index, way in enumerate(ways)],
-        columns=[_short_heading(name) for name in _tabled(study)],
-        rows=[[way.name, *(_cell(way, name) for name in _tabled(study))] for way in ways],
-        changed=[_short_heading(name) for name in study.keep if name in (*_SPREADS, *ACCURACIES)],
-        changes=[_change_row(change, study) for change in changes(study, ways)],
+        columns=[_short_heading(name) for name in _TABLED],
+        rows=[[way.name, *(_cell(way, name) for name in _TABLED)] for way in ways],
+        changed=[_short_heading(name) for name in _CHANGED],
+        changes=[_change_row(change) for change in changes(study, ways)],
         failed=failed[:_MOST_FAILED],
         more=max(0, len(failed) - _MOST_FAILED),
         missing=study.count - len(found),
     )
 
 
-def against(ways: Sequence[MeasuringWay], cost: str, accuracy: str) -> Figure:
-    """Return one mark for each way: median of the cost, mean and quartiles of the accuracy."""
-    front = unbeaten(ways, cost, accuracy)
-    joined = sorted((_at(way, cost, accuracy) for way in front), key=lambda at: at[0])
+def against(ways: Sequence[MeasuringWay]) -> Figure:
+    """Return one mark for each way: median of the minutes, mean and quartiles of U."""
+    front = unbeaten(ways)
+    joined = sorted((_at(way) for way in front), key=lambda at: at[0])
     traces = [line_trace([x for x, _ in joined], [y for _, y in joined], "var(--rule)", 1.5, "dot")]
     for index, way in enumerate(ways):
-        spread = way.spread(accuracy)
-        if spread is None or way.spread(cost) is None:
+        spread = way.spread("U")
+        if spread is None or way.spread("minutes") is None:
             continue
-        x, y = _at(way, cost, accuracy)
-        ends = [number(spread.low, accuracy), number(spread.high, accuracy)]
+        x, y = _at(way)
+        ends = [number(spread.low, "U"), number(spread.high, "U")]
         traces.append(line_trace([x, x], ends, colour(index), 1.2))
         marker = {"color": colour(index), "symbol": SYMBOLS[index % len(SYMBOLS)], "size": 9}
         points = {"x": [x], "y": [y], "text": [f"{way.name}\n{figure(x)}, {figure(y)}"]}
         traces.append({"type": "scatter", "mode": "markers", **points, "marker": marker})
-    x_axis, y_axis = (axis_style(_heading(name), rangemode="tozero") for name in (cost, accuracy))
+    x_axis, y_axis = (axis_style(_heading(name), rangemode="tozero") for name in ("minutes", "U"))
     return {"data": traces, "layout": layout(x_axis, y_axis, _HEIGHT, margin=_MARGIN), "wide": True}
 
 
@@ -84,16 +80,11 @@ _MARGIN = {"l": 56, "r": 16, "t": 12, "b": 46}
 """Pixels; a matter of taste."""
 
 
-def _at(way: MeasuringWay, cost: str, accuracy: str) -> tuple[float, float]:
-    spread, mean = way.spread(cost), way.mean(accuracy)
+def _at(way: MeasuringWay) -> tuple[float, float]:
+    spread, mean = way.spread("minutes"), way.mean("U")
     assert spread is not None
     assert mean is not None
-    return number(spread.middle, cost), number(mean.value, accuracy)
-
-
-def _tabled(study: Study) -> list[str]:
-    """Return the figures that a table of ways can show: numbers."""
-    return [name for name in study.keep if name not in ("agreement", "said")]
+    return number(spread.middle, "minutes"), number(mean.value, "U")
 
 
 def _heading(name: str) -> str:
@@ -128,9 +119,8 @@ def _spread_text(spread: Quartiles | None) -> str:
     return f"{short(spread.middle)}{quartiles}"
 
 
-def _change_row(change: ChoiceChange, study: Study) -> list[str]:
-    wanted = [name for name in study.keep if name in (*_SPREADS, *ACCURACIES)]
-    cells = [change.figures.get(name) for name in wanted]
+def _change_row(change: ChoiceChange) -> list[str]:
+    cells = [change.figures.get(name) for name in _CHANGED]
     return [change.words, *("–" if each is None else _signed(each) for each in cells)]
 
 
