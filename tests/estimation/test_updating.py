@@ -142,15 +142,15 @@ def test_a_belief_told_of_readings_is_one_updated_by_each(seed: int, decades: fl
     values, noise = rng.standard_normal(count), rng.uniform(0.5, 2.0, count)
     reading = np.sort(rng.integers(0, count, count))
     used = np.where(rng.random(count) < 0.3, np.inf, noise * rng.uniform(1.0, 5.0, count))
-    told, losses = belief.update_many(rows, values, noise, used, reading)
+    told, surprises, losses = belief.update_many(rows, values, noise, used, reading)
     twin = belief
     for each in np.unique(reading):
         mine = reading == each
         expected = twin.predict(rows[mine])
-        surprise = told.innovations.std[mine]
+        surprise = surprises.std[mine]
         np.testing.assert_allclose(surprise, np.sqrt(expected.std**2 + noise[mine]), rtol=1e-6)
         np.testing.assert_allclose(
-            told.innovations.value[mine], values[mine] - expected.mean, rtol=1e-6, atol=1e-6 * float(surprise.max())
+            surprises.value[mine], values[mine] - expected.mean, rtol=1e-6, atol=1e-6 * float(surprise.max())
         )
         mine &= np.isfinite(used)
         twin = twin.update(rows[mine], values[mine], used[mine]) if mine.any() else twin
@@ -164,11 +164,11 @@ def test_a_belief_told_of_readings_is_one_updated_by_each(seed: int, decades: fl
 
 def test_none_that_counts_leaves_the_belief_as_it_was() -> None:
     belief = Belief([1.0, 2.0], np.diag([4.0, 0.0]))
-    told, losses = belief.update_many(np.eye(2), np.zeros(2), np.ones(2), np.full(2, np.inf), np.arange(2))
+    told, surprises, losses = belief.update_many(np.eye(2), np.zeros(2), np.ones(2), np.full(2, np.inf), np.arange(2))
     np.testing.assert_array_equal(told.mean, belief.mean)
     np.testing.assert_array_equal(told.covariance, belief.covariance)
     np.testing.assert_array_equal(losses, 0.0)
-    np.testing.assert_allclose(told.innovations.std, [np.sqrt(5.0), 1.0])
+    np.testing.assert_allclose(surprises.std, [np.sqrt(5.0), 1.0])
 
 
 def test_readings_that_cannot_be_are_refused() -> None:

@@ -4,7 +4,7 @@
     belief = belief.update(rows, values, variances)
     belief.predict(rows).std
 
-A belief is frozen: an update returns a new one, and carries the innovations by which a bad reading is seen.
+A belief is frozen: an update returns a new one.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Prediction(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Innovations:
-    """What the last update was surprised by: each reading minus its prediction, in the order of the update.
+    """By what readings surprised: each of them minus its prediction, in their order.
 
     value : (m,); std : (m,) the standard deviation that the belief gave it, noise included
     """
@@ -43,42 +43,39 @@ class Innovations:
 
     @property
     def degrees(self) -> int:
-        """Number of readings in the update."""
+        """Number of readings."""
         return len(self.value)
 
 
-_NONE = Innovations(np.zeros(0), np.zeros(0))
-"""Before the first reading."""
-
-
 class Updated(NamedTuple):
-    """The belief after many readings, with the innovations of each at its turn.
+    """The belief after many readings.
 
+    innovations : of each at its turn
     losses : (m, n), each row d takes d dᵀ off the covariance, in the order of the readings
     """
 
     belief: Belief
+    innovations: Innovations
     losses: Array
 
 
 @dataclass(frozen=True, init=False, eq=False, slots=True)
 class Belief:
-    """A multivariate normal over the coefficients A, in factorised form.
+    """A multivariate normal over the coefficients A.
 
-    mean : (n,); covariance : (n, n) positive semidefinite, may be singular
+    mean : (n,); covariance : (n, n) positive semidefinite, may be singular; factor : F (n, n) with C = F Fᵀ
     Raises CovarianceError or ShapeError.
     """
 
     mean: Array
-    factors: gaussian.Factors = field(repr=False)
-    innovations: Innovations = field(repr=False)
+    factor: Array = field(repr=False)
 
     def __init__(self, mean: ArrayLike, covariance: ArrayLike) -> None:
         centre = np.array(mean, dtype=float)
-        factors = gaussian.factorise(np.asarray(covariance, dtype=float))
-        if centre.shape != factors.diagonal.shape or not np.all(np.isfinite(centre)):
-            raise ShapeError(f"The mean has shape {centre.shape}; the covariance asks for ({len(factors.diagonal)},).")
-        _fill(self, centre, factors, _NONE)
+        root = gaussian.root_of(np.asarray(covariance, dtype=float))
+        if centre.shape != root.shape[:1] or not np.all(np.isfinite(centre)):
+            raise ShapeError(f"The mean has shape {centre.shape}; the covariance asks for ({len(root)},).")
+        _fill(self, centre, root)
 
     @property
     def size(self) -> int:
@@ -87,29 +84,18 @@ class Belief:
 
     @property
     def covariance(self) -> Array:
-        """The covariance C = U D Uᵀ, (n, n)."""
-        factor = gaussian.root(self.factors)
-        return factor @ factor.T
-
-    @property
-    def factor(self) -> Array:
-        """F (n, n) with C = F Fᵀ."""
-        return gaussian.root(self.factors)
+        """The covariance C = F Fᵀ, (n, n)."""
+        return self.factor @ self.factor.T
 
     def update(self, rows: ArrayLike, values: ArrayLike, variances: ArrayLike) -> Belief:
         """Return the belief after readings value_i = row_iᵀ A + v_i with independent v_i ~ N(0, variance_i).
 
         rows : (m, n) or (n,); values, variances : (m,) or scalars; variances > 0
         One reading, several, or all at once give the same posterior to rounding, in any order.
-        The readings are taken in one by one (B&H eq. 21-23; as a vector B&H eq. 31-33). Raises ShapeError.
+        As a vector B&H eq. 31-33. Raises ShapeError.
         """
         table, read, noise = self._readings(rows, values, variances)
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            done = gaussian.condition(self.factors, self.mean, table, read, noise)
-        if not all(np.all(np.isfinite(result)) for result in (done.mean, *done.factors, done.variance)):
-            raise ShapeError("Rows, values and variances lie so far apart in size that the update overflows.")
-        surprise = Innovations(done.innovation, np.sqrt(done.variance))
-        return _fill(Belief.__new__(Belief), done.mean, done.factors, surprise)
+        return self._updated(table, read, noise, np.zeros(len(read), dtype=np.intp))[0]
 
     def update_many(self, rows: Array, values: Array, noise: Array, used: Array, reading: NDArray[np.intp]) -> Updated:
         """Return the belief after many updates, made all at once, with the innovations of each.
@@ -120,14 +106,18 @@ class Belief:
         """
         table, read, own = self._readings(rows, values, noise)
         counted = np.concatenate([[0], np.cumsum(np.isfinite(used))])
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            done = gaussian.condition_at_once(
-                self.factors, self.mean, table, read, used, counted[np.searchsorted(reading, reading)]
-            )
-        if not all(np.all(np.isfinite(result)) for result in (done.mean, *done.factors, done.variance)):
-            raise ShapeError("Rows, values and variances lie so far apart in size that the update overflows.")
+        after, done = self._updated(table, read, used, counted[np.searchsorted(reading, reading)])
         surprise = Innovations(read - done.expected, np.sqrt(done.variance + own))
-        return Updated(_fill(Belief.__new__(Belief), done.mean, done.factors, surprise), done.losses)
+        return Updated(after, surprise, done.losses)
+
+    def _updated(
+        self, rows: Array, values: Array, used: Array, before: NDArray[np.intp]
+    ) -> tuple[Belief, gaussian.Conditioned]:
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            done = gaussian.condition(self.factor, self.mean, rows, values, used, before)
+        if not all(np.all(np.isfinite(result)) for result in (done.mean, done.root, done.variance)):
+            raise ShapeError("Rows, values and variances lie so far apart in size that the update overflows.")
+        return _fill(Belief.__new__(Belief), done.mean, done.root), done
 
     def _readings(self, rows: ArrayLike, values: ArrayLike, variances: ArrayLike) -> tuple[Array, Array, Array]:
         table = np.atleast_2d(np.asarray(rows, dtype=float))
@@ -150,7 +140,7 @@ class Belief:
         table = np.atleast_2d(np.asarray(rows, dtype=float))
         if table.ndim != 2 or table.shape[1] != self.size or not np.all(np.isfinite(table)):
             raise ShapeError(f"Finite rows of {self.size} coefficients expected, got shape {table.shape}.")
-        return Prediction(table @ self.mean, np.sqrt(gaussian.variances(self.factors, table)))
+        return Prediction(table @ self.mean, np.linalg.norm(table @ self.factor, axis=1))
 
     def extended(self, variances: ArrayLike) -> Belief:
         """Return the belief with independent zero-mean variables appended.  variances : (k,) >= 0.
@@ -160,18 +150,18 @@ class Belief:
         extra = np.array(variances, dtype=float)
         if extra.ndim != 1 or not np.all(np.isfinite(extra)) or np.any(extra < 0):
             raise ShapeError("The variances of new variables must be finite, not negative, and one in a row.")
-        mean = np.concatenate([self.mean, np.zeros(len(extra))])
-        return _fill(Belief.__new__(Belief), mean, gaussian.extend(self.factors, extra), _NONE)
+        size, count = self.size, len(extra)
+        root = np.zeros((size + count, size + count))
+        root[:size, :size], root[size:, size:] = self.factor, np.diag(np.sqrt(extra))
+        return _fill(Belief.__new__(Belief), np.concatenate([self.mean, np.zeros(count)]), root)
 
     def sample(self, generator: np.random.Generator, count: int) -> Array:
         """Return draws from the belief, a normal density (B&H eq. 16): (count, n)."""
-        return self.mean + generator.standard_normal((count, self.size)) @ gaussian.root(self.factors).T
+        return self.mean + generator.standard_normal((count, self.size)) @ self.factor.T
 
 
-def _fill(belief: Belief, mean: Array, factors: gaussian.Factors, innovations: Innovations) -> Belief:
-    for array in (mean, *factors):
+def _fill(belief: Belief, mean: Array, root: Array) -> Belief:
+    for name, array in (("mean", mean), ("factor", root)):
         array.flags.writeable = False
-    object.__setattr__(belief, "mean", mean)
-    object.__setattr__(belief, "factors", factors)
-    object.__setattr__(belief, "innovations", innovations)
+        object.__setattr__(belief, name, array)
     return belief

@@ -80,7 +80,7 @@ def block(knowledge: Knowledge, readings: Sequence[Reading], counts: NDArray[np.
     used = np.where(counts[numbers.reading], numbers.variances, np.inf)
     done = before.belief.update_many(numbers.rows, numbers.values, numbers.variances, used, numbers.reading)
     cuts = np.searchsorted(numbers.reading, np.arange(1, len(readings)))
-    surprises = (np.split(part, cuts) for part in (done.belief.innovations.value, done.belief.innovations.std))
+    surprises = (np.split(part, cuts) for part in (done.innovations.value, done.innovations.std))
     innovations = tuple(Innovations(*pair) for pair in zip(*surprises, strict=True))
     return Block(before, Knowledge(before.observation, done.belief), innovations, done.losses)
 

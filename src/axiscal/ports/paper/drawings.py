@@ -96,13 +96,8 @@ def _readings(plan: GreedyPlan, shown: Simulated, readings: int, function: Error
         marker |= {"symbol": "circle-open", "line": {"color": "var(--ink)", "width": 1.4}}
         return {**_scatter(x, [floor + 0.22] * readings, "markers"), **common}
     bars = {"array": [plan.stack.std] * readings, "thickness": 1.2, "color": "var(--ink)"}
-    values = [_value(shown.beliefs[k], shown.beliefs[k + 1], row) for k, row in enumerate(plan.rows[:readings])]
+    values = (shown.values[:readings] / UNIT).tolist()
     return {**_scatter(x, values, "markers"), **common, "error_y": bars}
-
-
-def _value(before: Belief, after: Belief, row: Array) -> float:
-    """Return the value of a reading: what was expected of it, and by how much it surprised."""
-    return float(row @ before.mean + after.innovations.value[0]) / UNIT
 
 
 def decrease(experiment: Experiment, *, logarithmic: bool) -> Figure:

@@ -33,10 +33,12 @@ _LATTICE_SINGLE, _LATTICE_STACKED = 10_001, 41
 class Simulated:
     """One machine with a truth that the estimate never sees.
 
-    truth : (size,) control values, m; beliefs : before the first reading and after each
+    truth : (size,) control values, m; values : (m,) of its readings, m
+    beliefs : before the first reading and after each
     """
 
     truth: Array
+    values: Array
     beliefs: tuple[Belief, ...]
 
 
@@ -162,4 +164,5 @@ def _sequence(plan: GreedyPlan) -> dict[str, object]:
 
 def _simulated(plan: GreedyPlan, seed: int) -> Simulated:
     truth = plan.stack.prior.sample(np.random.default_rng(seed), 1)[0]
-    return Simulated(truth, plan.measured(truth, seed))
+    values = plan.read(truth, seed)
+    return Simulated(truth, values, plan.believed(values))

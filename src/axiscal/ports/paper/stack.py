@@ -145,21 +145,25 @@ class GreedyPlan:
         """The mean variance of the height before the first reading and after each."""
         return [self.stack.height_variance(belief) for belief in self.beliefs]
 
-    def measured(self, truth: Array, seed: int) -> tuple[Belief, ...]:
-        """Return the beliefs before and after each reading of one simulated machine.
+    def read(self, truth: Array, seed: int) -> Array:
+        """Return the readings of one simulated machine, (m,) m.
 
         truth : (size,) control values, m; seed : of the noise
         """
-        noise = self.stack.setup.noise
-        values = self.rows @ truth + noise * np.random.default_rng(seed).standard_normal(len(self.rows))
+        noise = self.stack.setup.noise * np.random.default_rng(seed).standard_normal(len(self.rows))
+        values: Array = self.rows @ truth + noise
+        return values
+
+    def believed(self, values: Array) -> tuple[Belief, ...]:
+        """Return the beliefs before and after each reading.  values : (m,) m"""
         beliefs = [self.stack.prior]
         for row, value in zip(self.rows, values, strict=True):
-            beliefs.append(beliefs[-1].update(row, value, noise**2))
+            beliefs.append(beliefs[-1].update(row, value, self.stack.setup.noise**2))
         return tuple(beliefs)
 
     def squared_errors(self, truth: Array, seed: int) -> Array:
         """Return the squared error of the estimate, integrated along the splines, before and after each reading."""
-        errors = np.array([belief.mean - truth for belief in self.measured(truth, seed)])
+        errors = np.array([belief.mean - truth for belief in self.believed(self.read(truth, seed))])
         squares: Array = np.sum((errors @ self.stack.joint.matrix.T) ** 2, axis=1) / UNIT**3
         return squares
 
