@@ -86,8 +86,7 @@ def test_it_is_not_reached_by_readings_that_contradict_each_other(gapped: Estima
     assert found is not None
     for explained, said in (((), CONTRADICT), ((Explained("sign", 1e6, (0,)),), "rms target reached")):
         agreement = replace(found.agreement, p=1e-6, explained=explained)
-        stages = gapped.stages._replace(found=replace(found, agreement=agreement))
-        known = replace(gapped, stages=stages)
+        known = replace(gapped, posterior=replace(found, agreement=agreement))
         assert standing(asked(1.01 * gapped.accuracy.rms), known) == said
         assert standing(asked(0.99 * gapped.accuracy.rms), known) is None
 

@@ -75,7 +75,7 @@ def test_readings_of_a_coarse_display_are_taken_for_what_they_say_with_the_surpr
     assert found.knowledge.belief.mean[:size] == pytest.approx(expected.knowledge.belief.mean[:size], abs=1e-10)
     one, other = (each.knowledge.belief.covariance[:size, :size] for each in (found, expected))
     assert np.abs(one - other).max() < 1e-6 * other.max()
-    assert found.innovations is known.innovations
+    assert found.blocks is known.blocks
     assert np.abs(one - known.knowledge.belief.covariance[:size, :size]).max() > 1e-3 * other.max()
 
 

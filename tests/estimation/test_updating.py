@@ -16,7 +16,7 @@ from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import path
-from axiscal.estimation.knowledge import Knowledge, blocks
+from axiscal.estimation.knowledge import Block, Knowledge, taken
 from axiscal.exceptions import ShapeError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
@@ -48,8 +48,9 @@ def _after_one(before: Absorbed, reading: Reading, counts: bool) -> Absorbed:
     case = before.case
     if reading.setup not in case.both and not case.came_as_allowed(reading):
         case = replace(case, both=case.both | {reading.setup})
-    known, innovations = Knowledge(opened.observation, belief), (*before.innovations, surprise)
-    return Absorbed(case, before.left_out, known, innovations)
+    errors = slice(opened.observation.errors.size)
+    mine = Block((surprise,), opened.belief.factor[errors], np.zeros((len(numbers.values), errors.stop)))
+    return Absorbed(case, before.left_out, Knowledge(opened.observation, belief), (*before.blocks, mine))
 
 
 @pytest.mark.parametrize(("together", "count"), [(7, 30), pytest.param(400, 60, marks=pytest.mark.long)])
@@ -64,10 +65,10 @@ def test_many_readings_at_once_are_one_after_the_other(
     twin, seen_by_twin = _one_by_one(problem, readings, left_out)
     known, surprises = list[Accuracy](), list[Innovations]()
     case = absorbed(problem, readings, left_out).case
-    for part in blocks(problem.knowledge, readings, left_out):
+    parts, after = taken(problem.knowledge, readings, left_out)
+    for part in parts:
         known += part.accuracies(case.yardstick)
         surprises += part.innovations
-    after = part.after
     assert after.observation.cells == twin.knowledge.observation.cells
     spread = np.sqrt(np.diag(twin.knowledge.belief.covariance))
     np.testing.assert_array_less(np.abs(after.belief.mean - twin.knowledge.belief.mean), 1e-8 * spread)
@@ -86,14 +87,14 @@ def test_the_history_is_what_was_known_after_each_reading() -> None:
     readings = _turning(case, 24)
     readings[15] = replace(readings[15], value=2.0)
     known = concluded(case, readings)
-    moments, final, implausible = path(known), known.stages.absorbed, known.stages.implausible
-    twin = absorbed(known.stages.absorbed.case, [])
+    moments, final, implausible = path(known), known.absorbed, known.implausible
+    twin = absorbed(known.absorbed.case, [])
     assert 15 in implausible
     assert len(moments) == 25
     assert moments[0] == (twin.case.yardstick.measure(twin.knowledge.belief), None, 0.0)
     for count, moment in enumerate(moments[1:], start=1):
         twin = _after_one(twin, readings[count - 1], count - 1 not in final.left_out)
-        assert moment.seconds == known.stages.timed.ends[count - 1]
+        assert moment.seconds == known.timed.ends[count - 1]
         if count < 24:
             expected = twin.case.yardstick.measure(twin.knowledge.belief)
             np.testing.assert_allclose(moment.accuracy, expected, rtol=1e-8)
@@ -102,7 +103,7 @@ def test_the_history_is_what_was_known_after_each_reading() -> None:
         sizes = moment.innovations.value - twin.innovations[-1].value
         assert np.all(np.abs(sizes) < 1e-6 * moment.innovations.std + 1e-8 * np.abs(moment.innovations.value))
     assert moments[24].accuracy == known.accuracy
-    assert moments[24].seconds == known.seconds
+    assert moments[24].seconds == known.timed.seconds
 
 
 @pytest.mark.long
@@ -115,10 +116,10 @@ def test_where_stations_stand_and_what_cannot_be_is_known_from_the_first_reading
     readings = read(case, 5)[1][::9]
     readings[7] = replace(readings[7], value=readings[7].value + 0.1)
     known = concluded(case, readings)
-    shown = known.stages.absorbed
+    shown = known.absorbed
     assert shown.case.about is not None
     assert [each.found for each in shown.case.description.setups] != [each.found for each in case.description.setups]
-    assert 7 in known.stages.implausible
+    assert 7 in known.implausible
     moments = path(known)
     twin = absorbed(shown.case, [])
     for count, moment in enumerate(moments[1:-1], start=1):

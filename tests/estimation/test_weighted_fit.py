@@ -48,4 +48,4 @@ def test_the_history_ends_where_the_estimate_does() -> None:
     moments = path(known)
     assert moments[5].accuracy.rms == pytest.approx(moments[4].accuracy.rms, rel=1e-9)
     assert moments[-1].accuracy == known.accuracy
-    assert moments[-1].seconds == pytest.approx(known.seconds)
+    assert moments[-1].seconds == pytest.approx(known.timed.seconds)

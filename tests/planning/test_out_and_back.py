@@ -78,9 +78,9 @@ def seen_and_left(case: Case, task: Task, places: Places, values: Array) -> tupl
         Reading("laser", tuple(pose), tuple(side), value)
         for pose, side, value in zip(places.poses.tolist(), places.approaches.astype(int), values, strict=True)
     ]
-    after = block(Knowledge(case.observation, case.prior), readings, np.ones(len(readings), dtype=bool))
-    chi = float(sum(each.chi_square for each in after.innovations))
-    return chi, case.yardstick.root.of(after.after.belief.mean[: case.errors.size])
+    read, after = block(Knowledge(case.observation, case.prior), readings, np.ones(len(readings), dtype=bool))
+    chi = float(sum(each.chi_square for each in read.innovations))
+    return chi, case.yardstick.root.of(after.belief.mean[: case.errors.size])
 
 
 def damage(case: Case, task: Task, places: Places) -> float:

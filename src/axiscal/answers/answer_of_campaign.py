@@ -73,7 +73,7 @@ def answer_of(
     if verdict == "measured" and coming:
         verdict = "more"
     more, minutes = (0, 0.0) if verdict != "more" else _planned(campaign) if coming else _more(known, volume, lines)
-    seconds = known.seconds if campaign.state.clocked is None else campaign.state.clocked
+    seconds = known.timed.seconds if campaign.state.clocked is None else campaign.state.clocked
     axes, withheld = known.stated.description.machine.axes, known.agreement.withheld and not anyway
     return ResultAnswer(
         verdict=verdict,
@@ -185,7 +185,7 @@ def _more(known: Estimation, volume: Sequence[Aim], lines: Sequence[Aim]) -> tup
     shares = [min(left, default=0.0), *(_share(aim) for aim in lines if not aim.unread)]
     new = [aim.unread for aim in lines if aim.unread]
     readings = math.ceil(count * max(shares)) + _TARGETS * sum(new)
-    each = float(np.median(np.diff([0.0, *known.stages.timed.ends])))
+    each = float(np.median(np.diff([0.0, *known.timed.ends])))
     mounting = np.mean([setup.setup_time for setup in known.stated.description.setups])
     return readings, to_unit(readings * each + float(mounting) * sum(new), "min")
 

@@ -10,7 +10,7 @@ import numpy as np
 from axiscal.estimation.belief import Innovations
 from axiscal.estimation.case import Case
 from axiscal.estimation.inference.intervals import is_coarse, sited
-from axiscal.estimation.knowledge import Knowledge, blocks
+from axiscal.estimation.knowledge import Block, Knowledge, taken
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import Seen
 from axiscal.numerics import Array
@@ -20,13 +20,18 @@ from axiscal.numerics import Array
 class Absorbed:
     """case : with the set-ups that were read from other sides than they say; left_out : readings that do not count
 
-    innovations : of each reading, those left out as well
+    blocks : of all readings, those left out as well
     """
 
     case: Case
     left_out: frozenset[int]
     knowledge: Knowledge
-    innovations: tuple[Innovations, ...]
+    blocks: tuple[Block, ...]
+
+    @property
+    def innovations(self) -> tuple[Innovations, ...]:
+        """Those of each reading."""
+        return tuple(each for part in self.blocks for each in part.innovations)
 
     def precisions(self, numbers: Seen) -> Array:
         """Return one over the variance of each number of the readings, 0 of those that are left out, (m,)."""
@@ -36,11 +41,9 @@ class Absorbed:
 
 def absorbed(case: Case, readings: Sequence[Reading], left_out: Iterable[int] = ()) -> Absorbed:
     """Return what is known after readings.  left_out : indices of those that do not count"""
-    apart, knowledge, innovations = frozenset(left_out), case.knowledge, list[Innovations]()
-    for part in blocks(knowledge, readings, apart):
-        knowledge = part.after
-        innovations += part.innovations
-    return Absorbed(_widened(case, readings), apart, knowledge, tuple(innovations))
+    apart = frozenset(left_out)
+    blocks, knowledge = taken(case.knowledge, readings, apart)
+    return Absorbed(_widened(case, readings), apart, knowledge, blocks)
 
 
 def _widened(case: Case, readings: Sequence[Reading]) -> Case:
@@ -54,11 +57,11 @@ def displayed(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:
 
     known : after all readings, each as the value that was shown
     """
-    taken = taken_as_normal(known, readings)
-    if taken is readings:
+    normal = taken_as_normal(known, readings)
+    if normal is readings:
         return known
-    fresh = absorbed(known.case, taken, known.left_out)
-    return replace(fresh, innovations=known.innovations)
+    fresh = absorbed(known.case, normal, known.left_out)
+    return replace(fresh, blocks=known.blocks)
 
 
 def taken_as_normal(known: Absorbed, readings: Sequence[Reading]) -> Sequence[Reading]:

@@ -65,7 +65,7 @@ def _weighted(known: Estimation) -> tuple[Array, Array, Array]:
     numbers = seen(observation, known.readings)
     index = {setup.name: k for k, setup in enumerate(observation.setups)}
     owner = np.array([index[reading.setup] for reading in known.readings])
-    return numbers.rows, known.stages.absorbed.precisions(numbers), owner[numbers.reading]
+    return numbers.rows, known.absorbed.precisions(numbers), owner[numbers.reading]
 
 
 def _of_readings(known: Estimation) -> Iterator[BudgetShare]:

@@ -10,15 +10,15 @@ as well stand elsewhere. It uses rows at the machine as found where those of the
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
-from axiscal.estimation.absorbed import absorbed, displayed, taken_as_normal
+from axiscal.estimation.absorbed import absorbed, taken_as_normal
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import Estimation, Stages, printed
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
-from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.learnt import posterior_of, turned, without_bad
 from axiscal.estimation.located import bent, located
-from axiscal.estimation.membership import Membership, membership
+from axiscal.estimation.membership import membership
 from axiscal.estimation.mirrors import refuse_mirrors
 from axiscal.estimation.promise.posterior import Sorted
 from axiscal.estimation.stations import progressed
@@ -32,20 +32,20 @@ from axiscal.numerics.threads import one_thread
 @stage("what the readings make known")
 def estimated(stated: Case, readings: Sequence[Reading]) -> Estimation:
     """Return what readings make known while others are to follow."""
-    return _of_likeliest(stated, lambda side: _staged(stated.sides[side], readings), 0)
+    return _of_likeliest(stated, lambda side: _estimated(stated, stated.sides[side], readings), 0)
 
 
-def _staged(case: Case, readings: Sequence[Reading]) -> Stages:
-    """Return the posterior of readings, linearised about the machine that they show."""
+def _estimated(stated: Case, case: Case, readings: Sequence[Reading]) -> Estimation:
+    """Return what readings make known by one of the beliefs, linearised about the machine that they show."""
     times = timed(case, readings)
     implausible = judged(case, times.readings)
     if not times.readings:
-        return Stages(times, implausible, {}, absorbed(case, ()))
+        return Estimation(stated, times, implausible, {}, absorbed(case, ()))
     case = progressed(case, times.readings, implausible)
     kept = without_bad(case, times.readings, implausible)
     bad = {index: Doubt(index, each.z) for index, each in kept.bad.items()}
     known = located(case.rescaled(kept.sizes), times.readings, [*implausible, *bad])
-    return _answered(case, Stages(times, implausible, bad, known), kept)
+    return _answered(case, Estimation(stated, times, implausible, bad, known), kept)
 
 
 @one_thread()
@@ -56,68 +56,49 @@ def concluded(stated: Case, readings: Sequence[Reading], so_far: Estimation | No
     Raises AmbiguityError where a station may as well stand elsewhere.
     """
     before = so_far or estimated(stated, readings)
-    last = _finished(stated.sides[before.side], before.stages)
-    if last is before.stages:
+    last = _finished(stated.sides[before.side], before)
+    if last is before:
         return before
 
-    def stages(side: int) -> Stages:
-        return last if side == before.side else _finished(stated.sides[side], _staged(stated.sides[side], readings))
+    def found(side: int) -> Estimation:
+        case = stated.sides[side]
+        return last if side == before.side else _finished(case, _estimated(stated, case, readings))
 
-    return _of_likeliest(stated, stages, before.side)
-
-
-def _finished(case: Case, stages: Stages) -> Stages:
-    """Return the stages of readings if none is to follow; themselves where that changes nothing."""
-    readings, implausible = stages.timed.readings, stages.implausible
-    known = bent(stages.absorbed, readings)
-    refuse_mirrors(known, readings, [*implausible])
-    return stages if known is stages.absorbed else _answered(case, stages._replace(absorbed=known))
+    return _of_likeliest(stated, found, before.side)
 
 
-def _answered(case: Case, stages: Stages, kept: Sorted | None = None) -> Stages:
-    """Return stages with the posterior of readings as they are linearised and taken as normal there.
+def _finished(case: Case, known: Estimation) -> Estimation:
+    """Return what is known if no reading is to follow; itself where that changes nothing."""
+    there = bent(known.absorbed, known.readings)
+    refuse_mirrors(there, known.readings, [*known.implausible])
+    return known if there is known.absorbed else _answered(case, replace(known, absorbed=there))
+
+
+def _answered(case: Case, known: Estimation, kept: Sorted | None = None) -> Estimation:
+    """Return what is known with the posterior of readings as they are linearised and taken as normal there.
 
     kept : what is sorted out of the same readings where `case` has them linear
     """
-    known, readings = stages.absorbed, stages.timed.readings
-    taken, at = taken_as_normal(known, readings), case.linear_as(known.case)
+    readings, at = known.readings, case.linear_as(known.case)
+    taken = taken_as_normal(known.absorbed, readings)
     if taken is readings and at.observation.about == case.observation.about and at.description == case.description:
-        found = stages.found if kept is None else kept.posterior(turned(case, readings))
+        found = known.posterior if kept is None else kept.posterior(turned(case, readings))
     else:
-        found = posterior_of(at, taken, stages.implausible)
-    return stages._replace(found=found)
+        found = posterior_of(at, taken, known.implausible)
+    return replace(known, posterior=found)
 
 
-def _of_likeliest(stated: Case, stages: Callable[[int], Stages], first: int) -> Estimation:
+def _of_likeliest(stated: Case, found: Callable[[int], Estimation], first: int) -> Estimation:
     """Return the estimation by the likeliest of the rival beliefs, where there are any.
 
-    stages : of one of them, by its index; first : the one to begin with
+    found : by one of them, by its index; first : the one to begin with
     """
     if not stated.rivals:
-        return _estimation(stated, stages(0))
+        return found(0)
     tried, side = dict[int, Estimation](), first
     while side not in tried:
-        found = stages(side)
-        member = membership(stated, found.absorbed, found.timed.readings, found.implausible)
-        tried[side] = _estimation(stated, found, member, side)
+        known = found(side)
+        member = membership(stated, known.absorbed, known.readings, known.implausible)
+        tried[side] = replace(known, membership=member, side=side)
         side = member.likeliest
     return tried[side]
-
-
-def _estimation(stated: Case, stages: Stages, member: Membership | None = None, side: int = 0) -> Estimation:
-    times, implausible, bad, as_shown, found = stages
-    known = displayed(as_shown, times.readings)
-    of_rivals = None if member is None else Knowledge(known.knowledge.observation, member.belief)
-    return Estimation(
-        stated,
-        known.case,
-        known.knowledge,
-        times.readings,
-        times.seconds,
-        known.innovations,
-        (*implausible.values(), *bad.values()),
-        of_rivals or printed(known.knowledge, found),
-        stages,
-        membership=member,
-        side=side,
-    )

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from axiscal.estimation.absorbed import Absorbed
+from axiscal.estimation.absorbed import Absorbed, displayed
 from axiscal.estimation.accuracy.expanded import Expanded, expanded
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.case import Case
 from axiscal.estimation.judged import Doubt, objection
-from axiscal.estimation.knowledge import Knowledge, blocks
+from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.machine_estimate import Estimate, map_grid, rest_means
 from axiscal.estimation.membership import Membership
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
@@ -25,41 +25,51 @@ from axiscal.numerics.remembered import remembered
 from axiscal.numerics.threads import one_thread
 
 
-class Stages(NamedTuple):
-    """How an estimation was found.
-
-    implausible, bad : readings that cannot be, and those that others contradict, by index
-    absorbed : what is known at the sizes as learnt; found : the posterior, None before the first reading
-    """
-
-    timed: Timed
-    implausible: Mapping[int, Doubt]
-    bad: Mapping[int, Doubt]
-    absorbed: Absorbed
-    found: Posterior | None = None
-
-
 @dataclass(frozen=True, eq=False)
 class Estimation:
-    """stated : the case as described; case : with scales as learnt, and stations and sides as found
+    """stated : the case as described; timed : the readings with their times
 
-    readings : each with its time; seconds : of machine time that they take; innovations : of each
-    outliers : the readings that are not believed, first those that cannot be, then those that others contradict
-    printed : knowledge with the bands that are printed, sizes averaged over
+    implausible, bad : readings that cannot be, and those that others contradict, by index
+    absorbed : what is known at the sizes as learnt, of readings as they were shown
+    posterior : of errors, set-ups and sizes; None before the first reading
     membership : how probable the rival beliefs are, None where there is one; side : the one that it was found by
     """
 
     stated: Case
-    case: Case
-    knowledge: Knowledge
-    readings: tuple[Reading, ...]
-    seconds: float
-    innovations: tuple[Innovations, ...]
-    outliers: tuple[Doubt, ...]
-    printed: Knowledge
-    stages: Stages
+    timed: Timed
+    implausible: Mapping[int, Doubt]
+    bad: Mapping[int, Doubt]
+    absorbed: Absorbed
+    posterior: Posterior | None = None
     membership: Membership | None = None
     side: int = 0
+
+    @property
+    def case(self) -> Case:
+        """The case with scales as learnt, and stations and sides as found."""
+        return self.absorbed.case
+
+    @property
+    def readings(self) -> tuple[Reading, ...]:
+        """The readings, each with its time."""
+        return self.timed.readings
+
+    @property
+    def outliers(self) -> tuple[Doubt, ...]:
+        """The readings that are not believed, first those that cannot be, then those that others contradict."""
+        return (*self.implausible.values(), *self.bad.values())
+
+    @cached_property
+    def knowledge(self) -> Knowledge:
+        """What is known at the sizes as learnt."""
+        return displayed(self.absorbed, self.readings).knowledge
+
+    @cached_property
+    def printed(self) -> Knowledge:
+        """Knowledge with the bands that are printed, sizes averaged over."""
+        if self.membership is not None:
+            return Knowledge(self.knowledge.observation, self.membership.belief)
+        return printed(self.knowledge, self.posterior)
 
     @cached_property
     def accuracy(self) -> Accuracy:
@@ -75,11 +85,6 @@ class Estimation:
     def whole(self) -> Belief:
         """The belief at the most probable scales: of all rivals together where there are some."""
         return self.knowledge.belief if self.membership is None else self.membership.belief
-
-    @property
-    def posterior(self) -> Posterior | None:
-        """The posterior of errors, set-ups and sizes; None before the first reading."""
-        return self.stages.found
 
     @property
     def agreement(self) -> Agreement:
@@ -153,11 +158,10 @@ def path(final: Estimation) -> list[Moment]:
 
     final : a concluded one. Its last figures are those of the posterior, with the sizes averaged over.
     """
-    as_shown, readings = final.stages.absorbed, final.readings
-    start = as_shown.case
+    start = final.case
     found: list[tuple[Accuracy, Innovations | None]] = [(start.yardstick.measure(start.prior), None)]
-    for part in blocks(start.knowledge, readings, as_shown.left_out):
+    for part in final.absorbed.blocks:
         found += zip(part.accuracies(start.yardstick), part.innovations, strict=True)
-    if readings:
+    if final.readings:
         found[-1] = final.accuracy, found[-1][1]
-    return [Moment(*each, end) for each, end in zip(found, (0.0, *final.stages.timed.ends), strict=True)]
+    return [Moment(*each, end) for each, end in zip(found, (0.0, *final.timed.ends), strict=True)]

@@ -9,7 +9,7 @@ rest away. Map and belief grow together, and neither can be forgotten.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,33 +48,31 @@ class Knowledge:
     @one_thread()
     def read(self, readings: Sequence[Reading]) -> Knowledge:
         """Return what is known after readings."""
-        known = self
-        for part in blocks(self, readings):
-            known = part.after
-        return known
+        return taken(self, readings)[1]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Block:
     """Readings that were taken together.
 
-    before : what was known before them, their unknowns opened; innovations : of each reading
-    losses : (m, size) what each of their numbers took off the covariance, d dᵀ
+    innovations : of each; factor : F (errors, r) of what was known of the errors before them
+    losses : (m, errors) what each of their numbers took off the covariance, d dᵀ
     """
 
-    before: Knowledge
-    after: Knowledge
     innovations: tuple[Innovations, ...]
+    factor: Array
     losses: Array
 
     def accuracies(self, yardstick: Yardstick) -> list[Accuracy]:
         """Return how well the machine was known after each reading."""
-        ends = np.cumsum([each.degrees for each in self.innovations])
-        return yardstick.along(self.before.belief.factor, self.losses, ends)
+        return yardstick.along(self.factor, self.losses, np.cumsum([each.degrees for each in self.innovations]))
 
 
-def block(knowledge: Knowledge, readings: Sequence[Reading], counts: NDArray[np.bool_]) -> Block:
-    """Return what readings make of knowledge, all at once.  counts : (m,) which are used; the others are predicted"""
+def block(knowledge: Knowledge, readings: Sequence[Reading], counts: NDArray[np.bool_]) -> tuple[Block, Knowledge]:
+    """Return readings, all at once, and what they make of knowledge.
+
+    counts : (m,) which are used; the others are predicted
+    """
     before = knowledge.opened(readings)
     numbers = seen(before.observation, readings)
     used = np.where(counts[numbers.reading], numbers.variances, np.inf)
@@ -82,16 +80,22 @@ def block(knowledge: Knowledge, readings: Sequence[Reading], counts: NDArray[np.
     cuts = np.searchsorted(numbers.reading, np.arange(1, len(readings)))
     surprises = (np.split(part, cuts) for part in (done.innovations.value, done.innovations.std))
     innovations = tuple(Innovations(*pair) for pair in zip(*surprises, strict=True))
-    return Block(before, Knowledge(before.observation, done.belief), innovations, done.losses)
+    errors = before.observation.errors.size
+    own = before.belief.factor[:errors].copy(), done.losses[:, :errors].copy()  # the rest of them is large
+    return Block(innovations, *own), Knowledge(before.observation, done.belief)
 
 
-def blocks(knowledge: Knowledge, readings: Sequence[Reading], left_out: Collection[int] = ()) -> Iterator[Block]:
-    """Yield what readings make of knowledge, some hundreds at a time.
+def taken(
+    knowledge: Knowledge, readings: Sequence[Reading], left_out: Collection[int] = ()
+) -> tuple[tuple[Block, ...], Knowledge]:
+    """Return readings, some hundreds at a time, and what is known after them.
 
     left_out : indices of those that are predicted and not used
     """
+    found = list[Block]()
     for start in range(0, len(readings), AT_ONCE):
         mine = readings[start : start + AT_ONCE]
-        part = block(knowledge, mine, np.array([index not in left_out for index in range(start, start + len(mine))]))
-        knowledge = part.after
-        yield part
+        counts = np.array([index not in left_out for index in range(start, start + len(mine))])
+        part, knowledge = block(knowledge, mine, counts)
+        found.append(part)
+    return tuple(found), knowledge

@@ -113,6 +113,6 @@ def linearity(estimation: Estimation) -> Linearity:
     some = drawn(estimation.readings, _MOST)
     if not some:
         return Linearity(0.0, None)
-    found = indices(estimation.stages.absorbed.knowledge, some)
+    found = indices(estimation.absorbed.knowledge, some)
     worst, largest = some[int(np.argmax(found))], float(found.max())
     return Linearity(largest if largest > _ROUNDING else 0.0, worst.numbered(estimation.readings.index(worst)))

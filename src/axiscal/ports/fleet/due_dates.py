@@ -177,7 +177,7 @@ def _due(
         name=record.description.machine.name + (f" {record.serial}" if record.serial else ""),
         record=record.file,
         last=last,
-        minutes=known.seconds / 60.0,
+        minutes=known.timed.seconds / 60.0,
         target=target,
         then=known.accuracy.rms,
         now=machine.rms(max((today - last).days, 0) * _DAY),

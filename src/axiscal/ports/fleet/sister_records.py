@@ -226,6 +226,6 @@ def equation_of(record: MachineRecord, errors: ErrorModel) -> DataEquation:
     across, root = carried_over(errors, own), own.prior_root()
     new = [term.columns for term in own.terms if term.name not in across.known]
     others = np.hstack([across.beyond(), *(root[:, columns] for columns in new)])
-    left_out = known.stages.absorbed.left_out
+    left_out = known.absorbed.left_out
     counts = [reading for index, reading in enumerate(known.readings) if index not in left_out]
     return data_equation(known.case.observation, counts, others).of(across.matrix)

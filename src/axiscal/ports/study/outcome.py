@@ -125,7 +125,7 @@ def _figures(known: Estimation, truth: VirtualMachine, question: StudyCase) -> d
     said = sorted({finding.code for finding in findings(known)} - {"unobservable"})
     return {
         "readings": len(known.readings),
-        "minutes": to_unit(known.seconds, "min"),
+        "minutes": to_unit(known.timed.seconds, "min"),
         "rms": to_unit(accuracy.rms, "um"),
         "worst": to_unit(accuracy.worst, "um"),
         "U": to_unit(expanded.space, "um"),

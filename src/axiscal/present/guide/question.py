@@ -245,7 +245,7 @@ class Expectation:
 def expectation(known: Estimation, place: Place) -> Expectation:
     """Return what the readings so far say of the next one: ŷ = h·m and s² = h C hᵀ + rests + σ² (method.md 2)."""
     blanks = blank_readings(known.case.description.setups, [place])
-    (found,) = block(known.knowledge, blanks, np.zeros(len(blanks), dtype=bool)).innovations
+    (found,) = block(known.knowledge, blanks, np.zeros(len(blanks), dtype=bool))[0].innovations
     return Expectation(-np.atleast_1d(found.value), np.atleast_1d(found.std))
 
 

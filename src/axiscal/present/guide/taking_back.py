@@ -82,7 +82,7 @@ def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
     doubtful = "with this one, {reading}, is no longer relied on. Read there again."
     minds = [said(doubtful, reading=_shown(campaign, index)) for index in sorted(now - before - {last})]
     minds += [said("with this one, {reading}, is believed.", reading=_shown(campaign, index)) for index in before - now]
-    surprise = campaign.estimate().innovations[last]
+    surprise = campaign.estimate().absorbed.innovations[last]
     size = (surprise.chi_square / surprise.degrees) ** 0.5
     vouched = campaign.state.readings[last].accepted
     if last not in now and not vouched and size >= _SURPRISING:
