@@ -1,7 +1,7 @@
 """Uncertainty, before and after.
 
-What is believed of the control values is a normal distribution; readings sharpen it, and each says by how much it
-surprised. The last reading here is 20 um off: the belief is not asked to swallow it before it has been seen.
+What is believed of the control values is a normal distribution, which says by how much each reading surprises, and
+which it sharpens. The last reading here is 20 um off: the belief is not asked to swallow it before it has been seen.
 """
 
 import numpy as np
@@ -16,16 +16,19 @@ def main() -> dict[str, object]:
     distance = np.abs(spline.knots[:, None] - spline.knots) / 0.15  # in correlation lengths
     prior = ac.Belief(np.zeros(13), 8e-6**2 * matern52(distance))
     where, read = np.array([0.05, 0.2, 0.35, 0.55]), 1e-6 * np.array([3.0, 9.0, 4.0, -6.0])
-    belief = prior.update(spline.rows(where), read, 0.5e-6**2)
-    suspect = belief.update(spline.rows(0.3), 26e-6, 0.5e-6**2)
+    rows, noise = spline.rows(where), 0.5e-6
+    belief, spread = prior.update(rows, read, noise**2), rows @ prior.covariance @ rows.T + noise**2 * np.eye(4)
+    expected = belief.predict(spline.rows(0.3))
     t = np.linspace(0, 0.6, 241)
     mean, std = belief.predict(spline.rows(t))
     return {
         "before, um": float(prior.predict(spline.rows(0.45)).std[0]) * 1e6,
         "after, at a reading, um": float(belief.predict(spline.rows(0.35)).std[0]) * 1e6,
         "after, between readings, um": float(belief.predict(spline.rows(0.45)).std[0]) * 1e6,
-        "surprise of the four, chi-square": belief.innovations.chi_square,
-        "surprise of a bad one, standard deviations": float(suspect.innovations.value[0] / suspect.innovations.std[0]),
+        "surprise of the four, chi-square": float(read @ np.linalg.solve(spread, read)),
+        "surprise of a bad one, standard deviations": float(
+            (26e-6 - expected.mean[0]) / np.hypot(expected.std[0], noise)
+        ),
         "picture": {
             "x": "position, mm",
             "y": "error, µm",
