@@ -46,7 +46,8 @@ def budget(known: Estimation) -> list[BudgetShare]:
     """
     if not known.readings:
         return _before(known)
-    shares = [*_of_readings(known), *_of_unknowns(known), *_of_type_b(known)]
+    spread = _spread(known)
+    shares = [*_of_readings(known, spread), *_of_unknowns(known, spread), *_of_type_b(known, spread)]
     missing = known.accuracy.rms**2 - sum(share.rms**2 for share in shares)
     return [*shares, BudgetShare("sizes", "", float(np.sqrt(max(missing, 0.0))))]
 
@@ -68,10 +69,9 @@ def _weighted(known: Estimation) -> tuple[Array, Array, Array]:
     return numbers.rows, known.absorbed.precisions(numbers), owner[numbers.reading]
 
 
-def _of_readings(known: Estimation) -> Iterator[BudgetShare]:
+def _of_readings(known: Estimation, spread: Array) -> Iterator[BudgetShare]:
     """Yield what the noise of each set-up's readings leaves: C Hᵀ R⁻¹ H C of these."""
     rows, precision, owner = _weighted(known)
-    spread = _tool(known) @ known.knowledge.belief.covariance
     for k, setup in enumerate(known.knowledge.observation.setups):
         mine = owner == k
         if np.any(mine):
@@ -79,7 +79,7 @@ def _of_readings(known: Estimation) -> Iterator[BudgetShare]:
             yield BudgetShare("instrument", setup.name, float(np.linalg.norm(passed)))
 
 
-def _of_type_b(known: Estimation) -> Iterator[BudgetShare]:
+def _of_type_b(known: Estimation, spread: Array) -> Iterator[BudgetShare]:
     """Yield the shift of the estimate by one standard deviation of each type B cause b: V C Hᵀ R⁻¹ b."""
     observation = known.knowledge.observation
     places, values = places_of(observation.setups, known.readings), [each.values for each in known.readings]
@@ -87,30 +87,28 @@ def _of_type_b(known: Estimation) -> Iterator[BudgetShare]:
     if causes:
         rows, precision, _ = _weighted(known)
         columns = columns_of(causes, places, seen(observation, known.readings).reading)
-        moved = _tool(known) @ known.knowledge.belief.covariance @ (rows.T @ (precision[:, None] * columns))
+        moved = spread @ (rows.T @ (precision[:, None] * columns))
         for cause, rms in zip(causes, np.linalg.norm(moved, axis=0).tolist(), strict=True):
             yield BudgetShare("type B", "", rms, cause)
 
 
-def _tool(known: Estimation) -> Array:
-    """Return V over all unknowns, (r, size): what they do to the tool over the volume."""
-    root = known.case.yardstick.root.matrix
-    wide = np.zeros((len(root), known.knowledge.observation.size))
-    wide[:, : root.shape[1]] = root
-    return wide
+def _spread(known: Estimation) -> Array:
+    """Return V C, (r, size): V is what all unknowns do to the tool over the volume."""
+    factor = known.knowledge.belief.factor
+    spread: Array = known.case.yardstick.root.of(factor) @ factor.T
+    return spread
 
 
-def _of_unknowns(known: Estimation) -> Iterator[BudgetShare]:
+def _of_unknowns(known: Estimation, spread: Array) -> Iterator[BudgetShare]:
     """Yield what each kind of unknown leaves: V C P⁻¹ C Vᵀ of its block of P."""
     case, observation = known.case, known.knowledge.observation
-    left = _tool(known) @ known.knowledge.belief.covariance
     own = case.errors.size
     found = dict.fromkeys(("set-up", "drift", "temperature", "artefact", "detail"), 0.0)
     for column, (kind, variance) in enumerate(_sources(observation), start=own):
-        found[kind] += float(left[:, column] @ left[:, column]) / variance if variance > 0 else 0.0
+        found[kind] += float(spread[:, column] @ spread[:, column]) / variance if variance > 0 else 0.0
     yardstick = case.yardstick
     found["detail"] += yardstick.moments.rest
-    whitened = np.linalg.lstsq(case.prior.factor[:own], left[:, :own].T)[0]
+    whitened = np.linalg.lstsq(case.prior.factor[:own], spread[:, :own].T)[0]
     errors = float(np.sum(whitened**2)) - yardstick.root.value(yardstick.unseen)
     found |= {"prior": max(errors, 0.0), "unseen": yardstick.unseen_rms**2}
     yield from (BudgetShare(kind, "", float(np.sqrt(each))) for kind, each in found.items())
