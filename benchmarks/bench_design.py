@@ -13,7 +13,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 
-from axiscal.estimation.accuracy import criterion
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.gains.candidate_rows import Pool
@@ -33,7 +32,7 @@ def one_at_a_time(problem: Task, readings: int) -> tuple[float, float]:
         step = best_step(knowledge, problem.root, problem.lattice)
         seconds.append(time.process_time() - start)
         knowledge = knowledge.read([step.reading(knowledge.observation)])
-    return statistics.median(seconds), criterion.value(knowledge.belief, problem.root)
+    return statistics.median(seconds), problem.root.value(knowledge.belief.factor)
 
 
 def timed(work: Callable[[], object]) -> float:

@@ -53,7 +53,7 @@ def picks(
     setup = setup_of(machine, direction, noise)
     observation = Observation(model, (setup,))
     knowledge = Knowledge.before(observation)
-    root = criterion.volume_root(volume_moments(model, whole_travel(model)))
+    root = criterion.Root.of_gram(volume_moments(model, whole_travel(model)).gram)
     lattice = spread(machine, (setup,), 1000)
     times = []
     for _ in range(readings):

@@ -10,7 +10,7 @@ import numpy as np
 
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
-from axiscal.estimation.accuracy.criterion import Root, joint_root, volume_root
+from axiscal.estimation.accuracy.criterion import Root, joint_root
 from axiscal.estimation.belief import Belief
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
@@ -39,7 +39,9 @@ def random_case(generator: np.random.Generator) -> Case:
     machine = _machine(generator, int(generator.integers(2, 4)))
     model = ErrorModel(machine)
     observation = Observation(model, (_setup(generator, machine),))
-    root = joint_root(model) if generator.random() < 0.5 else volume_root(volume_moments(model, whole_travel(model)))
+    root = (
+        joint_root(model) if generator.random() < 0.5 else Root.of_gram(volume_moments(model, whole_travel(model)).gram)
+    )
     belief = Belief(np.zeros(observation.size), observation.prior_covariance())
     for _ in range(int(generator.integers(0, 25))):
         pose, approach = _random_poses(generator, observation, 1)

@@ -286,7 +286,7 @@ def test_interval_variances_add_up_to_the_overall_variance() -> None:
     node, weight = quadrature(function.basis)
     variance = belief.predict(function.basis.rows(node)).std ** 2
     intervals = (weight * variance).reshape(6, 5).sum(axis=1)
-    assert criterion.value(belief, criterion.joint_root(model)) == pytest.approx(intervals.sum(), rel=1e-12)
+    assert criterion.joint_root(model).value(belief.factor) == pytest.approx(intervals.sum(), rel=1e-12)
 
 
 def tenth_order(numerator: Array, denominator: Array) -> Array:
@@ -370,7 +370,7 @@ def test_overall_variance_of_stacked_vectorial_splines() -> None:
             variance = np.einsum("ij,jk,ik->i", rows, covariance[function.columns, function.columns], rows)
             total += float(weight @ variance)
     belief = Belief(np.zeros(model.size), covariance)
-    assert criterion.value(belief, criterion.joint_root(model)) == pytest.approx(total, rel=1e-12)
+    assert criterion.joint_root(model).value(belief.factor) == pytest.approx(total, rel=1e-12)
 
 
 def test_the_best_configuration_of_all_joints() -> None:
@@ -389,7 +389,7 @@ def test_the_best_configuration_of_all_joints() -> None:
     assert falls[-1] == pytest.approx(chosen.gain, rel=1e-9)
     assert falls[:-1].max() <= falls[-1] * (1 + 1e-9)
     after = belief.update(chosen.row, 0.0, noise)
-    assert criterion.value(after, root) == pytest.approx(criterion.value(belief, root) - chosen.gain, rel=1e-9)
+    assert root.value(after.factor) == pytest.approx(root.value(belief.factor) - chosen.gain, rel=1e-9)
 
 
 def forward_recurrence(control: Array) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.estimation.accuracy.criterion import Root, value
+from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
 
@@ -26,4 +26,4 @@ def test_both_give_the_same_j_for_any_rank(rank: int) -> None:
     again = Root.of_gram(root.gram)
     assert again.matrix.shape == (rank, 6)
     assert again.value(factor) == pytest.approx(expected, rel=1e-12)
-    assert value(Belief(np.zeros(8), covariance), root) == pytest.approx(expected, rel=1e-9)
+    assert root.value(Belief(np.zeros(8), covariance).factor) == pytest.approx(expected, rel=1e-9)

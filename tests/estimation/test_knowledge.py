@@ -7,7 +7,7 @@ import pytest
 
 import axiscal as ac
 from axiscal.errors.volume import volume_moments, whole_travel
-from axiscal.estimation.accuracy.criterion import volume_root
+from axiscal.estimation.accuracy.criterion import Root
 from axiscal.measurement.candidates import spread
 from tests.generators.campaigns import drawn, mixed
 
@@ -26,7 +26,7 @@ def test_reading_one_place_400_times_leaves_the_rest(one_by_one: bool) -> None:
     """The spline there is known as by one reading whose noise is the rest, and a twentieth of the instrument's."""
     observation = laser()
     knowledge, errors = ac.Knowledge.before(observation), observation.errors
-    root = volume_root(volume_moments(errors, whole_travel(errors)))
+    root = Root.of_gram(volume_moments(errors, whole_travel(errors)).gram)
     step = ac.best_step(knowledge, root, spread(errors.machine, observation.setups, 200))
     row = errors.rows(step.pose[None], step.approach[None])[0, 0]
     prior = float(row @ errors.prior_covariance() @ row)

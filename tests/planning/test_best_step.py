@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.estimation.accuracy import criterion
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.planning.gains.gain import Scorer
@@ -32,7 +31,7 @@ def test_one_spline_follows_the_published_sequence() -> None:
             mirrored = abs(found - position) > 0.01
         assert (10 - found if mirrored else found) == pytest.approx(position, abs=6e-5)
         belief = belief.update(step.row, 0.0, step.variance)
-        assert criterion.value(belief, asked.root) == pytest.approx(value, abs=6e-6)
+        assert asked.root.value(belief.factor) == pytest.approx(value, abs=6e-6)
 
 
 def test_three_stacked_splines_end_where_exact_greedy_ends() -> None:
@@ -40,10 +39,10 @@ def test_three_stacked_splines_end_where_exact_greedy_ends() -> None:
     belief = asked.belief
     for _ in range(20):
         step = best_step(Knowledge(asked.observation, belief), asked.root, asked.lattice)
-        before = criterion.value(belief, asked.root)
+        before = asked.root.value(belief.factor)
         belief = belief.update(step.row, 0.0, step.variance)
-        assert before - criterion.value(belief, asked.root) == pytest.approx(step.gain, rel=1e-9)
-    assert criterion.value(belief, asked.root) == pytest.approx(2.8749, abs=5e-4)
+        assert before - asked.root.value(belief.factor) == pytest.approx(step.gain, rel=1e-9)
+    assert asked.root.value(belief.factor) == pytest.approx(2.8749, abs=5e-4)
 
 
 @pytest.mark.parametrize("setup", [0, 1])
@@ -108,5 +107,5 @@ def test_gains_are_the_fall_of_the_criterion() -> None:
     pose, approach = random_poses(asked, np.random.default_rng(4), 1)
     seen = asked.observation.rows(1, pose, approach)
     after: Belief = asked.belief.update(seen.rows, 0.0, seen.variances)
-    fall = criterion.value(asked.belief, asked.root) - criterion.value(after, asked.root)
+    fall = asked.root.value(asked.belief.factor) - asked.root.value(after.factor)
     assert float(scorer.at(1, pose, approach)[0]) == pytest.approx(fall, rel=1e-8)

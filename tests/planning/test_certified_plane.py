@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
-from axiscal.estimation.accuracy.criterion import volume_root
+from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.candidates import spread
@@ -25,7 +25,7 @@ def _known(machine: Machine, count: int, moves: tuple[int, int] = (0, 1)) -> tup
     places = poses_of(machine, count, 4)
     readings = [Reading("probe", tuple(pose), (1,) * places.shape[1], 0.0) for pose in places]
     known = Knowledge.before(observation).read(readings)
-    root = volume_root(volume_moments(known.observation.errors, whole_travel(known.observation.errors)))
+    root = Root.of_gram(volume_moments(known.observation.errors, whole_travel(known.observation.errors)).gram)
     return known, Scorer.of(known.observation, known.belief, root)
 
 
@@ -33,7 +33,7 @@ def _known(machine: Machine, count: int, moves: tuple[int, int] = (0, 1)) -> tup
 def test_the_step_reaches_what_is_certified(count: int) -> None:
     machine = machine_from_text(warped((7, 6)))
     known, scorer = _known(machine, count)
-    root = volume_root(volume_moments(known.observation.errors, whole_travel(known.observation.errors)))
+    root = Root.of_gram(volume_moments(known.observation.errors, whole_travel(known.observation.errors)).gram)
     step = best_step(known, root, spread(machine, known.observation.setups, 400))
     certified = certified_gain(scorer, 0, step.gain)
     assert certified.upper <= step.gain * (1 + 2e-6)

@@ -7,8 +7,7 @@ import pytest
 
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
-from axiscal.estimation.accuracy import criterion
-from axiscal.estimation.accuracy.criterion import volume_root
+from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.machine import Machine, machine_from_text
@@ -47,7 +46,7 @@ def _read(machine: Machine, count: int) -> tuple[Observation, Knowledge]:
 def test_no_place_of_many_gains_more() -> None:
     machine = bed()
     observation, known = _read(machine, 7)
-    root = volume_root(volume_moments(observation.errors, whole_travel(observation.errors)))
+    root = Root.of_gram(volume_moments(observation.errors, whole_travel(observation.errors)).gram)
     step = best_step(known, root, spread(machine, observation.setups, 1500))
     tried = poses_of(machine, 40_000, 11)
     best = Scorer.of(observation, known.belief, root).at(0, tried, np.ones_like(tried)).max()
@@ -65,15 +64,18 @@ def test_the_exact_greedy_sequence_over_a_plane_is_the_published_one() -> None:
     knots = np.linspace(0, 1, 7)
     for curve in model.functions:
         covariance[curve.columns, curve.columns] = centred(matern(knots, 0.35)) + 5.0
-    belief, root = Belief(np.zeros(model.size), covariance), volume_root(volume_moments(model, whole_travel(model)))
-    found = [criterion.value(belief, root)]
+    belief, root = (
+        Belief(np.zeros(model.size), covariance),
+        Root.of_gram(volume_moments(model, whole_travel(model)).gram),
+    )
+    found = [root.value(belief.factor)]
     lattice = spread(machine, (setup,), 400)
     for _ in range(9):
         step = best_step(Knowledge(observation, belief), root, lattice)
         belief = belief.update(step.row, 0.0, step.variance)
-        found.append(criterion.value(belief, root))
+        found.append(root.value(belief.factor))
     np.testing.assert_allclose(found, PUBLISHED, rtol=2e-5)
     places = np.stack([g.ravel() for g in np.meshgrid([0.0, 0.5, 1.0], [0.0, 0.5, 1.0])], axis=1)
     rows = observation.rows(0, places, np.ones_like(places)).rows
     even = Belief(np.zeros(model.size), covariance).update(rows, np.zeros(9), np.full(9, 1e-3))
-    assert criterion.value(even, root) == pytest.approx(GRID, abs=1e-6)
+    assert root.value(even.factor) == pytest.approx(GRID, abs=1e-6)

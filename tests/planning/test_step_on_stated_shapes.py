@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from axiscal.errors.volume import volume_moments, whole_travel
-from axiscal.estimation.accuracy.criterion import volume_root
+from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
@@ -24,7 +24,7 @@ def test_no_position_of_twenty_thousand_gains_more(count: int) -> None:
     places = np.random.default_rng(count).uniform(0, 1, count)
     known = Knowledge.before(observation).read([Reading("it", (float(x),), (1,), 0.0) for x in places])
     errors = observation.errors
-    root = volume_root(volume_moments(errors, whole_travel(errors)))
+    root = Root.of_gram(volume_moments(errors, whole_travel(errors)).gram)
     step = best_step(known, root, spread(errors.machine, observation.setups, 400))
     scorer, at = Scorer.of(known.observation, known.belief, root), np.linspace(0, 1, 20_001)[:, None]
     assert step.gain >= float(np.max(scorer.at(0, at, np.ones_like(at)))) * (1 - 1e-9)

@@ -19,7 +19,7 @@ from axiscal.errors.volume import VolumeMoments, volume_moments, whole_travel
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline, quadrature
-from axiscal.numerics.from_scipy import transposed_solution, triangle_over
+from axiscal.numerics.from_scipy import solution, triangle_over
 
 __all__ = ["Hidden", "hidden", "machine_check", "unseen_factor"]
 
@@ -53,7 +53,7 @@ def unseen_factor(factor: Array, rows: Array, causes: Array | None = None) -> Ar
     right = np.zeros((shown.shape[1], len(factor)))
     right[: factor.shape[1]] = factor.T
     triangle = triangle_over(np.ones(len(right)), shown * np.sqrt(MANY_READINGS / len(rows)))
-    result: Array = transposed_solution(triangle, right).T
+    result: Array = solution(triangle.T, right).T
     return result
 
 

@@ -30,17 +30,32 @@ def located(case: Case, readings: Sequence[Reading], left_out: Collection[int] =
     as far, and so do those after it: else the rounds would swing.
     case : with the sizes as learnt; left_out : indices of readings that do not count
     """
-    known = absorbed(case, readings, left_out)
+    return _followed(absorbed(case, readings, left_out), readings, turned=False)
+
+
+def bent(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:
+    """Return what is known with rows taken at the machine as it is believed, where those of the nominal one mislead."""
+    about = known.case.about
+    if about is None or float(np.max(indices(known.knowledge, readings), initial=0.0)) <= GAUSSIAN:
+        return known
+    return _followed(known, readings, turned=True)
+
+
+def _followed(known: Absorbed, readings: Sequence[Reading], *, turned: bool) -> Absorbed:
+    """Return what is known once readings are linearised about what they show.  turned : rows are taken there, too"""
     share, last = 1.0, np.inf
     for _ in range(_ROUNDS):
-        mean = known.knowledge.belief.mean
-        asked = moved_by(known, readings, known.case.linear_about(mean))
+        mean, about = known.knowledge.belief.mean, known.case.about
+        asked = moved_by(known, readings, known.case.linear_about(mean, turned))
         share, last = (share / 2 if asked > last else share), asked
-        settled = asked < (SETTLED if known.case.about is not None else _LINEAR)
-        better = known.case.located(mean) if settled else known.case.linear_about(_towards(known.case, mean, share))
+        there = about is not None and about.bent == turned
+        if asked < (SETTLED if there else 0.0 if turned else _LINEAR):
+            better = None if turned else known.case.located(mean)
+        else:
+            better = known.case.linear_about(_towards(known.case, mean, share), turned)
         if better is None:
             break
-        known = absorbed(better, readings, left_out)
+        known = absorbed(better, readings, known.left_out)
     return known
 
 
@@ -51,20 +66,6 @@ def _towards(case: Case, mean: Array, share: float) -> Array:
     result = mean.copy()
     result[:count] = start + share * (mean[:count] - start)
     return result
-
-
-def bent(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:
-    """Return what is known with rows taken at the machine as it is believed, where those of the nominal one mislead."""
-    about = known.case.about
-    if about is None or float(np.max(indices(known.knowledge, readings), initial=0.0)) <= GAUSSIAN:
-        return known
-    for _ in range(_ROUNDS):
-        case = known.case.linear_about(known.knowledge.belief.mean, bent=True)
-        done = known.case.about is not None and known.case.about.bent and moved_by(known, readings, case) < SETTLED
-        if done:
-            break
-        known = absorbed(case, readings, known.left_out)
-    return known
 
 
 def moved_by(known: Absorbed, readings: Sequence[Reading], better: Case) -> float:

@@ -44,12 +44,6 @@ def binomial_tail(least: int, count: int, share: float) -> float:
     return float(_function("scipy.special", "bdtrc")(least - 1, count, share))
 
 
-def transposed_solution(upper: Array, right: Array) -> Array:
-    """Return U⁻ᵀ B, (n, m).  upper : (n, n), upper triangular; right : (n, m)"""
-    solved: Array = _function("scipy.linalg", "solve_triangular")(upper, right, trans="T", check_finite=False)
-    return solved
-
-
 def triangle_over(own: Array, below: Array) -> Array:
     """Return R, upper triangular, with RᵀR = diag(own)² + belowᵀ below, (n, n), by QR of the one over the other.
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import CovarianceError
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import transposed_solution, triangle_over
+from axiscal.numerics.from_scipy import solution, triangle_over
 
 _SYMMETRY = 1e-9
 """Rounding of a correlation that was computed elsewhere; what is no rounding is larger."""
@@ -112,7 +112,7 @@ def condition(
     counts, seen = np.isfinite(noise), rows @ root
     own, std, left = seen[counts], np.sqrt(noise[counts]), (values - rows @ mean)[counts]
     upper = triangle_over(std, own.T)
-    solved = transposed_solution(upper, np.column_stack([own, left]))
+    solved = solution(upper.T, np.column_stack([own, left]))
     learnt = np.empty((len(own), len(rows)))
     learnt[:, counts], learnt[:, ~counts] = upper, solved[:, :-1] @ seen[~counts].T
     learnt[np.arange(len(learnt))[:, None] >= before] = 0.0
@@ -122,7 +122,7 @@ def condition(
     losses[counts] = solved[:, :-1] @ root.T
     size = root.shape[1]
     triangle = triangle_over(np.append(np.ones(size), 0.0), np.column_stack([own, left]) / std[:, None])[:size]
-    after = transposed_solution(triangle[:, :size], root.T).T
+    after = solution(triangle[:, :size].T, root.T).T
     return Conditioned(after, mean + after @ triangle[:, size], expected, variance, losses)
 
 

@@ -8,8 +8,6 @@ import numpy as np
 
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.plane import PlaneError
-from axiscal.errors.volume import VolumeMoments
-from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
 
 _ROUNDING = 1e-15
@@ -50,11 +48,6 @@ class Root:
         return gram
 
 
-def volume_root(moments: VolumeMoments) -> Root:
-    """Return V of the criterion `volume`, W = E[HᵀH]: the mean variance of the TCP deviation over the volume."""
-    return Root.of_gram(moments.gram)
-
-
 def joint_root(model: ErrorModel) -> Root:
     """Return V of the paper's criterion: one Gram matrix per spline (B&H eq. 24-26; several joints B&H eq. 34-36).
 
@@ -73,8 +66,3 @@ def machine_reach(model: ErrorModel) -> float:
     """Return half the diagonal of the linear travels, m; 1 for a machine without linear axes."""
     travels = [axis.length for axis in model.machine.axes if not axis.rotary]
     return float(np.linalg.norm(travels)) / 2 if travels else 1.0
-
-
-def value(belief: Belief, root: Root) -> float:
-    """Return J of a belief over the root's unknowns and perhaps more."""
-    return root.value(belief.factor)

@@ -81,7 +81,7 @@ class Stack:
     @cached_property
     def volume(self) -> Root:
         """V of the criterion `volume`, the mean variance of the height."""
-        return criterion.volume_root(volume_moments(self.errors, whole_travel(self.errors)))
+        return criterion.Root.of_gram(volume_moments(self.errors, whole_travel(self.errors)).gram)
 
     @cached_property
     def candidates(self) -> Places:
@@ -100,11 +100,11 @@ class Stack:
 
     def overall_variance(self, belief: Belief) -> float:
         """Return the paper's J (B&H eq. 26, 36), in its units: variance times length."""
-        return criterion.value(belief, self.joint) / UNIT**3
+        return self.joint.value(belief.factor) / UNIT**3
 
     def height_variance(self, belief: Belief) -> float:
         """Return the mean variance of the height over the travel, paper units."""
-        return criterion.value(belief, self.volume) / UNIT**2
+        return self.volume.value(belief.factor) / UNIT**2
 
     @property
     def variance_left(self) -> float:
