@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from axiscal.numerics import Array
-from axiscal.numerics.gaussian import Factors, variances
+from axiscal.numerics.gaussian import settled
 from tests.shapes import ShapeSaidError, checked, said
 
 
@@ -27,5 +27,5 @@ def test_arrays_of_other_shapes_are_refused(rows: tuple[int, ...], values: tuple
 
 
 def test_the_package_is_looked_at() -> None:
-    with pytest.raises(ShapeSaidError, match="variances: rows is said to be"):
-        variances(Factors(np.eye(2), np.ones(2)), np.zeros(2))
+    with pytest.raises(ShapeSaidError, match="settled: values is said to be"):
+        settled(np.eye(2), np.eye(2))
