@@ -9,7 +9,7 @@ import numpy as np
 
 import axiscal as ac
 from axiscal.errors.volume import volume_moments, whole_travel
-from axiscal.estimation.accuracy.criterion import value, volume_root
+from axiscal.estimation.accuracy.criterion import Root
 from axiscal.measurement.candidates import spread
 
 
@@ -22,13 +22,13 @@ def main() -> dict[str, object]:
     )
     observation = ac.Observation(model, (setup,))
     knowledge = ac.Knowledge.before(observation)
-    root = volume_root(volume_moments(model, whole_travel(model)))
-    places, rms = [], [np.sqrt(value(knowledge.belief, root)) * 1e6]
+    root = Root.of_gram(volume_moments(model, whole_travel(model)).gram)
+    places, rms = [], [np.sqrt(root.value(knowledge.belief.factor)) * 1e6]
     for _ in range(6):
         step = ac.best_step(knowledge, root, spread(machine, (setup,), 200))
         knowledge = knowledge.read([step.reading(observation)])
         places.append(float(step.pose[0]) * 1e3)
-        rms.append(np.sqrt(value(knowledge.belief, root)) * 1e6)
+        rms.append(np.sqrt(root.value(knowledge.belief.factor)) * 1e6)
     return {
         "first place, mm": places[0],
         "RMS before, um": float(rms[0]),
