@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+import shlex
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -16,11 +17,21 @@ from axiscal.cli import app
 from axiscal.description.campaign import campaign_from_texts, read_campaign
 from axiscal.description.campaign_schema import campaign_schema, machine_schema
 from axiscal.description.first_campaign import OFFERED
-from axiscal.description.first_files import Beginning, first_files, of_builtin, with_travels
+from axiscal.description.first_files import (
+    Beginning,
+    first_files,
+    instruments_of,
+    of_builtin,
+    offered_words,
+    with_travels,
+)
 from axiscal.estimation.functionals.asked import asked_rows
+from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import builtin_names, load_machine
 from axiscal.measurement.candidates import chart_candidates
+from axiscal.present.plan_answer import reach_answer
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 TYPES: dict[str, tuple[type, ...]] = {
@@ -78,15 +89,14 @@ def test_what_is_written_is_a_campaign(tmp_path: Path, machine: str, instruments
 
 
 def test_the_commands_it_names_can_be_given_as_they_stand(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert written(tmp_path / "mill", "one-axis", "interferometer") == 0
-    check = re.search(r"axiscal (machine check \S+)", capsys.readouterr().out)
-    assert check is not None
-    assert app.run(check[1].split()) == 0
+    assert written(tmp_path / "my mill", "one-axis", "laser") == 0
+    (plan,) = re.findall(r"axiscal (plan .+)", capsys.readouterr().out)
+    assert app.run([*shlex.split(plan), "--readings", "2"]) == 0
 
 
 def test_every_instrument_that_is_offered_can_be_had(tmp_path: Path) -> None:
     assert written(tmp_path, "dmu60", *OFFERED) == 0
-    offered = set(OFFERED) - {"dial", "square"}  # which are read as a straightedge is
+    offered = {*OFFERED, "straightedge"} - {"dial", "square"}  # which are read as a straightedge is
     assert {setup.instrument for setup in read_campaign(tmp_path / "campaign.toml").setups} == offered
 
 
@@ -161,8 +171,30 @@ def test_an_empty_answer_is_the_usual_one(tmp_path: Path, monkeypatch: pytest.Mo
     campaign = read_campaign(tmp_path / "mill" / "campaign.toml")
     usual = load_machine("three-axis-mill")
     assert [axis.travel for axis in campaign.machine.axes] == [axis.travel for axis in usual.axes]
-    assert {setup.instrument for setup in campaign.setups} == {"straightedge"}
-    assert campaign.target.expanded == pytest.approx(20e-6)
+    assert {setup.name.partition(" along")[0] for setup in campaign.setups} == {
+        f"dial on the leg of square {pair}" for pair in ("XY", "XZ", "YZ")
+    }
+    assert (campaign.target.accurate, campaign.target.readings) == (False, 40)
+    assert reach_answer(case_of(campaign)) is None
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_instruments_are_named_as_people_name_them(language: str) -> None:
+    with speaking(language):
+        assert instruments_of(", ".join(offered_words())) == list(OFFERED)
+        assert instruments_of("Laser and ball-bar, touch probe dial indicator level") == [
+            "interferometer",
+            "ballbar",
+            "sphere",
+            "dial",
+            "level",
+        ]
+        assert instruments_of("Messuhr und Winkelnormal, Kugelstab Laser Tracker") == [
+            "dial",
+            "square",
+            "ballbar",
+            "tracker",
+        ]
 
 
 def test_a_dial_and_a_square_see_straightness_and_squareness(tmp_path: Path) -> None:

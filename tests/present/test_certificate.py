@@ -7,10 +7,13 @@ import io
 import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from axiscal.exceptions import ReadingError
+from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.present.calibration_certificate import certificate
 from axiscal.present.data_files import readings_csv
 from axiscal.present.result_document import result_json
@@ -118,21 +121,42 @@ def test_the_csv_file_holds_what_the_summary_holds() -> None:
     summary = five_axis_summary(12)
     rows = list(csv.DictReader(io.StringIO(readings_csv(summary).decode())))
     assert [row["reading"] for row in rows] == [str(n) for n in range(1, 13)]
-    assert [float(row["value"]) for row in rows] == pytest.approx(
+    assert [float(row["value_um"]) for row in rows] == pytest.approx(
         [each.value_um for each in summary.history[1:]], rel=1e-5
     )
 
 
 def test_all_numbers_of_a_reading_are_in_its_row() -> None:
     summary = five_axis_summary(3)
-    last = replace(summary.history[-1], others=(0.25, -3.5))
+    last = replace(summary.history[-1], others=(0.25, -3.5), columns=["value_x_um", "value_y_um", "value_z_um"])
     shown = replace(summary, history=[*summary.history[:-1], last])
     rows = list(csv.DictReader(io.StringIO(readings_csv(shown).decode())))
-    assert [(row["value_2"], row["value_3"]) for row in rows] == [("", ""), ("", ""), ("0.25", "-3.5")]
-    assert b"value_2" not in readings_csv(summary)
+    assert [(row["value_y_um"], row["value_z_um"]) for row in rows] == [("", ""), ("", ""), ("0.25", "-3.5")]
+    assert b"value_y_um" not in readings_csv(summary)
     assert result_json(shown)["history"][-1]["others"] == [0.25, -3.5]
     assert values_text(last.values, "um").endswith(" / 0.25 / \N{MINUS SIGN}3.50\N{NO-BREAK SPACE}µm")
 
 
 def test_a_name_that_a_spreadsheet_would_compute_is_shielded() -> None:
     assert b"'=1+1" in readings_csv(_with_every_text(five_axis_summary(2), "=1+1"))
+
+
+def test_the_file_of_readings_is_read_as_it_is_written(tmp_path: Path) -> None:
+    """Each reading comes back with its own std and time, without those that were not used."""
+    summary = five_axis_summary(12)
+    first, *rows = summary.history
+    rows = [replace(row, std=0.25, time=60.0 * row.reading) for row in rows]
+    rows[4] = replace(rows[4], reason="far away")
+    rows[7] = replace(rows[7], others=(0.25, -3.5), columns=["value_x_um", "value_y_um", "value_z_um"])
+    path = tmp_path / "readings.csv"
+    path.write_bytes(readings_csv(replace(summary, history=[first, *rows])))
+    found = read_readings(path)
+    assert [raw.number for raw in found] == [row.reading for row in rows if not row.rejected]
+    assert [raw.setup for raw in found] == [row.setup for row in rows if not row.rejected]
+    assert [1e6 * raw.value for raw in found] == pytest.approx([row.value_um for row in rows if not row.rejected], 1e-5)
+    assert [raw.std for raw in found] == pytest.approx([0.25e-6] * 11)
+    assert [raw.time for raw in found] == [60.0 * (raw.number - 1) for raw in found if raw.number]
+    assert found[6].others == pytest.approx((0.25e-6, -3.5e-6))
+    path.write_text(re.sub(",yes,", ",no,", path.read_text()))
+    with pytest.raises(ReadingError, match="no reading of this file was used"):
+        read_readings(path)

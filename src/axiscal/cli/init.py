@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
@@ -17,9 +18,11 @@ from axiscal.description.first_files import (
     Beginning,
     FirstFiles,
     first_files,
+    instruments_of,
     linear_travels,
     of_builtin,
     of_ini,
+    offered_words,
     with_travels,
     write_files,
 )
@@ -31,7 +34,7 @@ from axiscal.machine import builtin_names
 from axiscal.present.whose_language import chosen
 
 _Answer = TypeVar("_Answer")
-_MACHINE, _INSTRUMENT, _TARGET = "three-axis-mill", "dial", "20 um"
+_MACHINE, _INSTRUMENT = "three-axis-mill", "square"
 """What an empty answer stands for."""
 
 
@@ -50,9 +53,13 @@ def init(
         typer.Option(metavar="LIMITS", help='With --from: of an axis that the file leaves open, such as "Z -300 0".'),
     ] = None,
     instrument: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help=f"{', '.join(OFFERED)}; may be given several times.")
+        list[str] | None,
+        typer.Option(metavar="NAME", help=f"Of {', '.join(offered_words())}; several times."),
     ] = None,
-    target: Annotated[str | None, typer.Option(metavar="U", help='The uncertainty wanted, such as "10 um".')] = None,
+    target: Annotated[
+        str | None,
+        typer.Option(metavar="U", help='The uncertainty wanted, such as "10 um"; "" for none.'),
+    ] = None,
 ) -> None:
     """Write a first machine.toml and campaign.toml.
 
@@ -64,7 +71,7 @@ def init(
     \b
     Examples:
       axiscal init mill
-      axiscal init mill --machine three-axis-mill --instrument interferometer --instrument ballbar --target "20 um"
+      axiscal init mill --machine three-axis-mill --instrument laser --instrument "ball bar" --target "20 um"
       axiscal init mill --from ~/linuxcnc/configs/mill/mill.ini --instrument ballbar --target "30 um"
     """
     if ini is not None and machine is not None:
@@ -74,8 +81,13 @@ def init(
     try:
         with speaking(chosen(None)):
             begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
-            names = instrument or _until_right(lambda: _instruments(begun))
-            files = first_files(begun, names, target) if target else _until_right(lambda: _with_target(begun, names))
+            given = instrument and instruments_of(", ".join(instrument))
+            names = given or _until_right(lambda: _instruments(begun))
+            files = (
+                _until_right(lambda: _with_target(begun, names))
+                if target is None
+                else first_files(begun, names, target)
+            )
     except EOFError:
         raise DescriptionError("Nobody answered", "Give --machine or --from, --instrument and --target") from None
     write_files(folder, files.texts)
@@ -94,7 +106,7 @@ def _written(machine: Path, campaign: Path, setups: int, look: Sequence[str]) ->
         setups,
         file=campaign,
     )
-    yield from ending({said("Next"): [f"axiscal machine check {machine}", f"axiscal plan {campaign}"]})
+    yield from ending({said("Next"): [f"axiscal plan {shlex.quote(str(campaign))}"]})
 
 
 def _built_in(machine: str | None) -> Beginning:
@@ -115,15 +127,16 @@ def _as_long(begun: Beginning) -> Beginning:
 
 
 def _instruments(begun: Beginning) -> list[str]:
-    question = said("Which instruments are there? Several with blanks between; Enter for {usual}", usual=_INSTRUMENT)
-    names = _asked(question, OFFERED).replace(",", " ").split() or [_INSTRUMENT]
-    first_files(begun, names, _TARGET)  # refuses those that it has none for
+    known = offered_words()
+    question = said("Which instruments are there? Enter for {usual}", usual=known[list(OFFERED).index(_INSTRUMENT)])
+    names = instruments_of(_asked(question, known)) or [_INSTRUMENT]
+    first_files(begun, names, "")  # refuses those that it has none for
     return names
 
 
 def _with_target(begun: Beginning, names: Sequence[str]) -> FirstFiles:
-    question = said("How well is the tool point to be known, 95 %? Enter for {usual}", usual=_TARGET)
-    return first_files(begun, names, _asked(question, ()) or _TARGET)
+    question = said("How well is the tool point to be known, such as 20 um? Enter for as good as it gets")
+    return first_files(begun, names, _asked(question, ()))
 
 
 def _until_right(answer: Callable[[], _Answer]) -> _Answer:

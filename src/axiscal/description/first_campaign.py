@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from itertools import combinations
+from itertools import combinations, product
+from typing import NamedTuple
 
 import numpy as np
 
 from axiscal.exceptions import DescriptionError
+from axiscal.language.spoken import later
 from axiscal.machine import Axis, Machine
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import frames
@@ -26,7 +28,7 @@ machine = "{machine}"
 
 [target]                         # the first one that is reached ends the campaign
 {first}U = "{target}"                   # 95 %, of the tool point, over {over}
-readings = 150
+readings = {readings}
 {counted}
 {budget}of machine time
 {volume}
@@ -66,7 +68,7 @@ approach = "both"                # from both sides: reversal shows with both onl
 """
 _EDGE = """
 [[setups]]
-name = "{what} along {axis}, read in {way}"
+name = "dial along {axis}, read in {way}"
 instrument = "straightedge"
 direction = "{way}"
 moves = ["{axis}"]
@@ -91,6 +93,22 @@ reach = {{ {axis} = ["{low}", "{high}"] }}   # from where to where the leg lies:
 raster = {{ {axis} = "10 mm" }}
 approach = "both"
 # noise = "1 um"
+"""
+_TILT = """
+[[setups]]
+name = "{what} along {axis}, about {way}"
+instrument = "{what}"
+direction = "{way}"                # the tilt about {way}
+moves = ["{axis}"]
+raster = {{ {axis} = "10 mm" }}
+approach = "both"
+"""
+_TRACKER = """
+[[setups]]
+name = "tracker"
+instrument = "tracker"
+station = [{station}]   # CHECK: where it stands, in the workpiece frame
+unknowns = {{ turn_x = "20 mrad", turn_y = "20 mrad", turn_z = "20 mrad" }}   # it is set down by eye
 """
 _BALLBAR = """
 [[setups]]
@@ -162,6 +180,8 @@ _TURNED, _SWUNG = "15 deg", "5 deg"
 """Rasters of a rotary axis that makes a whole turn, and of one that does not: angles that a person can follow."""
 
 
+_MOST, _USUAL = 150, 40
+"""Readings that a target may take, and those of a campaign that wants none."""
 UNSAID = (
     "# compensation_active = false    # whether a table or backlash compensation is active on the control meanwhile"
 )
@@ -171,7 +191,8 @@ UNSAID = (
 def first_campaign(machine: Machine, source: str, instruments: Sequence[str], target: str, active: str = UNSAID) -> str:
     """Return the text of a campaign file.
 
-    source : how the file names the machine; instruments : of `OFFERED`; target : the expanded uncertainty wanted
+    source : how the file names the machine; instruments : of `OFFERED`
+    target : the expanded uncertainty wanted, "" for as good as the set-ups make it
     active : the line that says whether a compensation is active
     Raises DescriptionError where a machine has no linear axis that an instrument could be read along.
     """
@@ -179,8 +200,11 @@ def first_campaign(machine: Machine, source: str, instruments: Sequence[str], ta
     turns = any(axis.rotary for axis in machine.axes)
     about = about if turns or list(instruments) != ["sphere"] else about | _OF_BOARD
     tool = _TOOL if "sphere" in instruments and turns else ""
-    head = _HEAD.format(name=machine.name, machine=source, target=target, active=active, tool=tool, **about)
-    setups = [text for name in instruments for text in OFFERED[name](machine)]
+    if not target:
+        about = about | {"first": about["first"] or "# "}
+    ends = {"target": target or "20 um", "readings": _MOST if target else _USUAL}
+    head = _HEAD.format(name=machine.name, machine=source, active=active, tool=tool, **ends, **about)
+    setups = [text for name in instruments for text in OFFERED[name].setups(machine)]
     if not setups:
         what = "Nothing of {instruments} can be offered for {machine}"
         remedy = "Write the set-ups by hand, as docs/campaign.md shows"
@@ -201,21 +225,35 @@ def _lasers(machine: Machine) -> Iterator[str]:
         yield _LASER.format(axis=axis.name, way=_way(axis))
 
 
-def _straightedges(machine: Machine) -> Iterator[str]:
-    return _edges(machine, "straightedge")
-
-
 def _dials(machine: Machine) -> Iterator[str]:
-    return _edges(machine, "dial")
-
-
-def _edges(machine: Machine, what: str) -> Iterator[str]:
-    """Yield set-ups that read across each linear axis along something straight.  what : its name"""
+    """Yield set-ups that read across each linear axis along something straight."""
     ways = {_way(axis) for axis in _linear(machine)}
     for axis in _linear(machine):
         low, high = _within(axis)
         for way in sorted(ways - {_way(axis)}):
-            yield _EDGE.format(what=what, axis=axis.name, way=way, low=low, high=high)
+            yield _EDGE.format(axis=axis.name, way=way, low=low, high=high)
+
+
+def _levels(machine: Machine) -> Iterator[str]:
+    return _tilts(machine, "level", "xy")
+
+
+def _autocollimators(machine: Machine) -> Iterator[str]:
+    return _tilts(machine, "autocollimator", "xyz")
+
+
+def _tilts(machine: Machine, what: str, ways: str) -> Iterator[str]:
+    """Yield set-ups that read angles as one axis moves.  ways : about which `what` reads; a mirror sees no roll"""
+    for axis, way in product(_linear(machine), ways):
+        if what == "level" or way != _way(axis):
+            yield _TILT.format(what=what, axis=axis.name, way=way)
+
+
+def _trackers(machine: Machine) -> Iterator[str]:
+    """Yield a tracker that stands aside of what the tool reaches, at half its height."""
+    middle = np.array([[float(np.mean(axis.travel)) for axis in machine.axes]])
+    far = sum(axis.length for axis in _linear(machine))
+    yield _TRACKER.format(station=_place(frames(machine, middle).tcp[0] - [0.0, far, 0.0]))
 
 
 def _squares(machine: Machine) -> Iterator[str]:
@@ -315,13 +353,22 @@ def _place(point: Array) -> str:
     return ", ".join(f'"{round(1e3 * float(each)) + 0:d} mm"' for each in point)
 
 
-OFFERED: dict[str, Callable[[Machine], Iterator[str]]] = {
-    "interferometer": _lasers,
-    "ballbar": _ball_bars,
-    "straightedge": _straightedges,
-    "dial": _dials,
-    "square": _squares,
-    "sphere": _spheres,
-    "probe": _probes,
+class Offer(NamedTuple):
+    """words : what people call an instrument, in all of the languages; setups : their texts for a machine"""
+
+    words: str
+    setups: Callable[[Machine], Iterator[str]]
+
+
+OFFERED = {
+    "dial": Offer(later("dial, dial gauge, dial indicator, indicator, straightedge, ruler"), _dials),
+    "square": Offer(later("square, granite square, master square, dial on a square"), _squares),
+    "interferometer": Offer(later("laser, interferometer, laser interferometer"), _lasers),
+    "ballbar": Offer(later("ball bar, double ball bar"), _ball_bars),
+    "sphere": Offer(later("touch probe, sphere, spheres, ball, balls, ball plate"), _spheres),
+    "probe": Offer(later("probe, bed probe, Z probe"), _probes),
+    "level": Offer(later("level, electronic level, spirit level, inclinometer"), _levels),
+    "autocollimator": Offer(later("autocollimator, collimator"), _autocollimators),
+    "tracker": Offer(later("tracker, laser tracker"), _trackers),
 }
 """The instruments whose set-ups follow from the machine alone."""

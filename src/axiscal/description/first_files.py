@@ -19,6 +19,7 @@ from axiscal.description.ini_machine import IniAxis, IniMachine
 from axiscal.document.durable import write_whole
 from axiscal.document.quoting import shown
 from axiscal.exceptions import DescriptionError, RecordError
+from axiscal.language.spoken import LANGUAGES, said, speaking
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.axis import letter_direction
 from axiscal.units import from_unit, parse_quantity, to_unit
@@ -53,6 +54,41 @@ class FirstFiles(NamedTuple):
 
     texts: dict[str, str]
     setups: int
+
+
+def offered_words() -> list[str]:
+    """Return how each instrument that is offered is called in the language that is spoken."""
+    return [said(offer.words).partition(",")[0] for offer in OFFERED.values()]
+
+
+def instruments_of(text: str) -> list[str]:
+    """Return the instruments that a person names, of `OFFERED`; raises DescriptionError for a word that is none."""
+    names, words, found = _by_word(), text.casefold().replace(",", " ").split(), list[str]()
+    while words:
+        count = next((n for n in (3, 2, 1) if _unspaced(words[:n]) in names), 0)
+        if not count:
+            what = "{name} is no instrument whose set-ups can be offered"
+            remedy = "docs/campaign.md shows how others are written. Offered are {known}"
+            raise DescriptionError(what, remedy, name=shown(words[0]), known=", ".join(offered_words()))
+        found.append(names[_unspaced(words[:count])])
+        words = words[count:]
+    return [name for name in dict.fromkeys(found) if name]
+
+
+def _by_word() -> dict[str, str]:
+    """Return the instrument of each word for it, in all of the languages, without blanks and hyphens; "" of "and"."""
+    found = {_unspaced([name]): name for name in OFFERED}
+    for language in LANGUAGES:
+        with speaking(language):
+            found |= {
+                _unspaced([word]): name for name, offer in OFFERED.items() for word in said(offer.words).split(",")
+            }
+            found[_unspaced([said(" and ")])] = ""
+    return found
+
+
+def _unspaced(words: Sequence[str]) -> str:
+    return "".join(words).casefold().replace(" ", "").replace("-", "")
 
 
 def of_builtin(name: str) -> Beginning:
@@ -109,17 +145,16 @@ def _active(found: IniMachine, file: Path, folder: Path) -> str:
 def first_files(begun: Beginning, instruments: Sequence[str], target: str) -> FirstFiles:
     """Return the files of a new calibration.
 
-    instruments : of OFFERED; target : the expanded uncertainty wanted, such as "10 um"
-    Raises DescriptionError for an instrument that cannot be offered, UnitError for a target that is no length.
+    instruments : of OFFERED
+    target : the expanded uncertainty wanted, such as "10 um"; "" for as good as the set-ups make it
+    Raises DescriptionError where there is none, UnitError for a target that is no length.
     """
-    for name in instruments:
-        if name not in OFFERED:
-            what = "{name} is no instrument whose set-ups can be offered"
-            remedy = "docs/campaign.md shows how others are written. Offered are {known}"
-            raise DescriptionError(what, remedy, name=shown(name), known=", ".join(OFFERED))
     if not instruments:
-        raise DescriptionError("No instrument was named", "Name one or more of {known}", known=", ".join(OFFERED))
-    parse_quantity(target, "length")
+        raise DescriptionError(
+            "No instrument was named", "Name one or more of {known}", known=", ".join(offered_words())
+        )
+    if target:
+        parse_quantity(target, "length")
     machine = _with_stylus(begun.text) if "sphere" in instruments else begun.text
     text = first_campaign(machine_from_text(machine), "machine.toml", instruments, target, begun.active)
     setups = len(campaign_from_texts(text, "campaign.toml", machine, "machine.toml").setups)

@@ -23,7 +23,7 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked
 from axiscal.units import said_quantity, to_unit
 
-_KINDS = ("interferometer", "ballbar", "straightedge", "sphere")
+_KINDS = ("interferometer", "ballbar", "dial", "sphere")
 """Those whose set-ups follow from the machine alone, and of which nothing has to be looked up first."""
 _TOGETHER = 2
 """Set-ups that are added at most: more are another campaign."""
@@ -93,7 +93,7 @@ def _missed(described: CampaignDescription) -> float:
 def _with_one_more(described: CampaignDescription) -> Iterator[tuple[CampaignDescription, Setup]]:
     """Yield the campaign with each set-up of a usual instrument that it does not have."""
     names = {setup.name for setup in described.setups}
-    for text in (text for kind in _KINDS for text in OFFERED[kind](described.machine)):
+    for text in (text for kind in _KINDS for text in OFFERED[kind].setups(described.machine)):
         machine = described.machine.text, described.machine_source
         try:
             found = campaign_from_texts(f"{described.text}\n{text}", described.source, *machine).setups[-1]

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from axiscal.answers.digits import coordinate, number
 from axiscal.language.spoken import said
+from axiscal.measurement.readers.csv_readings import FOUND
 from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.present.sentences import axis_unit, standardised
 from axiscal.present.summary import HistoryRow, Summary
@@ -25,31 +26,21 @@ def readings_csv(summary: Summary) -> bytes:
 
 
 def _readings(summary: Summary) -> Iterator[Sequence[str]]:
-    axes = list(dict.fromkeys(axis for row in summary.history for axis in row.position or {}))
-    names = [f"{axis}_{axis_unit(axis)}" for axis in axes]
-    further = max((len(row.others) for row in summary.history), default=0)
-    yield [
-        "reading",
-        "setup",
-        *names,
-        "approach",
-        "value",
-        "unit",
-        "less_expected",
-        "surprise",
-        "used",
-        "rms_um",
-        "minutes",
-        *(f"value_{2 + k}" for k in range(further)),
-    ]
-    for row in summary.history:
-        if row.position is None:
-            continue
-        at = [_place(row.position.get(axis)) for axis in axes]
-        value, left, z = row.value_um, row.innovation, standardised(row)
-        said = [row.approach, _figure(value), row.unit, _figure(left), _figure(z), "no" if row.rejected else "yes"]
-        others = [*map(_figure, row.others), *[""] * (further - len(row.others))]
-        yield [str(row.reading), row.setup or "", *at, *said, _figure(row.rms_um), _figure(row.minutes), *others]
+    """Yield the lines; what `axiscal data estimate` reads, and what was found beside it."""
+    rows = [row for row in summary.history if row.position is not None]
+    axes = list(dict.fromkeys(axis for row in rows for axis in row.position or {}))
+    values = list(dict.fromkeys(column for row in rows for column in row.columns))
+    stds = list(dict.fromkeys(f"std_{row.unit}" for row in rows if row.std is not None))
+    clock = ["time"] if all(row.time is not None for row in rows) else []
+    names = ["reading", "setup", *(f"{axis}_{axis_unit(axis)}" for axis in axes), "approach", *values, *stds, *clock]
+    yield [*names, *FOUND]
+    for row in rows:
+        cells = {"reading": str(row.reading), "setup": row.setup or "", "approach": row.approach}
+        cells |= {f"{axis}_{axis_unit(axis)}": _place((row.position or {}).get(axis)) for axis in axes}
+        cells |= zip(row.columns, map(_figure, row.values), strict=True)
+        cells |= {f"std_{row.unit}": _figure(row.std), "time": f"{_figure(row.time)} s"}
+        found = [*map(_figure, (row.innovation, standardised(row))), "no" if row.rejected else "yes"]
+        yield [*(cells.get(name, "") for name in names), *found, *map(_figure, (row.rms_um, row.minutes))]
 
 
 def _place(value: float | None) -> str:

@@ -25,7 +25,14 @@ from axiscal.estimation.type_prior import is_type_text
 from axiscal.language.spoken import later, resaid, said, speaking
 from axiscal.machine.questions import questions, which_way
 from axiscal.measurement.instrument import values_of
-from axiscal.measurement.place_texts import approach_text, direction_text, reading_unit, shown_pose, value_names
+from axiscal.measurement.place_texts import (
+    approach_text,
+    direction_text,
+    reading_unit,
+    shown_pose,
+    value_columns,
+    value_names,
+)
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
@@ -235,6 +242,9 @@ def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> Hi
         unit=unit,
         approach=approach_text(axes, reading.approach),
         others=tuple(to_unit(each, unit) for each in reading.others),
+        columns=value_columns(description.setup(reading.setup)),
+        std=None if reading.std is None else to_unit(reading.std, unit),
+        time=reading.time,
     )
 
 

@@ -41,6 +41,7 @@ class HistoryRow:
     unit : of `value_um`, `others`, `innovation`, `innovation_std`: "um" except for angle readings
     others : the further numbers of a reading that has several, such as a sphere's along y and z
     reason : why it was not believed, "" where it was
+    columns : of its values in a file of readings; std : of the reading's own, in `unit`; time : by the clock, s
     """
 
     reading: int
@@ -56,6 +57,9 @@ class HistoryRow:
     approach: str = ""
     others: tuple[float, ...] = ()
     reason: str = ""
+    columns: Sequence[str] = ("value_um",)
+    std: float | None = None
+    time: float | None = None
 
     @property
     def rejected(self) -> bool:

@@ -47,12 +47,16 @@ _STATIONS = tuple(f"value_{number}" for number in range(1, MOST + 1))
 """Columns of tracers that read at once."""
 _HIGHEST = 10**6
 """Of a number of a reading: whoever writes more has slipped."""
+FOUND = ("less_expected", "surprise", "used", "rms_um", "minutes")
+"""Columns that results add to their readings; a reading that was not used is left out."""
 _LAYOUT = {
     "reading": TEXT,
     "setup": TEXT,
     "approach": TEXT,
     "time": TEXT,
     **dict.fromkeys(("value", "std", *_THREE, *_STATIONS), LENGTHS + ANGLES),
+    "rms": LENGTHS,
+    **dict.fromkeys((name for name in FOUND if name != "rms_um"), TEXT),
 }
 
 
@@ -104,6 +108,10 @@ def readings_of(table: CsvTable) -> tuple[RawReading, ...]:
     setup = table.one_of("setup", "setup")
     if not any(table.all_of(first) for first in ("value", _THREE[0], _STATIONS[0])):
         table.one_of("value", "value_um")
+    used = next(iter(table.all_of("used")), None)
+    table = replace(table, rows=tuple(row for row in table.rows if used is None or row.text(used) != "no"))
+    if not table.rows:
+        raise table.fail("no reading of this file was used", "write yes below used in the lines that are to count")
     faults, readings = Faults(), list[RawReading]()
     for row in table.rows:
         with faults.noted():
