@@ -150,7 +150,6 @@ def test_a_reading_of_another_place(started: Command) -> None:
         (["1 um", "--at", "X=1 mm", "--approach", "up"], "is not an approach"),
         (["1 um", "--at", "X=1 mm", "--approach", "Y+"], 'no axis "Y"'),
         (["1 um", "--at", "X=1 mm", "--setup", "lazer"], 'no set-up "lazer"'),
-        (["--skip", " "], "reason is empty"),
     ],
 )
 def test_what_cannot_be_recorded_is_refused_and_costs_nothing(started: Command, words: list[str], says: str) -> None:
@@ -162,8 +161,10 @@ def test_what_cannot_be_recorded_is_refused_and_costs_nothing(started: Command, 
 
 
 def test_skip_undo_status(started: Command) -> None:
+    started("step", "skip", "m.axiscal", "why").refused("No reading has been asked for")
     question = started("next", "m.axiscal", "--json").document["question"]
-    assert started("record", "m.axiscal", "--skip", "the beam is blocked").status == 0
+    assert started("skip", "m.axiscal", "the beam is blocked").status == 0
+    started("skip", "m.axiscal", " ").refused("reason is empty")
     status = started("status", "m.axiscal", "--json").document
     assert [(gap["reason"], gap["position"]) for gap in status["skipped"]] == [
         ("the beam is blocked", question["position"])
@@ -176,7 +177,7 @@ def test_skip_undo_status(started: Command) -> None:
 
 def test_a_reading_has_one_number_wherever_it_is_named(started: Command) -> None:
     started("next", "m.axiscal")
-    assert 'Skipped reading 1 in "laser" at X = ' in started("record", "m.axiscal", "--skip", "no beam").out
+    assert 'Skipped reading 1 in "laser" at X = ' in started("skip", "m.axiscal", "no beam").out
     for value in ("0.1 um", "900 um"):
         started("next", "m.axiscal")
         kept = started("record", "m.axiscal", value, "--accept").out
@@ -236,7 +237,7 @@ def test_finishing_beside_another_campaign_writes_nothing(started: Command) -> N
         ["next", "--colour"],
         ["record", "m.axiscal"],
         ["record", "m.axiscal", "1 um", "--skip", "why"],
-        ["record", "m.axiscal", "--skip", "why", "--std", "1 um"],
+        ["skip", "m.axiscal"],
         ["record", "m.axiscal", "1 um", "--setup", "laser"],
         ["start", "c.toml", "r.axiscal", "d"],
         ["run", "c.toml", "--out", "d"],

@@ -39,7 +39,7 @@ def refused(record: Path, capsys: pytest.CaptureFixture[str], *words: str) -> st
     return " ".join(capsys.readouterr().err.split())
 
 
-@pytest.mark.parametrize("words", [("note",), ("record", "--skip"), ("record", "--leave")])
+@pytest.mark.parametrize("words", [("note",), ("skip",), ("skip", "--leave")])
 def test_bytes_that_are_no_text_are_refused(
     words: tuple[str, ...], record: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -58,7 +58,7 @@ def test_a_file_whose_name_is_no_text_begins_no_campaign(record: Path, capsys: p
     assert not list(record.parent.glob("other*"))
 
 
-@pytest.mark.parametrize("words", [("note",), ("record", "--skip")])
+@pytest.mark.parametrize("words", [("note",), ("skip",)])
 def test_a_book_is_no_note_and_no_reason(
     words: tuple[str, ...], record: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -69,7 +69,7 @@ def test_a_book_is_no_note_and_no_reason(
 
 def test_what_is_kept_steers_no_terminal(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["note", str(record), STEERING]) == 0
-    assert run(["record", str(record), "--skip", STEERING]) == 0
+    assert run(["skip", str(record), STEERING]) == 0
     assert WRITTEN in capsys.readouterr().out
     assert run(["status", str(record), "--details"]) == 0
     assert capsys.readouterr().out.count(WRITTEN) == 2

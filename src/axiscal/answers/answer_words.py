@@ -36,14 +36,14 @@ _KINDS: dict[Kind, str] = {
     "tilt": later("tilt of {axes}"),
     "volume": later("volume"),
 }
-_VERDICTS: dict[Verdict, str] = {
+_ENDS: dict[Verdict, str] = {
     "measured": later("MEASURED"),
     "reached": later("TARGET REACHED"),
     "unreachable": later("CANNOT BE REACHED WITH THESE SET-UPS"),
     "contradict": later("READINGS CONTRADICT"),
     "nothing": later("NO READINGS YET"),
 }
-_CHECKED = {"pass": later("PASS"), "fail": later("FAIL"), "undecided": later("UNDECIDED")}
+VERDICTS = {"pass": later("PASS"), "fail": later("FAIL"), "undecided": later("UNDECIDED")}
 _AIMS = {
     "rms": later("volume {now} of {limit} {unit} RMS"),
     "worst": later("worst place {now} of {limit} {unit}"),
@@ -99,7 +99,7 @@ def _first_line(answer: ResultAnswer) -> FirstLine:
             "{count} MORE READING, {coming} MIN", "{count} MORE READINGS, {coming} MIN", answer.more, coming=coming
         )
     else:
-        verdict = said(_VERDICTS[answer.verdict])
+        verdict = said(_ENDS[answer.verdict])
     taken = counted("{count} reading", "{count} readings", answer.readings)
     minutes = minutes_text(answer.minutes)
     time = said("{minutes} min", minutes=minutes) if answer.clocked else said("{minutes} min planned", minutes=minutes)
@@ -252,7 +252,7 @@ def _checked(checked: TablesChecked | None) -> str:
         places=checked.places,
         found=digits(checked.found),
         left=digits(checked.left, checked.tolerance),
-        verdict=said(_CHECKED[checked.verdict]),
+        verdict=said(VERDICTS[checked.verdict]),
     )
 
 

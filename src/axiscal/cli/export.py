@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from axiscal.answers.answer_words import ending
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Anyway, Json, RecordFile
 from axiscal.cli.printing import say, say_document
@@ -16,9 +18,9 @@ from axiscal.document.bounded import bounded_content
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.language.spoken import said
+from axiscal.language.spoken import said, speaking
 from axiscal.machine.axis import ROTARY_LETTERS
-from axiscal.present.delivery import deliver_export, introduced
+from axiscal.present.delivery import deliver_export, effect_of, effect_words, introduced
 from axiscal.present.findings import findings
 from axiscal.present.summarising import record_state
 from axiscal.tables import registry
@@ -128,7 +130,7 @@ def export(
     )
     loader = None if load is None else _loader(load, to)
     options = replace(options, old_files=read_old(on_top_of or ()))
-    with Campaign.open(record, write=False) as campaign:
+    with speaking("en"), Campaign.open(record, write=False) as campaign:  # README.txt is in English
         estimation = campaign.estimate(ended=True)
         options = informed(options, estimation.case.description, to)
         options = replace(options, origin=record_state(campaign).hash)
@@ -142,7 +144,11 @@ def export(
         sent = None if loader is None else loader.taken(offered.files)
         deliver_export(offered, out, record_state(campaign))
     if not json:
-        say(f"{offered.readme.rstrip()}\n\nWritten to {out}: {', '.join([*offered.files, 'README.txt'])}")
+        load, check = said("load {folder} (README.txt there), then", folder=out), f"axiscal verify {quote(str(record))}"
+        next_ = [load, f"{check} --to {to}"] if loader is None else []
+        files = f"{out}: {', '.join([*offered.files, 'README.txt'])}"
+        last = ending({said("Written"): [files], **({said("Next"): next_} if next_ else {})})
+        say("\n".join([effect_words(offered.controller, effect_of(offered), factor), *last]))
     done = None if loader is None or sent is None else loader.load(sent, name)
     if json:
         say_document(_document(offered, out) | ({} if done is None else {"loaded": done}))

@@ -29,9 +29,8 @@ from axiscal.description.first_files import (
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
 from axiscal.exceptions import DescriptionError, InputError
-from axiscal.language.spoken import counted, said, speaking
+from axiscal.language.spoken import counted, said
 from axiscal.machine import builtin_names
-from axiscal.present.whose_language import chosen
 
 _Answer = TypeVar("_Answer")
 _MACHINE, _INSTRUMENT = "three-axis-mill", "square"
@@ -79,20 +78,16 @@ def init(
     if ini is None and (chain is not None or limits):
         raise typer.BadParameter(f"{'--limits' if chain is None else '--chain'} belongs to --from")
     try:
-        with speaking(chosen(None)):
-            begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
-            given = instrument and instruments_of(", ".join(instrument))
-            names = given or _until_right(lambda: _instruments(begun))
-            files = (
-                _until_right(lambda: _with_target(begun, names))
-                if target is None
-                else first_files(begun, names, target)
-            )
+        begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
+        given = instrument and instruments_of(", ".join(instrument))
+        names = given or _until_right(lambda: _instruments(begun))
+        files = (
+            _until_right(lambda: _with_target(begun, names)) if target is None else first_files(begun, names, target)
+        )
     except EOFError:
         raise DescriptionError("Nobody answered", "Give --machine or --from, --instrument and --target") from None
     write_files(folder, files.texts)
-    with speaking(chosen(None)):
-        say("\n".join(_written(folder / "machine.toml", folder / "campaign.toml", files.setups, begun.look)))
+    say("\n".join(_written(folder / "machine.toml", folder / "campaign.toml", files.setups, begun.look)))
 
 
 def _written(machine: Path, campaign: Path, setups: int, look: Sequence[str]) -> Iterator[str]:

@@ -12,9 +12,10 @@ from axiscal.cli.opened import opened_to_write
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say
 from axiscal.cli.prompt import Prompt
-from axiscal.language.spoken import said, speaking
+from axiscal.language.spoken import said, speaking, spoken_now
 from axiscal.present.guide.progress import results_beside
 from axiscal.present.result_set import RECORD
+from axiscal.present.summarising import Extras
 from axiscal.present.whose_language import chosen
 
 
@@ -47,7 +48,7 @@ def measure(
             if over:
                 campaign.refuse_other(folder / RECORD)
                 campaign.finish()
-                write_outputs(campaign, folder, as_json=False)
+                write_outputs(campaign, folder, as_json=False, extras=Extras(spoken=spoken_now()))
             else:
                 campaign.sign()
         if not over:

@@ -9,7 +9,7 @@ import typer
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say_either
-from axiscal.cli.texts import count_text
+from axiscal.language.spoken import said
 
 
 def note(
@@ -33,9 +33,7 @@ def note(
     with opened_to_write(record) as campaign:
         for axis in renewed or ():
             campaign.description.machine.index(axis)  # raises for one that the machine does not have
-        said = f" (renewed: {', '.join(renewed)})" if renewed else ""
-        campaign.note(" ".join(text) + said)
+        campaign.note(" ".join(text) + (f" (renewed: {', '.join(renewed)})" if renewed else ""))
         kept = campaign.state.notes
     document = {"note": kept[-1].text, "at": kept[-1].at, "notes": len(kept)}
-    words = f"Noted; it is on the disk ({count_text(len(kept), 'note')} so far)."
-    say_either(json, "axiscal-note/1", document, [words])
+    say_either(json, "axiscal-note/1", document, [said("Noted; it is on the disk.")])

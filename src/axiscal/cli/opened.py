@@ -8,6 +8,7 @@ from pathlib import Path
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.exceptions import AxiscalError
+from axiscal.language.spoken import said
 from axiscal.record.events import State
 
 
@@ -24,23 +25,28 @@ def opened_to_write(record: Path, going_on: str = "next") -> Iterator[Campaign]:
                 yield campaign
             except KeyboardInterrupt:
                 raise AxiscalError(
-                    f"Stopped by Ctrl-C. {_kept(before, campaign.looked_at_again(), record, going_on)}"
+                    said("Stopped by Ctrl-C. {kept}", kept=_kept(before, campaign.looked_at_again(), record, going_on))
                 ) from None
     except KeyboardInterrupt:
-        raise AxiscalError(f"Stopped by Ctrl-C. Nothing was added to {record}; give the command again.") from None
+        raise AxiscalError(said("Stopped by Ctrl-C. {kept}", kept=_nothing(record))) from None
 
 
 def _kept(before: State, now: State, record: Path, going_on: str) -> str:
     """Return what has happened since, in words, and what to call next."""
     if now.last == before.last:
-        return f"Nothing was added to {record}; give the command again."
-    onwards = f"go on with: axiscal {going_on} {record}"
+        return _nothing(record)
+    what = "No reading was added; go on with: axiscal {going_on} {record}"
     if now.finished is not None and before.finished is None:
-        return f"The end was kept; write the results: axiscal finish {record} --out DIR"
-    if len(now.readings) > len(before.readings):
-        return f"Reading {now.readings[-1].number} was kept; {onwards}"
-    if len(now.skipped) > len(before.skipped):
-        return f"The skip was kept; {onwards}"
-    if len(now.undo) < len(before.undo):
-        return f"What was to be taken back is taken back; {onwards}"
-    return f"No reading was added; {onwards}"
+        what = "The end was kept; write the results: axiscal finish {record} --out DIR"
+    elif len(now.readings) > len(before.readings):
+        what = "Reading {number} was kept; go on with: axiscal {going_on} {record}"
+    elif len(now.skipped) > len(before.skipped):
+        what = "The skip was kept; go on with: axiscal {going_on} {record}"
+    elif len(now.undo) < len(before.undo):
+        what = "What was to be taken back is taken back; go on with: axiscal {going_on} {record}"
+    number = now.readings[-1].number if now.readings else None
+    return said(what, number=number, going_on=going_on, record=record)
+
+
+def _nothing(record: Path) -> str:
+    return said("Nothing was added to {record}; give the command again.", record=record)

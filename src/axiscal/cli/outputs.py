@@ -11,7 +11,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.printing import say, say_document
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
-from axiscal.language.spoken import resaid, said, speaking
+from axiscal.language.spoken import resaid, said
 from axiscal.present.delivery import deliver
 from axiscal.present.guide.progress import results_beside
 from axiscal.present.plan_answer import coming_answer
@@ -20,7 +20,6 @@ from axiscal.present.result_document import result_json
 from axiscal.present.statement import NOT_KNOWN, statement
 from axiscal.present.summarising import Extras
 from axiscal.present.summary import Summary
-from axiscal.present.whose_language import chosen
 
 
 def write_outputs(
@@ -86,8 +85,7 @@ def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str) -> Sum
 
 def written_screen(summary: Summary, record: Path, out: Path) -> str:
     """Return the screen of a campaign whose results are written.  record : where it stays"""
-    with speaking(chosen(None)):
-        return screen(summary.answer, summary.agreement.words, str(record), str(out), str(out / "report.pdf"))
+    return screen(summary.answer, summary.agreement.words, str(record), str(out), str(out / "report.pdf"))
 
 
 def standing_screen(campaign: Campaign) -> str:
@@ -95,10 +93,9 @@ def standing_screen(campaign: Campaign) -> str:
     path, known = campaign.path, campaign.so_far()
     words = agreement_words(known) if known.readings else ""
     planned = coming_answer(campaign)
-    with speaking(chosen(None)):
-        if planned is not None:
-            return plan_screen(planned, str(path))
-        answer = standing_answer(campaign)
-        written = any(step.code == "load" for step in answer.steps)
-        results = str(path.parent).removeprefix(".") if written else str(results_beside(path))
-        return screen(answer, words, str(path), results)
+    if planned is not None:
+        return plan_screen(planned, str(path))
+    answer = standing_answer(campaign)
+    written = any(step.code == "load" for step in answer.steps)
+    results = str(path.parent).removeprefix(".") if written else str(results_beside(path))
+    return screen(answer, words, str(path), results)

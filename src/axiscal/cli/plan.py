@@ -18,7 +18,6 @@ from axiscal.estimation.accuracy.unseen import seen_as_one
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import PlanError, TargetError
-from axiscal.language.spoken import speaking
 from axiscal.planning.enough import few_more
 from axiscal.planning.feasibility import reached_unread, refuse_endless, refuse_out_of_reach
 from axiscal.planning.next_readings import CANDIDATES, placed
@@ -29,7 +28,6 @@ from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.present.machine_drawing.setup_picture import plan_picture
 from axiscal.present.plan_answer import plan_answer
 from axiscal.present.plan_words import plan_list, plan_screen
-from axiscal.present.whose_language import chosen
 from axiscal.programs import write_programs
 from axiscal.programs.dialect import dialect
 from axiscal.units import Dimension, parse_quantity
@@ -128,10 +126,9 @@ def plan(
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
         return
-    with speaking(chosen(None)):
-        if details:
-            say("\n".join([*plan_list(answer), *(f"Mind: {part.text}" for part in seen_as_one(case.yardstick))]))
-        say(plan_screen(answer, str(campaign), written))
+    if details:
+        say("\n".join([*plan_list(answer), *(f"Mind: {part.text}" for part in seen_as_one(case.yardstick))]))
+    say(plan_screen(answer, str(campaign), written))
 
 
 def _certain(case: Case, limits: Limits, how: Thoroughness) -> Plan | None:

@@ -14,12 +14,11 @@ from axiscal.cli.texts import accuracy_text
 from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import Target
-from axiscal.language.spoken import again, put, said, speaking
+from axiscal.language.spoken import again, put, said
 from axiscal.machine.questions import questions
 from axiscal.numerics.stages import listening
 from axiscal.present.plan_answer import reach_answer
 from axiscal.present.plan_words import reach_text
-from axiscal.present.whose_language import chosen
 from axiscal.tables.on_top import unasked
 from axiscal.units import to_unit
 
@@ -71,8 +70,7 @@ def tell_unasked(description: CampaignDescription) -> None:
 
 def tell_mind(sentence: str) -> None:
     """Write what is to be minded to stderr, in the language of the person."""
-    with speaking(chosen(None)):
-        tell(said("Mind: {sentence}", sentence=again(sentence)))
+    tell(said("Mind: {sentence}", sentence=again(sentence)))
 
 
 def tell_out_of_reach(campaign: Campaign) -> None:
@@ -81,5 +79,4 @@ def tell_out_of_reach(campaign: Campaign) -> None:
         return
     reach = reach_answer(campaign.estimate(ended=True).case)
     if reach is not None:
-        with speaking(chosen(None)):
-            tell(reach_text(reach))
+        tell(reach_text(reach))

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import typer
 
-from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
+from axiscal.answers.answer_of_campaign import cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, Log, Programs, RecordFile
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.placed_log import placed_log
 from axiscal.cli.printing import say_either
-from axiscal.cli.texts import count_text, next_text, question_document
+from axiscal.cli.texts import ask_next, next_text, question_document
 from axiscal.description.placed_readings import placed_approach, placed_pose
 from axiscal.exceptions import ReadingError, RecordError
+from axiscal.language.spoken import counted, joined, said
 from axiscal.machine import Machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
@@ -25,7 +27,6 @@ from axiscal.measurement.place_texts import place_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.present.guide.answers import value_texts
-from axiscal.present.guide.question import asked_text
 from axiscal.present.guide.taking_back import contradictions, doubted, others_doubted
 from axiscal.units import format_quantity, parse_quantity, to_unit
 
@@ -37,10 +38,6 @@ def record(
         typer.Argument(metavar="VALUE", help='The reading with its unit, such as "-1.7 um".'),
     ] = None,
     std: Annotated[str | None, typer.Option(help="Its standard deviation, instead of the set-up's noise.")] = None,
-    skip: Annotated[str | None, typer.Option(metavar="REASON", help="The reading cannot be taken, and why.")] = None,
-    leave: Annotated[
-        str | None, typer.Option(metavar="REASON", help="Nothing more can be read with this set-up, and why.")
-    ] = None,
     at: Annotated[str | None, typer.Option(metavar="PLACE", help="Where it was taken, if not where asked.")] = None,
     setup: Annotated[str | None, typer.Option(metavar="NAME", help="The set-up it was taken in, with --at.")] = None,
     approach: Annotated[str | None, typer.Option(help='Directions of the last motion, such as "X+ Y-".')] = None,
@@ -66,53 +63,43 @@ def record(
       axiscal step record mill.axiscal "0.4 um" --next
       axiscal step record mill.axiscal "1.2 -0.4 0.8 um"      x, y and z of a sphere
       axiscal step record mill.axiscal --log axiscal_3F2A9C01.txt --programs programs
-      axiscal step record mill.axiscal --skip "the beam is blocked here"
-      axiscal step record mill.axiscal --leave "the laser has to go back"
     """
 
     text = " ".join(value or [])
-    reason = skip if leave is None else leave
     if log is not None:
-        if text or reason is not None or at or setup or approach or std or accept or then_next:
+        if text or at or setup or approach or std or accept or then_next:
             raise typer.BadParameter("--log brings readings of its own; it takes only --programs and --json")
         _record_log(record, log, programs, json)
         return
-    if (reason is None) == (not text) or (skip is not None and leave is not None):
-        raise typer.BadParameter("give either VALUE or --skip REASON or --leave REASON or --log FILE")
-    if reason is not None and (std or at or setup or approach or accept):
-        raise typer.BadParameter("--skip and --leave are of what was asked for; they take only --next and --json")
+    if not text:
+        raise typer.BadParameter("give either VALUE or --log FILE")
     if at is None and (setup or approach):
         raise typer.BadParameter("--setup and --approach belong to --at")
-    document: dict[str, object]
     with opened_to_write(record) as campaign:
-        if reason is not None:
-            costs = cost_words(campaign, rest=leave is not None)
-            asked = campaign.skip(reason, rest=leave is not None)
-            done = "Left the set-up at" if leave is not None else "Skipped"
-            message = f"{done} {asked_text(campaign, asked)}: {reason.strip()}\n{cost_sentence(costs)}"
-            message += f" To stay: axiscal step undo {record}" if costs else ""
-            document = {"skipped": asked.reading, "set_up_left": leave is not None, "costs": costs}
-        else:
-            typed = _understood(campaign, text, std, at, setup, approach)  # first: what is misspelt is said at once
-            before = doubted(campaign)
-            left = _left(campaign, typed.place)
-            kept = campaign.record(typed.value, typed.std, typed.place, accepted=accept, others=typed.others)
-            surprise, mind = _doubt(campaign)
-            said = [mind, *others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else "", left]
-            said += contradictions(campaign)
-            minded = [sentence for sentence in said if sentence]
-            message = "\n".join([_kept(campaign, kept), *(f"Mind: {sentence}" for sentence in minded)])
-            document = _kept_document(campaign, kept) | {"surprise": surprise, "mind": minded}
-        question = campaign.next() if then_next else None
-        if question is not None:
-            document |= {"next": question_document(campaign, question)}
-        coming = (
-            f"Ask for the next one: axiscal step next {record}" if question is None else next_text(campaign, question)
-        )
-        say_either(json, "axiscal-record/1", document, [message, coming])
-        if question is None:
-            with suppress(RecordError):  # the reading is kept; what cannot be added to it is found out by `next`
-                campaign.go_on()
+        typed = _understood(campaign, text, std, at, setup, approach)  # first: what is misspelt is said at once
+        before = doubted(campaign)
+        left = _left(campaign, typed.place)
+        kept = campaign.record(typed.value, typed.std, typed.place, accepted=accept, others=typed.others)
+        surprise, mind = _doubt(campaign)
+        found = [mind, *others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else "", left]
+        minded = [sentence for sentence in (*found, *contradictions(campaign)) if sentence]
+        document = _kept_document(campaign, kept) | {"surprise": surprise, "mind": minded}
+        lines = [_kept(campaign, kept), *(said("Mind: {sentence}", sentence=sentence) for sentence in minded)]
+        answered(campaign, document, lines, then_next=then_next, as_json=json)
+
+
+def answered(
+    campaign: Campaign, document: dict[str, object], lines: Sequence[str], *, then_next: bool, as_json: bool
+) -> None:
+    """Say what was done with the question, and ask the next one where that is wanted."""
+    question = campaign.next() if then_next else None
+    if question is not None:
+        document |= {"next": question_document(campaign, question)}
+    coming = ask_next(campaign.path) if question is None else next_text(campaign, question)
+    say_either(as_json, "axiscal-record/1", document, [*lines, coming])
+    if question is None:
+        with suppress(RecordError):  # it is kept; what cannot be added to it is found out by `next`
+            campaign.go_on()
 
 
 def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:
@@ -127,12 +114,9 @@ def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:
         first = campaign.state.free
         campaign.adopt(tuple(each.under(number) for number, each in enumerate(placed, start=first)))
         count = len(campaign.state.readings)
-        words = f"Kept {count_text(len(placed), 'reading')} of {log} ({count} so far)."
-        coming = f"Ask for the next one: axiscal step next {record}"
-        say_either(as_json, "axiscal-record/1", {"logged": len(placed), "readings": count}, [words, coming])
-
-
-_REMEDY = "Take it again (axiscal step undo, then axiscal step record), or record it with --accept if it is right."
+        words = counted("Kept {count} reading of {log}.", "Kept {count} readings of {log}.", len(placed), log=log)
+        document = {"logged": len(placed), "readings": count}
+        say_either(as_json, "axiscal-record/1", document, [words, ask_next(record)])
 
 
 def _doubt(campaign: Campaign) -> tuple[float | None, str]:
@@ -142,9 +126,13 @@ def _doubt(campaign: Campaign) -> tuple[float | None, str]:
     doubt = next((doubt for doubt in estimation.outliers if doubt.reading == last), None)
     if doubt is None:
         return None, ""
-    away = f"it is {doubt.surprise:.1f} standard deviations from what the other readings say"
-    said = estimation.objection_to(doubt) if doubt.implausible else away
-    return round(doubt.surprise, 2), f"{said} and is not relied on. {_REMEDY}"
+    away = said("it is {away:.1f} standard deviations from what the other readings say", away=float(doubt.surprise))
+    why = estimation.objection_to(doubt) if doubt.implausible else away
+    text = (
+        "{why} and is not relied on. Take it again (axiscal step undo, then axiscal step record), or record it with "
+        "--accept if it is right."
+    )
+    return round(doubt.surprise, 2), said(text, why=why)
 
 
 def _left(campaign: Campaign, place: Place) -> str:
@@ -152,8 +140,11 @@ def _left(campaign: Campaign, place: Place) -> str:
     asked = campaign.state.pending
     if asked is None or asked.place.setup == place.setup or not (costs := cost_words(campaign, rest=True)):
         return ""
-    stay = "to stay, take this back: axiscal step undo"
-    return f'this leaves "{asked.place.setup}", which costs, where nothing more is read there: {costs}; {stay}.'
+    text = (
+        'this leaves "{setup}", which costs, where nothing more is read there: {costs}; to stay, take this back: '
+        "axiscal step undo."
+    )
+    return said(text, setup=asked.place.setup, costs=costs)
 
 
 def _assumed(campaign: Campaign, reading: Reading, approach: str | None) -> str:
@@ -163,11 +154,16 @@ def _assumed(campaign: Campaign, reading: Reading, approach: str | None) -> str:
     if approach is not None or not silent:
         return ""
     turned = [e.axis for e in machine.errors if e.kind == "reversal" and e.axis in silent]
-    wider = f"; the reading counts as less sure, by half the reversal of {' and '.join(turned)}" if turned else ""
-    example = " ".join(f"{name}+" for name in silent)
-    return (
-        f"without --approach nothing is supposed of the side from which {' and '.join(silent)} came{wider}. "
-        f'If you know it, take this back (axiscal step undo) and add it, as in --approach "{example}".'
+    wider = "; the reading counts as less sure, by half the reversal of {axes}"
+    text = (
+        "without --approach nothing is supposed of the side from which {axes} came{wider}. If you know it, take this "
+        'back (axiscal step undo) and add it, as in --approach "{example}".'
+    )
+    return said(
+        text,
+        axes=joined(silent),
+        wider=said(wider, axes=joined(turned)) if turned else "",
+        example=" ".join(f"{name}+" for name in silent),
     )
 
 
@@ -194,7 +190,8 @@ def _kept(campaign: Campaign, reading: Reading) -> str:
     setup, axes = campaign.description.setup(reading.setup), campaign.description.machine.axes
     place = place_text(axes, reading.pose, setup.moves)
     value = format_quantity(reading.value, reading_unit(setup))
-    return f"Kept reading {reading.number}: {value} at {place} ({len(campaign.state.readings)} so far)."
+    text, count = "Kept reading {number}: {value} at {place} ({count} so far).", len(campaign.state.readings)
+    return said(text, number=reading.number, value=value, place=place, count=count)
 
 
 def _kept_document(campaign: Campaign, reading: Reading) -> dict[str, object]:

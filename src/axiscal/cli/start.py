@@ -14,9 +14,8 @@ from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say_either
 from axiscal.cli.progress import tell_out_of_reach, tell_unasked
 from axiscal.description.campaign import CampaignDescription
-from axiscal.language.spoken import counted, said, speaking
+from axiscal.language.spoken import counted, said
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
-from axiscal.present.whose_language import chosen
 
 
 def start(
@@ -42,13 +41,12 @@ def start(
         tell_out_of_reach(opened)
         tell_unasked(description)
         planned = opened.prepared()
-    with speaking(chosen(None)):
-        setups = counted("{count} set-up", "{count} set-ups", len(description.setups))
-        readings = counted("{count} reading", "{count} readings", len(planned))
-        ready = "{record} is ready: {machine}, {setups}, {readings} planned."
-        words = said(ready, record=path, machine=description.machine.name, setups=setups, readings=readings)
-        coming = said("Take the readings: axiscal measure {record}", record=path)
-        say_either(json, "axiscal-start/1", {"record": str(path)}, [words, coming])
+    setups = counted("{count} set-up", "{count} set-ups", len(description.setups))
+    readings = counted("{count} reading", "{count} readings", len(planned))
+    ready = "{record} is ready: {machine}, {setups}, {readings} planned."
+    words = said(ready, record=path, machine=description.machine.name, setups=setups, readings=readings)
+    coming = said("Take the readings: axiscal measure {record}", record=path)
+    say_either(json, "axiscal-start/1", {"record": str(path)}, [words, coming])
 
 
 @contextmanager

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from axiscal.answers.answer_words import ending
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import Ended
+from axiscal.campaign.ending import Ended, because_text
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.language.spoken import decimals, said
 from axiscal.measurement.place_texts import reading_unit, value_names
@@ -29,21 +32,33 @@ def question_text(campaign: Campaign, asked: Asked) -> str:
     places, touch = axis_places(campaign, asked), touch_text(campaign, asked)
     coming, parked = coming_text(places), parked_text(places)
     lines = [
-        f'Reading {asked.reading}: set-up "{setup.name}", {setup.instrument}, reads {reads_text(setup)}',
-        f"  go to     {go_text(places)}",
-        f"  coming    {coming}" if coming else "",
-        f"  {'at       ' if setup.artefact else 'the way  '} {touch}" if touch else "",
-        f"  parked    {parked}" if parked else "",
-        f'  then      axiscal step record {campaign.path} "{values}"',
+        (said("go to"), go_text(places)),
+        (said("coming"), coming),
+        (said("at") if setup.artefact else said("the way"), touch),
+        (said("parked"), parked),
+        (said("then"), f'axiscal step record {campaign.path} "{values}"'),
     ]
-    return "\n".join(line for line in lines if line)
+    head = said(
+        'Reading {number}: set-up "{setup}", {instrument}, reads {reads}',
+        number=asked.reading,
+        setup=setup.name,
+        instrument=said(setup.instrument),
+        reads=reads_text(setup),
+    )
+    return "\n".join([head, *(f"  {name:<9} {what}" for name, what in lines if what)])
 
 
 def next_text(campaign: Campaign, asked: Asked | Ended) -> str:
     """Return the question, or why there is none and what to do."""
     if isinstance(asked, Ended):
-        return f"Nothing more to ask: {asked.because}.\nEnd it: axiscal finish {campaign.path} --out DIR"
+        ended = said("Nothing more to ask: {because}.", because=because_text(asked.because))
+        return "\n".join([ended, *ending({said("Next"): [f"axiscal finish {campaign.path} --out results"]})])
     return question_text(campaign, asked)
+
+
+def ask_next(record: Path) -> str:
+    """Return how to ask for the next reading."""
+    return said("Ask for the next one: axiscal step next {record}", record=record)
 
 
 def question_document(campaign: Campaign, asked: Asked | Ended) -> dict[str, object]:

@@ -9,19 +9,19 @@ from typing import Annotated
 
 import typer
 
-from axiscal.answers.answer_words import ending
+from axiscal.answers.answer_words import digits, ending
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Source
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.document.durable import write_whole
 from axiscal.evaluation.acceptance.at_the_machine import Taken
-from axiscal.evaluation.acceptance.check import Check
-from axiscal.language.spoken import listed, said, speaking
+from axiscal.evaluation.acceptance.check import USUAL, Check
+from axiscal.language.spoken import listed, said
 from axiscal.measurement.place import Places
 from axiscal.present.check_answer import check_answer, check_text, plan_lines, plan_rows
-from axiscal.present.whose_language import chosen
 from axiscal.record.signing import own_hand
+from axiscal.units import to_unit
 
 
 def verify(
@@ -41,7 +41,9 @@ def verify(
     points: Annotated[
         int | None,
         typer.Option(
-            min=2, max=200, help="How many places to check; default: as many as the tables need, 12 at least."
+            min=2,
+            max=200,
+            help=f"Places to check; default: what the tables need, {USUAL} or more where so many are new.",
         ),
     ] = None,
     plan: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Where to write the list of places.")] = None,
@@ -106,8 +108,11 @@ def verify(
         readings = check.asked(source, check.planned(points, tolerance=check.allowed(tolerance)))
         taken = Taken(own_hand().person, source, check.digests)
     else:
+        tightest = check.tightest(tolerance)
+        judged_by = tolerance or (None if tightest else f"{digits(to_unit(check.promised, 'um'))} um")
         command = f"axiscal verify {shlex.quote(str(record))} --to {to}"
-        _plan(check, check.planned(points, tolerance=check.tightest(tolerance)), plan, command, json)
+        command += "" if judged_by is None else f" --tolerance {shlex.quote(judged_by)}"
+        _plan(check, check.planned(points, tolerance=tightest), plan, command, json)
         return
     answer = check_answer(check.judged(readings, tolerance), len(readings[0]), check.tables.U, taken)
     if json:
@@ -127,10 +132,11 @@ def _read_live(check: Check, source: str, places: Places, files: tuple[Path, Pat
     if not before.complete():
         before.fill(bare, Taken(person, source, held))
         if not after.complete():
-            return (
-                f"{before.file} holds the readings as found. Load the exported files and switch them on, then give the "
-                f"same command again: it reads as left, into {after.file}."
+            text = (
+                "{found} holds the readings as found. Load the exported files and switch them on, then give the same "
+                "command again: it reads as left, into {left}."
             )
+            return said(text, found=before.file, left=after.file)
     if not after.complete():
         after.fill(compensated, Taken(person, source, in_force))
     return ""
@@ -167,8 +173,7 @@ def _plan(check: Check, places: Places, plan: Path | None, command: str, json: b
     sheet = check.sheet(places)
     if plan is not None:
         write_whole(plan, sheet.encode())
-    with speaking(chosen(None)):
-        lines = [*plan_lines(rows), *ending({said("Next"): _steps(sheet, plan, command)})]
+    lines = [*plan_lines(rows), *ending({said("Next"): _steps(sheet, plan, command)})]
     say_either(json, "axiscal-verify/1", {"plan": rows}, lines)
 
 

@@ -209,13 +209,14 @@ def machine_text(machine: IniMachine, source: str) -> str:
 
 def unread(machine: IniMachine) -> list[str]:
     """Return in sentences what the INI file could not say and was supposed, for the person to look at."""
-    found = ["the length of the tool"]
+    found = [said("the length of the tool")]
     if not (machine.build.sure or machine.build.said):
-        found.append(f"which axes carry the workpiece (chain = {machine.build.chain!r} is supposed)")
+        chain = f'"{machine.build.chain}"'
+        found.append(said("which axes carry the workpiece (chain = {chain} is supposed)", chain=chain))
     if any(axis.rotary for axis in machine.axes) and not machine.build.sure:
-        found.append("where the rotary axes lie (origin)")
+        found.append(said("where the rotary axes lie (origin)"))
     if any(axis.rotary and axis.letter not in machine.build.reversed for axis in machine.axes):
-        found.append("which way the rotary axes count (direction)")
+        found.append(said("which way the rotary axes count (direction)"))
     return found
 
 

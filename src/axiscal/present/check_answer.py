@@ -9,12 +9,13 @@ import numpy as np
 from pydantic import Field
 
 from axiscal.answers.answer import AnswerDocument, TablesChecked
+from axiscal.answers.answer_words import VERDICTS
 from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.check import Check
 from axiscal.evaluation.acceptance.datums import GUARD
 from axiscal.evaluation.acceptance.judgement import Judgement, Verdict
 from axiscal.evaluation.acceptance.table_checks import WORKS, Share
-from axiscal.language.spoken import said
+from axiscal.language.spoken import later, listed, said
 from axiscal.measurement.place import Places
 from axiscal.measurement.place_texts import approach_text, place_text, shown_pose
 from axiscal.numerics import Array
@@ -29,6 +30,7 @@ _ROUNDING = 1e-6
 
 Decision = Literal["conform", "not conform", "neither"]
 _DECISIONS: Mapping[Verdict, Decision] = {"pass": "conform", "fail": "not conform", "undecided": "neither"}
+_PROVED = {"conform": later("conform"), "not conform": later("not conform"), "neither": later("neither")}
 _COVERAGE = 2.0
 """k of the uncertainty that is stated beside a decision, as certificates do."""
 _DIGITS = 12
@@ -218,110 +220,135 @@ def _micrometres(figures: object) -> str:
 
 def check_text(answer: CheckAnswer) -> str:
     """Return what was judged in words, the verdict first."""
-    tolerance, guard = (f"{value:.3g} um" for value in (answer.tolerance_um, answer.guard_band_um))
-    found = [value.found_um for value in answer.readings]
-    left = [value.left_um for value in answer.readings]
-    verdict = f"{answer.verdict.upper()} at {tolerance}, guard band {guard}{_holds_for(answer)}: {_why(answer)}."
-    sizes = [f"As found: {_sizes(found)}", f"As left:  {_sizes(left)}"]
+    verdict = said(
+        "{verdict} at {tolerance:.3g} um, guard band {guard:.3g} um{holds_for}: {why}.",
+        verdict=said(VERDICTS[answer.verdict]),
+        tolerance=answer.tolerance_um,
+        guard=answer.guard_band_um,
+        holds_for=_holds_for(answer),
+        why=said(_why(answer), tables=", ".join(each.table for each in answer.faulty)),
+    )
+    sizes = [
+        said("As found: {sizes}", sizes=_sizes([value.found_um for value in answer.readings])),
+        said("As left:  {sizes}", sizes=_sizes([value.left_um for value in answer.readings])),
+    ]
     return "\n".join([verdict, *sizes, *_as_left(answer), _agreement(answer), *_warnings(answer)])
 
 
 def _as_left(answer: CheckAnswer) -> list[str]:
     """Say what the as-left readings prove, by whom they were read, and which files were in force."""
-    u, promised = f"{answer.U_um:.3g} um", f"{answer.expected_um:.3g} um"
     names = ", ".join(f"{name} (SHA-256 {digest[:_DIGITS]})" for name, digest in answer.in_force.items())
+    proved = (
+        "By ISO 14253-1 as left: {decision}. A reading has U = {u:.3g} um (k = 2); U = {promised:.3g} um (95 %) is to "
+        "be expected over the volume."
+    )
     return [
-        f"By ISO 14253-1 as left: {answer.decision}. A reading has U = {u} (k = 2); U = {promised} (95 %) is to be "
-        "expected over the volume.",
-        f"Read by {answer.person or 'nobody that is known'} from {answer.source or 'files'}. In force by the control: "
-        f"{names or 'not known'}.",
+        said(proved, decision=said(_PROVED[answer.decision]), u=answer.U_um, promised=answer.expected_um),
+        said(
+            "Read by {person} from {source}. In force by the control: {names}.",
+            person=answer.person or said("nobody that is known"),
+            source=answer.source or said("files"),
+            names=names or said("not known"),
+        ),
     ]
 
 
 def _sizes(values: Sequence[float]) -> str:
     sizes = np.abs(values)
-    return f"largest {float(sizes.max()):.3g} um, RMS {float(np.sqrt(np.mean(sizes**2))):.3g} um"
+    rms = float(np.sqrt(np.mean(sizes**2)))
+    return said("largest {largest:.3g} um, RMS {rms:.3g} um", largest=float(sizes.max()), rms=rms)
 
 
 def _holds_for(answer: CheckAnswer) -> str:
     """Return which tables the verdict is about; axes and tables that were not checked are named beside it."""
-    others = [f"axis {name} (not moved through its volume and read along)" for name in answer.axes_not_checked]
-    others += [f"table {each.table} (corrects {each.size} at most)" for each in answer.tables if not each.checked]
+    others = [
+        said("axis {axis} (not moved through its volume and read along)", axis=name) for name in answer.axes_not_checked
+    ]
+    others += [
+        said("table {table} (corrects {size} at most)", table=each.table, size=each.size)
+        for each in answer.tables
+        if not each.checked
+    ]
     if not others:
         return ""
-    checked = ", ".join(each.table for each in answer.tables if each.checked)
-    return f", for {checked or 'what was read'} only - NOT CHECKED: {', '.join(others)}"
+    checked = ", ".join(each.table for each in answer.tables if each.checked) or said("what was read")
+    return said(", for {checked} only - NOT CHECKED: {others}", checked=checked, others=listed(", ", others))
 
 
 def _why(answer: CheckAnswer) -> str:
     if answer.faulty:
-        return f"not as exported: {', '.join(each.table for each in answer.faulty)}"
+        return later("not as exported: {tables}")
     if answer.verdict == "undecided" and (answer.set_up_off or answer.set_up_still or not answer.tables_loaded):
-        return "the readings contradict what is said of the tables or the set-ups: see the warning, and read again"
+        return later(
+            "the readings contradict what is said of the tables or the set-ups: see the warning, and read again"
+        )
+    near = later("a deviation lies so near to the tolerance that the readings cannot decide: read again, or better")
     return {
-        "pass": "every deviation lies inside, with its uncertainty",
-        "fail": "a deviation lies outside, with all of its uncertainty",
-        "undecided": "a deviation lies so near to the tolerance that the readings cannot decide: read again, or better",
+        "pass": later("every deviation lies inside, with its uncertainty"),
+        "fail": later("a deviation lies outside, with all of its uncertainty"),
+        "undecided": near,
     }[answer.verdict]
 
 
 def _agreement(answer: CheckAnswer) -> str:
     if answer.estimate_believed:
-        return "The as-left readings agree with the estimate."
-    return (
-        "WARNING: the readings do not agree with the estimate and its uncertainty "
-        f"(p = {answer.agreement_p:.2g}): the machine has changed, or the tables are not what was loaded."
+        return said("The as-left readings agree with the estimate.")
+    return said(
+        "WARNING: the readings do not agree with the estimate and its uncertainty (p = {p:.2g}): the machine has "
+        "changed, or the tables are not what was loaded.",
+        p=answer.agreement_p,
     )
 
 
 def _warnings(answer: CheckAnswer) -> list[str]:
-    lines = [
-        f'"{name}" is judged against its own line: its slope is not known to the tolerance.'
-        for name in answer.against_own_line
-    ]
-    lines += [
-        f'"{name}" is judged with its tool where the readings put it: nobody knows to the tolerance where it sits, and '
+    own_line = '"{name}" is judged against its own line: its slope is not known to the tolerance.'
+    own_tool = (
+        '"{name}" is judged with its tool where the readings put it: nobody knows to the tolerance where it sits, and '
         "what looks like a tool that sits elsewhere is not judged."
-        for name in answer.against_own_tool
-    ]
+    )
+    shown = "WARNING: of the table {table} the readings show {share:.2f} ({std:.2f}) times what it takes away: {cause}."
+    off = (
+        'WARNING: the {unknown} of "{setup}" would have to be far larger than its std says: the set-up moved, or the '
+        "machine has an error that looks like it."
+    )
+    still = (
+        'WARNING: all as-left readings of "{name}" are one and the same number: the instrument does not move, or its '
+        "resolution is coarser than its noise."
+    )
+    lines = [said(own_line, name=name) for name in answer.against_own_line]
+    lines += [said(own_tool, name=name) for name in answer.against_own_tool]
     lines += [
-        f"WARNING: of the table {each.table} the readings show {each.share or 0.0:.2f} ({each.share_std or 0.0:.2f}) "
-        f"times what it takes away: {_loaded(each)}."
+        said(shown, table=each.table, share=each.share or 0.0, std=each.share_std or 0.0, cause=said(_loaded(each)))
         for each in answer.faulty
     ]
     if not answer.tables_loaded:
         found = answer.change_share
-        share = "" if found is None else f", they changed by {found:.2f} times that"
+        share = "" if found is None else said(", they changed by {share:.2f} times that", share=found)
         lines.append(
-            "WARNING: as found minus as left is not what the tables take away "
-            f"(p = {answer.change_p:.2g}{share}): {_cause(found)}."
+            said(
+                "WARNING: as found minus as left is not what the tables take away (p = {p:.2g}{share}): {cause}.",
+                p=answer.change_p,
+                share=share,
+                cause=said(_cause(found)),
+            )
         )
-    lines += [
-        f'WARNING: the {datum.unknown} of "{datum.setup}" would have to be far larger than its std says: '
-        "the set-up moved, or the machine has an error that looks like it."
-        for datum in answer.set_up_off
-    ]
-    lines += [
-        f'WARNING: all as-left readings of "{name}" are one and the same number: the instrument does not move, or its '
-        "resolution is coarser than its noise."
-        for name in answer.set_up_still
-    ]
-    return lines
+    lines += [said(off, unknown=datum.unknown, setup=datum.setup) for datum in answer.set_up_off]
+    return [*lines, *(said(still, name=name) for name in answer.set_up_still)]
 
 
 def _loaded(share: TableShare) -> str:
     wrong = share.share is not None and share.share < -WORKS
-    return "it was loaded with the wrong sign" if wrong else "it was not loaded"
+    return later("it was loaded with the wrong sign") if wrong else later("it was not loaded")
 
 
 def _cause(share: float | None) -> str:
     """Return the most probable cause.  share : change of the readings divided by what the tables take away"""
     if share is None:
-        return "the tables hold nothing here, and yet the readings changed"
+        return later("the tables hold nothing here, and yet the readings changed")
     if abs(share + 1) < _NEAR:
-        return "the tables were loaded with the wrong sign"
+        return later("the tables were loaded with the wrong sign")
     if abs(share) < _NEAR:
-        return "the tables were not loaded, or it is another machine"
+        return later("the tables were not loaded, or it is another machine")
     if abs(share - 1) < _NEAR:
-        return "the machine or a set-up moved between the two, or single values are wrong"
-    return "the tables were not loaded, loaded with the wrong sign or unit, or it is another machine"
+        return later("the machine or a set-up moved between the two, or single values are wrong")
+    return later("the tables were not loaded, loaded with the wrong sign or unit, or it is another machine")

@@ -14,7 +14,7 @@ from axiscal.description.particulars import Particulars
 from axiscal.document.durable import write_whole, written
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import ReadingError, TableError
-from axiscal.language.spoken import said, speaking, spoken_now
+from axiscal.language.spoken import said, speaking
 from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 from axiscal.present.data_files import READINGS, readings_csv
@@ -39,7 +39,8 @@ def deliver(campaign: Campaign, estimation: Estimation, out: Path, extras: Extra
     A table that a control cannot hold is not written; the report says why.
     The report is in the language of the campaign, else of the person who ends it, all other files are in English.
     """
-    language, described = language_of_report(campaign.description.particulars), campaign.description
+    described, spoken = campaign.description, extras.spoken
+    language = language_of_report(described.particulars, None, spoken)
     with speaking("en"):
         with stage("tables", 1, 3):
             made = {name: _made(estimation, name, extras.anyway) for name in (*described.controls, _ALWAYS)}
@@ -87,12 +88,9 @@ def deliver_export(offered: Export, out: Path, record: RecordState) -> None:
         write_manifest(folder, record, versions(), manifest)
 
 
-def language_of_report(particulars: Particulars, wanted: str | None = None) -> str:
-    """Return the language of a report: wanted or AXISCAL_LANGUAGE, else of campaign.toml, else that is spoken now.
-
-    That of the computer does not count: the same command gives the same bytes everywhere.
-    """
-    return named_language(wanted) or particulars.language or spoken_now()
+def language_of_report(particulars: Particulars, wanted: str | None, spoken: str = "en") -> str:
+    """Return the language of a report: wanted or AXISCAL_LANGUAGE, else of campaign.toml, else of who is spoken to."""
+    return named_language(wanted) or particulars.language or spoken
 
 
 def write_report(summary: Summary, path: Path, language: str | None = None) -> None:

@@ -14,7 +14,7 @@ from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, standi
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
-from axiscal.language.spoken import decimals, said
+from axiscal.language.spoken import decimals, said, spoken_now
 from axiscal.present.guide.answers import Value, answer
 from axiscal.present.guide.progress import results_beside
 from axiscal.present.guide.question import SURPRISING, Question, asked_text
@@ -191,7 +191,7 @@ class Desk:
         known = self.campaign.estimate(ended=True)
         self.campaign.finish()
         try:
-            summary = deliver(self.campaign, known, self.results, Extras())
+            summary = deliver(self.campaign, known, self.results, Extras(spoken=spoken_now()))
             self._answer, self._answers = summary.answer, self._stands
         finally:
             self._show()

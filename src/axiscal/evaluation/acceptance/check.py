@@ -46,7 +46,7 @@ from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.units import parse_quantity
 
-_USUAL, _FEW = 12, 4
+USUAL, _FEW = 12, 4
 """Places of a check that nobody gave a number for, and how many of them lie elsewhere than where the tables ask."""
 _PROBES = 300
 """Places at which is looked what the tables change; any few hundred spread over the volume do."""
@@ -83,8 +83,8 @@ class Check:
 
         by : instrument of the only set-ups that are read; empty for any
         tolerance : it will be judged by, m; 0 where that is not known, and it is enough for any
-        count : how many; None takes what the tables need, each at its ends and where it corrects most, and 12 at least
-        where so many are new.
+        count : how many; None takes what the tables need, each at its ends and where it corrects most, and
+        USUAL at least where so many are new.
         Fewer than the tables need show those that correct most; the rest is where the machine should be worst and best.
         No set-up is read at fewer places than tell the machine from it.
         """
@@ -93,7 +93,7 @@ class Check:
         first = needed(self.estimate, setups, candidates, self.parts, self._used_places())
         most = len(first) + len(candidates) if count is None else count
         first = self._whole(first, candidates, most, tolerance)
-        left = max(_USUAL - len(first), _FEW) if count is None else count - len(first)
+        left = max(USUAL - len(first), _FEW) if count is None else count - len(first)
         if left < 1:
             return _in_order(first)
         least = 0 if count is None and len(first) else left
