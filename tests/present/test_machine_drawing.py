@@ -254,10 +254,37 @@ def _boxes(drawing: ElementTree.Element) -> list[tuple[str, tuple[float, float, 
     found = []
     for text in drawing.iter(f"{SVG}text"):
         words, size = text.text or "", float(text.get("font-size", "0"))
-        x, y, wide = float(text.get("x", "0")), float(text.get("y", "0")), 0.5 * size * len(words)
+        letter = 0.55 if text.get("font-weight") else 0.5
+        x, y, wide = float(text.get("x", "0")), float(text.get("y", "0")), letter * size * len(words)
         left = x - {"start": 0.0, "middle": wide / 2, "end": wide}[text.get("text-anchor", "start")]
         found.append((words, (left, y - 0.7 * size, left + wide, y)))
     return found
+
+
+def _heads(drawing: ElementTree.Element) -> list[tuple[float, float, float, float]]:
+    """Return what the heads of the arrows of linear axes cover."""
+    found = []
+    for path in drawing.iter(f"{SVG}path"):
+        numbers = [float(each) for each in re.findall(r"-?[\d.]+", path.get("d", ""))]
+        if path.get("fill") == "var(--ink)" and len(numbers) == 6:
+            found.append((min(numbers[::2]), min(numbers[1::2]), max(numbers[::2]), max(numbers[1::2])))
+    return found
+
+
+def _over(a: tuple[float, float, float, float], b: tuple[float, float, float, float]) -> bool:
+    return min(a[2], b[2]) - max(a[0], b[0]) > 0 and min(a[3], b[3]) - max(a[1], b[1]) > 0
+
+
+@pytest.mark.parametrize("width", [1400.0, 768.0, 390.0])
+def test_heads_of_arrows_lie_apart_and_no_word_over_them(
+    campaigns: list[tuple[str, CampaignDescription]], width: float
+) -> None:
+    for name, campaign in campaigns:
+        root = ElementTree.fromstring(plan_picture(campaign.machine.name, campaign, _places(campaign), (width,)))
+        heads = _heads(root)
+        assert heads
+        assert [name for one, other in itertools.combinations(heads, 2) if _over(one, other)] == []
+        assert [(name, words) for words, box in _boxes(root) for head in heads if _over(box, head)] == []
 
 
 @pytest.mark.parametrize("width", [1400.0, 768.0, 390.0])

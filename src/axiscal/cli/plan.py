@@ -18,6 +18,7 @@ from axiscal.estimation.accuracy.unseen import seen_as_one
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import PlanError, TargetError
+from axiscal.language.spoken import said
 from axiscal.planning.enough import few_more
 from axiscal.planning.feasibility import reached_unread, refuse_endless, refuse_out_of_reach
 from axiscal.planning.next_readings import CANDIDATES, placed
@@ -115,7 +116,7 @@ def plan(
     if prove:
         proposal = proven(case, proposal, how, _share(case, gap))
     if picture is not None:
-        title = f"Where {case.description.machine.name} is read"
+        title = said("Where {machine} is read", machine=case.description.machine.name)
         write_whole(picture, plan_picture(title, case.description, placed(case, proposal.plan)).encode())
     written = [] if picture is None else [str(picture)]
     if gcode is not None:

@@ -64,7 +64,9 @@ def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", le
     across = width / len(panels) if beside else width
     high = round(across * (0.72 if len(panels) > 1 or not beside else 0.5))
     around = _around(volume, room, times)
-    heads = [[*wrapped(title, across - 2 * _SIDE), *([words] if words else [])] for title, words, _, _ in panels]
+    heads = [
+        [*wrapped(title, across - 2 * _SIDE, "title"), *([words] if words else [])] for title, words, _, _ in panels
+    ]
     body, head = "", _LINE * max(map(len, heads)) + 10
     for n, (_, words, values, colour) in enumerate(panels):
         x, y = (n * across, 0.0) if beside else (0.0, n * (high + head))

@@ -5,7 +5,7 @@ That truth is made of measured shapes on the axes of a machine, scaled to what i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 
@@ -22,7 +22,6 @@ from axiscal.estimation.case import Case
 from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.check import Check
 from axiscal.machine import load_machine
-from axiscal.measurement.place import Place
 from axiscal.measurement.readers.truth_curves import TruthCurve
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
@@ -30,7 +29,6 @@ from axiscal.present.check_answer import check_answer
 from axiscal.present.delivery import deliver
 from axiscal.present.summarising import Extras
 from axiscal.present.summary import Summary
-from axiscal.record.events import Asked
 
 SEED = 2005
 """Any seed: the demo is to be the same every time."""
@@ -50,19 +48,13 @@ def hidden_machine(case: Case) -> VirtualMachine:
     return simulator.with_curves(measured_truth(case.errors, SEED), SEED)
 
 
-def run_demo(
-    case: Case, out: Path, planned: Callable[[Sequence[Place]], None], watch: Callable[[Milestone], None]
-) -> Summary:
+def run_demo(case: Case, out: Path, watch: Callable[[Milestone], None]) -> Summary:
     """Run the campaign into a folder and return the words on its result.
 
-    planned : called with the plan; watch : called with every reading
-    Raises RecordError if there is a campaign already.
+    watch : called with every reading.  Raises RecordError if there is a campaign already.
     """
     truth = hidden_machine(case)
     with Campaign.create(out / "campaign.axiscal", case.description) as campaign:
-        first = campaign.next()
-        if isinstance(first, Asked):
-            planned((first.place, *campaign.state.plan))
         campaign.run(SimulatedSource(truth, SEED), watch)
         estimation = campaign.estimate(ended=True)
         extras = Extras(truth=truth, checked=checked(campaign, truth))

@@ -5,14 +5,25 @@ Solids are boxes and cylinders; of two it is told which hides the other.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Self
 
 import numpy as np
 
 from axiscal.numerics import Array
-from axiscal.present.drawing.strokes import FONT, Label, Point, corners_way, placed, short_number, text_safe, text_width
+from axiscal.present.drawing.strokes import (
+    FONT,
+    Bounds,
+    Label,
+    Point,
+    corners_way,
+    covered,
+    placed,
+    short_number,
+    text_safe,
+    text_width,
+)
 
 _STRIPS = 40
 """Strips of the side of a cylinder; a matter of taste."""
@@ -142,6 +153,8 @@ _DARK = {(0, 1): 0.16, (0, -1): 0.1, (1, 1): 0.12, (1, -1): 0.07, (2, 1): 0.0, (
 """Share of black on faces that look along a direction, and against it; a matter of taste."""
 _HEAD, _HALF_HEAD = 11.0, 4.5
 """Pixels of the head of an arrow; a matter of taste."""
+_SHARES = (0.0, -0.5, 0.5, -1.0, 1.0, -1.5, 1.5)
+"""Of its length by which an arrow moves out of the way of another, the first that does."""
 _MARGIN = 14.0
 """Pixels around what is drawn, for the names of arrows."""
 
@@ -247,10 +260,12 @@ def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -
     within : points that fill the frame, (n, 3) m, in place of those of the parts; several scenes get one scale by it
     """
     fitted = Fit.of(points_of(parts) if within is None else within, frame)
+    parts = list(_apart(parts, fitted))
     solids = far_to_near([part for part in parts if isinstance(part, Solid)], EYE)
     marks = [part for part in parts if isinstance(part, (Stroke, RoundMark, Arrow))]
     labels = [_label(part, fitted) for part in parts if isinstance(part, (Arrow, Caption))]
-    shown = placed(labels, (frame.left, frame.top, frame.left + frame.width, frame.top + frame.height))
+    over = [_around(part, fitted) for part in marks if isinstance(part, (Arrow, RoundMark))]
+    shown = placed(labels, (frame.left, frame.top, frame.left + frame.width, frame.top + frame.height), over)
     inside = [*(_solid(each, fitted) for each in solids), *(_mark(each, fitted) for each in marks)]
     return _cut("".join(inside), frame) + "".join(label.svg() for label in shown)
 
@@ -310,6 +325,27 @@ def _arrow(at: Array, colour: str) -> str:
     head = corners_way(np.array([tip, neck + _HALF_HEAD * across, neck - _HALF_HEAD * across])) + "z"
     line = f'<path d="{corners_way(shaft)}" fill="none" stroke="{colour}" stroke-width="2.4"/>'
     return f'{line}<path d="{head}" fill="{colour}"/>'
+
+
+def _apart(parts: Sequence[Part], fitted: Fit) -> Iterator[Part]:
+    """Yield the parts, straight arrows moved along themselves where they would lie over another one."""
+    taken = list[Bounds]()
+    for part in parts:
+        if isinstance(part, Arrow) and len(part.points) == 2:
+            way = part.points[1] - part.points[0]
+            tried = [replace(part, points=part.points + share * way) for share in _SHARES]
+            free = (each for each in tried if not covered(_around(each, fitted), taken))
+            part = next(free, part)
+            taken.append(_around(part, fitted))
+        yield part
+
+
+def _around(part: Arrow | RoundMark, fitted: Fit) -> Bounds:
+    """Return the bounds of a ball, or of the last piece of an arrow, pixels."""
+    at = fitted.pixels(part.points)[-2:]
+    reach = 0.0 if isinstance(part, Arrow) else max(part.radius * fitted.scale, part.least)
+    (left, top), (right, bottom) = at.min(axis=0) - reach, at.max(axis=0) + reach
+    return float(left), float(top), float(right), float(bottom)
 
 
 def _label(part: Arrow | Caption, fitted: Fit) -> Label:

@@ -156,6 +156,10 @@ Bounds = tuple[float, float, float, float]
 """Left, top, right, bottom, pixels."""
 
 
+_BOLD = 1.1
+"""Times as wide as plain letters."""
+
+
 def text_width(text: str, size: float = FONT) -> float:
     """Return about how wide a text is, pixels."""
     widths = (
@@ -164,9 +168,9 @@ def text_width(text: str, size: float = FONT) -> float:
     return size * sum(widths)
 
 
-def wrapped(text: str, width: float) -> list[str]:
-    """Return a text as lines that fit into a width, pixels."""
-    lines = [""]
+def wrapped(text: str, width: float, kind: str = "") -> list[str]:
+    """Return a text as lines that fit into a width, pixels.  kind : of its letters, as of a label"""
+    lines, width = [""], width / (_BOLD if kind == "title" else 1.0)
     for word in text.split(" "):
         longer = f"{lines[-1]} {word}".strip()
         lines = [*lines[:-1], longer] if text_width(longer) <= width or not lines[-1] else [*lines, word]
@@ -208,13 +212,13 @@ def text(x: float, y: float, shown: str, kind: str = "", anchor: str = "start", 
     return words(shown, (x, y), size, colour, anchor, f"{weight}{rim}")
 
 
-def placed(labels: Sequence[Label], frame: Bounds) -> list[Label]:
-    """Return labels inside a frame, none over another."""
-    taken, found = list[Bounds](), list[Label]()
+def placed(labels: Sequence[Label], frame: Bounds, over: Sequence[Bounds] = ()) -> list[Label]:
+    """Return labels inside a frame, none over another.  over : what they leave free, too"""
+    taken, found = list(over), list[Label]()
     for label in labels:
         tried = [_within(replace(label, middle=middle), frame) for middle in _candidates(label)]
-        best = min(tried, key=lambda each: _covered(each.bounds(), taken))
-        clear = next((each for each in tried if not _covered(each.bounds(), taken)), best)
+        best = min(tried, key=lambda each: covered(each.bounds(), taken))
+        clear = next((each for each in tried if not covered(each.bounds(), taken)), best)
         taken.append(clear.bounds())
         found.append(clear)
     return found
@@ -240,7 +244,7 @@ def _within(label: Label, frame: Bounds) -> Label:
     return replace(label, middle=(x + across, y + down))
 
 
-def _covered(bounds: Bounds, taken: Sequence[Bounds]) -> float:
+def covered(bounds: Bounds, taken: Sequence[Bounds]) -> float:
     """Return how much of what is taken already these bounds cover, square pixels."""
     left, top, right, bottom = bounds
     covered = 0.0

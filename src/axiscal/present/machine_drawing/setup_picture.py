@@ -40,7 +40,7 @@ class SetupScene:
 
     def svg(self, width: float, height: float, left: float = 0.0, top: float = 0.0, titled: bool = True) -> str:
         """Return the picture as SVG elements within a frame, pixels."""
-        heads = wrapped(self.title, width - 2 * _SIDE) if titled else []
+        heads = wrapped(self.title, width - 2 * _SIDE, "title") if titled else []
         lines = wrapped(self.legend, width - 2 * _SIDE) if self.legend else []
         over, beneath = _LINE * len(heads) + 4, _LINE * len(lines) + 6
         frame = Viewport(left + _SIDE, top + over, width - 2 * _SIDE, height - over - beneath)
@@ -172,9 +172,9 @@ def _beside_each_other(scenes: Sequence[SetupScene], title: str, width: float) -
     columns = max(1, min(len(scenes), 1 if width < 700 else 2 if width < 1100 else 3))
     across = width / columns
     alone = len(scenes) == 1
-    high = round(across * (0.6 if across > 600 or alone else 0.9))
+    high = round(across * (0.6 if across > 600 else 0.9))
     note = scenes[0].note if scenes else ""
-    heads = wrapped(f"{title}: {scenes[0].title}" if alone else title, width - 2 * _SIDE)
+    heads = wrapped(f"{title}: {scenes[0].title}" if alone else title, width - 2 * _SIDE, "title")
     feet = wrapped(" · ".join(part for part in (scenes[0].legend, note) if part) if alone else note, width - 2 * _SIDE)
     top = _LINE * len(heads) + 12
     foot = top + high * -(-len(scenes) // columns)
