@@ -163,8 +163,8 @@ def test_what_cannot_be_recorded_is_refused_and_costs_nothing(started: Command, 
 def test_skip_undo_status(started: Command) -> None:
     started("step", "skip", "m.axiscal", "why").refused("No reading has been asked for")
     question = started("next", "m.axiscal", "--json").document["question"]
-    assert started("skip", "m.axiscal", "the beam is blocked").status == 0
     started("skip", "m.axiscal", " ").refused("reason is empty")
+    assert started("skip", "m.axiscal", "the beam is blocked").status == 0
     status = started("status", "m.axiscal", "--json").document
     assert [(gap["reason"], gap["position"]) for gap in status["skipped"]] == [
         ("the beam is blocked", question["position"])
@@ -501,3 +501,11 @@ def test_the_machines(axiscal: Command, tmp_path: Path) -> None:
         assert name in axiscal("machine", "list").out
         (tmp_path / "copy.toml").write_text(axiscal("machine", "show", name).out)
         assert axiscal("machine", "check", "copy.toml").status == 0
+
+
+def test_what_comes_next_after_the_results_is_to_load_and_check_them(started: Command) -> None:
+    started("next", "m.axiscal")
+    started("record", "m.axiscal", "1 um")
+    started("finish", "m.axiscal", "--out", "m-results")
+    assert "axiscal verify m.axiscal" in (out := started("status", "m.axiscal").out)
+    assert "axiscal finish" not in out

@@ -145,7 +145,7 @@ def test_a_curve_of_an_axis_that_carries_the_workpiece_says_why_its_sign_is_the_
 
 def test_a_note_is_kept_and_shown_also_after_the_end(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["note", str(record), "new ball", "screw X"]) == 0
-    assert "1 note so far" in capsys.readouterr().out
+    assert "Noted; it is on the disk." in capsys.readouterr().out
     assert run(["note", str(record), " "]) == 1
     assert "the note is empty" in capsys.readouterr().err
     assert run(["status", str(record), "--details"]) == 0

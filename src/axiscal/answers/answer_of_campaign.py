@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,7 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.place_texts import shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.promise import WantedAccuracy, asked
+from axiscal.record.opening import file_name
 from axiscal.tables.effect import Control
 from axiscal.tables.registry import offered
 from axiscal.units import to_unit
@@ -93,13 +95,20 @@ def answer_of(
 
 
 def standing_answer(campaign: Campaign) -> ResultAnswer:
-    """Return the answer of a campaign as it stands, with what tables would leave that are made of it.
-
-    A record that lies among the results of its campaign has them written.
-    """
+    """Return the answer of a campaign as it stands, with what tables would leave that are made of it."""
     known = campaign.so_far()
-    written = campaign.state.finished is not None and campaign.path.with_name("result.json").exists()
+    written = campaign.state.finished is not None and (results_of(campaign.path) / "result.json").exists()
     return answer_of(campaign, known, {} if known.agreement.withheld else dict(_controls(known)), written=written)
+
+
+def results_of(record: Path) -> Path:
+    """Return the folder of the results of a record: the one that it lies in with them, else the one beside it."""
+    return record.parent if record.with_name("result.json").exists() else results_beside(record)
+
+
+def results_beside(record: Path) -> Path:
+    """Return the folder for the results of a record, beside it."""
+    return (file := file_name(record)).with_name(f"{file.stem}-results")
 
 
 def _controls(known: Estimation) -> Iterator[tuple[str, Control]]:

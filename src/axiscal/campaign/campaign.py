@@ -397,7 +397,6 @@ class Campaign(Closing):
 
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:
+            what, ended = "The campaign is finished: {finished}", because_text(self.state.finished)
             remedy = "Take the end back with `axiscal step undo`, or start a new campaign"
-            raise RecordError(
-                "The campaign is finished: {finished}", remedy, self.path, finished=because_text(self.state.finished)
-            )
+            raise RecordError(what, remedy, self.path, finished=ended)

@@ -7,13 +7,13 @@ from typing import Annotated
 
 import typer
 
+from axiscal.answers.answer_of_campaign import results_beside
 from axiscal.cli.arguments import Language, OwnRecord
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say
 from axiscal.cli.prompt import Prompt
 from axiscal.language.spoken import said, speaking, spoken_now
-from axiscal.present.guide.progress import results_beside
 from axiscal.present.result_set import RECORD
 from axiscal.present.summarising import Extras
 from axiscal.present.whose_language import chosen

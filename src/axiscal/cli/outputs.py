@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from axiscal.answers.answer_of_campaign import standing_answer
+from axiscal.answers.answer_of_campaign import results_of, standing_answer
 from axiscal.answers.answer_words import screen
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.printing import say, say_document
@@ -13,7 +13,6 @@ from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import AxiscalError, ReadingError, RecordError
 from axiscal.language.spoken import resaid, said
 from axiscal.present.delivery import deliver
-from axiscal.present.guide.progress import results_beside
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_screen
 from axiscal.present.result_document import result_json
@@ -96,6 +95,4 @@ def standing_screen(campaign: Campaign) -> str:
     if planned is not None:
         return plan_screen(planned, str(path))
     answer = standing_answer(campaign)
-    written = any(step.code == "load" for step in answer.steps)
-    results = str(path.parent).removeprefix(".") if written else str(results_beside(path))
-    return screen(answer, words, str(path), results)
+    return screen(answer, words, str(path), str(results_of(path)).removeprefix("."))

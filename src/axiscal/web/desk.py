@@ -10,13 +10,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from axiscal.answers.answer import PlannedAnswer, ResultAnswer
-from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, standing_answer
+from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.language.spoken import decimals, said, spoken_now
 from axiscal.present.guide.answers import Value, answer
-from axiscal.present.guide.progress import results_beside
 from axiscal.present.guide.question import SURPRISING, Question, asked_text
 from axiscal.present.guide.taking_back import contradictions, doubted, others_doubted, take_back
 from axiscal.present.plan_answer import coming_answer

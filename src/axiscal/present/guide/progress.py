@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 from datetime import UTC, datetime
-from pathlib import Path
 
 from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
@@ -15,7 +14,6 @@ from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.language.spoken import counted, said
 from axiscal.planning.promise import promised, reachable_rms
-from axiscal.record.opening import file_name
 from axiscal.units import said_quantity, to_unit
 
 
@@ -76,11 +74,6 @@ def goals_text(target: Target) -> str:
     goals += [] if target.readings is None else [counted("{count} reading", "{count} readings", target.readings)]
     goals += [] if target.budget is None else [said_quantity(target.budget, "min", 3)]
     return " · ".join(goals)
-
-
-def results_beside(record: Path) -> Path:
-    """Return the folder for the results of a record, beside it."""
-    return (file := file_name(record)).with_name(f"{file.stem}-results")
 
 
 _DEGREES = re.compile(r"(-?[0-9]+(?:[.,][0-9]+)?)\s*(?:°\s*C|degC)\b")
