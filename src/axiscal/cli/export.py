@@ -20,12 +20,12 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import said, speaking
 from axiscal.machine.axis import ROTARY_LETTERS
-from axiscal.present.delivery import deliver_export, effect_of, effect_words, introduced
+from axiscal.present.delivery import deliver_export, introduced
 from axiscal.present.findings import findings
 from axiscal.present.summarising import record_state
 from axiscal.tables import registry
 from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.offer import Export
+from axiscal.tables.offer import Export, effect_sentence
 from axiscal.tables.old_files import read_old
 from axiscal.tables.on_top import informed
 from axiscal.units import parse_quantity, to_unit
@@ -148,7 +148,7 @@ def export(
         next_ = [load, f"{check} --to {to}"] if loader is None else []
         files = f"{out}: {', '.join([*offered.files, 'README.txt'])}"
         last = ending({said("Written"): [files], **({said("Next"): next_} if next_ else {})})
-        say("\n".join([effect_words(offered.controller, effect_of(offered), factor), *last]))
+        say("\n".join([effect_sentence(said("All files together"), offered.effect, offered.U), *last]))
     done = None if loader is None or sent is None else loader.load(sent, name)
     if json:
         say_document(_document(offered, out) | ({} if done is None else {"loaded": done}))

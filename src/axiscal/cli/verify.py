@@ -109,7 +109,7 @@ def verify(
         taken = Taken(own_hand().person, source, check.digests)
     else:
         tightest = check.tightest(tolerance)
-        judged_by = tolerance or (None if tightest else f"{digits(to_unit(check.promised, 'um'))} um")
+        judged_by = tolerance or (None if tightest else f"{digits(to_unit(check.tables.U, 'um'))} um")
         command = f"axiscal verify {shlex.quote(str(record))} --to {to}"
         command += "" if judged_by is None else f" --tolerance {shlex.quote(judged_by)}"
         _plan(check, check.planned(points, tolerance=tightest), plan, command, json)
