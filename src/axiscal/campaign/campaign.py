@@ -20,7 +20,6 @@ from axiscal.campaign.ending import (
     BUDGET,
     FUTILE,
     Ended,
-    because_text,
     count_reached,
     out_of_reach,
     refuse_endless,
@@ -397,6 +396,5 @@ class Campaign(Closing):
 
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:
-            what, ended = "The campaign is finished: {finished}", because_text(self.state.finished)
             remedy = "Take the end back with `axiscal step undo`, or start a new campaign"
-            raise RecordError(what, remedy, self.path, finished=ended)
+            raise RecordError("The campaign is finished: {finished}", remedy, self.path, finished=self.state.finished)

@@ -11,6 +11,7 @@ import gc
 import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
@@ -20,7 +21,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from axiscal.cli.printing import complain, say
 from axiscal.exceptions import AxiscalError, InputError
-from axiscal.language.spoken import speaking, spoken_now
+from axiscal.language.spoken import speaking
 from axiscal.present.whose_language import chosen
 
 _MAIN = {
@@ -185,19 +186,13 @@ def axiscal(version: Annotated[bool, typer.Option("--version", help="Print the v
 def run(arguments: Sequence[str]) -> int:
     """Run one command in the language of the person, documents in English, and return the exit status."""
     try:
-        with speaking(chosen(None)):
-            return _spoken(arguments)
-    except InputError as failure:  # the language that is asked for is none
-        complain(str(failure))
-    return 1
-
-
-def _spoken(arguments: Sequence[str]) -> int:
-    try:
-        with speaking("en" if "--json" in arguments else spoken_now()):
+        with speaking("en" if "--json" in arguments else chosen(None)):
             return _status_of(arguments)
     except AxiscalError as failure:
-        complain(str(failure))
+        with suppress(InputError), speaking(chosen(None)):
+            complain(str(failure))
+            return 1
+        complain(str(failure))  # the language that is asked for is none
     except KeyboardInterrupt:
         complain("Stopped by Ctrl-C. Nothing that was recorded is lost; give the command again.")
     except OSError as failure:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from axiscal.answers.answer_words import ending
+from axiscal.answers.answer_words import ending, wrapped
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Anyway, Json, RecordFile
 from axiscal.cli.printing import say, say_document
@@ -144,11 +144,12 @@ def export(
         sent = None if loader is None else loader.taken(offered.files)
         deliver_export(offered, out, record_state(campaign))
     if not json:
-        load, check = said("load {folder} (README.txt there), then", folder=out), f"axiscal verify {quote(str(record))}"
-        next_ = [load, f"{check} --to {to}"] if loader is None else []
-        files = f"{out}: {', '.join([*offered.files, 'README.txt'])}"
-        last = ending({said("Written"): [files], **({said("Next"): next_} if next_ else {})})
-        say("\n".join([effect_sentence(said("All files together"), offered.effect, offered.U), *last]))
+        last = {said("Written"): [f"{out}: {', '.join([*offered.files, 'README.txt'])}"]}
+        if loader is None:
+            then = said("load {folder} (README.txt there), then", folder=out)
+            last[said("Next")] = [then, f"axiscal verify {quote(str(record))} --to {to}"]
+        found = wrapped(effect_sentence(said("All files together"), offered.effect, offered.U), 4)
+        say("\n".join([*found, *ending(last)]))
     done = None if loader is None or sent is None else loader.load(sent, name)
     if json:
         say_document(_document(offered, out) | ({} if done is None else {"loaded": done}))

@@ -27,6 +27,6 @@ def chosen(name: str | None) -> str:
     """
     if named := named_language(name):
         return named
-    usual = (os.environ.get(variable, "") for variable in ("LC_ALL", "LC_MESSAGES", "LANG"))
-    computers = next((value[:2] for value in usual if value), "en")
+    usual = os.environ.get("LC_ALL") or os.environ.get("LC_MESSAGES") or os.environ.get("LANG") or "en"
+    computers = usual[:2]
     return computers if computers in LANGUAGES else "en"
