@@ -30,7 +30,6 @@ COMMANDS = [
     'verify m.axiscal --source sim:3 --tolerance "50 um"',
     "step next m.axiscal --beyond",
     "finish m.axiscal --out out",
-    "next m.axiscal",
 ]
 
 

@@ -29,14 +29,14 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(67_950, 50_000),
-    "files of src": Budget(468, 340),
+    "lines of src": Budget(68_009, 50_000),
+    "files of src": Budget(469, 340),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(41, 15),
     "public names of more than five functions": Budget(35, 10),
 }
 WALKS = {
-    "next m.axiscal": {"files": Budget(60, 60), "functions": Budget(311, 250), "frames": Budget(22, 16)},
+    "next m.axiscal": {"files": Budget(60, 60), "functions": Budget(313, 250), "frames": Budget(22, 16)},
     "record asked.axiscal 1um": {"files": Budget(95, 60), "functions": Budget(688, 250), "frames": Budget(28, 16)},
     "plan campaign.toml --readings 12": {"files": Budget(115, 110)},
 }
