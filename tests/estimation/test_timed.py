@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.timed import Timed, timed
+from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.travel import first_seconds, reading_seconds, way_seconds
 from tests.generators.campaigns import drawn, mixed
@@ -52,3 +52,11 @@ def test_a_time_that_was_read_off_a_clock_stays() -> None:
     found = timed(case, readings)
     assert found.readings == tuple(readings)
     assert timed(case, ()) == Timed()
+
+
+@pytest.mark.parametrize("count", [0, 1, 9])
+def test_places_to_come_are_reached_from_the_last_reading(count: int) -> None:
+    case, given = CASES["set-ups in turn"]
+    readings = [replace(reading, time=None) for reading in given[:12]]
+    after = elapsed(case, timed(case, readings[:count]), [reading.place for reading in readings[count:]])
+    assert after == pytest.approx(_one_by_one(case, readings)[-1], rel=1e-12)
