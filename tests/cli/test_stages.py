@@ -11,7 +11,7 @@ import pytest
 
 from axiscal.cli import stages
 from axiscal.cli.stages import StageLine, stage_text
-from axiscal.numerics.stages import Stage, listening, stage, staged
+from axiscal.language.stages import Stage, listening, stage, staged
 
 
 class Terminal(io.StringIO):

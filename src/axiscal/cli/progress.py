@@ -15,8 +15,8 @@ from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.target import Target
 from axiscal.language.spoken import again, put, said
+from axiscal.language.stages import listening
 from axiscal.machine.questions import questions
-from axiscal.numerics.stages import listening
 from axiscal.present.plan_answer import reach_answer
 from axiscal.present.plan_words import reach_text
 from axiscal.tables.on_top import unasked

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 from axiscal.cli.printing import rewrite
 from axiscal.language.spoken import put, said, speaking
-from axiscal.numerics.stages import Stage, listening
+from axiscal.language.stages import Stage, listening
 from axiscal.present.whose_language import chosen
 
 _QUIET = 2.0

@@ -23,8 +23,8 @@ from axiscal.estimation.mirrors import refuse_mirrors
 from axiscal.estimation.promise.posterior import Sorted
 from axiscal.estimation.stations import progressed
 from axiscal.estimation.timed import timed
+from axiscal.language.stages import stage
 from axiscal.measurement.reading import Reading
-from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 
 

@@ -24,11 +24,11 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
 from axiscal.language.spoken import listed, said
+from axiscal.language.stages import stage
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.enough import AT_ONCE, enough, roughly
 from axiscal.planning.other_readings import EVERY, plane_start, planned_with_markers, with_both_sides, without_markers

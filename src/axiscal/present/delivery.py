@@ -15,7 +15,7 @@ from axiscal.document.durable import write_whole, written
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import said, speaking
-from axiscal.numerics.stages import stage
+from axiscal.language.stages import stage
 from axiscal.numerics.threads import one_thread
 from axiscal.present.data_files import READINGS, readings_csv
 from axiscal.present.result_document import result_json

@@ -23,6 +23,7 @@ from axiscal.estimation.estimation import Estimation, Moment, expanded_uncertain
 from axiscal.estimation.located import Linearity, linearity
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.language.spoken import later, resaid, said, speaking
+from axiscal.language.stages import stage
 from axiscal.machine.questions import questions, which_way
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place_texts import (
@@ -36,7 +37,6 @@ from axiscal.measurement.place_texts import (
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
-from axiscal.numerics.stages import stage
 from axiscal.present.curves import constants, curves
 from axiscal.present.drawn_by_standards import ball_bar_circles, positioning_curves
 from axiscal.present.findings import findings, observability

@@ -12,8 +12,8 @@ from axiscal.document.ports import names, one_of, ours
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError, TableError
+from axiscal.language.stages import stage
 from axiscal.machine.description import Machine
-from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import Exporter

@@ -21,9 +21,9 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import InputError, ReadingError, SourceError
 from axiscal.language.spoken import said
+from axiscal.language.stages import staged
 from axiscal.measurement.readers.csv_readings import filled_sheet, read_readings
 from axiscal.measurement.reading import Reading
-from axiscal.numerics.stages import staged
 
 _SAME = 1e-7
 """m or rad: rounding of a place that was written down."""

@@ -32,13 +32,13 @@ from axiscal.evaluation.acceptance.verification import (
     without_zeros,
 )
 from axiscal.exceptions import ReadingError, TargetError
+from axiscal.language.stages import stage
 from axiscal.measurement.place import Places
 from axiscal.measurement.place_texts import columns_of
 from axiscal.measurement.readers.csv_readings import blank_sheet, read_readings
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.numerics.stages import stage
 from axiscal.planning.overrun import with_room
 from axiscal.tables import registry
 from axiscal.tables.effect import CommandedMachine

@@ -16,11 +16,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.language.stages import stage
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import Forms, largest_ratio, patches
-from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.certificate import Dual
 from axiscal.planning.bound.lower_bound import Bound, most_numbers, settling

@@ -16,9 +16,9 @@ import numpy as np
 
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import PlanError
+from axiscal.language.stages import stage
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
-from axiscal.numerics.stages import stage
 from axiscal.numerics.threads import one_thread
 from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.bound.lower_bound import Bound, lower_bound

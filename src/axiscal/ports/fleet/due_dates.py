@@ -27,7 +27,7 @@ from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import SisterRecord
 from axiscal.exceptions import AxiscalError, InputError, RecordError, TableError, TargetError
 from axiscal.language.spoken import listed, put
-from axiscal.numerics.stages import staged
+from axiscal.language.stages import staged
 from axiscal.numerics.threads import one_thread
 from axiscal.ports.fleet.sister_records import MachineRecord, equation_of, other_machine, read_records, why_not
 from axiscal.ports.fleet.wearing import YEAR, Aging, Pair, Wearing, aging, found_by

@@ -24,7 +24,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import AxiscalError, RecordError, UnreachableError
-from axiscal.numerics.stages import staged
+from axiscal.language.stages import staged
 from axiscal.ports.fleet.sister_records import why_not
 from axiscal.record.events import Recorded
 from axiscal.record.log import campaign_of, shared_events

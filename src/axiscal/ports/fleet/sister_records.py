@@ -21,10 +21,10 @@ from axiscal.estimation.inference.data_equation import DataEquation, data_equati
 from axiscal.estimation.type_prior import SisterRecord, carried_over
 from axiscal.exceptions import AxiscalError, InputError, RecordError, UnreachableError
 from axiscal.language.spoken import said
+from axiscal.language.stages import staged
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.numerics.stages import staged
 from axiscal.record.events import Recorded
 from axiscal.record.log import campaign_of, shared_events
 from axiscal.record.opening import opened_log

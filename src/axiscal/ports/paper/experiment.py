@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from axiscal.estimation.belief import Belief
+from axiscal.language.stages import stage
 from axiscal.numerics import Array
-from axiscal.numerics.stages import stage
 from axiscal.ports.paper.stack import GreedyPlan, greedy, one_joint, three_joints
 
 SCHEMA = "axiscal-reproduce/1"

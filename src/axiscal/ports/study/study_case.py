@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 from axiscal.exceptions import AxiscalError
-from axiscal.numerics.stages import listening
+from axiscal.language.stages import listening
 
 
 class Stop(NamedTuple):

@@ -20,10 +20,10 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.estimation.inference.data_equation import DataEquation
+from axiscal.language.stages import staged
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import back_solution, inverse_of_product, solution
 from axiscal.numerics.gaussian import lower_root
-from axiscal.numerics.stages import staged
 from axiscal.numerics.threads import one_thread
 from axiscal.ports.fleet.sisters.hierarchy import (
     CERTAINTY,
