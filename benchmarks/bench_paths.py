@@ -139,6 +139,7 @@ def typed(command: str, readings: int) -> Callable[[Path], list[str]]:
             shown = machine.read_all(setup, asked.place.pose, asked.place.approach, np.random.default_rng(readings))
             if command == "next":
                 campaign.record(shown[0], others=tuple(shown[1:]))
+                campaign.go_on()  # as the command does, once it has said what it has to
         return [command, str(path), *(f"{1e6 * value:.2f}um" for value in shown if command == "record")]
 
     return arguments

@@ -178,6 +178,8 @@ def test_skip_undo_status(started: Command) -> None:
 def test_a_reading_has_one_number_wherever_it_is_named(started: Command) -> None:
     started("next", "m.axiscal")
     assert 'Skipped reading 1 in "laser" at X = ' in started("skip", "m.axiscal", "no beam").out
+    assert started("undo", "m.axiscal").status == 0
+    assert 'Skipped reading 1 in "laser" at X = ' in started("record", "m.axiscal", "--skip", "by its old name").out
     for value in ("0.1 um", "900 um"):
         started("next", "m.axiscal")
         kept = started("record", "m.axiscal", value, "--accept").out

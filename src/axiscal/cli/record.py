@@ -10,7 +10,7 @@ from typing import Annotated, NamedTuple
 
 import typer
 
-from axiscal.answers.answer_of_campaign import cost_words
+from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, Log, Programs, RecordFile
 from axiscal.cli.opened import opened_to_write
@@ -27,6 +27,7 @@ from axiscal.measurement.place_texts import place_text, reading_unit, shown_pose
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.present.guide.answers import value_texts
+from axiscal.present.guide.question import asked_text
 from axiscal.present.guide.taking_back import contradictions, doubted, others_doubted
 from axiscal.units import format_quantity, parse_quantity, to_unit
 
@@ -38,6 +39,8 @@ def record(
         typer.Argument(metavar="VALUE", help='The reading with its unit, such as "-1.7 um".'),
     ] = None,
     std: Annotated[str | None, typer.Option(help="Its standard deviation, instead of the set-up's noise.")] = None,
+    skip: Annotated[str | None, typer.Option(hidden=True)] = None,
+    leave: Annotated[str | None, typer.Option(hidden=True)] = None,
     at: Annotated[str | None, typer.Option(metavar="PLACE", help="Where it was taken, if not where asked.")] = None,
     setup: Annotated[str | None, typer.Option(metavar="NAME", help="The set-up it was taken in, with --at.")] = None,
     approach: Annotated[str | None, typer.Option(help='Directions of the last motion, such as "X+ Y-".')] = None,
@@ -71,6 +74,11 @@ def record(
             raise typer.BadParameter("--log brings readings of its own; it takes only --programs and --json")
         _record_log(record, log, programs, json)
         return
+    if skip is not None or leave is not None:  # the old names of `skip`
+        if text or at or setup or approach or std or accept or (skip is not None and leave is not None):
+            raise typer.BadParameter("a reading is skipped alone: axiscal step skip RECORD REASON")
+        skipped(record, skip or leave or "", leave=leave is not None, then_next=then_next, as_json=json)
+        return
     if not text:
         raise typer.BadParameter("give either VALUE or --log FILE")
     if at is None and (setup or approach):
@@ -85,10 +93,22 @@ def record(
         minded = [sentence for sentence in (*found, *contradictions(campaign)) if sentence]
         document = _kept_document(campaign, kept) | {"surprise": surprise, "mind": minded}
         lines = [_kept(campaign, kept), *(said("Mind: {sentence}", sentence=sentence) for sentence in minded)]
-        answered(campaign, document, lines, then_next=then_next, as_json=json)
+        _answered(campaign, document, lines, then_next=then_next, as_json=json)
 
 
-def answered(
+def skipped(record: Path, reason: str, *, leave: bool, then_next: bool, as_json: bool) -> None:
+    """Skip the reading that is asked for.  leave : with all that its set-up could still read"""
+    with opened_to_write(record) as campaign:
+        costs = cost_words(campaign, rest=leave)
+        asked = campaign.skip(reason, rest=leave)
+        done = "Left the set-up at {reading}: {reason}" if leave else "Skipped {reading}: {reason}"
+        lines = [said(done, reading=asked_text(campaign, asked), reason=reason.strip()), cost_sentence(costs)]
+        lines += [said("Take it back: axiscal step undo {record}", record=record)] if costs else []
+        document: dict[str, object] = {"skipped": asked.reading, "set_up_left": leave, "costs": costs}
+        _answered(campaign, document, lines, then_next=then_next, as_json=as_json)
+
+
+def _answered(
     campaign: Campaign, document: dict[str, object], lines: Sequence[str], *, then_next: bool, as_json: bool
 ) -> None:
     """Say what was done with the question, and ask the next one where that is wanted."""

@@ -6,12 +6,8 @@ from typing import Annotated
 
 import typer
 
-from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.cli.arguments import Json, RecordFile
-from axiscal.cli.opened import opened_to_write
-from axiscal.cli.record import answered
-from axiscal.language.spoken import said
-from axiscal.present.guide.question import asked_text
+from axiscal.cli.record import skipped
 
 
 def skip(
@@ -30,12 +26,4 @@ def skip(
       axiscal step skip mill.axiscal "the beam is blocked here"
       axiscal step skip mill.axiscal "the laser has to go back" --leave
     """
-    with opened_to_write(record) as campaign:
-        costs = cost_words(campaign, rest=leave)
-        asked = campaign.skip(" ".join(reason), rest=leave)
-        what = asked_text(campaign, asked)
-        done = "Left the set-up at {reading}: {reason}" if leave else "Skipped {reading}: {reason}"
-        lines = [said(done, reading=what, reason=" ".join(reason).strip()), cost_sentence(costs)]
-        lines += [said("Take it back: axiscal step undo {record}", record=record)] if costs else []
-        document: dict[str, object] = {"skipped": asked.reading, "set_up_left": leave, "costs": costs}
-        answered(campaign, document, lines, then_next=then_next, as_json=json)
+    skipped(record, " ".join(reason), leave=leave, then_next=then_next, as_json=json)
