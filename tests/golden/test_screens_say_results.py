@@ -36,13 +36,15 @@ def test_most_campaigns_write_results_on_a_screen_in_both_languages() -> None:
 
 
 _PROMISED = re.compile(r"Compensation for (\S+), made by axiscal\..*?known U = (\S+) um:", re.DOTALL)
+_SCREEN = re.compile(r"^\$ axiscal export [^\n]*--to (\S+)[^$]*?known\s+U\s+=\s+(\S+)\s+um:", re.MULTILINE)
 
 
 def promised(campaign: str) -> Iterator[tuple[str, str, float]]:
     """Yield where it is said which U is to be expected with the files of a control, the control, and U, um."""
     folder = EXPECTED / campaign
-    for path in (*folder.rglob("README.txt"), *folder.glob("screens.txt")):
-        for control, size in _PROMISED.findall(path.read_text(encoding="utf-8")):
+    texts = [(path, _PROMISED) for path in folder.rglob("README.txt")]
+    for path, saying in (*texts, (folder / "screens.txt", _SCREEN)):
+        for control, size in saying.findall(path.read_text(encoding="utf-8")):
             yield path.name, control, float(size)
     for path in folder.rglob("result.json"):
         for table in json.loads(path.read_text(encoding="utf-8"))["tables"]:

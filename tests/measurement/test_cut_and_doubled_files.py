@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.evaluation import figures_of
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.csv_readings import read_times
 from axiscal.measurement.readers.csv_table import parse_table
@@ -58,13 +57,6 @@ def test_remarks_of_a_survey_may_be_apart_and_alone(tmp_path: Path) -> None:
     path.write_text("# level survey\n# base = 100 mm\n")
     with pytest.raises(ReadingError):
         read_any(path)
-
-
-def test_a_turn_that_was_read_twice_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "spindle.csv"
-    path.write_text("angle_deg,turn,deviation_um\n0,1,1\n90,1,2\n90,1,3\n")
-    with pytest.raises(ReadingError, match=r"line 4.*angle 90 of turn 1 was read before"):
-        figures_of(path)
 
 
 @pytest.mark.parametrize(
