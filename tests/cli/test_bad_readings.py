@@ -87,9 +87,7 @@ def test_one_value_typed_in_mm_is_flagged_at_once_and_stays_so(
     warnings = json.loads((tmp_path / "d" / "result.json").read_text())["warnings"]
     (text,) = [warning["text"] for warning in warnings if "Reading 3" in warning["text"]]
     assert text in (tmp_path / "d" / "tables" / "csv" / "README.txt").read_text()
-    capsys.readouterr()
     assert run(["export", record, "--to", "csv", "--out", str(tmp_path / "t")]) == 0
-    assert text in capsys.readouterr().out
     assert text in (tmp_path / "t" / "README.txt").read_text()
 
 

@@ -48,7 +48,9 @@ def _turned(asked: Task, seed: int) -> Task:
 
 
 FLAT = ("readings have been taken",)
-_ENDS = pytest.mark.xfail(reason="a climb ends where J is flat: places differ by 1e-4 of the travel")
+_ENDS = pytest.mark.xfail(
+    strict=False, reason="a climb may end where J is flat: of some last bits places differ by 1e-4 of the travel"
+)
 
 
 def _plan(asked: Task, readings: int) -> Plan:

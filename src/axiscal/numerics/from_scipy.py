@@ -158,6 +158,19 @@ def inverse_of_product(lower: Array) -> Array:
     return result
 
 
+def lowest(
+    objective: Callable[[Array], tuple[float, Array]], start: Array, low: float, high: float, steps: int
+) -> Array:
+    """Return where L-BFGS-B finds the least value in the box from `low` to `high` in every coordinate, (n,).
+
+    objective : gives value and gradient, (n,); start : (n,); steps : iterations at most
+    """
+    bounds, options = [(low, high)] * len(start), {"maxiter": steps}
+    minimize = _function("scipy.optimize", "minimize")
+    place: Array = minimize(objective, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options).x
+    return place
+
+
 @cache
 def _function(module: str, name: str) -> Callable[..., Any]:
     found: Callable[..., Any] = getattr(import_module(module), name)

@@ -19,6 +19,7 @@ from axiscal.planning.gains.covariance import RunningAccuracy
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.gains.running_gains import Allowed, Replacement, Scores
 from axiscal.planning.plan.greedy import Trial, affordable, filled
+from axiscal.planning.plan.move_all import moved
 from axiscal.planning.plan.order import seconds_of
 from axiscal.planning.plan.task import Clock, Limits, Patience, Task, work_of_climb
 from axiscal.planning.step.climb import Climb
@@ -74,10 +75,13 @@ def _exchanged(scores: Scores, slot: int, found: Replacement, better: float, lea
 
 
 def polish(scores: Scores, allowed: Allowed, rounds: int, patience: Patience) -> None:
-    """Climb the readings off the lattice one by one, until a round gains little."""
+    """Move all readings off the lattice at once, then climb them one by one, until a round gains little."""
     work = work_of_climb(scores.pool.size, scores.pool.size + len(scores.begun.root.matrix))
     for _ in range(rounds):
         before = scores.state.value
+        if not patience.spent:
+            _move(scores)
+            patience.take(work * len(scores.places))
         _climb_all(scores, allowed, patience, work)
         if patience.spent:
             return
@@ -88,6 +92,13 @@ def polish(scores: Scores, allowed: Allowed, rounds: int, patience: Patience) ->
 def _worth(scores: Scores) -> float:
     """Return the share of J that a round must gain to be followed by another: these are dear with many unknowns."""
     return _WORTH if scores.pool.size <= _FEW else _WORTH_OF_MANY
+
+
+def _move(scores: Scores) -> None:
+    found = moved(scores.begun, scores.places)
+    for slot in np.flatnonzero(np.any(found.poses != scores.places.poses, axis=1)).tolist():
+        if not scores.held_alone(slot):
+            scores.exchange(slot, found.at(slot))
 
 
 def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float) -> None:

@@ -1,0 +1,142 @@
+"""All readings moved at once: never worse, inside the travel, off rasters only, and the gradient is that of J."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import approx_fprime
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.machine import load_machine
+from axiscal.measurement.candidates import spread
+from axiscal.measurement.charts.chart import has_room
+from axiscal.measurement.observation import Observation
+from axiscal.measurement.place import Places
+from axiscal.measurement.setup import Unknown
+from axiscal.measurement.travel import sides_of
+from axiscal.numerics import Array
+from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.plan.move_all import _free, _value, moved
+from axiscal.planning.plan.task import Limits, Task
+from axiscal.planning.proposal import proposed
+from tests.generators.designs import levered, problem, random_poses, splines
+from tests.generators.kinematics import in_travel, tip
+
+TABLE = """name = "table"
+chain = "w-C'-b-t"
+[axes.C]
+travel = ["0 deg", "360 deg"]
+[errors]
+ECC = { std = "20 urad", knots = 8, length = "90 deg" }
+"""
+ALONE = """machine = "m.toml"
+[target]
+rms = "2 um"
+[[setups]]
+name = "table"
+instrument = "autocollimator"
+direction = "z"
+moves = ["C"]
+noise = "0.5 urad"
+unknowns = { zero = "100 urad" }
+"""
+
+
+def drawn(asked: Task, seed: int, count: int) -> Places:
+    generator = np.random.default_rng(seed)
+    poses, approaches = random_poses(asked, generator, count)
+    setups = generator.integers(len(asked.observation.setups), size=count)
+    return Places(setups, poses, approaches)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_readings_of_random_plans_come_to_lie_better(seed: int) -> None:
+    asked = levered(50)
+    places = drawn(asked, seed, 6)
+    found = moved(asked.state, places)
+    assert asked.state.after_readings(found).value < 0.98 * asked.state.after_readings(places).value
+    np.testing.assert_array_equal(found.setups, places.setups)
+    np.testing.assert_array_equal(found.approaches, places.approaches)
+    for axis, at in zip(asked.observation.machine.axes, found.poses.T, strict=True):
+        assert np.all((axis.travel[0] <= at) & (at <= axis.travel[1]))
+
+
+def test_where_no_error_moves_the_tool_point_a_plan_is_made_and_its_readings_stay() -> None:
+    """A table read alone: its tool point lies on its axis, and nothing that it does counts."""
+    table = campaign_from_texts(ALONE, "c.toml", TABLE, "m.toml")
+    plan = proposed(Case(table), Limits(4)).plan
+    assert len(plan.places) == 4
+    assert plan.accuracy.rms == 0
+
+
+def test_seven_readings_on_seven_knots_find_their_places() -> None:
+    """Evenly spaced, the ends included, they leave 0.0999; the best seven 0.0832 (a number computed elsewhere)."""
+    asked = splines(1, 7, 0.1, 10)
+    places = Places.of_setup(0, np.linspace(0, 10, 7)[:, None], np.ones((7, 1)))
+    assert asked.state.after_readings(moved(asked.state, places)).value == pytest.approx(0.0832, abs=1e-4)
+
+
+@pytest.mark.parametrize("instrument", ["indicator", "rtest"])
+def test_the_gradient_is_that_of_what_is_left(instrument: str) -> None:
+    asked = levered(50, reversal=False)
+    machine = asked.observation.machine
+    bare = replace(machine, errors=tuple(replace(e, rest=None) for e in machine.errors))
+    setups = asked.observation.setups
+    if instrument == "rtest":
+        zeros = tuple(Unknown(f"zero_{axis}", 1e-4) for axis in "xyz")
+        setups = (replace(setups[0], instrument="rtest", unknowns=zeros), setups[1])
+    asked = problem(bare, setups, 20)
+    places = drawn(asked, 3, 4)
+    free = _free(asked.state, places)
+    total, before = asked.state.value, asked.state.after_readings(places).value
+    value, gradient = _value(asked.state, places, free)
+    assert value * total == pytest.approx(before, rel=1e-6)
+
+    def left(shares: Array) -> float:
+        poses = places.poses.copy()
+        for reading, axis, low, high, share in zip(*free[:4], shares, strict=True):
+            poses[reading, axis] += share * (high - low)
+        return asked.state.after_readings(places.moved(poses)).value / total
+
+    np.testing.assert_allclose(gradient, approx_fprime(np.zeros(len(free.reading)), left, 1e-7), rtol=1e-2, atol=1e-4)
+
+
+def test_what_stands_on_a_raster_stays() -> None:
+    asked = levered(50)
+    setups = tuple(replace(s, raster=(0.1, 0.05, 0.05)) for s in asked.observation.setups)
+    asked = replace(asked, observation=Observation(asked.observation.errors, setups))
+    places = drawn(asked, 0, 5)
+    assert moved(asked.state, places) is places
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("instrument", ["rtest", "sphere"])
+def test_readings_on_a_chart_move_along_its_coordinates_and_can_still_be_taken(instrument: str) -> None:
+    text = f'''
+machine = "dmu60"
+[[artefacts]]
+name = "ball"
+balls = {{ low = ["200 mm", "0 mm", "-80 mm"] }}
+[[setups]]
+name = "it"
+instrument = "{instrument}"
+artefact = "ball"
+approach = "both"
+'''
+    case = Case(campaign_from_texts(text, "c.toml", load_machine("dmu60").text, "dmu60"))
+    machine, (setup,) = case.description.machine, case.description.setups
+    lattice = spread(machine, case.description.setups, 60)
+    places = lattice.within(np.arange(0, len(lattice), max(1, len(lattice) // 6))[:6])
+    state = Covariance.of(case.observation, case.prior, case.yardstick.root)
+    found = moved(state, places)
+    assert state.after_readings(found).value < 0.999 * state.after_readings(places).value
+    assert setup.chart is not None
+    assert np.abs(found.poses - places.poses).max() > 1e-3
+    for pose in found.poses:
+        assert in_travel(machine, pose)
+        assert np.linalg.norm(tip(machine, pose) - [0.2, 0.0, -0.08]) < 1e-9
+    at = setup.chart.places(found.poses)
+    assert np.all(has_room(setup.chart, at, sides_of(setup.chart, at, found.approaches)))
