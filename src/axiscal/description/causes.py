@@ -61,7 +61,7 @@ WAY = Cause(
     "reversal that needs a way", "side times exp(-d/100 mm), d the way since the axis turned", 0.06,
     "std of the reversal", 6.0, "assumption",
 )  # fmt: skip
-"""Assumption: little of the backlash is a slide wound up like a spring over a hand's breadth, of some machines most."""
+"""Assumption: a slide winds up like a spring over a hand's breadth: little of most backlashes, and most of some."""
 PITCH = Cause("pitch", "one sine for each stated period", 0.02, "std of the error", 4.0, "assumption")
 """Assumption: a fiftieth of the error."""
 TOGETHER = Cause(

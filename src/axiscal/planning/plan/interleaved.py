@@ -2,8 +2,8 @@
 
 Read out and back, a zero that comes and goes is the same on both ways, and an axis that grows and shrinks again has
 always grown by half at its far end. Both then look like an error. So pairs of readings change their turns where that
-lowers D times the seconds of the plan. D is what J, with all that passes and reversals that need a way, lies above that
-of readings without noise at these places. With rows G, the criterion V and columns P of what passes
+lowers D times the seconds of the plan. D is J with all that passes and with reversals that need a way, less the J that
+readings without noise would leave at these places. With rows G, the criterion V and columns P of what passes
 
     D = tr(K₀⁻¹ B) − tr(K⁻¹ B),    K = K₀ + R + P Pᵀ,    K₀ = G C Gᵀ,    B = G C Vᵀ V C Gᵀ
 """
@@ -28,7 +28,7 @@ from axiscal.planning.plan.task import Limits, Task
 _LARGER = 3.0
 """Times its default, so large is what passes here: with the defaults readings interleave too little."""
 _WOUND = 10.0
-"""Times its default, so much of a reversal needs a way here: else no two readings tell a reversal that needs one."""
+"""Times its default, so large is what a reversal lacks here: with the default no order of readings shows it."""
 _PAIRS, _WORK = 300, 1e9
 """Pairs that are tried, and operations at most: a hundred pairs leave J within 2 % of what a thousand do."""
 _SAME = 1e-9
