@@ -121,7 +121,8 @@ def sister(chance: float, count: int, away: float = 0.0, told: float = 0.49) -> 
     beside = np.full(errors.size, 1e-6)
     beside[errors.names["EBX"].columns] += 50e-6  # far off, and not told
     mean[errors.names["EBX"].columns] = beside[errors.names["EBX"].columns]
-    rivals = (Rival("like its sisters", 0.9, Inherited(np.full(errors.size, 1e-6), covariance)),)
+    like, strange = (Inherited(np.full(errors.size, at), covariance) for at in (1e-6, 80e-6))
+    rivals = Rival("like its sisters", 0.9, like), Rival("as stated", 0.1, strange)
     belief = Belief(mean, now)
     member = Membership(rivals, np.array([0.7 * chance, 0.3 * chance, 1 - chance]), count, belief)
     known = SimpleNamespace(

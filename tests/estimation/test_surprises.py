@@ -1,0 +1,136 @@
+"""How far a reading is from what those before it allow: by one dense normal, and by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.estimation.judged import bent, limit, nearest_first, surprises
+from axiscal.estimation.stations import tips
+from axiscal.estimation.wrong_unit import _with_bends
+from axiscal.machine import load_machine
+from axiscal.measurement.drift import wandering
+from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import seen
+from benchmarks.nonlinear.stations import at_once, tracers
+from tests.generators.campaigns import drawn, mixed
+from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, read
+
+
+def _dense(
+    case: Case, readings: Sequence[Reading], beside: Sequence[float], left_out: Sequence[int] = ()
+) -> list[float]:
+    """Return the same by the covariance of all numbers: errors scatter from place to place, unknowns do not.
+
+    beside : m², of each reading; left_out : readings that tell nothing of the unknowns
+    """
+    numbers, size = seen(case.observation, readings), case.errors.size
+    prior, unknowns = case.errors.prior_covariance(), range(size, size + len(case.observation.unknowns))
+    stds = np.array([unknown.std for unknown in case.observation.unknowns])
+    own = numbers.rows[:, list(unknowns)] * stds
+    scatter = np.array([row @ prior @ row for row in numbers.rows[:, :size]]) + numbers.variances
+    noise, common = scatter + np.array(beside)[numbers.reading], own @ own.T
+    found = []
+    for reading in range(len(readings)):
+        mine = np.flatnonzero(numbers.reading == reading)
+        before = np.flatnonzero((numbers.reading < reading) & ~np.isin(numbers.reading, left_out))
+        inner = common[np.ix_(before, before)] + np.diag(noise[before])
+        gain = common[np.ix_(mine, before)] @ np.linalg.inv(inner)
+        expected = gain @ numbers.values[before]
+        spread = np.diag(common[np.ix_(mine, mine)] - gain @ common[np.ix_(before, mine)]) + noise[mine]
+        found.append(float(np.max(np.abs(numbers.values[mine] - expected) / np.sqrt(spread))))
+    return found
+
+
+def test_of_two_set_ups_it_is_that_of_one_normal_and_what_is_far_off_teaches_nothing() -> None:
+    case = mixed()
+    readings = [replace(each, time=None) for each in drawn(case, 12)]
+    readings[3], readings[6] = (replace(readings[i], value=0.2) for i in (3, 6))
+    found = surprises(case.observation, np.zeros(case.errors.size), case.errors.prior_covariance(), readings)
+    assert found == pytest.approx(_dense(case, readings, [0.0] * 12, [3, 6]), rel=1e-6)
+    vouched = [replace(each, accepted=True) for each in readings]
+    found = surprises(case.observation, np.zeros(case.errors.size), case.errors.prior_covariance(), vouched)
+    assert found == pytest.approx(_dense(case, readings, [0.0] * 12), rel=1e-6)
+
+
+def test_a_zero_that_drifts_is_less_sure_the_farther_in_time_from_the_first_one_judged() -> None:
+    rate = 6e-6 / 3600
+    case = Case(campaign_from_texts(CAMPAIGN.replace('drift = "0 um/h"', 'drift = "6 um/h"'), "c.toml", MACHINE, "m"))
+    readings = read(machine(4), 10)[::-1]
+    beside = [float(wandering(rate, [540.0 - each.time])[0, 0]) for each in readings if each.time is not None]
+    found = surprises(case.observation, np.zeros(case.errors.size), case.errors.prior_covariance(), readings)
+    assert found == pytest.approx(_dense(case, readings, beside), rel=1e-6)
+    untimed = [replace(each, time=None) for each in readings]
+    found = surprises(case.observation, np.zeros(case.errors.size), case.errors.prior_covariance(), untimed)
+    assert found == pytest.approx(_dense(case, untimed, [0.0] * 10), rel=1e-6)
+
+
+TRACKER = """machine = "m"
+[target]
+readings = 1
+[[setups]]
+name = "tracker"
+instrument = "tracker"
+station = ["-2 m", "0.3 m", "0.1 m"]
+unknowns = { turn_x = "3 mrad", turn_y = "4 mrad", zero_x = "1 mm", zero_y = "1 mm", zero_z = "1 mm" }
+"""
+
+
+@pytest.mark.parametrize("case", [tracers("300 mm", "100 mm"), at_once("300 mm", "100 mm")], ids=["alone", "at once"])
+def test_a_distance_bends_by_the_square_of_what_lies_aside_over_twice_the_distance(case: Case) -> None:
+    """Three coordinates of 0.3 m each, half a decimetre away: 0.27 m² / 0.1 m = 2.7 m, whatever else is open."""
+    setup = case.description.setups[0]
+    reading = Reading(setup.name, (0.1, 0.1, 0.1), (1, 1, 1), 0.0)
+    assert bent(case.description.machine, setup, reading) == pytest.approx(2.7**2)
+
+
+def test_a_tracker_bends_by_half_of_the_square_of_its_turn_at_the_tool() -> None:
+    text = load_machine("three-axis-mill").text
+    case = Case(campaign_from_texts(TRACKER, "c.toml", text, "m"))
+    (setup,), pose = case.description.setups, (0.1, 0.2, 0.3)
+    (place,) = tips(case, [Reading("tracker", pose, (1, 1, 1), 0.0)])
+    away = np.linalg.norm(place - np.array([-2.0, 0.3, 0.1]))
+    found = bent(case.description.machine, setup, Reading("tracker", pose, (1, 1, 1), 0.0))
+    assert found == pytest.approx((25e-6 * away / 2) ** 2)
+    known = replace(setup, unknowns=tuple(u for u in setup.unknowns if not u.name.startswith("turn")))
+    assert bent(case.description.machine, known, Reading("tracker", pose, (1, 1, 1), 0.0)) == 0.0
+
+
+def test_the_noise_of_a_set_up_takes_in_how_much_its_own_readings_bend_at_most() -> None:
+    case = Case(campaign_from_texts(TRACKER, "c.toml", load_machine("three-axis-mill").text, "m"))
+    (setup,) = case.description.setups
+    exact = replace(setup, name="a", unknowns=())
+    unread = replace(setup, name="z")
+    case = Case(replace(case.description, setups=(exact, setup, unread)))
+    places = [Reading("tracker", (x, 0.0, 0.0), (1, 1, 1), 0.0) for x in (0.0, 0.4, 0.2)]
+    found = _with_bends(case, [Reading("a", (0.5, 0.5, 0.0), (1, 1, 1), 0.0), *places])
+    most = max(bent(case.description.machine, setup, each) for each in places)
+    assert [each.noise for each in found.description.setups] == pytest.approx(
+        [setup.noise, np.sqrt(setup.noise**2 + most), setup.noise], rel=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("sizes", "most"),
+    [
+        ([], 12.0),
+        ([50.0] * 4, 12.0),
+        ([0.1] * 5, 12.0),
+        ([1.0, 1.0, 2.0, 9.0, 9.0], 12 * 2 * 1.4826),
+        ([9.0] * 5, 48.0),
+    ],
+)
+def test_where_most_are_larger_than_stated_more_is_allowed_up_to_four_times(sizes: list[float], most: float) -> None:
+    assert limit(sizes) == pytest.approx(most)
+
+
+def test_those_nearest_to_the_middle_of_their_own_set_up_come_first() -> None:
+    """Of three values the one that is farthest counts; what is as far stays in its order."""
+    one = [Reading("one", (0.0,), (1,), value) for value in (5.0, 1.0, 3.0, 6.0)]
+    three = [Reading("three", (0.0,), (1,), 7.0, others=others) for others in ((0.0, 0.0), (-0.3, 0.1), (0.0, 9.0))]
+    assert nearest_first([*one, *three]) == [4, 5, 0, 2, 3, 1, 6]
