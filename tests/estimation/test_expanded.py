@@ -6,10 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.special import chdtr, chdtri
 
 from axiscal.description.campaign import read_campaign
-from axiscal.estimation.accuracy.expanded import LEVEL, expanded_of
+from axiscal.estimation.accuracy.expanded import LEVEL, expanded_of, reach
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import expanded_uncertainty
@@ -59,6 +63,37 @@ def test_where_nothing_is_left_to_vary_nothing_is_uncertain() -> None:
     found = expanded_of(np.zeros((4, 3, 3)), np.ones(4, dtype=bool))
     assert (found.space, found.axes, found.worst) == (0.0, (0.0, 0.0, 0.0), 0.0)
     assert found.factor(0.0) > 0
+
+
+@given(
+    st.lists(st.floats(1e-3, 1e3), min_size=1, max_size=6),
+    st.integers(0, 20),
+    st.integers(1, 3),
+)
+def test_over_places_of_equal_directions_u_is_where_the_mean_of_chi_square_is_95_percent(
+    sizes: list[float], still: int, directions: int
+) -> None:
+    """Three moments are all of a chi-square; where nothing varies it lies within any U."""
+    variances = np.r_[sizes, np.zeros(still)]
+
+    def beyond(reached: float) -> float:
+        within = chdtr(directions, reached**2 / np.array(sizes))
+        return float((within.sum() + still) / len(variances)) - LEVEL
+
+    found = reach(np.tile(variances[:, None], directions))
+    if still >= LEVEL * len(variances):
+        assert found == 0.0
+    else:
+        assert found == pytest.approx(brentq(beyond, 0.0, 1e3, xtol=1e-12), rel=1e-8)
+
+
+def test_the_worst_place_is_the_one_of_the_largest_u_and_a_factor_is_u_over_rms() -> None:
+    """Of nearly equal traces: all in one direction goes to 1.96 of its root, a third in each to 1.61."""
+    places = [np.eye(3) / 3] * 9 + [np.diag([0.99, 0.0, 0.0])] + [0.01 * np.eye(3)] * 40
+    found = expanded_of(np.array(places), np.ones(len(places), dtype=bool))
+    assert found.worst == pytest.approx(np.sqrt(0.99 * chdtri(1, 0.05)), rel=1e-9)
+    assert found.factor(0.5 * found.space) == pytest.approx(2.0)
+    assert found.factor(0.0) == 1.96
 
 
 MACHINE = """

@@ -28,6 +28,7 @@ from axiscal.estimation.promise.agreement import (
 from axiscal.estimation.promise.dense import Dense, log_density
 from axiscal.estimation.promise.draws import Weighed
 from axiscal.estimation.promise.posterior import sized as weighed_of
+from axiscal.estimation.promise.posterior import sorted_out
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.numerics import Array
@@ -236,3 +237,16 @@ def test_bands_grow_by_c2_where_its_root_is_above_one_by_two_standard_deviations
 ) -> None:
     """The root of a mean of n squares of standard normals varies by 1/√(2n)."""
     assert Agreement(count, count, c2, 1.0).inflation == times
+
+
+@pytest.mark.parametrize("since", [12, 13])
+def test_a_ball_that_moves_is_a_jump_and_none_of_its_readings_is_bad(since: int) -> None:
+    """Sixteen readings of a nest: the last ones stand 60 um off, as if some were bad; three of any time are bad."""
+    problem = sized(asked("five axes", 16, 5), ())
+    moved = np.array([50e-6, -30e-6, 20e-6])[np.arange(len(problem.values)) % 3] / problem.noise
+    jumped = _other(problem, values=problem.values + np.where(problem.reading >= since, moved, 0.0))
+    found = sorted_out(jumped)
+    assert found.bad == {}
+    assert found.posterior().agreement.explained[0][2:4] == ((0,), since)
+    slips = _other(problem, values=problem.values + np.where(np.isin(problem.reading, [1, 5, 9]), 2 * moved, 0.0))
+    assert set(sorted_out(slips).bad) == {1, 5, 9}

@@ -63,11 +63,12 @@ def _slopes(dense: Dense, theta: Array) -> list[Array]:
     return [(dense.covariance(theta + step) - dense.covariance(theta - step)) / (2 * _STEP) for step in steps]
 
 
-@settings(max_examples=20)
-@given(problems())
-def test_value_gradient_and_information_are_those_of_the_equations(drawn: tuple[Problem, Array]) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+@settings(max_examples=5)
+@given(st.data())
+def test_value_gradient_and_information_are_those_of_the_equations(kind: str, data: st.DataObject) -> None:
     """log L, its central differences, and ½ tr K⁻¹∂K K⁻¹∂K."""
-    problem, theta = drawn
+    problem, theta = data.draw(problems((kind,)))
     dense = Dense(problem)
     slopes, inverse = _slopes(dense, theta), np.linalg.inv(dense.covariance(theta))
     information = np.array([[0.5 * np.trace(inverse @ one @ inverse @ other) for other in slopes] for one in slopes])

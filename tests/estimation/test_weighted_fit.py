@@ -30,11 +30,13 @@ def test_mean_and_variance_are_those_of_conditioning_on_all_readings() -> None:
     problem = mixed()
     readings = drawn(problem)
     fitted = Fitted.of(problem.observation, readings)
+    variances = seen(visited_by(problem.observation, readings), readings).variances
+    assert fitted.noise == pytest.approx(variances, rel=1e-9, abs=0)
     precisions = np.random.default_rng(1).uniform(0.1, 1.0, len(fitted.noise)) / fitted.noise
     found, spread = fitted.estimate(fitted.values, precisions)
     expected, variance = _conditioned(problem, readings, precisions)
     assert found == pytest.approx(expected, abs=1e-11)
-    assert spread == pytest.approx(variance, rel=1e-5)
+    assert spread == pytest.approx(variance, rel=1e-5, abs=0)
 
 
 def test_the_history_ends_where_the_estimate_does() -> None:

@@ -198,7 +198,9 @@ def turning(observation: Observation, index: int, poses: Array, approaches: Arra
         for number, term in enumerate(observation.errors.functions)
         if term.axis in setup.moves and needs_a_way(term.kind, machine.axes[term.axis]) and len(setup.sides) > 1
     ]
-    levers = observation.levers(index, poses) if terms else np.zeros((0, 0, 0))
+    if not terms:
+        return []
+    levers = observation.levers(index, poses)
     for number, term in terms:
         sides, size = approaches[:, term.axis], 0.5 * float(np.sqrt(term.covariance[0, 0]))
         effects = size * sides * levers[:, number]

@@ -1,0 +1,138 @@
+"""Of the mistakes that readings name, the one that a person means, the event that puts it right, and all of it said."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
+
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.estimation.accepting import acceptance, change_words, named
+from axiscal.estimation.agreement_words import agreement_document, agreement_words, mistake_words
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.promise.agreement import Agreement, Explained
+from axiscal.exceptions import RecordError
+from axiscal.measurement.reading import Reading
+from axiscal.record.accepted import Accepted
+from tests.generators.laser_axis import CAMPAIGN, MACHINE
+
+_SECOND = CAMPAIGN[CAMPAIGN.index("[[setups]]") :].replace('"laser"', '"other"')
+DESCRIBED = campaign_from_texts(CAMPAIGN + _SECOND, "c.toml", MACHINE, "m")
+READINGS = [Reading(("laser", "other")[i % 2], (0.1 * i,), (1,), 0.0, number=11 + i) for i in range(6)]
+PATH = Path("mill.axiscal")
+
+
+def known(*explained: Explained, p: float = 1e-6, against: tuple[str, ...] = ()) -> Estimation:
+    """Return an estimation whose readings name these mistakes."""
+    found = SimpleNamespace(
+        stated=SimpleNamespace(description=DESCRIBED),
+        readings=READINGS,
+        agreement=Agreement(6, 4, 30.0, p, explained, against),
+        name_of=lambda index: f"reading {READINGS[index].number}",
+    )
+    return cast("Estimation", found)
+
+
+MEANT = [
+    (
+        Explained("jump", 9.0, (1,), 3),
+        Accepted("jump", ("other",), 14, name="other, before reading 14"),
+        'the readings of "other" before reading 14 have a zero of their own',
+        'the zero of "other" jumped before reading 14. Take readings before and after it again',
+    ),
+    (
+        Explained("sign", 9.0, (0,), factor=-1.0),
+        Accepted("sign", ("laser",), 0, -1.0),
+        'the values of "laser" so far are multiplied by -1',
+        'all values of "laser" have the wrong sign. Record them anew with the other sign',
+    ),
+    (
+        Explained("unit", 9.0, (1,), factor=25.4),
+        Accepted("unit", ("other",), 0, 1 / 25.4),
+        'the values of "other" so far are multiplied by 0.0393701',
+        'all values of "other" are 25.4 times what they should be. Check their unit',
+    ),
+    (
+        Explained("unit", 9.0, (0,), 0, 0.001),
+        Accepted("unit", ("laser",), 11, 1000.0),
+        'the values of "laser" from reading 11 on are multiplied by 1000',
+        "from reading 11 on, values are 0.001 times what they should be. Check the display's unit",
+    ),
+    (
+        Explained("swapped", 9.0, (0, 1)),
+        Accepted("swapped", ("laser", "other"), 0, 1.0),
+        '"laser" and "other" exchange their values',
+        'the values of "laser" and "other" are swapped',
+    ),
+    (
+        Explained("shifted", 9.0, (0,), factor=1.0),
+        Accepted("shifted", ("laser",), 0, 1.0),
+        'the values of "laser" move to the reading behind; the first one is left out',
+        'the values of "laser" belong to the place before or after. Check their order',
+    ),
+    (
+        Explained("shifted", 9.0, (1,), factor=-1.0),
+        Accepted("shifted", ("other",), 0, -1.0),
+        'the values of "other" move to the reading before; the last one is left out',
+        'the values of "other" belong to the place before or after. Check their order',
+    ),
+]
+
+
+@pytest.mark.parametrize(("mistake", "event", "change", "words"), MEANT)
+def test_a_mistake_has_its_event_and_its_words(mistake: Explained, event: Accepted, change: str, words: str) -> None:
+    whole = known(mistake)
+    assert acceptance(mistake, whole) == event
+    assert change_words(event) == change
+    assert mistake_words(mistake, whole) == words
+    assert named(whole, mistake.mistake, None, PATH) == event
+    assert named(whole, mistake.mistake, event.setups[-1], PATH) == event
+
+
+SIGNS = [Explained("sign", 9.0, (setup,), factor=-1.0) for setup in (0, 1)]
+
+
+def test_of_several_set_ups_one_has_to_be_said() -> None:
+    whole = known(*SIGNS)
+    assert named(whole, "sign", "other", PATH).setups == ("other",)
+    with pytest.raises(RecordError, match=r'name "sign" of "laser", "other".*--setup NAME'):
+        named(whole, "sign", None, PATH)
+    twice = known(SIGNS[0], SIGNS[0]._replace(log_odds=7.0))
+    assert named(twice, "sign", None, PATH).setups == ("laser",)
+    with pytest.raises(RecordError, match='"jump" at more than 20 : 1; they name sign of "laser", sign of "other"'):
+        named(whole, "jump", None, PATH)
+    with pytest.raises(RecordError, match='"jump" of "other" at more than 20 : 1'):
+        named(whole, "jump", "other", PATH)
+    with pytest.raises(RecordError, match="they name no mistake"):
+        named(known(), "jump", None, PATH)
+
+
+def test_what_is_said_of_all_readings_together() -> None:
+    assert agreement_words(known(p=0.4)) == "4 of 6 readings agree with the others"
+    none = agreement_words(known())
+    assert none == (
+        "The readings contradict each other (p = 1e-06), and no single mistake explains it: "
+        "4 of 6 readings agree with the others"
+    )
+    both = agreement_words(known(*SIGNS))
+    assert both.startswith('The readings contradict each other (p = 1e-06): all values of "laser" have the wrong sign')
+    assert '; or all values of "other" have the wrong sign' in both
+    assert agreement_words(known(*SIGNS), PATH) == f"{both}. If so: axiscal step accept {PATH} sign"
+    assert agreement_words(known(against=("B", "C"))) == (
+        "The readings contradict each other (p = 1e-06): correct direction of B, C in the machine's file"
+    )
+
+
+def test_the_document_has_what_was_found() -> None:
+    found = agreement_document(known(SIGNS[0]).agreement)
+    assert found == {
+        "readings": 6,
+        "agreeing": 4,
+        "c2": 30.0,
+        "p": 1e-6,
+        "contradict": True,
+        "explained": [{"mistake": "sign", "odds": pytest.approx(math.exp(9))}],
+    }
