@@ -148,6 +148,20 @@ def test_a_jump_is_thirty_noises_more_from_its_reading_on(kind: str, sizes: tupl
     assert not list(_jumps(problem.only(problem.reading == 3), weighed))
 
 
+def test_a_jump_of_one_number_is_of_its_zero_whatever_else_the_mounting_leaves_open() -> None:
+    """And of three numbers all move alike where it leaves nothing open."""
+    problem, weighed = _learning("axis")
+    (plain,) = _jumps(problem, weighed)
+    assert list(_jumps(_other(problem, unknowns=2), weighed)) == [plain]
+    problem, weighed = _learning("two set-ups")
+    probe, nest = _jumps(_other(problem, unknowns=0), weighed)
+    assert probe == next(iter(_jumps(problem, weighed)))
+    columns = JUMP * float(np.median(problem.noise[problem.setup == 1])) / problem.noise
+    since = (problem.setup == 1) & (problem.reading >= nest.mistake.reading)
+    places = len(set(problem.reading[problem.setup == 1].tolist())) - 1
+    _agrees(nest, _Without(problem, weighed).odds(problem.values, places, columns * since))
+
+
 @pytest.mark.parametrize("sizes", [(), ("std", "noise")])
 def test_an_axis_that_counts_the_other_way_is_as_probable_as_its_covariance(sizes: tuple[str, ...]) -> None:
     problem, weighed = _learning("axis", sizes)

@@ -24,9 +24,9 @@ from axiscal.numerics.gaussian import unique_root
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read
 
 
-def known_with(seed: int, rest: float = 0.3e-6) -> Estimation:
+def known_with(seed: int, rest: float = 0.3e-6, machine_text: str = MACHINE) -> Estimation:
     """Return a belief of the axis whose curve is any."""
-    rng, described = np.random.default_rng(seed), CASE.description
+    rng, described = np.random.default_rng(seed), campaign_from_texts(CAMPAIGN, "c.toml", machine_text, "m")
     case = Case(replace(described, machine=described.machine.with_rests({"EXX": rest})))
     size = case.knowledge.belief.size
     root = 1e-6 * rng.standard_normal((size, size))
@@ -56,6 +56,15 @@ def test_a_change_is_the_chi_square_of_the_difference_with_both_uncertainties() 
     single = _change(before, now, now.case.errors.names["EXX_reversal"])
     moved = now.printed.belief.mean - before.printed.belief.mean
     assert single.size == pytest.approx(float(moved[now.case.errors.names["EXX_reversal"].columns][0]))
+
+
+def test_a_line_that_has_turned_is_off_by_half_of_the_difference_at_its_end() -> None:
+    line = MACHINE.replace("knots = 21", "knots = 2")
+    before, now = known_with(1, machine_text=line), known_with(2, machine_text=line)
+    own = now.case.errors.names["EXX"]
+    assert own.basis.size == 2
+    moved = (now.printed.belief.mean - before.printed.belief.mean)[own.columns]
+    assert _change(before, now, own).size == pytest.approx((moved[0] - moved[1]) / 2)
 
 
 def test_what_is_left_of_a_curve_is_a_share_of_it_and_the_rest_anew() -> None:
