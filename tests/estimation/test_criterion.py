@@ -5,9 +5,24 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.estimation.accuracy.criterion import Root
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.accuracy.criterion import Root, joint_root
 from axiscal.estimation.belief import Belief
+from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array
+
+MACHINE = """
+chain = "w-X'-b-Z-C-t"
+[axes.X]
+travel = ["0 mm", "300 mm"]
+[axes.Z]
+travel = ["0 mm", "400 mm"]
+[axes.C]
+travel = ["0 deg", "90 deg"]
+[errors]
+EXX = { std = "10 um", knots = 5, length = "150 mm" }
+EBX = { std = "20 urad", knots = 4, length = "200 mm" }
+"""
 
 
 def _covariance(size: int, seed: int) -> Array:
@@ -27,3 +42,20 @@ def test_both_give_the_same_j_for_any_rank(rank: int) -> None:
     assert again.matrix.shape == (rank, 6)
     assert again.value(factor) == pytest.approx(expected, rel=1e-12)
     assert root.value(Belief(np.zeros(8), covariance).factor) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(("chain", "reach"), [("w-X'-b-Z-C-t", 0.25), ("w-b-C-t", 1.0)])
+def test_the_joint_criterion_is_the_integral_of_each_square_rotations_at_the_reach(chain: str, reach: float) -> None:
+    """Half of the diagonal of 300 by 400 mm is 250 mm; integrals by the trapezoidal rule."""
+    text = MACHINE.replace("w-X'-b-Z-C-t", chain)
+    if "X" not in chain:
+        text = text[: text.index("[axes.X]")] + text[text.index("[axes.C]") : text.index("[errors]")]
+        text += '[errors]\nEZC = { std = "10 um", knots = 5, length = "40 deg" }\n'
+        text += 'ECC = { std = "20 urad", knots = 4, length = "40 deg" }\n'
+    model = ErrorModel(machine_from_text(text))
+    drawn, total = np.random.default_rng(4).standard_normal(model.size), 0.0
+    for function in model.functions:
+        at = np.linspace(function.basis.knots[0], function.basis.knots[-1], 20_001)
+        curve = function.basis.rows(at) @ drawn[function.columns]
+        total += (reach if function.angular else 1.0) ** 2 * float(np.trapezoid(curve**2, at))
+    assert joint_root(model).value(drawn) == pytest.approx(total, rel=1e-6)

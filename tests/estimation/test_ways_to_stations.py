@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.stations import BentReadings, closed_form, mirrored, polished, tips
+from axiscal.estimation.stations import BentReadings, closed_form, mirrored, mode, polished, tips
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from benchmarks.nonlinear.stations import read, tracers
@@ -85,6 +85,51 @@ def test_an_image_is_as_far_from_every_place_of_a_plane_and_behind_it() -> None:
     assert mirrored(CASE, readings[:4], CASE.prior.mean, 0)
     assert mirrored(CASE, readings[:3], CASE.prior.mean, 0) == []
     assert mirrored(CASE, readings, CASE.prior.mean, 1) == []
+
+
+def _bent_readings() -> BentReadings:
+    """Return what a tracer shows at nine places, off by some micrometres that no station explains."""
+    rng = np.random.default_rng(3)
+    readings = exact(CASE, [(*xy, z) for *xy, z in rng.uniform(0.0, 0.35, (9, 3)).tolist()])
+    return BentReadings(CASE, [replace(each, value=each.value + 3e-6 * rng.standard_normal()) for each in readings])
+
+
+def test_rows_are_the_slopes_of_what_is_shown_about_the_same_point() -> None:
+    """By differences along random ways; those of errors stay where they are for the nominal machine."""
+    problem, rng = _bent_readings(), np.random.default_rng(1)
+    point = problem.start + 0.5 * problem.root @ rng.standard_normal(len(problem.start))
+    columns = [*CASE.station_columns(0)[0]]
+    rows = problem.rows(point) / np.sqrt(problem.variances)[:, None]
+    for column in columns:
+        step = np.zeros(len(point))
+        step[column] = 1e-6
+        slope = (problem.left(point - step) - problem.left(point + step)) / 2e-6
+        assert rows[:, column] == pytest.approx(slope, rel=1e-4, abs=1e-5 * np.abs(slope).max())
+    still = problem.rows(problem.start)
+    assert np.abs(problem.rows(point)[:, columns] - still[:, columns]).max() > 0.02
+    assert problem.at(point).rows == pytest.approx(problem.rows(point))
+
+
+def test_the_polish_ends_where_no_direction_leads_lower() -> None:
+    """A further step of Newton would gain nothing, and steps away cost more."""
+    problem, rng = _bent_readings(), np.random.default_rng(2)
+    start = closed_form(CASE, problem.readings, CASE.prior.mean)
+    found = polished(problem, start)
+
+    def cost(z: Array) -> float:
+        left = problem.left(problem.start + problem.root @ z)
+        return float(z @ z + left @ left) / 2
+
+    z = problem.whitened(found.point)
+    assert found.cost == pytest.approx(cost(z), rel=1e-9)
+    assert found.cost < cost(problem.whitened(start))
+    slopes = problem.rows(found.point) @ problem.root / np.sqrt(problem.variances)[:, None]
+    pull = z - slopes.T @ problem.left(found.point)
+    assert pull @ np.linalg.solve(np.eye(len(z)) + slopes.T @ slopes, pull) < 1e-8  # Newton's decrement
+    for _ in range(3):
+        way = 0.1 * rng.standard_normal(len(z))
+        assert min(cost(z + way), cost(z - way)) > found.cost
+    assert mode(problem).cost <= found.cost * (1 + 1e-9)
 
 
 @pytest.mark.long

@@ -235,11 +235,6 @@ class Yardstick:
         return self.errors.levers(self.poses[0]) * self.errors.rests[:, None, None]
 
     @cached_property
-    def rests(self) -> Array:
-        """Covariance of what the rests do at each pose, in the directions that count, (m, 3, 3) m²."""
-        return _squared((self._loose * self._counts[:, 0]).transpose(1, 2, 0))
-
-    @cached_property
     def evenly(self) -> NDArray[np.bool_]:
         """Which of the yardstick's poses are spread evenly over the volume: all but its corners, (m,)."""
         places = np.arange(len(self.places)) >= (len(self.places) - _INNER_POINTS if self.sample is None else 0)
