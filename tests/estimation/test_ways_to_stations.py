@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from axiscal.estimation.case import Case
-from axiscal.estimation.stations import BentReadings, closed_form, mirrored, mode, polished, tips
+from axiscal.estimation.stations import BentReadings, closed_form, mirrored, polished, tips
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from benchmarks.nonlinear.stations import read, tracers
@@ -129,7 +129,6 @@ def test_the_polish_ends_where_no_direction_leads_lower() -> None:
     for _ in range(3):
         way = 0.1 * rng.standard_normal(len(z))
         assert min(cost(z + way), cost(z - way)) > found.cost
-    assert mode(problem).cost <= found.cost * (1 + 1e-9)
 
 
 @pytest.mark.long
