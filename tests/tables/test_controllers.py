@@ -381,6 +381,14 @@ def test_a_heidenhain_template_that_is_not_one_is_refused(text: str | None, mess
         export(known("small")[0], "heidenhain", ExportOptions(template=text))
 
 
+def test_heidenhain_has_the_decimals_of_its_template_from_three_on() -> None:
+    for decimals in (3, 6):
+        text = COM.replace(".0000", "." + decimals * "0")
+        found = export(known("small")[0], "heidenhain", ExportOptions(template=text)).files["X_AXIS.COM"]
+        row = dict(zip(COM.splitlines()[1].split(), found.splitlines()[3].split(), strict=True))
+        assert {len(row[head].partition(".")[2]) for head in ("AXISPOS", "BACKLASH", "X")} == {decimals}
+
+
 def test_heidenhain_keeps_the_form_of_the_template() -> None:
     files = draft("heidenhain")[1].files
     assert set(files) == {"X_AXIS.COM", "Y_AXIS.COM", "Z_AXIS.COM"}

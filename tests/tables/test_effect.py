@@ -16,9 +16,10 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.tables import registry
-from axiscal.tables.effect import effect_of_control
+from axiscal.tables.effect import CommandedMachine, effect_of_control
 from axiscal.tables.export_options import ExportOptions
 from tests.generators.texts import TWO_SPHERES
 
@@ -65,3 +66,22 @@ def test_a_part_that_is_off_as_a_whole_is_aligned_and_not_in_error() -> None:
     turned = np.cross(turn, places - places.mean(axis=0))
     assert as_box.before == pytest.approx(float(np.sqrt(np.mean(np.sum(turned**2, axis=1)))))
     assert max(as_part) < 1e-12
+
+
+def test_an_instrument_that_knows_commands_sees_where_the_control_sent_the_axes() -> None:
+    """The control turns C a little too far and moves X: the tool is where the machine is there, from the command."""
+    estimate = unread()[1]
+    truth = Simulator(estimate.machine, ()).drawn(2)
+    names, rng = [axis.name for axis in estimate.machine.axes], np.random.default_rng(1)
+    further = np.array([{"C": 40e-6, "X": 3e-5}.get(name, 0.0) for name in names])
+    seen = CommandedMachine.corrected(truth, lambda poses, _: np.tile(further, (len(poses), 1)))
+    low, high = np.array([axis.travel for axis in estimate.machine.axes]).T
+    poses, ways = rng.uniform(low, high, (7, len(low))), rng.choice([-1.0, 1.0], (7, len(low)))
+    there, here = (frames(estimate.machine, each) for each in (poses + further, poses))
+    moved = truth.deviation(poses + further, ways) + there.tcp - here.tcp
+    np.testing.assert_allclose(seen.deviation(poses, ways), moved, atol=1e-15)
+    turn = there.tool @ here.tool.transpose(0, 2, 1)
+    turned = 0.5 * np.stack([turn[:, k - 1, k - 2] - turn[:, k - 2, k - 1] for k in range(3)], axis=1)
+    assert np.abs(turned).max() > 30e-6
+    found = seen.rotation(poses, ways) - truth.rotation(poses + further, ways)
+    np.testing.assert_allclose(found, turned, atol=1e-9)

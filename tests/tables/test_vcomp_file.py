@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from axiscal.exceptions import TableError
+from axiscal.numerics import Array
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.registry import export
-from axiscal.tables.vcomp.applying import fnv1a
+from axiscal.tables.vcomp.applying import fnv1a, joint_errors
 from axiscal.tables.vcomp.vcomp_reading import read
 from tests.tables.core_library import NEEDS_GCC, Core
 from tests.tables.test_controllers import known
@@ -167,3 +168,25 @@ def test_the_readme_says_first_what_it_is() -> None:
     assert readme[1].startswith("THIS MOVES YOUR DRIVES BEHIND LINUXCNC'S BACK by up to ")
     assert "Never run on real drives or on a realtime kernel. It is no safety function." in readme[1]
     assert any("C at x 0, y 0, z -200 mm; B at x 0, y 0, z -200 mm" in line for line in readme)
+
+
+@pytest.mark.parametrize(("name", "unit", "fade"), [("X", "mm", 5.0), ("X", "inch", 5.0 / 25.4), ("B", "mm", 5.0)])
+@pytest.mark.parametrize("end", [0, -1])
+def test_beyond_its_last_knot_a_curve_bends_to_a_constant_over_5_mm_or_5_degrees(
+    name: str, unit: str, fade: float, end: int
+) -> None:
+    """The slope falls evenly from that of the end to nothing; both by differences of what is read there."""
+    axis = next(each for each in read(text()).axes if each.name == name)
+    last, out, step = axis.knots[end], (-1.0 if end == 0 else 1.0), 1e-4
+
+    def at(beyond: float) -> Array:
+        (found,) = joint_errors(axis, np.array([last + out * beyond]), np.array([0.3]), unit)
+        return np.asarray(found)
+
+    slope = (at(0.0) - at(-step)) / step
+    assert np.abs(slope).max() > 0
+    for share in (0.25, 0.7):
+        there = (at(share * fade + step) - at(share * fade - step)) / (2 * step)
+        np.testing.assert_allclose(there, (1 - share) * slope, atol=1e-4 * np.abs(slope).max())
+    np.testing.assert_array_equal(at(fade), at(3 * fade))
+    np.testing.assert_allclose(at(fade) - at(0.0), 0.5 * fade * slope, atol=1e-4 * fade * np.abs(slope).max())
