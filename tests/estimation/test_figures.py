@@ -1,0 +1,160 @@
+"""Each figure of a yardstick by its definition, pose after pose, for any directions that count or are zeroed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from axiscal.description.campaign import campaign_from_texts
+from axiscal.errors.volume import Counted
+from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick, attainable
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.case import Case
+from axiscal.numerics import Array
+
+MACHINE = """
+chain = "w-X'-b-Z-t"
+[tool]
+length = "100 mm"
+[axes.X]
+travel = ["0 mm", "600 mm"]
+[axes.Z]
+travel = ["0 mm", "400 mm"]
+[errors]
+EXX = { std = "10 um", knots = 4, length = "150 mm", rest = "2 um" }
+EXX_reversal = { std = "3 um" }
+EZX = { std = "6 um", knots = 4, length = "150 mm", rest = "1 um" }
+EBX = { std = "20 urad", knots = 4, length = "200 mm" }
+"""
+CAMPAIGN = """
+machine = "machine.toml"
+usual = "off"
+[target]
+readings = 12
+aligned = false
+[[setups]]
+name = "laser"
+instrument = "interferometer"
+direction = "x"
+moves = ["X"]
+approach = "both"
+unknowns = { zero = "1 mm" }
+"""
+CASE = Case(campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m"))
+ALL: Counted = (True, True, True)
+WAYS = [
+    ((False, False, False), ALL),
+    ((True, False, True), ALL),
+    ((True, False, False), (True, False, True)),
+    ((True, True, True), (False, False, True)),
+]
+
+
+def yardstick_of(zeroed: tuple[bool, bool, bool], counted: Counted) -> Yardstick:
+    """Return the yardstick of the axes with other directions, and with something of every error unseen."""
+    own, rng = CASE.yardstick, np.random.default_rng(3)
+    unseen = 1e-6 * rng.standard_normal((CASE.errors.size, 2))
+    return replace(own, moments=replace(own.moments, counted=counted), zeroed=zeroed, unseen=unseen)
+
+
+def belief() -> Belief:
+    rng, count = np.random.default_rng(4), CASE.knowledge.belief.size
+    root = 5e-6 * rng.standard_normal((count, count))
+    return Belief(np.zeros(count), root @ root.T)
+
+
+def defined(stick: Yardstick, covariance: Array) -> Array:
+    """Return Σ at each pose: what readings could tell, what they cannot without its constant shift, and the rests."""
+    errors, mean = CASE.errors, stick.moments.mean
+    rows, levers = errors.rows(*stick.poses), errors.levers(stick.poses[0])
+    zeroed = np.diag([float(each) for each in stick.zeroed]) @ mean
+    known, never = covariance[: errors.size, : errors.size], stick.unseen @ stick.unseen.T
+    told = (rows - zeroed) @ (known - never) @ (rows - zeroed).transpose(0, 2, 1)
+    hidden = (rows - mean) @ never @ (rows - mean).transpose(0, 2, 1)
+    rests = np.einsum("t,tmc,tmd->mcd", [term.rest**2 for term in errors.terms], levers, levers)
+    return np.asarray(told + hidden + rests)
+
+
+def traces_of(covariances: Array, counted: Counted) -> Array:
+    """Return the variances along the directions that count, added."""
+    return np.asarray(np.einsum("pcc,c->p", covariances, np.array(counted, dtype=float)))
+
+
+@pytest.mark.parametrize(("zeroed", "counted"), WAYS)
+def test_covariances_and_variances_at_the_poses(zeroed: tuple[bool, bool, bool], counted: Counted) -> None:
+    stick, known = yardstick_of(zeroed, counted), belief()
+    expected = defined(stick, known.covariance)
+    scale = float(np.abs(expected).max())
+    np.testing.assert_allclose(stick.covariances(known.factor), expected, atol=1e-9 * scale)
+    np.testing.assert_allclose(stick.variances(known.factor), traces_of(expected, counted), atol=1e-9 * scale)
+
+
+@pytest.mark.parametrize(("zeroed", "counted"), WAYS)
+def test_the_worst_is_the_largest_and_rms_the_mean_over_the_volume(
+    zeroed: tuple[bool, bool, bool], counted: Counted
+) -> None:
+    """The mean by the poses that are spread evenly, which is within some percent of the closed form."""
+    stick, known = yardstick_of(zeroed, counted), belief()
+    traces = traces_of(defined(stick, known.covariance), counted)
+    found = stick.measure(known)
+    if counted == ALL:  # the moments of this case are those of all directions
+        assert found.rms == pytest.approx(float(np.sqrt(traces[stick.evenly].mean())), rel=0.02)
+        assert stick.rms_of(stick.root.value(known.factor)) == pytest.approx(found.rms, rel=1e-9)
+    assert found.worst == pytest.approx(max(float(np.sqrt(traces.max())), found.rms), rel=1e-9)
+    at, size = int(np.argmax(traces)), CASE.errors.size
+    rows = CASE.errors.rows(*(each[[at]] for each in stick.poses))[0]
+    rows = np.array(counted)[:, None] * (rows - np.array(zeroed)[:, None] * stick.moments.mean)
+    np.testing.assert_allclose(stick.worst_root(known).matrix, rows, atol=1e-12)
+    assert stick.worst_root(known).size == size
+
+
+def test_poses_are_the_corners_and_points_spread_evenly_from_both_sides() -> None:
+    stick = CASE.yardstick
+    poses, sides = stick.poses
+    count = len(stick.places)
+    assert len(poses) == len(sides) == 2 * count == 2 * (4 + 400)
+    np.testing.assert_array_equal(poses[:count], poses[count:])
+    assert (np.unique(sides[:count]).tolist(), np.unique(sides[count:]).tolist()) == ([1.0], [-1.0])
+    corners = {(x, z) for x in (0.0, 0.6) for z in (0.0, 0.4)}
+    assert {tuple(each) for each in poses[~stick.evenly].tolist()} == corners
+    inner = stick.places[stick.evenly[:count]]
+    assert inner.mean(axis=0) == pytest.approx([0.3, 0.2], abs=2e-3)
+    assert inner.std(axis=0) == pytest.approx(np.array([0.6, 0.4]) / np.sqrt(12), abs=2e-3)
+    sampled = replace(stick, sample=np.random.default_rng(1).uniform(0, 0.4, (500, 2)))
+    assert len(sampled.places) == 400
+    assert sampled.evenly.all()
+
+
+def test_losses_of_readings_come_off_one_after_the_other() -> None:
+    """Each number takes d dᵀ off the covariance; figures stand behind the last number of each reading."""
+    stick, known = yardstick_of((True, False, False), ALL), belief()
+    rng, size = np.random.default_rng(6), CASE.errors.size
+    losses = 2e-6 * rng.standard_normal((5, size))
+    ends = np.array([1, 3, 5])
+    for end, found in zip(ends, stick.along(known.factor[:size], losses, ends), strict=True):
+        left = known.covariance[:size, :size] - losses[:end].T @ losses[:end]
+        variances = traces_of(defined(stick, left), ALL)
+        total = float(np.sum(stick.root.gram * left))
+        assert found == pytest.approx(stick.figures(total, variances), rel=1e-9)
+
+
+def test_endless_readings_leave_the_floor() -> None:
+    stick = replace(yardstick_of((False, False, False), ALL), left=1e-6 * np.eye(CASE.errors.size))
+    variances = traces_of(defined(stick, 1e-12 * np.eye(CASE.errors.size)), ALL)
+    rms, worst = stick.floors
+    assert rms == pytest.approx(float(np.sqrt(variances[stick.evenly].mean())), rel=0.02)
+    assert worst == pytest.approx(float(np.sqrt(variances.max())), rel=1e-9)
+    assert (stick.measure(belief()).floor, stick.measure(belief()).worst_floor) == (rms, worst)
+
+
+def test_a_limit_is_met_or_where_its_floor_is_above_it_a_tenth_more_than_the_floor() -> None:
+    figures = Accuracy(5e-6, 9e-6, 2e-6, 3e-6)
+    assert [figures.meets(rms, None) for rms in (5e-6, 4.9e-6)] == [True, False]
+    assert [figures.meets(None, worst) for worst in (9e-6, 8.9e-6)] == [True, False]
+    assert figures.meets(1e-6, 9e-6)
+    assert not figures.meets(None, None)
+    assert figures._replace(floor=4.6e-6).meets(1e-6, None)
+    assert not figures._replace(floor=4.5e-6).meets(1e-6, None)
+    assert [attainable(limit, 2e-6) for limit in (3e-6, 2e-6, 1e-6)] == pytest.approx([3e-6, 2e-6, 2.2e-6], rel=1e-12)
