@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.exceptions import RecordError
+from axiscal.exceptions import OvertakenError, RecordError
 from axiscal.record import log
 from axiscal.record.copies import write_copy
 from axiscal.record.events import Noted
@@ -121,6 +121,15 @@ def test_another_day_begins_with_a_signature(path: Path, key: Path, monkeypatch:
         assert [text.row.kind for text in record.texts()[-2:]] == ["signed", "noted"]
         record.append(Noted("later"))
         assert record.texts()[-2].row.kind == "noted"
+        count = len(record.texts())
+        monkeypatch.setattr(log, "_now", lambda: "2100-01-03T08:00:00.000+00:00")
+        with pytest.raises(OvertakenError):
+            record.append(Noted("of somebody who has not looked"), after=before)
+        assert len(record.texts()) == count
+        assert record.sign()
+        monkeypatch.setattr(log, "_now", lambda: "2100-01-04T08:00:00.000+00:00")
+        record.append(Noted("behind a signature"))
+        assert [text.row.kind for text in record.texts()[count:]] == ["signed", "noted"]
 
 
 def test_two_people_sign_and_nobody_twice(path: Path, key: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,63 @@
+"""Which records a name means: a file, a folder of them, a campaign of the store, or all of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from axiscal.exceptions import RecordError
+from axiscal.record import opening
+from axiscal.record.log import shared_events
+from axiscal.record.opening import file_name, gathered, is_store, is_stored, opened_log, records_of
+
+THERE = [Path("store:one"), Path("store:two")]
+
+
+@pytest.fixture
+def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a folder of two records and something else, beside a store of two campaigns."""
+    for name in ("b.axiscal", "a.axiscal", "notes.txt"):
+        (tmp_path / name).write_text("")
+
+    def ours(name: str) -> Callable[[], list[Path]]:
+        assert name.endswith("server_log:all_there")
+        return lambda: THERE
+
+    monkeypatch.setattr(opening, "ours", ours)
+    return tmp_path
+
+
+def test_a_campaign_of_the_store_begins_with_its_word(tmp_path: Path) -> None:
+    assert [is_stored(name) for name in ("store:mill", Path("store:mill"), "mill", "my store:mill")] == [
+        True, True, False, False,
+    ]  # fmt: skip
+    assert [is_store(Path(name)) for name in ("store:", "store:mill", "store")] == [True, False, False]
+    assert file_name(Path("store:mill")) == Path("mill.axiscal")
+    assert file_name(tmp_path / "mill.cal") == tmp_path / "mill.cal"
+    for nameless in ("store:", "store:  "):
+        with pytest.raises(RecordError, match="No campaign of the store is named"):
+            opened_log(nameless)
+
+
+def test_a_folder_means_its_records_in_order_and_the_store_all_of_its_campaigns(shop: Path) -> None:
+    inside, other = [shop / "a.axiscal", shop / "b.axiscal"], shop / "else.cal"
+    assert gathered([shop]) == inside
+    assert gathered([other, Path("store:three"), shop, Path("store:")]) == [
+        other, Path("store:three"), *inside, *THERE,
+    ]  # fmt: skip
+    assert records_of(shop) == inside
+    assert records_of(Path("store:")) == THERE
+    for none in (shop / "nowhere", shop / "notes.txt", Path("store:one")):
+        with pytest.raises(RecordError, match="This is no folder"):
+            records_of(none)
+
+
+@pytest.mark.parametrize("one", range(5))
+@pytest.mark.parametrize("other", range(5))
+@pytest.mark.parametrize("alike", range(5))
+def test_two_logs_share_the_events_before_the_first_that_differs(one: int, other: int, alike: int) -> None:
+    first, second = ([str(n) if n < alike else f"{who} {n}" for n in range(count)]
+                     for who, count in (("mine", one), ("theirs", other)))  # fmt: skip
+    assert shared_events(first, second) == min(one, other, alike)
