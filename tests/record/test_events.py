@@ -339,6 +339,8 @@ def test_half_a_character_is_neither_written_nor_read() -> None:
     for each in (Noted("half \ud800"), Skipped("\udce9", True), Finished("\udfff")):
         with pytest.raises(RecordError, match="half a character"):
             encode(each)
+    with pytest.raises(RecordError, match=f'^"{"b" * 36}and'):  # of a long text what stands before it
+        encode(Noted("a" * 60 + "b" * 36 + "and\ud800"))
     with pytest.raises(PayloadError, match="cannot be read"):
         decode("noted", r'{"text":"half \ud800"}')
     whole = Noted("whole \U0001f600 \x1b")

@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.exceptions import NewerError, RecordError
 from axiscal.record.events import Created, Event, Noted
-from axiscal.record.line_form import BLOCK, MARK, MARKS, START
+from axiscal.record.line_form import BLOCK, MARK, MARKS, START, Mark, mark_bytes
 from axiscal.record.salvage import Missing, Standing, standing
 from axiscal.record.store import Record
 from tests.reliability.salvaged import lines_of
@@ -128,6 +128,19 @@ def test_lines_of_another_file_are_named_and_left_out(found: Path, whole: bytes,
 def test_a_foreign_mark_does_not_say_where_this_file_ends(found: Path, whole: bytes, other: bytes, at: int) -> None:
     stands = _stands(found, _changed(whole, at, other[at : at + MARK]))
     assert (len(stands.entries), stands.missing, stands.ends) == (EVENTS, [], True)
+
+
+@pytest.mark.parametrize("chain", [63 * "0" + "1", 64 * "f"])
+def test_a_mark_of_another_chain_is_no_mark_of_this_file_even_if_it_is_newer(
+    found: Path, whole: bytes, chain: str
+) -> None:
+    """It names an event that stands here, which has another chain, and an end before the last ones."""
+    forged = mark_bytes(Mark(99, 4, lines_of(whole)[3].end, chain))
+    content = whole
+    for at in MARKS:
+        content = _changed(content, at, forged)
+    stands = _stands(found, content)
+    assert (len(stands.entries), stands.missing, stands.ends) == (EVENTS, [], False)
 
 
 def test_a_tail_that_is_gone_is_missing_up_to_the_mark(found: Path, whole: bytes) -> None:

@@ -84,6 +84,10 @@ def test_the_person_certifies_one_key_that_signs_and_certifies_nothing(signed: b
         assert limits == x509.BasicConstraints(ca=own, path_length=0 if own else None)
         may = {name for name in USAGES if getattr(usage, name)}
         assert may == ({"key_cert_sign", "crl_sign"} if own else {"digital_signature", "content_commitment"})
+        critical = {extension.oid: extension.critical for extension in each.extensions}
+        assert critical[x509.BasicConstraints.oid]  # RFC 5280, 4.2.1.9 and 4.2.1.3
+        assert critical[x509.KeyUsage.oid]
+        assert 0 < each.serial_number < 2**159  # 4.1.2.2: positive, and 20 octets at most
         assert (each.not_valid_before_utc.year, each.not_valid_after_utc.isoformat()[:10]) == (2000, "9999-12-31")
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _QUIET = (
     *("-q", "-p", "no:cacheprovider", "-W", "ignore::pytest.PytestAssertRewriteWarning"),
-    *("-m", "not linuxcnc and not chromium"),
+    *("-m", "not long and not linuxcnc and not chromium"),
 )
 
 

@@ -169,7 +169,8 @@ def _status(work: Callable[[], int], sources: Path, seconds: float) -> int:
 def files_of_tests(path: Path) -> tuple[str, ...]:
     """Return the files of tests for a changed module: those of its room, and those that name it.
 
-    Tests of whole commands, pages and docs are left out, and `covering` leaves out what starts a LinuxCNC or a browser.
+    Tests of whole commands, pages and docs are left out. `covering` leaves out long ones, which `make test` does not
+    run either, and what starts a LinuxCNC or a browser.
     """
     module = ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
     room, _, word = module.rpartition(".")
