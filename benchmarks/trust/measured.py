@@ -10,16 +10,18 @@ from scipy.interpolate import RBFInterpolator
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimate import concluded, estimated
+from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.planning.next_readings import next_places
+from axiscal.planning.plan.task import Limits
+from axiscal.planning.proposal import Thoroughness, proposed
 from axiscal.units import to_unit
 from benchmarks.trust.curves import IsoTest, Measured
 
 BAND, ENOUGH = 1.96, 0.9
 _DRAWS = 3
+_CANDIDATES = 1000
 
 
 @dataclass(frozen=True)
@@ -102,13 +104,13 @@ def predicted(estimation: Estimation, poses: Array, approaches: Array) -> tuple[
 
 
 def _planned(case: Measured, problem: Case) -> list[Reading]:
-    taken, known = list[Reading](), estimated(problem, ())
-    while len(taken) < case.readings:
-        place = next_places(known.case, known.knowledge, known.readings, known.outliers)[0]
-        pose = tuple(_nearest(case, np.array([place.pose]))[0]) if case.places.shape[1] > 1 else place.pose
-        taken.append(Reading("gauge", pose, place.approach, case.read(pose)))
-        known = estimated(problem, taken)
-    return taken
+    """Return the readings of a plan that is made before the first of them."""
+    places = proposed(problem, Limits(case.readings), Thoroughness(_CANDIDATES), bounded=False).plan.places
+    poses = np.array(places.poses)
+    poses = _nearest(case, poses) if case.places.shape[1] > 1 else poses
+    sides = places.approaches.astype(int).tolist()
+    each = zip(poses.tolist(), sides, strict=True)
+    return [Reading("gauge", tuple(pose), tuple(side), case.read(tuple(pose))) for pose, side in each]
 
 
 def _read(case: Measured, poses: Array) -> list[Reading]:

@@ -32,7 +32,7 @@ from axiscal.measurement.setup import Setup
 
 _LENGTH = 0.25
 """Of the travel: the length of an error of which none is stated."""
-_TOGETHER_KNOTS, _TOGETHER_LENGTH = 5, 0.5
+_TOGETHER_KNOTS, _TOGETHER_LENGTH = 5, 0.3
 """Knots, and length as a share of the travel, along each side of what two axes do together."""
 
 
