@@ -14,11 +14,14 @@ from scipy.stats import norm
 
 from axiscal.description.sizes import Kind, Sizes
 from axiscal.errors.model import ErrorModel
+from axiscal.estimation.promise import posterior
 from axiscal.estimation.promise.dense import Dense, mixture
 from axiscal.estimation.promise.draws import Mode, Weighed, _halved, _wings, draws, mode, redrawn, weighed
 from axiscal.estimation.promise.posterior import (
     LeftOut,
+    _as_stated,
     _half_and_half,
+    _left_out,
     _may_be_a_detail,
     _Moments,
     _moved_in,
@@ -130,6 +133,46 @@ def _told() -> tuple[Problem, Weighed]:
         ("std", ("EXX", "EYX")), ("noise", ("laser",)), ("length", ("EXX",)),
     )]  # fmt: skip
     return SimpleNamespace(sizes=Sizes(tuple(of))), SimpleNamespace(thetas=THETAS, weights=WEIGHTS)  # type: ignore
+
+
+def _of_three_draws() -> tuple[Problem, Weighed]:
+    """Return a dozen readings, one of them far off, and three draws of two sizes, the second one the heaviest."""
+    problem = sized(asked("axis", 12, 3), ("std", "noise"))
+    problem = replace(problem, values=problem.values + 60.0 * (problem.reading == 4))
+    space, thetas = space_of(problem), np.array([[-0.4, 0.2], [0.1, 0.1], [0.3, -0.2]])
+    given = tuple(each for theta in thetas if (each := space.given(theta)) is not None)
+    found = weighed(space, draws(space, mode(space)))
+    return problem, replace(found, thetas=thetas, weights=np.array([0.3, 0.5, 0.2]), given=given)
+
+
+def test_of_many_readings_the_heaviest_draw_judges_and_all_of_them_those_that_it_suspects(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    problem, found = _of_three_draws()
+    every = _left_out(problem, found)
+    monkeypatch.setattr(posterior, "MOST_NUMBERS", 11)
+    many, dense = _left_out(problem, found), Dense(problem)
+    suspected = [index for index, each in many.items() if each.z > 3]
+    assert 4 in suspected
+    assert len(suspected) < 12
+    for index, each in many.items():
+        mean, covariance = dense.expected(found.thetas[1], index)
+        if index in suspected:
+            mean, covariance = mixture([dense.expected(theta, index) for theta in found.thetas], found.weights)
+            assert each.log_odds == pytest.approx(every[index].log_odds)
+        np.testing.assert_allclose(each.covariance, covariance, rtol=1e-3)
+        np.testing.assert_allclose(each.residual, problem.values[problem.reading == index] - mean, rtol=1e-3, atol=1e-3)
+        assert each.z == pytest.approx(abs(each.residual[0]) / each.covariance[0, 0] ** 0.5)
+
+
+def test_odds_of_a_bad_reading_count_the_sizes_as_stated_as_one_draw_more() -> None:
+    problem, found = _of_three_draws()
+    dense, share = Dense(problem), float(np.exp(found.log_stated))
+    thetas = np.vstack([found.thetas, np.zeros(2)])
+    weights = np.append(found.weights, share) / (1 + share)
+    left = _as_stated(problem, found, _left_out(problem, found))
+    for index in (0, 4, 11):
+        assert left[index].log_odds == pytest.approx(np.log(dense.odds(thetas, weights, index)), rel=1e-3, abs=1e-3)
 
 
 def test_sizes_are_root_mean_squares_and_lengths_geometric_means() -> None:
