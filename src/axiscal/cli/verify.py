@@ -155,7 +155,8 @@ def _opening(
         from axiscal.ports.printers.printer import Exported, Moonraker, PrinterSource
 
         exported = None if tables is None else Exported.of(tables)
-        return lambda: PrinterSource(Moonraker(host, exported)), {} if exported is None else exported.files
+        machine = check.description.machine
+        return lambda: PrinterSource(Moonraker(host, exported), machine), {} if exported is None else exported.files
     from axiscal.ports.linuxcnc.live import InForce, attached_to
 
     any_of = InForce(active or bool(check.description.compensation_active))

@@ -1,6 +1,7 @@
-"""`moonraker:HOST` and `duet:HOST`: a 3D printer that probes its own bed at the planned points.
+"""`moonraker:HOST` and `duet:HOST`: a 3D printer that probes its own bed, or balls on it, at the planned points.
 
 A reading is minus the height at which the probe meets the bed: over a high bed the tool is too low by as much.
+The probe stands over the point, and the carriage beside it by the probe's offset, as for the printer's own map.
 Written from the protocols that Moonraker and RepRapFirmware document. Tried with Klipper behind Moonraker, no printer;
 RepRapFirmware's against a small server that speaks it.
 """
@@ -18,14 +19,19 @@ import urllib.error
 import urllib.parse
 import urllib.request
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from queue import Empty, Queue
 from typing import Any, NamedTuple
 
-from axiscal.campaign.sources.source import Answer, Request, Skip
+import numpy as np
+
+from axiscal.campaign.sources.source import Answer, Request, Skip, at_the_terminal
 from axiscal.exceptions import InputError, SourceError, TableError, TravelError
 from axiscal.language.spoken import later, said
+from axiscal.machine.description import Machine
+from axiscal.machine.inverse import tip_at
+from axiscal.measurement.touched import cycle_of, from_above, read_as, stated
 from axiscal.ports.printers.klipper import holds_heights
 from axiscal.units import from_unit, to_unit
 
@@ -50,44 +56,83 @@ _AMISS = re.compile(r"^\s*Error:?\s*(.+)$", re.MULTILINE)
 """How RepRapFirmware begins the reply to a line that it did not execute."""
 _BEYOND = re.compile(r"Move out of range|outside machine limits|not reachable")
 """How Klipper and RepRapFirmware refuse to go where their axes do not reach."""
+_OF_MODEL = "state", "move", "sensors"
+"""Parts of RepRapFirmware's object model."""
 _POLL = 0.1
 """s between two looks for a reply."""
 
 
 class PrinterSource:
-    """A printer over the network, looked at before the first reading.
+    """A printer over the network, looked at before the first reading: it probes its bed, or balls on it from above.
 
+    machine : that it is; asked : asks whoever stands at it and returns the answer
     Raises SourceError for a printer that is not ready, not homed, prints, or has a mesh or skew in force.
     """
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
+    def __init__(self, printer: Printer, machine: Machine, asked: Callable[[str], str] = at_the_terminal) -> None:
+        self._printer, self._machine, self._asked, self._standing = printer, machine, asked, ""
         printer.refuse_unready()
+        self._aside = printer.probe_offset()
 
     def read(self, request: Request) -> Answer | Skip:
-        """Go over the point, from the side of the request, and probe; a point that it cannot go to is skipped.
+        """Have the probe over the point, come to from the side of the request, and probe; a ball is probed six times.
 
-        Raises SourceError.
+        A point that it cannot go to is skipped.  Raises SourceError.
         """
         self._refuse_others(request)
         self._printer.refuse_unready()  # somebody may have started a print since
-        at = {axis.name: float(to_unit(value, "mm")) for axis, value in zip(request.axes, request.pose, strict=True)}
-        side = {axis.name: sign for axis, sign in zip(request.axes, request.approach, strict=True)}
-        overrun = {axis.name: float(to_unit(axis.overrun, "mm")) for axis in request.axes}
-        beside = {name: at[name] - overrun[name] * side[name] for name in "XY"}
-        codes = ["G21", "G90", f"G1 Z{_CLEAR:.3f} F{_LIFT}"]
-        if any(side[name] for name in "XY"):
-            codes.append(f"G1 X{beside['X']:.3f} Y{beside['Y']:.3f} F{_TRAVEL}")
-        codes += [f"G1 X{at['X']:.3f} Y{at['Y']:.3f} F{_TRAVEL}", "M400"]
         try:
-            height = self._printer.probed(codes)
+            return self._ball(request) if request.setup.instrument == "sphere" else self._height(request)
         except TravelError as impossible:
             return Skip(impossible.what)
+
+    def _height(self, request: Request) -> Answer:
+        side = {axis.name: sign for axis, sign in zip(request.axes, request.approach, strict=True)}
+        at = {axis.name: float(to_unit(value, "mm")) for axis, value in zip(request.axes, request.pose, strict=True)}
+        overrun = {axis.name: float(to_unit(axis.overrun, "mm")) for axis in request.axes}
+        beside = {name: at[name] - overrun[name] * side[name] for name in "XY"}
+        stops = [beside, at] if any(side[name] for name in "XY") else [at]
+        height = self._printer.probed(self._way(_CLEAR, stops))
         if not abs(height) <= _FARTHEST:
             what = "the probe met something {height:.3f} mm off the bed's zero"
             remedy = "Look at the probe and its offset; beyond {most:g} mm nothing is believed"
             raise SourceError(what, remedy, height=height, most=_FARTHEST)
         return Answer(-float(from_unit(height, "mm")), live=True)
+
+    def _ball(self, request: Request) -> Answer:
+        """Probe the pole, four flanks and the pole again, each from above the highest ball."""
+        machine, setup, pose = self._machine, request.setup, np.array(request.pose)
+        cycle, met = cycle_of(machine, setup), from_above(machine, pose)
+        assert setup.artefact is not None
+        over = np.array([*stated(setup, machine, pose)[:2], setup.artefact.points[:, 2].max() + cycle.radius])
+        z = machine.index("Z")
+        clear = float(to_unit(tip_at(machine, pose[None], over[None])[0, z], "mm")) + _CLEAR
+        if setup.artefact.standing != self._standing:
+            self._put_down(setup.artefact.standing, clear)
+        hits = tip_at(machine, np.tile(pose, (len(met), 1)), stated(setup, machine, pose) + cycle.radius * met)
+        for hit in hits:
+            stop = {name: float(to_unit(hit[machine.index(name)], "mm")) for name in "XY"}
+            hit[z] = from_unit(self._printer.probed(self._way(clear, [stop])), "mm")
+        value, *others = read_as(machine, setup, pose, list(hits), met)
+        return Answer(value, others=tuple(others), live=True)
+
+    def _put_down(self, standing: str, clear: float) -> None:
+        """Lift the probe, and wait until the artefact is put down at its next place."""
+        self._printer.moved(["G21", "G90", f"G1 Z{clear:.3f} F{_LIFT}", "M400"])
+        answer = self._asked(said("Put it down: {artefact}. Enter goes on, stop ends: ", artefact=standing)).strip()
+        if answer:
+            remedy = "Give the command again when it is clear"
+            raise SourceError("the run was ended by {answer!r}", remedy, answer=answer[:20])
+        self._standing = standing
+        self._printer.refuse_unready()
+
+    def _way(self, clear: float, stops: Sequence[Mapping[str, float]]) -> list[str]:
+        """Return the lines that lift the probe and bring it over stops, mm: the carriage goes beside by its offset."""
+        codes = ["G21", "G90", f"G1 Z{clear:.3f} F{_LIFT}"]
+        for stop in stops:
+            x, y = (stop[name] - aside for name, aside in zip("XY", self._aside, strict=True))
+            codes.append(f"G1 X{x:.3f} Y{y:.3f} F{_TRAVEL}")
+        return [*codes, "M400"]
 
     def close(self) -> None:
         """There is nothing to let go of: the tool stays where it is, over the bed."""
@@ -96,14 +141,15 @@ class PrinterSource:
     def _refuse_others(request: Request) -> None:
         setup, names = request.setup, {axis.name for axis in request.axes}
         upright = abs(setup.direction[2]) > 1 - 1e-9 and setup.direction[2] > 0
-        if setup.instrument != "probe" or not upright or not {"X", "Y"} <= names:
-            remedy = 'It probes its bed: instrument = "probe", direction = "z", moves = ["X", "Y"]'
+        bed = setup.instrument == "probe" and upright and {"X", "Y"} <= names
+        if not bed and not (setup.instrument == "sphere" and set("XYZ") <= names):
+            remedy = 'It probes its bed, instrument = "probe" and direction = "z", or balls, instrument = "sphere"'
             raise SourceError("a printer cannot take the readings of the set-up {setup}", remedy, setup=setup.name)
 
 
-def reached(kind: str, host: str) -> PrinterSource:
+def reached(kind: str, host: str, machine: Machine) -> PrinterSource:
     """Return the printer behind a web server; raises SourceError.  kind : of `open_source`"""
-    return PrinterSource({"moonraker": Moonraker, "duet": Duet}[kind](host))
+    return PrinterSource({"moonraker": Moonraker, "duet": Duet}[kind](host), machine)
 
 
 class Exported(NamedTuple):
@@ -143,6 +189,14 @@ class Printer(ABC):
     @abstractmethod
     def refuse_unready(self) -> None:
         """Raise SourceError where the printer is not ready to be measured."""
+
+    @abstractmethod
+    def probe_offset(self) -> tuple[float, float]:
+        """Return where the probe is beside the nozzle, x and y, mm."""
+
+    @abstractmethod
+    def moved(self, codes: list[str]) -> None:
+        """Execute lines."""
 
     @abstractmethod
     def probed(self, codes: list[str]) -> float:
@@ -240,8 +294,26 @@ class Moonraker(Printer):
             raise self._not_ready("the printer {host} is not homed", "Send G28 first")
         self._refuse_other(found)
         there, asked = (found_at(found, "gcode_move", key) or () for key in ("position", "gcode_position"))
-        if any(abs(a - b) > _SAME for a, b in zip(there[:3], asked[:3], strict=False)):
+        if _apart(there[:3], asked[:3]):
             raise self._not_ready(_SHIFTED, "Send SET_GCODE_OFFSET X=0 Y=0 Z=0 and G28 first")
+        self._refuse_skewed(found)
+
+    def _refuse_skewed(self, found: dict[str, Any]) -> None:
+        """Raise SourceError where the motors are not where they are said to be, and are to be."""
+        motors, asked = (found_at(found, *key) or () for key in _THERE)
+        if self._exported is None and _apart(motors[:2], asked[:2]):
+            raise self._not_ready("the printer {host} has a skew in force", "Send SET_SKEW CLEAR=1 first")
+
+    def probe_offset(self) -> tuple[float, float]:
+        """Ask for the section of printer.cfg that the probe has."""
+        name = str(found_at(self._status("probe"), "probe", "name") or "probe")
+        settings = found_at(self._status(configfile="settings"), "configfile", "settings", name)
+        x, y = (self._height(found_at(settings, f"{axis}_offset") or 0.0) for axis in "xy")
+        return x, y
+
+    def moved(self, codes: list[str]) -> None:
+        """Send the lines."""
+        self._script("\n".join(codes))
 
     def _refuse_other(self, found: dict[str, Any]) -> None:
         """Raise SourceError where anything else is in force than is to be."""
@@ -274,6 +346,7 @@ class Moonraker(Printer):
         """Send the lines and PROBE; `last_z_result` is where it met the bed, before what is in force is added."""
         self._script("\n".join([*codes, "PROBE"]))
         found = self._status("probe", "toolhead", "gcode_move")
+        self._refuse_skewed(found)
         height = self._height(found_at(found, "probe", "last_z_result"))
         if self._exported is None:
             return height
@@ -283,8 +356,8 @@ class Moonraker(Printer):
     def _script(self, script: str) -> None:
         self._ask("/printer/gcode/script", {"script": script}, body=b"")
 
-    def _status(self, *objects: str) -> dict[str, Any]:
-        found = self._document("/printer/objects/query", dict.fromkeys(objects, ""))
+    def _status(self, *objects: str, **parts: str) -> dict[str, Any]:
+        found = self._document("/printer/objects/query", dict.fromkeys(objects, "") | parts)
         status = found_at(found, "result", "status")
         if not isinstance(status, dict):
             raise self._failed("the printer {host} answers no status")
@@ -330,12 +403,23 @@ class Duet(Printer):
             except SourceError:
                 self._alone = True
         self._document("/rr_connect", {"password": ""})
-        return {key: self._document("/rr_model", {"key": key}).get("result") for key in ("state", "move")}
+        return {key: self._document("/rr_model", {"key": key}).get("result") for key in _OF_MODEL}
+
+    def probe_offset(self) -> tuple[float, float]:
+        """Ask the object model for the first probe."""
+        probes = found_at(self._model(), "sensors", "probes")
+        found = found_at(probes[0], "offsets") if isinstance(probes, list) and probes else None
+        x, y = (self._height(each) for each in (found or (0.0, 0.0))[:2])
+        return x, y
+
+    def moved(self, codes: list[str]) -> None:
+        """Send the lines, one by one."""
+        for code in codes:
+            self._run(code)
 
     def probed(self, codes: list[str]) -> float:
         """Send the lines and G30 S-1, which probes and only says at which height."""
-        for code in codes:
-            self._run(code)
+        self.moved(codes)
         found = _FOUND.search(said := self._run("G30 S-1", wait=True))
         if found is None:
             raise self._failed("the printer {host} answers {message!r} to G30 S-1", message=said.strip()[:200])
@@ -385,6 +469,11 @@ def _exchange(asked: urllib.request.Request) -> tuple[int, bytes] | Exception:
             return answer.status, answer.read(_MOST + 1)
     except (OSError, ValueError, http.client.HTTPException) as fault:
         return fault
+
+
+def _apart(one: Sequence[float], other: Sequence[float]) -> bool:
+    """Return whether two positions are not the same, mm."""
+    return any(abs(a - b) > _SAME for a, b in zip(one, other, strict=False))
 
 
 def _compensation(model: dict[str, Any]) -> str:
