@@ -92,7 +92,7 @@ class PrinterSource:
         overrun = {axis.name: float(to_unit(axis.overrun, "mm")) for axis in request.axes}
         beside = {name: at[name] - overrun[name] * side[name] for name in "XY"}
         stops = [beside, at] if any(side[name] for name in "XY") else [at]
-        height = self._printer.probed(self._way(_CLEAR, stops))
+        height = self._printer.probed(self._way(_CLEAR, stops, self._aside), self._way(_CLEAR, [at], (0.0, 0.0)))
         if not abs(height) <= _FARTHEST:
             what = "the probe met something {height:.3f} mm off the bed's zero"
             remedy = "Look at the probe and its offset; beyond {most:g} mm nothing is believed"
@@ -112,7 +112,7 @@ class PrinterSource:
         hits = tip_at(machine, np.tile(pose, (len(met), 1)), stated(setup, machine, pose) + cycle.radius * met)
         for hit in hits:
             stop = {name: float(to_unit(hit[machine.index(name)], "mm")) for name in "XY"}
-            hit[z] = from_unit(self._printer.probed(self._way(clear, [stop])), "mm")
+            hit[z] = from_unit(self._printer.probed(self._way(clear, [stop], self._aside), []), "mm")
         value, *others = read_as(machine, setup, pose, list(hits), met)
         return Answer(value, others=tuple(others), live=True)
 
@@ -126,12 +126,11 @@ class PrinterSource:
         self._standing = standing
         self._printer.refuse_unready()
 
-    def _way(self, clear: float, stops: Sequence[Mapping[str, float]]) -> list[str]:
-        """Return the lines that lift the probe and bring it over stops, mm: the carriage goes beside by its offset."""
+    @staticmethod
+    def _way(clear: float, stops: Sequence[Mapping[str, float]], aside: tuple[float, float]) -> list[str]:
+        """Return the lines that lift the tool and bring what is beside the nozzle over stops, mm."""
         codes = ["G21", "G90", f"G1 Z{clear:.3f} F{_LIFT}"]
-        for stop in stops:
-            x, y = (stop[name] - aside for name, aside in zip("XY", self._aside, strict=True))
-            codes.append(f"G1 X{x:.3f} Y{y:.3f} F{_TRAVEL}")
+        codes += [f"G1 X{stop['X'] - aside[0]:.3f} Y{stop['Y'] - aside[1]:.3f} F{_TRAVEL}" for stop in stops]
         return [*codes, "M400"]
 
     def close(self) -> None:
@@ -199,8 +198,8 @@ class Printer(ABC):
         """Execute lines."""
 
     @abstractmethod
-    def probed(self, codes: list[str]) -> float:
-        """Execute lines, probe, and return the height of the bed there, mm."""
+    def probed(self, codes: list[str], over: list[str]) -> float:
+        """Execute lines, probe, and return the height of the bed there, mm.  over : what brings the nozzle there"""
 
     def _ask(
         self,
@@ -342,14 +341,16 @@ class Moonraker(Printer):
         if found_at(found, "print_stats", "state") in ("printing", "paused"):
             raise self._not_ready("the printer {host} prints", "Wait until it has ended")
 
-    def probed(self, codes: list[str]) -> float:
+    def probed(self, codes: list[str], over: list[str]) -> float:
         """Send the lines and PROBE; `last_z_result` is where it met the bed, before what is in force is added."""
-        self._script("\n".join([*codes, "PROBE"]))
+        self.moved([*codes, "PROBE"])
         found = self._status("probe", "toolhead", "gcode_move")
         self._refuse_skewed(found)
         height = self._height(found_at(found, "probe", "last_z_result"))
         if self._exported is None:
             return height
+        self.moved(over)  # what is in force acts where the nozzle is
+        found = self._status("toolhead", "gcode_move")
         motors, asked = ((found_at(found, *key) or [None] * 3)[2] for key in _THERE)
         return height - (self._height(motors) - self._height(asked))
 
@@ -417,7 +418,7 @@ class Duet(Printer):
         for code in codes:
             self._run(code)
 
-    def probed(self, codes: list[str]) -> float:
+    def probed(self, codes: list[str], over: list[str]) -> float:
         """Send the lines and G30 S-1, which probes and only says at which height."""
         self.moved(codes)
         found = _FOUND.search(said := self._run("G30 S-1", wait=True))
