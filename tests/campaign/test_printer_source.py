@@ -25,7 +25,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.ports.printers.printer import reached
+from axiscal.ports.printers.printer_source import reached
 
 
 def bed(x: float, y: float) -> float:

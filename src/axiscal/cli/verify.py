@@ -152,7 +152,8 @@ def _opening(
     kind, _, host = source.partition(":")
     tables = loaded if active else None
     if kind == "moonraker":
-        from axiscal.ports.printers.printer import Exported, Moonraker, PrinterSource
+        from axiscal.ports.printers.printer import Exported, Moonraker
+        from axiscal.ports.printers.printer_source import PrinterSource
 
         exported = None if tables is None else Exported.of(tables)
         machine = check.description.machine

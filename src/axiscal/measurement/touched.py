@@ -26,7 +26,6 @@ _KINDRED = 1e-6
 _RESERVE = 0.5
 """A coordinate of the workpiece is taken for an axis only where that has a sine less by so much: it is 0.8 at least."""
 
-_COS = math.sqrt(0.75)
 TOUCHES = 6
 """In a cycle."""
 
@@ -143,7 +142,7 @@ def all_round(machine: Machine, pose: Array) -> Array:
     return met
 
 
-_CAP = np.array([(0, 0, 1), (0.5, 0, _COS), (0, 0.5, _COS), (-0.5, 0, _COS), (0, -0.5, _COS), (0, 0, 1)])
+_CAP = _SIDES * [0.5, 0.5, 1.0] + [[0, 0, 0], *[[0, 0, math.sqrt(0.75)]] * 4, [0, 0, 0]]
 """From where a probe that only goes down meets a sphere: the pole, four flanks 30 degrees beside it, the pole again."""
 
 
