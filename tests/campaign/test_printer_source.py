@@ -288,6 +288,25 @@ def test_an_answer_of_a_byte_now_and_then_is_not_waited_for(
     gone.set()
 
 
+def test_a_probe_that_never_touches_is_said_without_a_traceback(
+    printer: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = opened("moonraker", printer)
+    said = {"code": 400, "message": "No trigger on probe after full movement", "traceback": "File app.py"}
+
+    def refused(handler: Handler) -> None:
+        handler.send_response(400)
+        handler.end_headers()
+        handler.wfile.write(json.dumps({"error": said}).encode())
+
+    monkeypatch.setattr(Handler, "do_POST", refused)
+    with pytest.raises(
+        SourceError, match=r"refused /printer/gcode/script \(400\): No trigger .* movement\. Mend"
+    ) as caught:
+        source.read(request(10, 10))
+    assert "File app.py" not in str(caught.value)
+
+
 def test_a_duet_that_says_nothing_of_a_height(printer: Server, monkeypatch: pytest.MonkeyPatch) -> None:
     source = opened("duet", printer)
     monkeypatch.setattr(printer, "execute", lambda code: "Error: G30: probe already triggered")

@@ -117,12 +117,11 @@ class Printer(ABC):
 
     def _done(self, path: str, code: int, data: bytes) -> bytes:
         if code >= _REFUSED:
-            said = data[:2000].decode(errors="replace")
             raise self._failed(
                 "the printer {host} refused {path} ({code}): {message}",
                 path=path,
                 code=code,
-                message=" ".join(said.split())[:200],
+                message=" ".join(_reason(data).split())[:200],
             )
         return data
 
@@ -368,6 +367,15 @@ def _exchange(asked: urllib.request.Request) -> tuple[int, bytes] | Exception:
             return answer.status, answer.read(_MOST + 1)
     except (OSError, ValueError, http.client.HTTPException) as fault:
         return fault
+
+
+def _reason(data: bytes) -> str:
+    """Return what a refusal says: of a document as Moonraker sends it the message, without its traceback."""
+    try:
+        message = found_at(json.loads(data), "error", "message")
+    except (ValueError, RecursionError):
+        message = None
+    return message if isinstance(message, str) else data[:2000].decode(errors="replace")
 
 
 def _apart(one: Sequence[float], other: Sequence[float]) -> bool:
