@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
 from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.learnt import without_bad
-from axiscal.estimation.located import SETTLED, located, moved_by
+from axiscal.estimation.located import SETTLED, Linearity, linearity, located, moved_by
 from axiscal.estimation.stations import indices
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen, shown_values
 from benchmarks.nonlinear.stations import read, tracers
+from tests.generators import laser_axis
 
 
 def _located(case: Case, readings: list[Reading]) -> Absorbed:
@@ -70,6 +75,21 @@ def test_what_is_asked_of_another_round_is_the_step_of_the_mean_in_standard_devi
     assert moved_by(known, readings, better) == pytest.approx(expected, rel=0.1)
     assert moved_by(known, readings, known.case) == 0.0
     assert moved_by(known, [], better) == 0.0
+
+
+def test_the_least_linear_reading_is_named_and_what_is_rounding_is_nothing() -> None:
+    known, readings = _few(tracers("5 mm", "1 mm"))
+    readings = readings[::-1]
+    each = indices(known.knowledge, readings)
+    worst = int(np.argmax(each))
+    assert worst > 0
+    found = linearity(cast("Estimation", SimpleNamespace(readings=tuple(readings), absorbed=known)))
+    assert found.largest == pytest.approx(float(each.max()))
+    assert found.reading == worst + 1
+    assert [Linearity(largest, 1).gaussian for largest in (0.3, 0.31)] == [True, False]
+    laser = concluded(laser_axis.CASE, laser_axis.read(laser_axis.machine(1), 6))
+    assert linearity(laser).largest == 0.0
+    assert linearity(concluded(laser_axis.CASE, [])) == (0.0, None)
 
 
 @pytest.mark.long
