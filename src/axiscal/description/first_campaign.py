@@ -202,7 +202,8 @@ UNSAID = (
 def first_campaign(machine: Machine, source: str, instruments: Sequence[str], target: str, active: str = UNSAID) -> str:
     """Return the text of a campaign file.
 
-    source : how the file names the machine; instruments : of `OFFERED`
+    source : how the file names the machine
+    instruments : of `OFFERED`; with a square the dial reads along its legs, and nothing else straight is asked for
     target : the expanded uncertainty wanted, "" for as good as the set-ups make it
     active : the line that says whether a compensation is active
     Raises DescriptionError where a machine has no linear axis that an instrument could be read along.
@@ -215,7 +216,8 @@ def first_campaign(machine: Machine, source: str, instruments: Sequence[str], ta
         about = about | {"first": about["first"] or "# "}
     ends = {"target": target or "20 um", "readings": _MOST if target else _USUAL}
     head = _HEAD.format(name=machine.name, machine=source, active=active, tool=tool, **ends, **about)
-    setups = [text for name in instruments for text in OFFERED[name].setups(machine)]
+    offered = [name for name in instruments if name != "dial" or "square" not in instruments]
+    setups = [text for name in offered for text in OFFERED[name].setups(machine)]
     if not setups:
         what = "Nothing of {instruments} can be offered for {machine}"
         remedy = "Write the set-ups by hand, as docs/campaign.md shows"

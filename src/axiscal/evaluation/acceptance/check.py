@@ -86,11 +86,14 @@ class Check:
         count : how many; None takes what the tables need, each at its ends and where it corrects most, and
         USUAL at least where so many are new.
         Fewer than the tables need show those that correct most; the rest is where the machine should be worst and best.
-        No set-up is read at fewer places than tell the machine from it.
+        No set-up is read at fewer places than tell the machine from it. Set-ups that the campaign has read come alone:
+        of others nobody knows how they lie.
         """
         setups, lattice = self.description.setups, self.estimation.case.lattice
-        candidates = with_displacements(setups, lattice, by)
-        first = needed(self.estimate, setups, candidates, self.parts, self._used_places())
+        candidates, used = with_displacements(setups, lattice, by), self._used_places()
+        if len(judges := np.intersect1d(used.setups, candidates.setups)):
+            candidates = candidates.within(np.isin(candidates.setups, judges))
+        first = needed(self.estimate, setups, candidates, self.parts, used)
         most = len(first) + len(candidates) if count is None else count
         first = self._whole(first, candidates, most, tolerance)
         left = max(USUAL - len(first), _FEW) if count is None else count - len(first)
