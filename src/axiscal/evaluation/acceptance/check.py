@@ -20,6 +20,7 @@ from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.acceptance.at_the_machine import Sheet
+from axiscal.evaluation.acceptance.datums import lines_shared
 from axiscal.evaluation.acceptance.judgement import Judgement
 from axiscal.evaluation.acceptance.table_checks import Part, needed, parts_of, taken_away
 from axiscal.evaluation.acceptance.verification import (
@@ -114,20 +115,24 @@ class Check:
     def _whole(self, first: Places, candidates: Places, count: int, tolerance: float) -> Places:
         """Return `count` places at most, the first ones and what their set-ups lack to be told from the machine.
 
-        A set-up that has too few new places for that is left out.
+        A set-up that has too few new places for that is left out; both legs of a square are read, or it shows little.
         """
         asked, setups = first, self.description.setups
         first = first.within(slice(count))
         while len(first):
             lacking = places_lacking(self.estimate, setups, candidates, first, tolerance)
-            lacking = {setup: more for setup, more in lacking.items() if more and setup in first.setups}
+            mounted = set(first.setups.tolist())
+            shared = set[str]().union(*(lines_shared(setups[setup]) for setup in mounted))
+            mounted |= {setup for setup in lacking if lines_shared(setups[setup]) & shared}
+            lacking = {setup: more for setup, more in lacking.items() if more and setup in mounted}
             if len(first) + sum(lacking.values()) <= count:
                 for setup, more in lacking.items():
                     own = candidates.within(candidates.setups == setup)
                     try:
                         first = Places.joined([first, self._others(own, more, first, tolerance)])
                     except ReadingError:
-                        return self._whole(asked.within(asked.setups != setup), candidates, count, tolerance)
+                        others = candidates.within(candidates.setups != setup)
+                        return self._whole(asked.within(asked.setups != setup), others, count, tolerance)
                 return first
             first = first.without(len(first) - 1)
         return first
