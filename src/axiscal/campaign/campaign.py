@@ -20,6 +20,7 @@ from axiscal.campaign.ending import (
     BUDGET,
     FUTILE,
     Ended,
+    because_text,
     count_reached,
     out_of_reach,
     refuse_endless,
@@ -397,4 +398,5 @@ class Campaign(Closing):
     def _refuse_finished(self) -> None:
         if self.state.finished is not None:
             remedy = "Take the end back with `axiscal step undo`, or start a new campaign"
-            raise RecordError("The campaign is finished: {finished}", remedy, self.path, finished=self.state.finished)
+            finished = because_text(self.state.finished)
+            raise RecordError("The campaign is finished: {finished}", remedy, self.path, finished=finished)
