@@ -61,8 +61,8 @@ def _row(each: ShopRecord) -> tuple[str, ...]:
     lengths = ["-" if value is None else micrometres(value) for value in (known.rms, known.expanded)]
     name = known.machine + (f" {known.serial}" if known.serial else "")
     day, target = (known.last or known.begun)[:10], known.target or "-"
-    said = name, day, str(known.readings), target, *lengths, known.agreement or "-"
-    return *said, each.chain[:_SHOWN], each.file.name
+    found = name, day, str(known.readings), target, *lengths, known.agreement or "-"
+    return *found, each.chain[:_SHOWN], each.file.name
 
 
 def _document(found: ShopList) -> dict[str, object]:

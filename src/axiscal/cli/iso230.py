@@ -10,7 +10,7 @@ import typer
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_document
 from axiscal.evaluation import Positioning, figures_of
-from axiscal.language.spoken import later, said
+from axiscal.language.spoken import decimals, later, said
 from axiscal.units import to_unit
 
 _WORDS = {
@@ -66,7 +66,8 @@ def iso230(
         _say_positioning(found)
     else:
         for name, value in found.figures.items():
-            say(f"{name:20}{to_unit(value, 'um'):10.3f} um   {said(_CIRCLE[name])}")
+            figure = decimals(f"{to_unit(value, 'um'):10.3f}")
+            say(f"{name:20}{figure} um   {said(_CIRCLE[name])}")
     for warning in found.warnings:
         say(warning)
 
@@ -77,8 +78,8 @@ def _say_positioning(found: Positioning) -> None:
         value = document[name]
         figure = f"{said('not measured'):>12}"
         if value is not None:
-            figure = f"{value:12.3f} {unit} ± {to_unit(found.uncertainty[name], unit):.3f}"
+            figure = decimals(f"{value:12.3f} {unit} ± {to_unit(found.uncertainty[name], unit):.3f}")
         say(f"{name:7}{figure}   {said(words)}")
     if found.vdi3441:
         shown = ", ".join(f"{name} {to_unit(value, unit):.3f}" for name, value in found.vdi3441.items())
-        say(f"VDI/DGQ 3441: {shown} {unit}")
+        say(decimals(f"VDI/DGQ 3441: {shown} {unit}"))

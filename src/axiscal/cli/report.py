@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import OwnRecord, ReportLanguage
 from axiscal.cli.printing import say
@@ -43,7 +44,7 @@ def report(
 
     target = record.with_suffix(".html") if out is None else _page(out)
     with Campaign.open(record, write=False) as campaign:
-        summary = summarise(campaign, campaign.estimate(ended=True), Extras())
+        summary = summarise(campaign, campaign.estimate(ended=True), Extras(answer=standing_answer(campaign)))
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target, language)
     if summary.record is not None and key_file().exists():
