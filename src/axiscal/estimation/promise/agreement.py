@@ -144,7 +144,7 @@ def agreement(
     stated = chi_square_tail(len(whole.values), weighed.stated.square)
     tried = list[_Tried]()
     if stated < CONTRADICTS:  # sizes that are learnt hide another unit, or a jump of which few readings are
-        alone = replace(weighed, weights=np.ones(1), given=(weighed.stated,))
+        alone = replace(weighed, thetas=0 * weighed.thetas[:1], weights=np.ones(1), given=(weighed.stated,))
         moved = _jumps(whole, alone, weighed.log_stated)
         tried += [*_units(whole, weighed), *(each for each in moved if _stands(whole, each.mistake.setups[0]))]
     if p < CONTRADICTS:
