@@ -9,20 +9,32 @@ import urllib.parse
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from importlib.resources import files
+from io import StringIO
 from typing import Any, TypeVar
 
+import numpy as np
 import pytest
 
 from axiscal.campaign.sources import open_source
 from axiscal.campaign.sources.source import Answer, Request, Skip
+from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import SourceError
 from axiscal.machine.description import load_machine
+from axiscal.measurement.candidates import spread
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.simulation import Simulator
+from axiscal.numerics import Array
+from axiscal.ports.printers.printer_source import reached
 
 
 def bed(x: float, y: float) -> float:
     """How high the bed is, mm."""
     return 0.05 + 0.0004 * x - 0.0002 * y
+
+
+ASIDE = (20.0, -5.0)
+"""mm from the nozzle to the probe."""
 
 
 class Server(ThreadingHTTPServer):
@@ -45,17 +57,23 @@ class Server(ThreadingHTTPServer):
             "toolhead": {"homed_axes": "xyz"},
             "bed_mesh": {"profile_name": ""},
             "axiscal": {},
+            "configfile": {"settings": {"bltouch": {"x_offset": 20.0, "y_offset": -5.0}}},
             "gcode_move": {"position": [1.0, 2.0, 5.0, 9.0], "gcode_position": [1.0, 2.0, 5.0, 0.0]},
         }
         self.duet: dict[str, Any] = {
             "state": {"status": "idle"},
             "move": {"axes": [{"homed": True}] * 3, "compensation": {"type": "none"}, "workplaceNumber": 1},
+            "sensors": {"probes": [{"offsets": [20.0, -5.0]}]},
         }
+
+    def height(self, x: float, y: float) -> float:
+        """How high the probe meets anything at a place, mm."""
+        return bed(x, y)
 
     def execute(self, code: str) -> str:
         self.told.append(code)
         self.at |= {axis: float(value) for axis, value in re.findall(r"([XYZ])(-?[\d.]+)", code)}
-        height = round(bed(self.at["X"], self.at["Y"]), 6)
+        height = round(self.height(self.at["X"] + ASIDE[0], self.at["Y"] + ASIDE[1]), 6)
         if code == "PROBE":
             self.last = height
         return f"Stopped at height {height} mm\n" if code == "G30 S-1" else ""
@@ -71,7 +89,7 @@ class Handler(BaseHTTPRequestHandler):
         if printer.lost:
             self.connection.close()
         elif path == "/printer/objects/query":
-            known = printer.klipper | {"probe": {"last_z_result": printer.last}}
+            known = printer.klipper | {"probe": {"name": "bltouch", "last_z_result": printer.last}}
             self._say(json.dumps({"result": {"status": {name: known[name] for name in asked}}}))
         elif path == "/machine/model" and not printer.alone:
             self._say(json.dumps(printer.duet))
@@ -135,7 +153,10 @@ def printer() -> Iterator[Server]:
 
 
 def opened(kind: str, server: Server) -> Any:
-    return open_source(f"{kind}:127.0.0.1:{server.server_address[1]}", None)  # type: ignore[arg-type]
+    return open_source(f"{kind}:127.0.0.1:{server.server_address[1]}", SIMULATOR)
+
+
+SIMULATOR = Simulator(load_machine("printer-gantry"), ())
 
 
 def request(x: float, y: float, side: tuple[int, int] = (0, 0), up: float = 1.0) -> Request:
@@ -167,7 +188,7 @@ def test_a_side_is_come_from(printer: Server) -> None:
     """Over the overrun for which the plan has left room within the travel."""
     opened("moonraker", printer).read(request(100.0, 50.0, (1, -1)))
     moves = [code for code in printer.told if code.startswith("G1 X")]
-    assert moves == ["G1 X99.000 Y51.000 F3000", "G1 X100.000 Y50.000 F3000"]
+    assert moves == ["G1 X79.000 Y56.000 F3000", "G1 X80.000 Y55.000 F3000"]  # less the offset of the probe
 
 
 NOT_READY = [
@@ -177,6 +198,7 @@ NOT_READY = [
     ("moonraker", ("bed_mesh", "profile_name"), "default", "has a bed mesh in force"),
     ("moonraker", ("axiscal", "active"), True, "has its whole correction in force"),
     ("moonraker", ("gcode_move", "gcode_position"), [0.0, 2.0, 5.0, 0.0], "has its coordinates shifted"),
+    ("moonraker", ("toolhead", "position"), [1.001, 2.0, 5.0, 9.0], "has a skew in force"),
     ("duet", ("state", "status"), "processing", "not idle"),
     ("duet", ("move", "axes"), [{"homed": True}, {"homed": False}, {"homed": True}], "is not homed"),
     ("duet", ("move", "axes"), [{"homed": True, "workplaceOffsets": [0, 1.5]}] * 3, "has its coordinates shifted"),
@@ -266,6 +288,25 @@ def test_an_answer_of_a_byte_now_and_then_is_not_waited_for(
     gone.set()
 
 
+def test_a_probe_that_never_touches_is_said_without_a_traceback(
+    printer: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = opened("moonraker", printer)
+    said = {"code": 400, "message": "No trigger on probe after full movement", "traceback": "File app.py"}
+
+    def refused(handler: Handler) -> None:
+        handler.send_response(400)
+        handler.end_headers()
+        handler.wfile.write(json.dumps({"error": said}).encode())
+
+    monkeypatch.setattr(Handler, "do_POST", refused)
+    with pytest.raises(
+        SourceError, match=r"refused /printer/gcode/script \(400\): No trigger .* movement\. Mend"
+    ) as caught:
+        source.read(request(10, 10))
+    assert "File app.py" not in str(caught.value)
+
+
 def test_a_duet_that_says_nothing_of_a_height(printer: Server, monkeypatch: pytest.MonkeyPatch) -> None:
     source = opened("duet", printer)
     monkeypatch.setattr(printer, "execute", lambda code: "Error: G30: probe already triggered")
@@ -284,7 +325,7 @@ def test_a_lost_connection_is_said(printer: Server, kind: str) -> None:
 @pytest.mark.parametrize("host", ["a b", "x/../y", "a\r\nHost: b", "-x", "h:999999", "user@host", "é"])
 def test_names_that_could_do_harm_are_refused(host: str) -> None:
     with pytest.raises(SourceError, match="is no name of a printer"):
-        open_source(f"moonraker:{host}", None)  # type: ignore[arg-type]
+        open_source(f"moonraker:{host}", SIMULATOR)
 
 
 def test_other_readings_are_not_a_printers(printer: Server) -> None:
@@ -292,3 +333,60 @@ def test_other_readings_are_not_a_printers(printer: Server) -> None:
     with pytest.raises(SourceError, match="cannot take the readings"):
         source.read(request(10, 10, up=0.0))
     assert printer.told == []
+
+
+FRAME = """
+machine = "printer-gantry"
+controls = ["klipper"]
+[[artefacts]]
+name = "frame"
+balls = { one = ["-60 mm", "-60 mm", "12 mm"], two = ["60 mm", "-60 mm", "12 mm"], three = ["0 mm", "60 mm", "20 mm"] }
+calibrated = "0.3 mm"
+diameter = "12 mm"
+[[setups]]
+name = "turned"
+instrument = "sphere"
+artefact = "frame"
+at = ["150 mm", "150 mm", "-40 mm"]
+turn = "90 deg"
+"""
+OFF = (0.3, -0.2, 0.1)
+"""mm from where a ball is stated to where it stands."""
+
+
+class Framed(Server):
+    """A printer with balls on its bed."""
+
+    balls: Array
+
+    def height(self, x: float, y: float) -> float:
+        """How high the probe meets a ball, or the bed, mm."""
+        left = 7.0**2 - np.sum((self.balls[:, :2] - [x, y]) ** 2, axis=1)
+        return float(max([bed(x, y), *(self.balls[:, 2] + np.sqrt(np.maximum(left, 0.0)))[left > 0]]))
+
+
+@pytest.mark.parametrize("answer", ["\n", "stop\n"])
+def test_a_ball_is_probed_from_above(monkeypatch: pytest.MonkeyPatch, answer: str) -> None:
+    text = (
+        (files("axiscal.machine") / "library" / "printer-gantry.toml")
+        .read_text(encoding="utf-8")
+        .replace('length = "40 mm"', 'length = "40 mm"\nstylus = "2 mm"')
+    )
+    campaign = campaign_from_texts(FRAME, "campaign.toml", text, "printer.toml", target_needed=False)
+    (setup,) = campaign.setups
+    assert setup.artefact is not None
+    monkeypatch.setattr("sys.stdin", StringIO(answer))
+    with serving(Framed()) as printer:
+        printer.balls = 1e3 * setup.artefact.points + [0.0, 0.0, 40.0] + OFF
+        source = reached("moonraker", f"127.0.0.1:{printer.server_address[1]}", campaign.machine)
+        for pose in spread(campaign.machine, (setup,), 3).poses:
+            asked = Request(1, setup, campaign.machine.axes, tuple(pose.tolist()), (0, 0, 0))
+            if answer.strip():
+                with pytest.raises(SourceError, match="the run was ended by 'stop'"):
+                    source.read(asked)
+                assert printer.told == ["G21", "G90", "G1 Z32.000 F600", "M400"]
+                return
+            read = source.read(asked)
+            assert isinstance(read, Answer)
+            assert 1e3 * np.array([read.value, *read.others]) == pytest.approx(-np.array(OFF), abs=1e-4)
+        assert printer.told.count("PROBE") == 18

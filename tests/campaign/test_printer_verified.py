@@ -14,7 +14,7 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.evaluation.acceptance.check import Check
-from tests.campaign.test_printer_source import Server, bed, serving
+from tests.campaign.test_printer_source import Server, serving
 
 pytestmark = pytest.mark.long
 
@@ -41,12 +41,9 @@ class Levelled(Server):
 
     def execute(self, code: str) -> str:
         said = super().execute(code)
-        if code == "PROBE":
-            x, y = self.at["X"], self.at["Y"]
-            height = bed(x, y)
-            self.klipper["toolhead"] |= {"position": [x, y, height, 0.0]}
-            shown = [x, y, height - self.added(x, y), 0.0]
-            self.klipper["gcode_move"] = {"position": shown, "gcode_position": shown}
+        x, y = self.at["X"], self.at["Y"]
+        self.klipper["gcode_move"] = {"position": [x, y, 5.0], "gcode_position": [x, y, 5.0]}
+        self.klipper["toolhead"] |= {"position": [x, y, 5.0 + self.added(x, y)]}
         return said
 
     def added(self, x: float, y: float) -> float:

@@ -14,6 +14,7 @@ import urllib.request
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 from shutil import which
 from tempfile import TemporaryDirectory
@@ -23,14 +24,18 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.sources import Answer, Request, open_source
+from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import SourceError
 from axiscal.machine.description import load_machine
+from axiscal.measurement.candidates import spread
 from axiscal.measurement.readers.bed_map import mesh as saved_mesh
 from axiscal.measurement.readers.text import TextFile
 from axiscal.measurement.setup import Setup
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
-from axiscal.ports.printers.printer import Exported, Moonraker, PrinterSource
+from axiscal.ports.printers.printer import Exported, Moonraker
 from axiscal.ports.printers.printer_loader import loader_at
+from axiscal.ports.printers.printer_source import PrinterSource
 from axiscal.tables.surface import mesh_of_nodes
 from tests.controls.fetched import python
 from tests.controls.klipper_host import klipper
@@ -38,7 +43,9 @@ from tests.controls.known import TRAVELS
 
 BED = (0.31, 0.8, -0.6, 0.5, -0.3)
 """mm: the height of the bed at 0, and by x, y, x y and x x in 100 mm: a bed as crooked as a probe is quick here."""
-_TURN, _STEPS = {"x": 128.0, "y": 128.0, "z": 8.0}, 200 * 16
+ASIDE, LEAN = (25.0, -5.0), 0.8e-3
+"""mm from the nozzle to the probe, and rad by which Y leans towards -x."""
+_TURN, _STEPS = {"x": 16.0, "y": 16.0, "z": 8.0}, 200 * 16
 """mm of a turn of each motor, and its steps."""
 _SECONDS = 40.0
 _OLD = "axiscal_mesh.cfg"
@@ -46,7 +53,7 @@ _AS_LEFT = 0.01
 """mm: a micro-controller that is a program here sees its bed as late as a busy computer lets it."""
 _ON_TIME = ("chrt", "-f", "1")
 """Before what must not be late beside other work: Klipper stops a printer whose host is 25 ms late while it homes."""
-_PLACES = np.array([[8.0, 8.0, 1.0], [70.0, 15.0, 2.0], [60.0, 70.0, 1.0]])
+_PLACES = np.array([[32.0, 8.0, 1.0], [70.0, 15.0, 2.0], [60.0, 70.0, 1.0]])
 """mm, near each other: a source goes slowly"""
 
 
@@ -54,6 +61,28 @@ def height(x: float, y: float) -> float:
     """Return how high the bed is, mm.  x, y : mm"""
     a, b = x / 100, y / 100
     return BED[0] + BED[1] * a + BED[2] * b + BED[3] * a * b + BED[4] * a * a
+
+
+def meets(x: float, y: float) -> float:
+    """Return how high the bed is where the probe is, with the head of a printer that leans at a place, mm."""
+    return height(x - LEAN * (y - ASIDE[1]), y)
+
+
+SIMULATOR = Simulator(load_machine("printer-gantry"), ())
+_FRAME = """
+machine = "printer-gantry"
+controls = ["klipper"]
+[[artefacts]]
+name = "frame"
+balls = { one = ["-40 mm", "-40 mm", "9 mm"], two = ["40 mm", "-30 mm", "9 mm"], three = ["0 mm", "50 mm", "14 mm"] }
+calibrated = "0.3 mm"
+diameter = "12 mm"
+[[setups]]
+name = "frame"
+instrument = "sphere"
+artefact = "frame"
+at = ["100 mm", "80 mm", "-40 mm"]
+"""
 
 
 @dataclass(frozen=True)
@@ -127,7 +156,17 @@ def config(data: Path) -> str:
             lines += ["homing_speed: 5", "endstop_pin: probe:z_virtual_endstop"]
         else:
             lines += ["homing_speed: 40", f"endstop_pin: gpio{4 * k + 3}", "position_endstop: 0"]
-    lines += ["[probe]", "pin: gpio13", "z_offset: 0", "speed: 4", "lift_speed: 10", "samples: 1"]
+    lines += ["[output_pin placed]", "pin: gpio14", "[skew_correction]"]
+    lines += [
+        "[probe]",
+        "pin: gpio13",
+        f"x_offset: {ASIDE[0]}",
+        f"y_offset: {ASIDE[1]}",
+        "z_offset: 0",
+        "speed: 4",
+        "lift_speed: 10",
+        "samples: 1",
+    ]
     lines += ["[bed_mesh]", "mesh_min: 0, 0", "mesh_max: 300, 240", "[virtual_sdcard]", f"path: {data}/gcodes"]
     return "\n".join(lines) + "\n"
 
@@ -135,13 +174,43 @@ def config(data: Path) -> str:
 def read(printer: Printer) -> tuple[Array, Array]:
     """Return what a source reads of the bed, and how high it is, both (n,) mm over the first place."""
     with pytest.raises(SourceError, match="has its whole correction in force"):
-        open_source(f"moonraker:{printer.host}", None)  # type: ignore[arg-type]
+        open_source(f"moonraker:{printer.host}", SIMULATOR)
     printer.told("AXISCAL ENABLE=0")
-    source = open_source(f"moonraker:{printer.host}", None)  # type: ignore[arg-type]
+    source = open_source(f"moonraker:{printer.host}", SIMULATOR)
     found = [source.read(_request(x, y)) for x, y, _ in _PLACES]
     heights = np.array([-1e3 * each.value for each in found if isinstance(each, Answer)])
-    bed = np.array([height(x, y) for x, y, _ in _PLACES])
+    bed = np.array([meets(x, y) for x, y, _ in _PLACES])
     return heights - heights[0], bed - bed[0]
+
+
+def refused(printer: Printer) -> None:
+    """Set a skew and see it refused."""
+    printer.told("SET_SKEW XY=1414.3,1414.1,1000")
+    source = open_source(f"moonraker:{printer.host}", SIMULATOR)
+    with pytest.raises(SourceError, match="has a skew in force"):  # Klipper shows it with the next move
+        source.read(_request(40.0, 60.0))
+    printer.told("SET_SKEW CLEAR=1")
+
+
+def framed(printer: Printer) -> None:
+    """Put balls on the bed and read them: each is found where it is for a printer that leans."""
+    text = (files("axiscal.machine") / "library" / "printer-gantry.toml").read_text(encoding="utf-8")
+    text = text.replace('length = "40 mm"', 'length = "40 mm"\nstylus = "2 mm"')
+    campaign = campaign_from_texts(_FRAME, "campaign.toml", text, "printer.toml", target_needed=False)
+    (setup,) = campaign.setups
+    assert setup.artefact is not None
+    stated = 1e3 * setup.artefact.points + [0.0, 0.0, 40.0]
+    lines = ["7", *(f"{x + 0.3} {y - 0.2} {z + 0.1}" for x, y, z in stated)]
+    (printer.files.parent / "balls").write_text("\n".join(lines))
+    printer.told("SET_PIN PIN=placed VALUE=1", "G4 P200", "SET_PIN PIN=placed VALUE=0", "G4 P200")
+    source = PrinterSource(Moonraker(printer.host), campaign.machine, asked=lambda _: "")
+    for pose in spread(campaign.machine, (setup,), 3).poses:
+        at = tuple(pose.tolist())
+        answer = source.read(Request(1, setup, campaign.machine.axes, at, (0, 0, 0)))
+        assert isinstance(answer, Answer)
+        y = 1e3 * at[campaign.machine.index("Y")]
+        off = -1e3 * np.array([answer.value, answer.others[0]]) - [0.3 + LEAN * (y - ASIDE[1]), -0.2]
+        assert np.abs(off).max() < _AS_LEFT, off
 
 
 def loaded(printer: Printer, mesh: str) -> tuple[Array, Array]:
@@ -153,7 +222,7 @@ def loaded(printer: Printer, mesh: str) -> tuple[Array, Array]:
         printer.told("G1 Z2")
     printer.told("AXISCAL ENABLE=0")
     found = added(printer)[:, 2]
-    left, bed = as_left(printer, mesh), np.array([height(x, y) for x, y, _ in _PLACES])
+    left, bed = as_left(printer, mesh), np.array([meets(x, y) for x, y, _ in _PLACES])
     assert np.abs(np.diff(left) - np.diff(bed - found)).max() < _AS_LEFT
     printer.told("BED_MESH_CLEAR")
     text = TextFile(_OLD, tuple(mesh.splitlines()))
@@ -163,8 +232,8 @@ def loaded(printer: Printer, mesh: str) -> tuple[Array, Array]:
 def as_left(printer: Printer, mesh: str) -> Array:
     """Return how high the bed is with the mesh in force, (n,) mm."""
     with pytest.raises(SourceError, match="has a bed mesh in force"):
-        open_source(f"moonraker:{printer.host}", None)  # type: ignore[arg-type]
-    source = PrinterSource(Moonraker(printer.host, Exported(mesh, None, {})))
+        open_source(f"moonraker:{printer.host}", SIMULATOR)
+    source = PrinterSource(Moonraker(printer.host, Exported(mesh, None, {})), SIMULATOR.machine)
     found = [source.read(_request(x, y)) for x, y, _ in _PLACES]
     return np.array([-1e3 * each.value for each in found if isinstance(each, Answer)])
 
@@ -195,15 +264,15 @@ def _request(x: float, y: float) -> Request:
 
 
 @contextmanager
-def running(files: Mapping[str, str]) -> Iterator[Printer]:
-    """Yield a printer that is homed, with the extra and the file of an export.  files : of the export"""
+def running(exported: Mapping[str, str]) -> Iterator[Printer]:
+    """Yield a printer that is homed, with the extra and the file of an export.  exported : its files"""
     at = klipper()
     with TemporaryDirectory(prefix="axiscal-printer-") as folder, ExitStack() as stack:
         data = Path(folder)
         for name in ("config", "gcodes", "logs"):
             (data / name).mkdir()
-        (at / "klippy" / "extras" / "axiscal.py").write_text(files["axiscal.py"])
-        (data / "config" / "axiscal.vcomp").write_text(files["axiscal.vcomp"])
+        (at / "klippy" / "extras" / "axiscal.py").write_text(exported["axiscal.py"])
+        (data / "config" / "axiscal.vcomp").write_text(exported["axiscal.vcomp"])
         (data / "config" / "printer.cfg").write_text(config(data) + "[axiscal]\n")
         (data / "config" / _OLD).write_text("# of the owner\n")
         printer = Printer(_free(), data / "config")
@@ -217,7 +286,8 @@ def running(files: Mapping[str, str]) -> Iterator[Printer]:
             "provider: none",
         ]
         (data / "config" / "moonraker.conf").write_text("\n".join(server) + "\n")
-        env = {"STEPS_PER_MM": ",".join(f"{_STEPS / turn}" for turn in _TURN.values()), "BED": ",".join(map(str, BED))}
+        env = {"PROBE": ",".join(map(str, (*ASIDE, LEAN))), "BALLS": str(data / "balls")}
+        env |= {"STEPS_PER_MM": ",".join(f"{_STEPS / turn}" for turn in _TURN.values()), "BED": ",".join(map(str, BED))}
         on_time = _ON_TIME if _permitted() else ()
         words: list[list[str | Path]] = [[*on_time, at / "out" / "klipper.elf", "-I", data / "mcu"]]
         words += [

@@ -77,11 +77,14 @@ def marlin_row() -> Row:
 
 
 def moonraker() -> Row:
-    """A bed that `run --source moonraker:` probes, a mesh of `export --load`, and the extra after FIRMWARE_RESTART."""
+    """A bed and balls that `run --source moonraker:` probes, a mesh of `export --load`, the extra after a restart."""
     machine = known(OWN, STRAIGHT, SQUARE, BED)
     mesh, whole = (machine.exported(name, mesh=7) for name in ("klipper", "klipper-volumetric"))
     with live_printer.running(whole.files) as printer:
-        seen = [live_printer.read(printer), live_printer.loaded(printer, mesh.files["bed_mesh.cfg"])]
+        seen = [live_printer.read(printer)]
+        live_printer.refused(printer)
+        live_printer.framed(printer)
+        seen += [live_printer.loaded(printer, mesh.files["bed_mesh.cfg"])]
         added, places = live_printer.whole(printer)
     order = order_of(machine)
     said = np.empty_like(places)

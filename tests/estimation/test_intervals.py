@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -61,6 +63,32 @@ def test_only_readings_of_a_coarse_display_are_changed() -> None:
     changed = sited(coarse, [*readings, Reading("it", (0.4,), (1,), 20e-6, std=1e-6)])
     assert changed[-1].value == 20e-6
     assert all(abs(new.value - old.value) < 20e-6 and new.std for new, old in zip(changed, readings, strict=False))
+
+
+def test_of_each_interval_the_estimate_has_the_mean_and_the_variance_that_all_others_leave() -> None:
+    """The fixed point itself: numbers without their own site, cut by their interval, by numerical integration."""
+    coarse = observed('resolution = "20 um"')
+    at, rng = (0.1, 0.12, 0.3, 0.33, 0.6, 0.8), np.random.default_rng(4)
+    shown = 20e-6 * rng.integers(-1, 3, len(at))
+    readings = [replace(each, value=float(value)) for each, value in zip(readings_at(at, 0.0), shown, strict=True)]
+    readings[4] = replace(readings[4], std=1e-6)
+    fitted, setup = Fitted.of(coarse, readings), coarse.setups[0]
+    changed, scatter = sited(coarse, readings), setup.scatter
+    values = fitted.values + np.array([new.value - old.value for new, old in zip(changed, readings, strict=True)])
+    precisions = np.array([(each.std or np.nan) ** -2 for each in changed])
+    mean, variance = fitted.estimate(values, precisions)
+    assert changed[4] == readings[4]
+    assert len({each.std for each in changed}) > 3
+    z = np.linspace(-8, 8, 4001)
+    for number in (0, 1, 2, 3, 5):
+        cavity = 1 / (1 / variance[number] - precisions[number])
+        centre = cavity * (mean[number] / variance[number] - precisions[number] * values[number])
+        truth = centre + np.sqrt(cavity) * z
+        ends = (fitted.values[number] + half for half in (10e-6, -10e-6))
+        density = norm.pdf(z) * -np.diff([norm.cdf((end - truth) / scatter) for end in ends], axis=0)[0]
+        whole, first, second = (np.trapezoid(z**k * density, z) for k in range(3))
+        assert (mean[number] - centre) / np.sqrt(cavity) == pytest.approx(first / whole, abs=1e-3)
+        assert variance[number] / cavity == pytest.approx(second / whole - (first / whole) ** 2, rel=2e-3)
 
 
 @pytest.mark.parametrize("bound", [3.0, 6.0, 12.0])

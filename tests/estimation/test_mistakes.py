@@ -35,7 +35,7 @@ from axiscal.numerics import Array
 from tests.generators.problems import asked, sized
 
 COUNTS = {"axis": 9, "two set-ups": 8}
-JUMP = 30.0
+JUMPS = 30.0, 1e3, 3e4
 
 
 @cache
@@ -124,20 +124,22 @@ def test_two_set_ups_of_as_many_numbers_may_be_swapped() -> None:
 
 
 @pytest.mark.parametrize(("kind", "sizes"), KINDS)
-def test_a_jump_is_thirty_noises_more_from_its_reading_on(kind: str, sizes: tuple[str, ...]) -> None:
+def test_a_jump_of_each_size_is_so_many_noises_more_from_its_reading_on(kind: str, sizes: tuple[str, ...]) -> None:
     """Of what is read in three directions each moves by itself."""
     problem, weighed = _learning(kind, sizes)
     without, found = _Without(problem, weighed), list(_jumps(problem, weighed))
-    assert [each.mistake.setups for each in found] == [(setup,) for setup in sorted(set(problem.setup.tolist()))]
-    for setup, jump in enumerate(found):
+    wide = {setup: JUMPS if sum(problem.reading == problem.reading[problem.setup == setup][0]) > 1 else JUMPS[:1]
+            for setup in sorted(set(problem.setup.tolist()))}  # fmt: skip
+    assert [each.mistake.setups for each in found] == [(setup,) for setup, sizes in wide.items() for _ in sizes]
+    for (setup, noises), jump in zip([(s, n) for s, sizes in wide.items() for n in sizes], found, strict=True):
         mine = problem.setup == setup
         readings = sorted(set(problem.reading[mine].tolist()))
         number = np.arange(len(mine)) - np.searchsorted(problem.reading, problem.reading)
-        size = JUMP * float(np.median(problem.noise[mine])) / problem.noise
+        size = noises * float(np.median(problem.noise[mine])) / problem.noise
         each = {
             first: without.odds(
                 problem.values,
-                len(readings) - 1,
+                len(wide[setup]) * (len(readings) - 1),
                 size * np.array([mine & (number == k) & (problem.reading >= first) for k in set(number[mine])]),
             )
             for first in readings[1:]
@@ -154,11 +156,11 @@ def test_a_jump_of_one_number_is_of_its_zero_whatever_else_the_mounting_leaves_o
     (plain,) = _jumps(problem, weighed)
     assert list(_jumps(_other(problem, unknowns=2), weighed)) == [plain]
     problem, weighed = _learning("two set-ups")
-    probe, nest = _jumps(_other(problem, unknowns=0), weighed)
+    probe, nest, *_ = _jumps(_other(problem, unknowns=0), weighed)
     assert probe == next(iter(_jumps(problem, weighed)))
-    columns = JUMP * float(np.median(problem.noise[problem.setup == 1])) / problem.noise
+    columns = JUMPS[0] * float(np.median(problem.noise[problem.setup == 1])) / problem.noise
     since = (problem.setup == 1) & (problem.reading >= nest.mistake.reading)
-    places = len(set(problem.reading[problem.setup == 1].tolist())) - 1
+    places = len(JUMPS) * (len(set(problem.reading[problem.setup == 1].tolist())) - 1)
     _agrees(nest, _Without(problem, weighed).odds(problem.values, places, columns * since))
 
 
@@ -187,8 +189,8 @@ def test_another_unit_divides_the_density_by_its_factor_for_each_number(factor: 
     _agrees(tried[factor, since or -1], (log_odds + log_det, min(tail, 1 - tail)))
 
 
-def _explaining(log_odds: float, p: float = 1.0, mistake: str = "sign") -> _Tried:
-    return _Tried(Explained(mistake, log_odds, (0,)), p)  # type: ignore[arg-type]
+def _explaining(log_odds: float, p: float = 1.0, setup: int = 0) -> _Tried:
+    return _Tried(Explained("sign", log_odds, (setup,)), p)
 
 
 @pytest.mark.parametrize(
@@ -204,8 +206,9 @@ def _explaining(log_odds: float, p: float = 1.0, mistake: str = "sign") -> _Trie
 def test_named_is_what_has_odds_of_twenty_beside_none_and_beside_the_best(
     tried: list[float], named: list[float]
 ) -> None:
-    found = _explained([_explaining(float(np.log(odds))) for odds in tried])
+    found = _explained([_explaining(float(np.log(odds)), setup=setup) for setup, odds in enumerate(tried)])
     assert [each.odds for each in found] == pytest.approx(named)
+    assert len(_explained([_explaining(50.0), _explaining(51.0)])) == 1  # of one set-up
     assert not _explained([_explaining(50.0, p=0.0004)])
     assert _explained([_explaining(50.0, p=0.0006)])
     assert Explained("sign", 1e4, (0,)).odds == pytest.approx(np.exp(600.0))

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.causes import WAY
+from axiscal.description.causes import CYCLE, DRIFT, GROWTH, WAY
 from axiscal.description.usual import Learnable, sizes_of
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.passing import passing_columns, turning
 from axiscal.machine import load_machine
+from axiscal.measurement.drift import wandering
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading_rows import numbers_of_setups, places_of
 from axiscal.numerics import Array
+from tests.generators.campaigns import drawn, mixed
 
 AT = (0.1, 0.3, 0.45, 0.2, 0.15, 0.2, 0.2)
 SIDES = (1, 1, 1, 1, -1, -1, -1)
@@ -80,3 +86,70 @@ def test_rotary_axes_have_none() -> None:
     assert owners < reversing
     assert {machine.axis(name[2]).rotary for name in owners} == {False}
     assert {machine.axis(name[2]).rotary for name in reversing - owners} == {True}
+
+
+def _by_kind(case: Case, readings: Sequence[Reading]) -> dict[str, Array]:
+    """Return the columns of what passes by kind, of all set-ups and numbers."""
+    places = places_of(case.observation.setups, readings)
+    numbers = numbers_of_setups(case.observation.setups)[places.setups]
+    reading = np.repeat(np.arange(len(readings)), numbers)
+    found = passing_columns(case.observation, readings, places, reading, case.sizes, case.description.usual)
+    kinds = np.array([case.sizes.of[number].kind if number >= 0 else "" for number in found.size_at])
+    return {kind: found.columns[:, kinds == kind] for kind in np.unique(kinds)}
+
+
+def test_zeros_drift_by_a_line_and_brownian_motion_come_and_go_and_axes_grow() -> None:
+    """Covariances as the first lines of the module say them; a nest has a zero for each of its three numbers."""
+    case, count = mixed(), 20
+    readings = [replace(each, time=40.0 * i) for i, each in enumerate(drawn(case, count))]
+    found, noises = _by_kind(case, readings), {setup.name: setup.noise for setup in case.description.setups}
+    names = [each.setup for each in readings for _ in each.values]
+    clock = np.array([each.time for each in readings for _ in each.values])
+    number = np.array([k for each in readings for k in range(len(each.values))])
+    same = np.array([[a == b for a in names] for b in names]) & (number[:, None] == number)
+    noise = np.array([noises[name] for name in names])
+    begin = {name: min(clock[np.array(names) == name]) for name in noises}
+    length = {name: np.ptp(clock[np.array(names) == name]) for name in noises}
+    share = np.array([(time - begin[name]) / length[name] for name, time in zip(names, clock, strict=True)])
+    stated = float(np.sqrt(wandering(3e-6 / 3600, [float(length["nest"])])[0, 0] / 2))
+    size = np.array([np.hypot(DRIFT.size * noises[n], stated if n == "nest" else 0.0) for n in names])
+    drift = size[:, None] * size * (np.outer(share, share) + np.minimum(share[:, None], share)) * same
+    np.testing.assert_allclose(found["drift"] @ found["drift"].T, drift, atol=0.02 * drift.max())
+    cycle = CYCLE.size**2 * np.outer(noise, noise) * np.exp(-np.abs(clock[:, None] - clock) / 360) * same
+    np.testing.assert_allclose(found["cycle"] @ found["cycle"].T, cycle, atol=1e-6 * cycle.max())
+
+
+def test_an_axis_grows_from_the_middle_of_its_travel_and_forgets_itself_in_two_fifths_of_the_time() -> None:
+    """Ten readings, each at a node in time: Matern-3/2 by its formula."""
+    case, at, apart = axis(), np.linspace(0.03, 0.48, 10), np.abs(np.subtract.outer(np.arange(10), np.arange(10))) / 9
+    readings = [Reading("laser", (x,), (1,), 0.0, time=90.0 * n) for n, x in enumerate(at)]
+    travel = np.array(case.description.machine.axes[0].travel)
+    off = (at - travel.mean()) / np.ptp(travel)
+    scaled = np.sqrt(3) * apart / 0.4
+    expected = (GROWTH.size * 0.5e-6) ** 2 * np.outer(off, off) * (1 + scaled) * np.exp(-scaled)
+    found = _by_kind(case, readings)["growth"]
+    np.testing.assert_allclose(found @ found.T, expected, atol=1e-6 * expected.max())
+
+
+def test_readings_of_a_long_day_and_many_of_them_have_no_cycle() -> None:
+    case, day = axis(), 4 * 3600.0
+    for count, seconds, there in ((3, day, True), (3, day + 1, False), (300, day, True), (301, day, False)):
+        times = np.linspace(0, seconds, count)
+        readings = [Reading("laser", (0.2,), (1,), 0.0, time=float(time)) for time in times]
+        assert ("cycle" in _by_kind(case, readings)) == there
+
+
+def test_without_what_usually_goes_wrong_a_zero_wanders_as_stated_and_nothing_else_does() -> None:
+    case = mixed('usual = "off"')
+    readings = drawn(case, 12)
+    (columns_of_all,) = (each for kind, each in _by_kind(case, readings).items() if kind in ("", "drift"))
+    nest = [each for each in readings if each.setup == "nest"]
+    times = [float(each.time or 0.0) - float(nest[0].time or 0.0) for each in nest]
+    at = np.array([each.setup == "nest" for each in readings for _ in each.values])
+    number = np.array([k for each in readings for k in range(len(each.values))])[at]
+    assert not columns_of_all[~at].any()
+    own = columns_of_all[at] @ columns_of_all[at].T
+    for k in range(3):
+        np.testing.assert_allclose(own[np.ix_(number == k, number == k)], wandering(3e-6 / 3600, times), rtol=0.05,
+                                   atol=1e-3 * own.max())  # fmt: skip
+        assert not own[np.ix_(number == k, number != k)].any()

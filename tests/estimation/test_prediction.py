@@ -16,7 +16,7 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.prediction import predict_poses, tcp_prediction
 from axiscal.exceptions import ReadingError
-from axiscal.machine import machine_from_text
+from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.readers.axes import RawPose
 
 TEXT = """
@@ -75,6 +75,22 @@ def test_the_band_is_the_scatter_of_machines_that_come_from_that_side_or_from_an
         np.testing.assert_allclose(std[index], shown.std(axis=0), rtol=0.02, atol=1e-12)
     exact = deviation_of(ERRORS, have.belief.mean, POSES, np.full(POSES.shape, side)).displacement
     assert np.array_equal(mean, exact)
+
+
+def test_what_two_axes_do_together_is_in_the_band_and_its_rest_as_well() -> None:
+    """By the prior's covariance and the rests of all terms, from a side that is known."""
+    errors, rng = ErrorModel(load_machine("printer-gantry")), np.random.default_rng(3)
+    assert errors.planes
+    assert any(each.kind == "reversal" for each in errors.functions)
+    low, high = np.array([axis.travel for axis in errors.machine.axes]).T
+    poses = rng.uniform(low, high, (4, len(low)))
+    sides, prior = np.ones_like(poses), errors.prior_covariance()
+    mean, std = tcp_prediction(Known(errors, Belief(np.zeros(errors.size), prior)).estimation(), poses, sides)
+    rows, levers = errors.rows(poses, sides), errors.levers(poses)
+    variances = np.einsum("mci,ij,mcj->mc", rows, prior, rows)
+    variances += np.einsum("t,tmc->mc", [term.rest**2 for term in errors.terms], levers**2)
+    np.testing.assert_allclose(std, np.sqrt(variances), rtol=1e-6, atol=1e-12)
+    assert not mean.any()
 
 
 def raw(position: dict[str, float], approach: dict[str, int] | None = None, line: int = 2) -> RawPose:

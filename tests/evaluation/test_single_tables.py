@@ -153,7 +153,7 @@ def test_tables_that_were_not_looked_at_are_named_beside_the_verdict(folder: Pat
     assert judgement.idle == ("Y", "Z")
     assert "X" not in judgement.unchecked
     text = said_of(judgement)
-    assert "only - NOT CHECKED: axis Y (not moved through its volume and read along), axis Z" in text
+    assert "only. NOT CHECKED: axis Y (not moved through its volume and read along), axis Z" in text
     assert text.index("PASS") < text.index("NOT CHECKED")
     assert list(check_answer(judgement, 1, 1e-6, Taken()).not_checked) == list(judgement.unchecked)
     missing = judged(check, truth, along_x, with_share(check, "Z", 0.0))

@@ -275,8 +275,8 @@ def test_the_command_plans_and_judges(record: Path, tmp_path: Path, capsys: pyte
     )
     assert run(["verify", str(record), "--points", "8", "--plan", str(plan)]) == 0
     shown = capsys.readouterr().out
-    assert shown.count("predicted: as found") == 8
-    assert all(f"from {p['approach']}" in shown for p in planned)
+    assert shown.startswith("8 PLACES TO CHECK\n")
+    assert all(p["setup"] in shown for p in planned)
     assert f"copy {plan} to found.csv and left.csv fill in value_um: found.csv without" in " ".join(shown.split())
     assert shown.endswith("--found found.csv --left left.csv\n")
     truth = simulator().drawn(SEED)

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.description.first_files import first_files, of_builtin
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.evaluation.acceptance.datums import datums_of
 from axiscal.evaluation.acceptance.judgement import Judgement
 from axiscal.evaluation.acceptance.verification import judge
 from axiscal.measurement.reading import Reading
@@ -153,3 +155,20 @@ def test_rounding_is_printed_as_nothing() -> None:
     same = tuple(replace(reading, value=0.1) for reading in readings(2))
     told = said_of(judged(same, same))
     assert "As found: largest 0 um, RMS 0 um\nAs left:  largest 0 um, RMS 0 um" in told
+
+
+def test_both_legs_of_a_square_show_how_square_the_machine_is() -> None:
+    """The square lies turned by any angle, which both legs share; a slope of one leg alone is the machine's."""
+    texts = first_files(of_builtin("three-axis-mill"), ["square"], "").texts
+    of = campaign_from_texts(texts["campaign.toml"], "campaign.toml", texts["machine.toml"], "machine.toml")
+    at = np.array([-0.1, 0.0, 0.1, 0.12])
+    poses = np.full((8, 3), 0.2)
+    poses[:4, 0] += at
+    poses[4:, 1] += at
+    legs = np.repeat([0, 1], 4)
+    directions = np.array([of.setups[leg].direction for leg in legs])
+    datums = datums_of(of.machine, of.setups, legs, poses, directions, 30e-6)
+    turned, one_leg = 1e-3 * np.r_[at, -at], 1e-3 * np.r_[at, 0 * at]
+    assert datums.lines == ("square XY",)
+    assert np.abs(datums.free @ turned).max() < 1e-12
+    assert np.abs(datums.free @ one_leg).max() > 40e-6

@@ -42,7 +42,7 @@ SQUARE = 80e-6
 
 
 def placed(bench: Bench, stated: Array, shift: Array) -> Array:
-    """Put the board down aside of where it is stated, and return what is read of each ball, (4, 3) mm.
+    """Put the board down aside of where it is stated, and return what is read of each ball, (8, 3) mm.
 
     The gantry's probe meets a ball where it stands less the machine's own deviation there.
     """
@@ -87,12 +87,12 @@ def test_a_board_is_asked_for_before_each_placement_and_found_where_it_stands(
 
         source = LiveSource(Connection(bench.words()), campaign.machine, InForce(), asked=answered)
         for number, setup in enumerate(campaign.setups[:2]):
-            lattice = spread(campaign.machine, (setup,), 4)
+            lattice = spread(campaign.machine, (setup,), 8)
             ball = 2 * number
             pose, side = lattice.poses[ball], lattice.approaches[ball].astype(int)
             answer = source.read(Request(1, setup, campaign.machine.axes, tuple(pose.tolist()), tuple(side.tolist())))
             assert isinstance(answer, Answer)
             np.testing.assert_allclose(1e3 * np.array([answer.value, *answer.others]), expected[ball], atol=2e-3)
         source.close()
-    assert ["Put it down: board at 300 mm, 200 mm" in text for text in asked].count(True) == 1
+    assert ["Put it down: board at 417 mm, 217 mm" in text for text in asked].count(True) == 1
     assert heights == [pytest.approx(-1.0)]

@@ -194,12 +194,13 @@ def moved(values: Array, first: int, last: int, by: Array) -> Array:
 
 
 @pytest.mark.long
-def test_a_board_that_moves_between_two_touches_is_named() -> None:
+@pytest.mark.parametrize("by", [(40e-6, -25e-6, 0.0), (1e-3, 0.0, 0.0), (-6e-3, 8e-3, 0.0)])
+def test_a_board_that_moves_between_two_touches_is_named(by: tuple[float, float, float]) -> None:
     touched, rng = Touched(), np.random.default_rng(7)
     truth = 0.3 * rng.standard_normal(len(touched.stds)) * touched.stds
     values = touched.values(truth) + NOISE * rng.standard_normal((len(touched.order), 3))
     assert not estimated(described(board()), values).agreement.contradicts
-    known = estimated(described(board()), moved(values, 18, 24, np.array([40e-6, -25e-6, 0.0])))
+    known = estimated(described(board()), moved(values, 18, 24, np.array(by)))
     (named,) = known.agreement.explained
     assert (named.mistake, named.setups, named.reading) == ("jump", (1,), 18)
     assert mistake_words(named, known).startswith('"board" moved in "2" before reading 19')

@@ -11,6 +11,7 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.simulated import SimulatedSource
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.functionals.known import known_rows
 from axiscal.estimation.inheritance import case_of
@@ -18,6 +19,7 @@ from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.simulation import Simulator
+from axiscal.planning.next_readings import placed, until_reached
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import alike, blank_problem, foreseen
 from axiscal.planning.proposal import Thoroughness, proposed
@@ -107,3 +109,16 @@ def test_places_out_and_back_take_a_zero_that_comes_and_goes_for_a_curve(again: 
     found = alike(blank_problem(case, blank_readings(case.description.setups, [*out, *back, *out[:again]])))
     assert (found is not None) is said
     assert found is None or (found.setup, found.readings) == ("along X", 4)
+
+
+@pytest.mark.parametrize(("share", "goes_on"), [(1.01, False), (0.98, True), (0.7, False)])
+def test_a_plan_just_short_of_its_target_goes_on(share: float, goes_on: bool) -> None:
+    text = (
+        'machine = "one-axis"\n[target]\nreadings = 20\n[[setups]]\nname = "laser"\ninstrument = "interferometer"\n'
+        'direction = "x"\n'
+    )
+    case = case_of(campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis"))
+    short, long = (placed(case, proposed(case, Limits(count), FEW, bounded=False).plan) for count in (6, 14))
+    left = expanded(case.yardstick, foreseen(case, (), short).belief).space
+    limits = Limits(20, expanded=share * left)
+    assert until_reached(case, limits, Limits(6), short, lambda heeded, places: long) == (long if goes_on else short)

@@ -13,7 +13,7 @@ import pytest
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import Created, Event, Recorded, Stored
-from axiscal.record.line_form import BLOCK, MARKS, START
+from axiscal.record.line_form import BLOCK, MARK, MARKS, START, Mark, mark_bytes, read_mark
 from axiscal.record.store import Record
 
 CREATED = Created("name = 'm'", "machine = 'm'", "machine.toml", "campaign.toml", {"axiscal": "0.1.0"})
@@ -111,6 +111,19 @@ def test_an_older_copy_written_over_it_is_noticed(path: Path, tmp_path: Path) ->
         with pytest.raises(RecordError, match="older copy"):
             record.append(recorded(2e-6))
     assert path.read_bytes() == older
+
+
+@pytest.mark.parametrize("chain", [63 * "0" + "1", 64 * "f"])
+def test_another_record_of_as_many_turns_written_over_it_is_noticed(path: Path, chain: str) -> None:
+    with Record.open(path) as record:
+        content = path.read_bytes()
+        marks = [each for at in MARKS if isinstance(each := read_mark(content[at:]), Mark)]
+        mark = max(marks, key=lambda each: each.turn)
+        for at in MARKS:
+            content = content[:at] + mark_bytes(mark._replace(chain=chain)) + content[at + MARK :]
+        path.write_bytes(content)
+        with pytest.raises(RecordError, match="another record has been written over it"):
+            record.last()
 
 
 def test_head_and_marks_have_a_block_each(path: Path) -> None:

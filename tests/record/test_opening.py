@@ -9,6 +9,7 @@ import pytest
 
 from axiscal.exceptions import RecordError
 from axiscal.record import opening
+from axiscal.record.copies import carried_text
 from axiscal.record.log import shared_events
 from axiscal.record.opening import file_name, gathered, is_store, is_stored, opened_log, records_of
 
@@ -52,6 +53,21 @@ def test_a_folder_means_its_records_in_order_and_the_store_all_of_its_campaigns(
     for none in (shop / "nowhere", shop / "notes.txt", Path("store:one")):
         with pytest.raises(RecordError, match="This is no folder"):
             records_of(none)
+
+
+def test_what_a_type_has_taught_is_carried_as_it_is_and_all_else_is_a_record(tmp_path: Path) -> None:
+    file, text = tmp_path / "type.json", '{"schema": "axiscal-type/1", "of": "Fräse"}\n'
+    file.write_text(text, encoding="utf-8")
+    assert carried_text(file) == text
+    file.write_bytes(text.encode() + b"\xff")
+    with pytest.raises(RecordError, match="The file of the type is damaged"):
+        carried_text(file)
+    for other in (" " + text, '{"schema": "axiscal-result/1"}', "{" + 200 * " " + text):
+        file.write_text(other, encoding="utf-8")
+        with pytest.raises(RecordError, match="not a campaign record"):
+            carried_text(file)
+    with pytest.raises(RecordError):
+        carried_text(tmp_path / "nowhere")
 
 
 @pytest.mark.parametrize("one", range(5))

@@ -17,7 +17,7 @@ from axiscal.record.events import Noted
 from axiscal.record.line_form import BLOCK, EventText, head
 from axiscal.record.log import signed_until
 from axiscal.record.payload import decode, hand_of
-from axiscal.record.signing import KEY, PERSON
+from axiscal.record.signing import KEY, PERSON, key_file
 from axiscal.record.store import Record
 from tests.generators.begun import begun
 from tests.reliability.forged import signed_record
@@ -63,6 +63,17 @@ def test_each_entry_says_who_wrote_it(path: Path, monkeypatch: pytest.MonkeyPatc
     assert hand is not None
     assert hand.person == 'Anna "Å" Berg'
     assert decode(row.kind, row.payload) == Noted("warm")
+
+
+def test_the_key_lies_where_it_is_named_else_in_the_folder_of_this_person(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in (KEY, "XDG_CONFIG_HOME", "APPDATA"):
+        monkeypatch.delenv(name, raising=False)
+    assert key_file() == Path.home() / ".config" / "axiscal" / "key.pem"
+    for name in ("APPDATA", "XDG_CONFIG_HOME"):  # the latter counts where both are there
+        monkeypatch.setenv(name, f"/folder/{name}")
+        assert key_file() == Path(f"/folder/{name}/axiscal/key.pem")
+    monkeypatch.setenv(KEY, "/else/mine.pem")
+    assert key_file() == Path("/else/mine.pem")
 
 
 def test_entries_of_before_say_nobody() -> None:

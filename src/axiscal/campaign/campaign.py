@@ -23,6 +23,7 @@ from axiscal.campaign.ending import (
     count_reached,
     out_of_reach,
     refuse_endless,
+    refuse_finished,
     refuse_implausible,
     standing,
 )
@@ -130,7 +131,7 @@ class Campaign(Closing):
 
         beyond : ask although a target is reached
         """
-        self._refuse_finished()
+        refuse_finished(self.state.finished, self.path)
         if self.state.pending is not None:
             return self.state.pending
         because = None if beyond else self.reached()
@@ -179,7 +180,7 @@ class Campaign(Closing):
 
     def open_question(self) -> Asked:
         """Return what has been asked and not been answered; raises RecordError if that is nothing."""
-        self._refuse_finished()
+        refuse_finished(self.state.finished, self.path)
         if self.state.pending is None:
             remedy = "Ask for one with `axiscal step next`, or say where a reading was taken with --setup and --at"
             raise RecordError("No reading has been asked for", remedy, self.path)
@@ -203,7 +204,7 @@ class Campaign(Closing):
         live : it was taken just now: the clock is kept with it
         Raises RecordError if nothing was asked, ReadingError for a number that is none.
         """
-        self._refuse_finished()
+        refuse_finished(self.state.finished, self.path)
         place = at or self.open_question().place
         refuse_of_branch(place.setup, self.state.mounted)
         refuse_unreadable(self.description.setup(place.setup), (value, *others), std)
@@ -239,7 +240,7 @@ class Campaign(Closing):
         cause : jump, sign, unit, swapped or shifted; setup : whose readings, where several are named
         Raises RecordError where they do not name it.
         """
-        self._refuse_finished()
+        refuse_finished(self.state.finished, self.path)
         event = named(self.estimate(), cause, setup, self.path)
         self._append(event)
         return event
@@ -306,7 +307,7 @@ class Campaign(Closing):
         note : where they are from, "" for nothing to note; they then get numbers of this campaign
         mounted : set-ups that were mounted anew for them
         """
-        self._refuse_finished()
+        refuse_finished(self.state.finished, self.path)
         setups = dict.fromkeys(reading.setup for reading in readings)
         taken = [reading for setup in setups for reading in readings if reading.setup == setup]
         if note:
@@ -393,8 +394,3 @@ class Campaign(Closing):
         readings = self.state.readings
         accuracy, last = self.estimate().accuracy, readings[-1] if readings else None
         return Milestone(len(readings), last, accuracy, self._times().seconds)
-
-    def _refuse_finished(self) -> None:
-        if self.state.finished is not None:
-            remedy = "Take the end back with `axiscal step undo`, or start a new campaign"
-            raise RecordError("The campaign is finished: {finished}", remedy, self.path, finished=self.state.finished)

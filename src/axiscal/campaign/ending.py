@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import NamedTuple
 
 from axiscal.campaign.sources import Skip
@@ -13,7 +14,7 @@ from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.functionals.known import known_rows
-from axiscal.exceptions import SourceError
+from axiscal.exceptions import RecordError, SourceError
 from axiscal.language.spoken import counted, said
 from axiscal.planning.enough import FEW
 from axiscal.planning.promise import WantedAccuracy, asked
@@ -161,6 +162,14 @@ def refuse_endless(in_a_row: int, answer: Skip) -> None:
     if in_a_row >= PATIENCE:
         what = "the source has skipped {in_a_row} readings in a row; the last one because: {reason}"
         raise SourceError(what, "Mend it, then go on with --resume", in_a_row=in_a_row, reason=answer.reason)
+
+
+def refuse_finished(finished: str | None, record: Path) -> None:
+    """Raise RecordError where a campaign has ended.  finished : why"""
+    if finished is not None:
+        remedy = "Take the end back with `axiscal step undo`, or start a new campaign"
+        what = "The campaign is finished: {finished}"
+        raise RecordError(what, remedy, record, finished=because_text(finished))
 
 
 def refuse_implausible(known: Estimation) -> None:

@@ -12,6 +12,7 @@ from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say_either
 from axiscal.estimation.accepting import acceptance, change_words
 from axiscal.estimation.agreement_words import agreement_document, agreement_words, mistake_words
+from axiscal.language.spoken import put, said
 
 _MOST = 1e6
 """Odds beyond which nobody reads the digits."""
@@ -49,13 +50,18 @@ def _named(campaign: Campaign) -> tuple[dict[str, object], list[str]]:
     """Return what the readings name, as a document and in words."""
     known = campaign.estimate()
     if not known.agreement.explained:
-        return {"agreement": agreement_document(known.agreement)}, [f"{agreement_words(known, campaign.path)}."]
+        return {"agreement": agreement_document(known.agreement)}, [
+            put("{agreement}.", agreement=agreement_words(known, campaign.path))
+        ]
     lines = []
     for each in known.agreement.explained:
-        odds = f"{each.odds:.0f}" if each.odds < _MOST else "more than a million"
+        odds = f"{each.odds:.0f}" if each.odds < _MOST else said("more than a million")
         words, change = mistake_words(each, known), change_words(acceptance(each, known))
-        lines += [f"{each.mistake}, {odds} : 1: {words}.", f"  Accepted: {change}."]
-    lines.append(f"Accept one: axiscal step accept {campaign.path} CAUSE")
+        lines += [
+            put("{mistake}, {odds} : 1: {words}.", mistake=each.mistake, odds=odds, words=words),
+            put("  {accepted}.", accepted=said("Accepted: {change}", change=change)),
+        ]
+    lines.append(said("Accept one: axiscal step accept {record} CAUSE", record=campaign.path))
     return {"agreement": agreement_document(known.agreement)}, lines
 
 
@@ -65,10 +71,10 @@ def _accepted(campaign: Campaign, cause: str, setup: str | None) -> tuple[dict[s
     change = change_words(campaign.accept(cause, setup))
     now = campaign.estimate()
     lines = [
-        f"Before: {agreement_words(before, campaign.path)}.",
-        f"Accepted: {change}.",
-        f"Now: {agreement_words(now, campaign.path)}.",
-        f"Go on: axiscal step next {campaign.path}; take it back: axiscal step undo {campaign.path}",
+        said("Before: {agreement}.", agreement=agreement_words(before, campaign.path)),
+        put("{accepted}.", accepted=said("Accepted: {change}", change=change)),
+        said("Now: {agreement}.", agreement=agreement_words(now, campaign.path)),
+        said("Go on: axiscal step next {record}; take it back: axiscal step undo {record}", record=campaign.path),
     ]
     agreements = {"before": agreement_document(before.agreement), "agreement": agreement_document(now.agreement)}
     return {"accepted": cause, "change": change, **agreements}, lines

@@ -12,6 +12,7 @@ from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
+from axiscal.language.spoken import counted, said
 from axiscal.record.opening import opened_log
 
 
@@ -50,19 +51,35 @@ def adopt(
 
 
 def _lines(record: Path, branch: Path, found: Adopted, readings: int) -> list[str]:
-    lines = [f"{record}: {count_text(found.taken, 'reading')} of {branch} taken over; it has {readings} now."]
+    lines = [
+        said(
+            "{record}: {count} of {branch} taken over; it has {readings} now.",
+            record=record,
+            count=count_text(found.taken, "reading"),
+            branch=branch,
+            readings=readings,
+        )
+    ]
     if not found.taken:
-        which = "was not taken over before" if found.back else "is not here already"
-        lines = [f"{record}: {branch} has no reading that {which}."]
+        back = "{record}: {branch} has no reading that was not taken over before."
+        here = "{record}: {branch} has no reading that is not here already."
+        lines = [said(back if found.back else here, record=record, branch=branch)]
     if found.back:
-        said = "was" if found.back == 1 else "were"
         lines.append(
-            f"{record}: {count_text(found.back, 'reading')} of it {said} taken over and taken back here since; --again "
-            f"takes {'it' if found.back == 1 else 'them'} once more."
+            counted(
+                "{record}: {count} reading of it was taken over and taken back here since; --again takes it once more.",
+                "{record}: {count} readings of it were taken over and taken back here since; --again takes them once "
+                "more.",
+                found.back,
+                record=record,
+            )
         )
     if found.undone:
         numbers = ", ".join(map(str, found.undone))
         lines.append(
-            f"The branch took back reading {numbers}, which stands here: axiscal step undo takes back what is last."
+            said(
+                "The branch took back reading {numbers}, which stands here: axiscal step undo takes back what is last.",
+                numbers=numbers,
+            )
         )
     return lines

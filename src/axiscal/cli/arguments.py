@@ -89,6 +89,9 @@ Details = Annotated[
     bool, typer.Option("--details", help="Say before the last screen what U holds for, and all warnings.")
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
+ResultsFolder = Annotated[
+    Path | None, typer.Option("--out", "-o", metavar="DIR", help="Folder for the results; default: beside the record.")
+]
 Out = Annotated[
     Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for record, result.json, report and tables.")
 ]

@@ -12,6 +12,7 @@ from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
 from axiscal.exceptions import NewerError
+from axiscal.language.spoken import said
 from axiscal.record.copies import write_copy
 from axiscal.record.log import EventLog
 from axiscal.record.opening import file_name, is_stored, opened_log
@@ -44,7 +45,13 @@ def copy_record(
         last, name = log.last(), log.name
     count = count_text(last, "event") if readings is None else count_text(readings, "reading")
     document = {"copy": str(target), "readings": readings, "event": last, "hash": name}
-    words = f"{target} holds {count}, up to event {last} of the record, {name[:12]}."
+    words = said(
+        "{copy} holds {count}, up to event {last} of the record, {digest}.",
+        copy=target,
+        count=count,
+        last=last,
+        digest=name[:12],
+    )
     say_either(json, "axiscal-copy/1", document, [words])
 
 

@@ -10,6 +10,7 @@ import typer
 from axiscal.cli.arguments import Json, Records, positive_length
 from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text, micrometres
+from axiscal.language.spoken import said
 from axiscal.ports.fleet.due_dates import DueMachine, Shop, due_dates, titles
 from axiscal.record.opening import records_of
 from axiscal.units import to_unit
@@ -56,32 +57,36 @@ def _day(text: str | None) -> date:
 def _lines(found: Shop, tables: str | None) -> list[str]:
     names = titles(found.machines)
     width = max(map(len, names))
-    lines = [f"{'machine':{width}}  {'last':10}  {'RMS now':>9}  {'target':>9}  due"]
+    last, now, target, when = said("last"), said("RMS now"), said("target"), said("due")
+    lines = [f"{said('machine'):{width}}  {last:10}  {now:>9}  {target:>9}  {when}"]
     lines += [_line(machine, f"{name:{width}}") for machine, name in zip(found.machines, names, strict=True)]
     (once, once_std), (year, year_std) = found.aging.at_once, found.aging.yearly
     pairs = count_text(found.aging.pairs, "pair")
-    source = f"learnt from {pairs} of campaigns" if found.aging.pairs else "assumed: no machine was measured again"
-    lines.append(
-        f"Kept at once {once:.2f} ± {once_std:.2f}, and in a year {year:.2f} ± {year_std:.2f} of it: {source}."
-    )
-    lines.append("Tables: all that was found is taken away." if tables is None else f"Tables: those of {tables}.")
-    return lines + [f"Left out: {each.file}: {each.left_out}." for each in found.left_out]
+    learnt, assumed = "learnt from {pairs} of campaigns", "assumed: no machine was measured again"
+    source = said(learnt, pairs=pairs) if found.aging.pairs else said(assumed)
+    words = "Kept at once {once:.2f} ± {once_std:.2f}, and in a year {year:.2f} ± {year_std:.2f} of it: {source}."
+    lines.append(said(words, once=once, once_std=once_std, year=year, year_std=year_std, source=source))
+    all_of, those = "Tables: all that was found is taken away.", "Tables: those of {control}."
+    lines.append(said(all_of) if tables is None else said(those, control=tables))
+    return lines + [said("Left out: {file}: {why}.", file=each.file, why=each.left_out) for each in found.left_out]
 
 
 def _line(machine: DueMachine, name: str) -> str:
-    day = "not within 20 years" if machine.due is None else machine.due.isoformat()
+    day = said("not within 20 years") if machine.due is None else machine.due.isoformat()
     if machine.due == machine.last:
         day = _at_once(machine)
-    renewed = f", renewed since: {', '.join(machine.renewed)}" if machine.renewed else ""
     rms, target = micrometres(machine.now), micrometres(machine.target)
-    said = f"{name}  {machine.last}  {rms:>9}  {target:>9}  {day}"
-    return f"{said} ({machine.minutes:.0f} min the last time{renewed})"
+    time = said("{minutes:.0f} min the last time", minutes=machine.minutes)
+    if machine.renewed:
+        time = said("{time}, renewed since: {parts}", time=time, parts=", ".join(machine.renewed))
+    return f"{name}  {machine.last}  {rms:>9}  {target:>9}  {day} ({time})"
 
 
 def _at_once(machine: DueMachine) -> str:
     if machine.then > machine.target:
-        return "at once: its last campaign was not as good"
-    return f"at once: its last campaign came to {micrometres(machine.then)}, and what is not kept is more"
+        return said("at once: its last campaign was not as good")
+    words = "at once: its last campaign came to {rms}, and what is not kept is more"
+    return said(words, rms=micrometres(machine.then))
 
 
 def _document(found: Shop) -> dict[str, object]:

@@ -40,9 +40,9 @@ MOST_BYTES = 4_000_000
 def export(
     record: RecordFile,
     to: Annotated[str, typer.Option(metavar="CONTROLLER", help="Which control; `--to list` names them.")],
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the files and their README.txt.")] = Path(
-        "tables"
-    ),
+    out: Annotated[
+        Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for the files and their README.txt.")
+    ] = Path("tables"),
     template: Annotated[
         Path | None, typer.Option(metavar="FILE", help="A file saved by your control (heidenhain, fanuc).")
     ] = None,

@@ -5,12 +5,23 @@ from __future__ import annotations
 from axiscal.cli.arguments import Json, Records
 from axiscal.cli.printing import say_either, tell
 from axiscal.cli.texts import count_text, micrometres
+from axiscal.language.spoken import later, said
 from axiscal.ports.fleet.shop_list import ShopList, ShopRecord, shop_list
 from axiscal.units import to_unit
 
 _SHOWN = 12
 """Hex digits of a digest that are shown: enough to tell any two records."""
-_HEADS = "machine", "measured", "readings", "target", "RMS", "U (95 %)", "agreement", "digest", "record"
+_HEADS = (
+    later("machine"),
+    later("measured"),
+    later("readings"),
+    later("target"),
+    "RMS",
+    "U (95 %)",
+    later("agreement"),
+    later("digest"),
+    later("record"),
+)
 
 
 def fleet(folder: Records, json: Json = False) -> None:
@@ -27,20 +38,22 @@ def fleet(folder: Records, json: Json = False) -> None:
     """
     found = shop_list(folder)
     if found.why_apart:
-        tell(f"Nothing is kept for the next time: {found.why_apart}.")
+        tell(said("Nothing is kept for the next time: {why}.", why=found.why_apart))
     say_either(json, "axiscal-fleet/1", _document(found), _lines(found))
 
 
 def _lines(found: ShopList) -> list[str]:
-    rows = [_HEADS, *(_row(each) for each in found.listed)]
+    rows = [tuple(map(said, _HEADS)), *(_row(each) for each in found.listed)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = ["  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     for each in found.listed:
         minded = [each.known.trouble, each.remark]
-        lines += [f"To be minded: {each.file.name}: {said}." for said in minded if said]
-    lines += [f"Left out: {file.name}: {why}." for file, why in found.left_out]
-    totals = count_text(len(found.listed), "record"), count_text(found.machines, "machine")
-    return [*lines, f"{totals[0]} of {totals[1]}; {count_text(sum(found.kinds.values()), 'event')} in the folder."]
+        lines += [said("To be minded: {file}: {what}.", file=each.file.name, what=what) for what in minded if what]
+    lines += [said("Left out: {file}: {why}.", file=file.name, why=why) for file, why in found.left_out]
+    records, machines = count_text(len(found.listed), "record"), count_text(found.machines, "machine")
+    events = count_text(sum(found.kinds.values()), "event")
+    words = "{records} of {machines}; {events} in the folder."
+    return [*lines, said(words, records=records, machines=machines, events=events)]
 
 
 def _row(each: ShopRecord) -> tuple[str, ...]:
@@ -48,8 +61,8 @@ def _row(each: ShopRecord) -> tuple[str, ...]:
     lengths = ["-" if value is None else micrometres(value) for value in (known.rms, known.expanded)]
     name = known.machine + (f" {known.serial}" if known.serial else "")
     day, target = (known.last or known.begun)[:10], known.target or "-"
-    said = name, day, str(known.readings), target, *lengths, known.agreement or "-"
-    return *said, each.chain[:_SHOWN], each.file.name
+    found = name, day, str(known.readings), target, *lengths, known.agreement or "-"
+    return *found, each.chain[:_SHOWN], each.file.name
 
 
 def _document(found: ShopList) -> dict[str, object]:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import shlex
 import sys
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, TypeVar
 
 import typer
 
-from axiscal.answers.answer_words import ending
+from axiscal.answers.answer_words import WIDTH, ending
 from axiscal.cli.printing import ask, complain, say
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.first_files import (
@@ -192,5 +193,5 @@ def _limits(text: str) -> tuple[str, tuple[float, float]]:
 def _asked(question: str, known: Iterable[str]) -> str:
     """Return what is typed; raises EOFError where nobody is there."""
     names = ", ".join(known)
-    say(f"{question}{f' ({names})' if names else ''}")
+    say(textwrap.fill(f"{question}{f' ({names})' if names else ''}", WIDTH, break_on_hyphens=False))
     return ask("> ").strip()

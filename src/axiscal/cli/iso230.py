@@ -10,31 +10,32 @@ import typer
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_document
 from axiscal.evaluation import Positioning, figures_of
+from axiscal.language.spoken import decimals, later, said
 from axiscal.units import to_unit
 
 _WORDS = {
-    "A": "accuracy of positioning, bidirectional",
-    "A_up": "  in the positive direction",
-    "A_down": "  in the negative direction",
-    "E": "systematic deviation, bidirectional",
-    "E_up": "  in the positive direction",
-    "E_down": "  in the negative direction",
-    "R": "repeatability, bidirectional",
-    "R_up": "  in the positive direction",
-    "R_down": "  in the negative direction",
-    "B": "reversal, the largest",
-    "B_mean": "reversal, the mean",
-    "M": "range of the mean deviation",
+    "A": later("accuracy of positioning, bidirectional"),
+    "A_up": later("  in the positive direction"),
+    "A_down": later("  in the negative direction"),
+    "E": later("systematic deviation, bidirectional"),
+    "E_up": later("  in the positive direction"),
+    "E_down": later("  in the negative direction"),
+    "R": later("repeatability, bidirectional"),
+    "R_up": later("  in the positive direction"),
+    "R_down": later("  in the negative direction"),
+    "B": later("reversal, the largest"),
+    "B_mean": later("reversal, the mean"),
+    "M": later("range of the mean deviation"),
 }
 
 
 _CIRCLE = {
-    "G_plus": "ISO 230-4, circular deviation, counter-clockwise",
-    "G_minus": "ISO 230-4, circular deviation, clockwise",
-    "G_b": "ISO 230-4, bidirectional circular deviation",
-    "F_max": "ISO 230-4, radial deviation, the largest",
-    "F_min": "ISO 230-4, radial deviation, the smallest",
-    "D": "ISO 230-4, mean bidirectional radial deviation",
+    "G_plus": later("ISO 230-4, circular deviation, counter-clockwise"),
+    "G_minus": later("ISO 230-4, circular deviation, clockwise"),
+    "G_b": later("ISO 230-4, bidirectional circular deviation"),
+    "F_max": later("ISO 230-4, radial deviation, the largest"),
+    "F_min": later("ISO 230-4, radial deviation, the smallest"),
+    "D": later("ISO 230-4, mean bidirectional radial deviation"),
 }
 
 
@@ -65,7 +66,8 @@ def iso230(
         _say_positioning(found)
     else:
         for name, value in found.figures.items():
-            say(f"{name:20}{to_unit(value, 'um'):10.3f} um   {_CIRCLE[name]}")
+            figure = decimals(f"{to_unit(value, 'um'):10.3f}")
+            say(f"{name:20}{figure} um   {said(_CIRCLE[name])}")
     for warning in found.warnings:
         say(warning)
 
@@ -74,10 +76,10 @@ def _say_positioning(found: Positioning) -> None:
     document, unit = found.as_json(), "arcsec" if found.rotary else "um"
     for name, words in _WORDS.items():
         value = document[name]
-        figure = f"{'not measured':>12}"
+        figure = f"{said('not measured'):>12}"
         if value is not None:
-            figure = f"{value:12.3f} {unit} ± {to_unit(found.uncertainty[name], unit):.3f}"
-        say(f"{name:7}{figure}   {words}")
+            figure = decimals(f"{value:12.3f} {unit} ± {to_unit(found.uncertainty[name], unit):.3f}")
+        say(f"{name:7}{figure}   {said(words)}")
     if found.vdi3441:
         shown = ", ".join(f"{name} {to_unit(value, unit):.3f}" for name, value in found.vdi3441.items())
-        say(f"VDI/DGQ 3441: {shown} {unit}")
+        say(decimals(f"VDI/DGQ 3441: {shown} {unit}"))

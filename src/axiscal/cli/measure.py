@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
-
-import typer
-
 from axiscal.answers.answer_of_campaign import results_beside
-from axiscal.cli.arguments import Language, OwnRecord
+from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say
@@ -21,10 +16,7 @@ from axiscal.present.whose_language import chosen
 
 def measure(
     record: OwnRecord,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", "-o", metavar="DIR", help="Folder for the results; default: beside the record."),
-    ] = None,
+    out: ResultsFolder = None,
     language: Language = None,
 ) -> None:
     """Take the readings of a campaign at one prompt.

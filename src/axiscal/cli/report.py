@@ -7,10 +7,12 @@ from typing import Annotated
 
 import typer
 
+from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import OwnRecord, ReportLanguage
 from axiscal.cli.printing import say
 from axiscal.exceptions import RecordError
+from axiscal.language.spoken import said
 from axiscal.present.delivery import write_report
 from axiscal.present.result_set import write_manifest
 from axiscal.present.summarising import Extras, summarise
@@ -42,13 +44,14 @@ def report(
 
     target = record.with_suffix(".html") if out is None else _page(out)
     with Campaign.open(record, write=False) as campaign:
-        summary = summarise(campaign, campaign.estimate(ended=True), Extras())
+        summary = summarise(campaign, campaign.estimate(ended=True), Extras(answer=standing_answer(campaign)))
     target.parent.mkdir(parents=True, exist_ok=True)
     write_report(summary, target, language)
     if summary.record is not None and key_file().exists():
         write_manifest(target.parent, summary.record, summary.versions, f"manifest-{target.name}.json", target)
-    signed = f" It is {'signed with ' + str(key_file()) if key_file().exists() else 'unsigned'}."
-    say(f"The report is in {target}.{signed if target.suffix.lower() == '.xml' else ''}")
+    say(said("The report is in {file}.", file=target))
+    if target.suffix.lower() == ".xml":
+        say(said("It is signed with {key}.", key=key_file()) if key_file().exists() else said("It is unsigned."))
 
 
 def _page(out: Path) -> Path:

@@ -8,7 +8,7 @@ import typer
 
 from axiscal.cli.arguments import Language, OwnRecord
 from axiscal.cli.printing import say, tell
-from axiscal.language.spoken import speaking
+from axiscal.language.spoken import said, speaking
 from axiscal.present.whose_language import chosen
 from axiscal.web.serving import serve_record
 
@@ -32,6 +32,8 @@ def serve(
     tell("Looking at what is known and planned; a plan that is not made yet takes up to a minute")
     with speaking(chosen(language)):
         left = serve_record(
-            record, port, lambda address: say(f"Open {address}\nEnd it with Ctrl-C; every reading is kept.")
+            record,
+            port,
+            lambda address: say(said("Open {address}\nEnd it with Ctrl-C; every reading is kept.", address=address)),
         )
-    say(f"Ended; every reading is kept. {left}".rstrip())
+    say(f"{said('Ended; every reading is kept.')} {left}".rstrip())

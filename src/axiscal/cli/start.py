@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from axiscal.answers.answer_words import ending
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say_either
@@ -45,8 +47,8 @@ def start(
     readings = counted("{count} reading", "{count} readings", len(planned))
     ready = "{record} is ready: {machine}, {setups}, {readings} planned."
     words = said(ready, record=path, machine=description.machine.name, setups=setups, readings=readings)
-    coming = said("Take the readings: axiscal measure {record}", record=path)
-    say_either(json, "axiscal-start/1", {"record": str(path)}, [words, coming])
+    coming = ending({said("Next"): [f"axiscal measure {shlex.quote(str(path))}"]})
+    say_either(json, "axiscal-start/1", {"record": str(path)}, [words, *coming])
 
 
 @contextmanager

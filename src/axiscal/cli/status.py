@@ -5,6 +5,7 @@ from __future__ import annotations
 from axiscal.answers.answer import StatusAnswer, StatusNote, StatusTarget
 from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ending import because_text
 from axiscal.cli.arguments import Details, Json, OwnRecord
 from axiscal.cli.outputs import standing_screen
 from axiscal.cli.printing import say, say_document
@@ -13,7 +14,7 @@ from axiscal.description.target import Target
 from axiscal.estimation.accepting import change_words
 from axiscal.estimation.agreement_words import agreement_document, agreement_words, membership_words
 from axiscal.estimation.type_prior import is_type_text
-from axiscal.language.spoken import said
+from axiscal.language.spoken import capital, decimals, said
 from axiscal.present.guide.question import asked_text
 from axiscal.present.guide.taking_back import contradictions
 from axiscal.present.plan_answer import coming_answer
@@ -46,22 +47,32 @@ def _lines(campaign: Campaign) -> list[str]:
     status, description = campaign.status(), campaign.description
     state, target = status.state, description.target
     lines = [
-        f"{description.machine.name}: {count_text(len(state.readings), 'reading')}, "
-        f"{format_quantity(status.seconds, 'min', 3)} of machine time",
+        said(
+            "{machine}: {readings}, {minutes} of machine time",
+            machine=description.machine.name,
+            readings=count_text(len(state.readings), "reading"),
+            minutes=decimals(format_quantity(status.seconds, "min", 3)),
+        ),
         said("standard uncertainty {accuracy}", accuracy=accuracy_text(status.accuracy, target.rms, target.worst)),
     ]
     if state.readings:
         lines.append(agreement_words(campaign.estimate(), campaign.path))
     if sisters := _sisters(campaign):
-        lines.append(f"{sisters[:1].upper()}{sisters[1:]}")
+        lines.append(capital(sisters))
     lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
-    lines += [f"Accepted: {change_words(each)}" for each in state.accepted]
-    lines.append(f"The record is {signed_text(campaign)}")
-    lines += [f"Noted {note.at[:16].replace('T', ' ')}: {note.text}" for note in state.notes]
+    lines += [said("Accepted: {change}", change=change_words(each)) for each in state.accepted]
+    lines.append(said("The record is {signed}", signed=signed_text(campaign)))
+    lines += [said("Noted {at}: {text}", at=note.at[:16].replace("T", " "), text=note.text) for note in state.notes]
     if state.finished is not None:
-        return [*lines, f"Finished: {state.finished}"]
+        return [*lines, said("Finished: {because}", because=because_text(state.finished))]
     if status.reached is not None:
-        lines.append(f"Reached: {status.reached}. End it: axiscal finish {campaign.path} --out DIR")
+        lines.append(
+            said(
+                "Reached: {what}. End it: axiscal finish {record} --out DIR",
+                what=because_text(status.reached),
+                record=campaign.path,
+            )
+        )
     return [*lines, question_text(campaign, state.pending)] if state.pending else lines
 
 
@@ -71,7 +82,7 @@ def _sisters(campaign: Campaign) -> str:
 
 
 def _gap_words(gap: Gap) -> str:
-    return "Left the set-up at" if gap.whole else "Skipped"
+    return said("Left the set-up at") if gap.whole else said("Skipped")
 
 
 def _document(campaign: Campaign) -> StatusAnswer:

@@ -16,7 +16,7 @@ from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import AxiscalError, InputError, StudyError
-from axiscal.language.spoken import counted, put
+from axiscal.language.spoken import counted, put, said
 from axiscal.language.stages import counting
 from axiscal.ports.study.comparing import MeasuringWay, verdicts, ways_of
 from axiscal.ports.study.outcome import outcome
@@ -100,19 +100,21 @@ def _write(described: Study, results: Results, folder: Path, ran: Ran, json: boo
     page = folder / "study.html"
     write_whole(page, render(described, found).encode())
     ways = ways_of(described, found)
-    said = verdicts(described, ways)
+    spoken = verdicts(described, ways)
     document = {
         "cases": described.count,
         "computed": ran.computed,
         "there_before": ran.there,
         "failed": ran.failed,
-        "said": said,
+        "said": spoken,
         "ways": [_way_document(way) for way in ways],
         "written": [str(page), str(table), str(results.path)],
     }
-    before = f", {ran.there} were there" if ran.there else ""
-    done = f"{count_text(ran.computed, 'case')} computed{before}. Written: {page}, {table}"
-    lines = [*(sentence.replace("µ", "u") for sentence in said), done]  # as terminals have it; the page keeps µ
+    computed = count_text(ran.computed, "case")
+    words = "{cases} computed, {there} were there. Written: {page}, {table}"
+    words = words if ran.there else "{cases} computed. Written: {page}, {table}"
+    done = said(words, cases=computed, there=ran.there, page=page, table=table)
+    lines = [*(sentence.replace("µ", "u") for sentence in spoken), done]  # as terminals have it; the page keeps µ
     say_either(json, "axiscal-study/1", document, lines)
 
 
@@ -144,9 +146,16 @@ def _foretell(described: Study, workers: int, json: bool) -> None:
     ways = described.count // described.machines
     hours = (ways * seconds[0] + (described.count - ways) * seconds[-1]) / 3600
     wrong = next((done.error for done in found if done.result is None), None)
-    taking = f"{hours:.2g} processor hours" if hours >= _HOUR else f"{60 * hours:.2g} processor minutes"
-    of = f"{count_text(ways, 'way')} on {count_text(described.machines, 'machine')}"
-    words = f"{count_text(described.count, 'case')}: {of}. By the first two: about {taking}, on {workers} at a time."
+    long, short = "{hours:.2g} processor hours", "{minutes:.2g} processor minutes"
+    taking = said(long, hours=hours) if hours >= _HOUR else said(short, minutes=60 * hours)
+    words = said(
+        "{cases}: {ways} on {machines}. By the first two: about {taking}, on {workers} at a time.",
+        cases=count_text(described.count, "case"),
+        ways=count_text(ways, "way"),
+        machines=count_text(described.machines, "machine"),
+        taking=taking,
+        workers=workers,
+    )
     document = {"cases": described.count, "ways": ways, "processor_hours": hours, "workers": workers, "failed": wrong}
     say_either(json, "axiscal-study-dry-run/1", document, [words])
     if wrong is not None:

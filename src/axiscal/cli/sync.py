@@ -10,6 +10,7 @@ import typer
 from axiscal.cli.arguments import Json, own_record, records_here
 from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
+from axiscal.language.spoken import put, said
 from axiscal.ports.postgres.database import Database, opened_database
 from axiscal.ports.postgres.server_log import entries, only_entry
 from axiscal.ports.postgres.syncing import Synced, synced
@@ -64,14 +65,21 @@ def sync(
             path, head = opened.path, opened.name
     finally:
         database.close()
-    back = f"Mind: the store had seen event {found.set_back} in {path}: it was set back or changed since."
+    back = said(
+        "Mind: the store had seen event {event} in {record}: it was set back or changed since.",
+        event=found.set_back,
+        record=path,
+    )
     lines = [_words(path, found), *([back] if found.set_back else [])]
     say_either(json, "axiscal-sync/1", _document(path, found) | {"head": head}, lines)
 
 
 def _tell_prepared(address: str, new: bool, as_json: bool) -> None:
-    state = "is a store now" if new else "is a store already"
-    words = f"{address} {state}. Let people in: GRANT {ROLES[1]} TO anna; to read alone: GRANT {ROLES[0]} TO otto."
+    text = "{address} is a store now." if new else "{address} is a store already."
+    let_in = "Let people in: GRANT {write} TO anna; to read alone: GRANT {read} TO otto."
+    words = put(
+        "{state} {let_in}", state=said(text, address=address), let_in=said(let_in, write=ROLES[1], read=ROLES[0])
+    )
     say_either(as_json, "axiscal-sync/1", {"store": address, "prepared": new}, [words])
 
 
@@ -82,28 +90,42 @@ def _set_aside(database: Database, text: str, as_json: bool) -> None:
     refuse_other(database)
     found = only_entry(name, entries(database, name))
     count = quarantined(database, found.id, int(first))
-    words = f"store:{found.called}: {count_text(count, 'event')} from {first} on set aside; the database keeps them."
+    words = said(
+        "store:{name}: {events} from {first} on set aside; the database keeps them.",
+        name=found.called,
+        events=count_text(count, "event"),
+        first=first,
+    )
     say_either(as_json, "axiscal-sync/1", {"campaign": found.id, "name": found.name, "set_aside": count}, [words])
 
 
 def _words(path: Path, found: Synced) -> str:
     sent, taken = count_text(found.sent, "event"), count_text(found.taken, "event")
-    branch = f"branch store:{found.campaign.called} of store:{found.campaign.name}, from event {found.shared + 1}"
+    branch = said(
+        "branch store:{branch} of store:{name}, from event {event}",
+        branch=found.campaign.called,
+        name=found.campaign.name,
+        event=found.shared + 1,
+    )
     match found.case:
         case "new":
-            return f"{path}: new in the store as store:{found.campaign.name}, {sent}."
+            return said(
+                "{record}: new in the store as store:{name}, {sent}.", record=path, name=found.campaign.name, sent=sent
+            )
         case "ahead":
-            return f"{path}: the store had less, and has {sent} more now."
+            return said("{record}: the store had less, and has {sent} more now.", record=path, sent=sent)
         case "behind":
-            return f"{path}: the store had more; the record has {taken} more now."
+            return said("{record}: the store had more; the record has {taken} more now.", record=path, taken=taken)
         case "same":
-            return f"{path}: the store has the same."
+            return said("{record}: the store has the same.", record=path)
         case "fork":
-            return f"{path}: it and the store have each gone on. Nothing is merged: {sent} are kept as {branch}."
+            words = "{record}: it and the store have each gone on. Nothing is merged: {sent} are kept as {branch}."
+            return said(words, record=path, sent=sent, branch=branch)
         case "fork again":
-            return f"{path}: the store has the same, as {branch}."
-    moved = f"the record has {taken}" if found.taken else f"the store has {sent}"
-    return f"{path}: {moved} more now, of {branch}."
+            return said("{record}: the store has the same, as {branch}.", record=path, branch=branch)
+    if found.taken:
+        return said("{record}: the record has {taken} more now, of {branch}.", record=path, taken=taken, branch=branch)
+    return said("{record}: the store has {sent} more now, of {branch}.", record=path, sent=sent, branch=branch)
 
 
 def _document(path: Path, found: Synced) -> dict[str, object]:

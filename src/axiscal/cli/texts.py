@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal
 
 from axiscal.answers.answer_words import ending
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.estimation.accuracy.yardstick import Accuracy
-from axiscal.language.spoken import decimals, said
+from axiscal.language.spoken import counted, decimals, said
 from axiscal.measurement.place_texts import reading_unit, value_names
 from axiscal.present.guide.question import axis_places, coming_text, go_text, parked_text, reads_text, touch_text
 from axiscal.record.events import Asked
@@ -78,18 +79,38 @@ def accuracy_text(known: Accuracy, rms: float | None, worst: float | None) -> st
     return said("RMS {rms}, worst {worst}", rms=found, worst=largest)
 
 
-def count_text(count: int, noun: str) -> str:
+Noun = Literal["reading", "event", "record", "machine", "case", "pair", "way"]
+
+
+def count_text(count: int, noun: Noun) -> str:
     """Return "1 reading", "3 readings"."""
-    return f"{count} {noun}{'' if count == 1 else 's'}"
+    match noun:
+        case "reading":
+            return counted("{count} reading", "{count} readings", count)
+        case "event":
+            return counted("{count} event", "{count} events", count)
+        case "record":
+            return counted("{count} record", "{count} records", count)
+        case "machine":
+            return counted("{count} machine", "{count} machines", count)
+        case "case":
+            return counted("{count} case", "{count} cases", count)
+        case "pair":
+            return counted("{count} pair", "{count} pairs", count)
+        case "way":
+            return counted("{count} way", "{count} ways", count)
 
 
 def signed_text(campaign: Campaign) -> str:
     """Return who answers for how much of the record, in words."""
     found, last = campaign.signed(), campaign.state.last
     if found is None:
-        return "unsigned"
-    by = f"{found.by.person} on {found.by.computer}, key {found.by.key[:16]}"
+        return said("unsigned")
+    signer = found.by
+    by = said("{person} on {computer}, key {key}", person=signer.person, computer=signer.computer, key=signer.key[:16])
     if not found.holds:
-        return f"not as it was signed at event {found.number} by {by}"
-    since = "" if found.number == last else f"; unsigned since: {count_text(last - found.number, 'event')}"
-    return f"signed at event {found.number} by {by}{since}"
+        return said("not as it was signed at event {number} by {by}", number=found.number, by=by)
+    signed = said("signed at event {number} by {by}", number=found.number, by=by)
+    if found.number == last:
+        return signed
+    return said("{signed}; unsigned since: {events}", signed=signed, events=count_text(last - found.number, "event"))

@@ -15,6 +15,7 @@ from axiscal.description.campaign import read_campaign
 from axiscal.document.durable import write_whole
 from axiscal.estimation.type_prior import TypePrior, type_prior
 from axiscal.exceptions import RecordError
+from axiscal.language.spoken import said
 from axiscal.machine import load_machine
 from axiscal.ports.fleet.rehearsal import Imagined, rehearsed
 from axiscal.ports.fleet.type_learning import DIRECTIONS, DOUBT, Saving, learnt_type, saving
@@ -195,5 +196,9 @@ def rehearse(
         raise typer.BadParameter(f"a size lies above 0 and is at most {_LARGEST:g}", param_hint="--size")
     described = read_campaign(campaign)
     files = rehearsed(described, Imagined(size, common), machines, out, seed)
-    words = f"{count_text(len(files), 'record')} in {out}. Learn from them: axiscal shop type learn {out}"
+    words = said(
+        "{records} in {folder}. Learn from them: axiscal shop type learn {folder}",
+        records=count_text(len(files), "record"),
+        folder=out,
+    )
     say_either(json, "axiscal-type-rehearsed/1", {"records": [str(file) for file in files]}, [words])

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Mapping
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from axiscal.answers.answer_words import digits, ending
+from axiscal.answers.answer_words import WIDTH, digits, ending
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Source
 from axiscal.cli.arguments import Json, RecordFile
@@ -118,7 +119,7 @@ def verify(
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
     else:
-        say(check_text(answer))
+        say(_wrapped(check_text(answer).splitlines()))
 
 
 _PROBES = {"linuxcnc-live": "sphere", "moonraker": "probe"}
@@ -152,10 +153,12 @@ def _opening(
     kind, _, host = source.partition(":")
     tables = loaded if active else None
     if kind == "moonraker":
-        from axiscal.ports.printers.printer import Exported, Moonraker, PrinterSource
+        from axiscal.ports.printers.printer import Exported, Moonraker
+        from axiscal.ports.printers.printer_source import PrinterSource
 
         exported = None if tables is None else Exported.of(tables)
-        return lambda: PrinterSource(Moonraker(host, exported)), {} if exported is None else exported.files
+        machine = check.description.machine
+        return lambda: PrinterSource(Moonraker(host, exported), machine), {} if exported is None else exported.files
     from axiscal.ports.linuxcnc.live import InForce, attached_to
 
     any_of = InForce(active or bool(check.description.compensation_active))
@@ -173,8 +176,13 @@ def _plan(check: Check, places: Places, plan: Path | None, command: str, json: b
     sheet = check.sheet(places)
     if plan is not None:
         write_whole(plan, sheet.encode())
-    lines = [*plan_lines(rows), *ending({said("Next"): _steps(sheet, plan, command)})]
+    lines = [_wrapped(plan_lines(rows)), *ending({said("Next"): _steps(sheet, plan, command)})]
     say_either(json, "axiscal-verify/1", {"plan": rows}, lines)
+
+
+def _wrapped(lines: Sequence[str]) -> str:
+    """Return lines of a terminal, what goes on further in."""
+    return "\n".join(textwrap.fill(line, WIDTH, subsequent_indent="  ", break_on_hyphens=False) for line in lines)
 
 
 def _steps(sheet: str, plan: Path | None, command: str) -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations, product
 from typing import NamedTuple
@@ -174,8 +173,20 @@ setup_time = "2 min"
 reading_time = "25 s"            # six touches and the way, at the feeds of linuxcnc-live
 retract = "25 mm"
 """
-_ROOM, _FEWEST = 30e-3, 25e-3
-"""m beside a ball, for its touches and to put it down by eye; and half the side of a board that is worth turning."""
+_ROOM, _FEWEST, _FULL = 30e-3, 25e-3, 90e-3
+"""m beside a ball, for its touches and to put it down by eye; the arm of a cross that is worth turning, and of one that
+has room for a second ball on each."""
+_DEPTH = 50e-3
+"""m of the travel of Z that heights of balls leave free: below the lowest, and over the highest for its touches and the
+first run above it."""
+_ARM = 0.9
+"""Of what would just turn: then it can also go aside."""
+_CROSS = (
+    ("one", -1.0, 0.0, 0.25), ("two", 1.0, 0.0, 0.5), ("three", 0.0, -1.0, 1.0), ("four", 0.0, 1.0, 0.75),
+    ("five", -0.5, 0.0, 1.0), ("six", 0.5, 0.0, 0.25), ("seven", 0.0, -0.5, 0.0), ("eight", 0.0, 0.5, 1.0),
+)  # fmt: skip
+"""x, y and height of each ball, of the arm and of the lift: of many crosses with five placements the one that tells
+most of squareness and straightness."""
 _TURNED, _SWUNG = "15 deg", "5 deg"
 """Rasters of a rotary axis that makes a whole turn, and of one that does not: angles that a person can follow."""
 
@@ -191,7 +202,8 @@ UNSAID = (
 def first_campaign(machine: Machine, source: str, instruments: Sequence[str], target: str, active: str = UNSAID) -> str:
     """Return the text of a campaign file.
 
-    source : how the file names the machine; instruments : of `OFFERED`
+    source : how the file names the machine
+    instruments : of `OFFERED`; with a square the dial reads along its legs, and nothing else straight is asked for
     target : the expanded uncertainty wanted, "" for as good as the set-ups make it
     active : the line that says whether a compensation is active
     Raises DescriptionError where a machine has no linear axis that an instrument could be read along.
@@ -204,7 +216,8 @@ def first_campaign(machine: Machine, source: str, instruments: Sequence[str], ta
         about = about | {"first": about["first"] or "# "}
     ends = {"target": target or "20 um", "readings": _MOST if target else _USUAL}
     head = _HEAD.format(name=machine.name, machine=source, active=active, tool=tool, **ends, **about)
-    setups = [text for name in instruments for text in OFFERED[name].setups(machine)]
+    offered = [name for name in instruments if name != "dial" or "square" not in instruments]
+    setups = [text for name in offered for text in OFFERED[name].setups(machine)]
     if not setups:
         what = "Nothing of {instruments} can be offered for {machine}"
         remedy = "Write the set-ups by hand, as docs/campaign.md shows"
@@ -302,26 +315,29 @@ def _spheres(machine: Machine) -> Iterator[str]:
 
 
 def _board(machine: Machine) -> Iterator[str]:
-    """Yield four balls at the corners of a board, and five placements that turn it and take it over the travels."""
+    """Yield balls on a cross, and placements that turn it and take it over the travels.
+
+    Eight balls tell more in the same time than four that are touched twice; a short axis has room for four only.
+    """
     axes = {axis.name: axis for axis in machine.axes}
     if not {"X", "Y", "Z"} <= set(axes):
         return
-    x, y, z = (axes[name].length / 2 for name in "XYZ")
-    half = (min(x, y) - _ROOM) / math.sqrt(2.0)
-    if half < _FEWEST:
+    x, y, z = (axes[name].length for name in "XYZ")
+    arm = _ARM * (min(x, y) / 2 - _ROOM)
+    if arm < _FEWEST:
         return
-    corners = {"one": (-1, -1, 0.0), "two": (1, -1, 1.0), "three": (1, 1, 1 / 6), "four": (-1, 1, 5 / 6)}
-    lift = min(half, max(2 * z - 2 * _ROOM, 0.0))
-    scaled = {name: np.array(each) * [half, half, lift] for name, each in corners.items()}
+    lift = min(2 * arm, max(z - _DEPTH, 0.0))
+    every = _CROSS if arm >= _FULL else _CROSS[:4]
+    scaled = {name: np.array(each) * [arm, arm, lift] for name, *each in every}
     balls = ", ".join(f"{name} = [{_place(each)}]" for name, each in scaled.items())
     clear = format_quantity(axes["Z"].travel[1] - axes["Z"].overrun, "mm", 6)
     yield _BOARD.format(balls=balls, clearance=f"Z={clear}")
     middle = np.array(
         [[axis.travel[0] + _ROOM / 3 if axis.name == "Z" else sum(axis.travel) / 2 for axis in machine.axes]]
     )
-    centre, aside = frames(machine, middle).tcp[0], np.array([x, y, 0.0]) - [half + _ROOM, half + _ROOM, 0.0]
-    placed = (((0, 0), 45), ((0, 0), 135), ((-1, -1), 0), ((1, 1), 90), ((1, -1), 180))
-    for number, (way, turn) in enumerate(placed, start=1):
+    centre, aside = frames(machine, middle).tcp[0], np.array([x / 2, y / 2, 0.0]) - [arm + _ROOM, arm + _ROOM, 0.0]
+    placed = (((-1, -1), 90), ((1, 1), 0), ((-1, 1), 180), ((1, -1), 270), ((0, 0), 0), ((0, 0), 90), ((0, 0), 180))
+    for number, (way, turn) in enumerate(placed[: 5 if arm >= _FULL else 7], start=1):
         yield _PLACEMENT.format(number=number, at=_place(centre + aside * [*way, 0]), turn=turn)
 
 

@@ -130,7 +130,8 @@ def with_travels(begun: Beginning, lengths: Mapping[str, float]) -> Beginning:
 def linear_travels(begun: Beginning) -> dict[str, float]:
     """Return how far each linear axis travels, mm."""
     axes = machine_from_text(begun.text).axes
-    return {axis.name: to_unit(axis.length, "mm") for axis in axes if not axis.rotary}
+    lengths = {axis.name: to_unit(axis.length, "mm") for axis in axes if not axis.rotary}
+    return dict(sorted(lengths.items()))
 
 
 def _active(found: IniMachine, file: Path, folder: Path) -> str:

@@ -17,7 +17,7 @@ from axiscal.measurement.readers.csv_readings import RawReading
 from axiscal.measurement.readers.csv_table import parse_table, unshielded
 from axiscal.measurement.readers.text import read_text
 from axiscal.measurement.readers.touch_log import LISTS, LoggedTouch, TouchLog, plan_code, read_touch_log
-from axiscal.measurement.touched import TOUCHES, read_as
+from axiscal.measurement.touched import TOUCHES, all_round, read_as
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +132,7 @@ def _reading(
             hit = pose.copy()
             hit[[machine.index(axis) for axis in "XYZ"]] = touch.at
             hits.append(hit)
-        value, *others = read_as(machine, setup, pose, hits)
+        value, *others = read_as(machine, setup, pose, hits, all_round(machine, pose))
     except InputError as failure:
         what = "reading {number}: {fault}"
         raise ReadingError(what, failure.remedy, file, line, number=number, fault=failure.what) from None

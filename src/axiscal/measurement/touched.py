@@ -6,6 +6,7 @@ place of the sphere less the found one, y = b − p. The tip is at p + δp when 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -135,9 +136,19 @@ def _stops(cycle: Cycle, side: Array) -> Array:
     return np.array([*way, off * side, (cycle.radius - cycle.past) * side, (off + cycle.back) * side])
 
 
-def sides(machine: Machine, pose: Array) -> Array:
+def all_round(machine: Machine, pose: Array) -> Array:
     """Return from where the sphere is met: the pole, four sides across the stem, the pole again, (6, 3)."""
     met: Array = _SIDES @ touch_frames(machine, pose[None])[0] + 0.0
+    return met
+
+
+_CAP = _SIDES * [0.5, 0.5, 1.0] + [[0, 0, 0], *[[0, 0, math.sqrt(0.75)]] * 4, [0, 0, 0]]
+"""From where a probe that only goes down meets a sphere: the pole, four flanks 30 degrees beside it, the pole again."""
+
+
+def from_above(machine: Machine, pose: Array) -> Array:
+    """Return from where a probe meets a sphere that only goes along its stem, (6, 3)."""
+    met: Array = _CAP @ touch_frames(machine, pose[None])[0] + 0.0
     return met
 
 
@@ -164,12 +175,13 @@ _AFAR = 0.01
 """m from where the cycle looks for it: nothing that it touches is there."""
 
 
-def found(machine: Machine, setup: Setup, pose: Array, hits: Sequence[Array]) -> Sphere:
-    """Return the sphere of a cycle, workpiece frame, m.  hits : poses (q,) in which it was met, one for each touch
+def found(machine: Machine, setup: Setup, pose: Array, hits: Sequence[Array], met: Array) -> Sphere:
+    """Return the sphere of a cycle, workpiece frame, m.
 
+    hits : poses (q,) in which it was met, one for each touch; met : (6, 3) unit vectors, from where
     Raises ReadingError where the touches are not those of a sphere of this size near its stated place.
     """
-    cycle, at, met = cycle_of(machine, setup), stated(setup, machine, pose), sides(machine, pose)
+    cycle, at = cycle_of(machine, setup), stated(setup, machine, pose)
     tips = frames(machine, np.array(hits)).tcp
     off = tips - (at + cycle.radius * met)
     if (far := np.linalg.norm(off, axis=1)).max() > _AFAR:
@@ -190,9 +202,11 @@ def found(machine: Machine, setup: Setup, pose: Array, hits: Sequence[Array]) ->
     return sphere
 
 
-def read_as(machine: Machine, setup: Setup, pose: Array, hits: Sequence[Array]) -> tuple[float, float, float]:
+def read_as(
+    machine: Machine, setup: Setup, pose: Array, hits: Sequence[Array], met: Array
+) -> tuple[float, float, float]:
     """Return the three values of a reading, m, by the touches of its cycle.  Raises ReadingError as `found` does."""
-    x, y, z = (stated(setup, machine, pose) - np.array(found(machine, setup, pose, hits).centre)).tolist()
+    x, y, z = (stated(setup, machine, pose) - np.array(found(machine, setup, pose, hits, met).centre)).tolist()
     return x, y, z
 
 

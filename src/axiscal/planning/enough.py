@@ -35,8 +35,9 @@ _GROWTH = 1.5
 """From one number of readings that is tried to the next; then the middle: at most a fifth of them is too many."""
 _ROUNDS, _CANDIDATES = 4, 500
 """Plans that are made to find what a result counts beside J, and places that they choose from: it changes little."""
-_NEAR, _AIM = 0.96, 0.99
-"""Of a limit: a plan that comes nearer has too many readings; what is aimed at, as the plan then has other places."""
+_NEAR, _AIM, _JUST = 0.96, 0.99, 1.05
+"""Of a limit: a plan that comes nearer has too many readings; what is aimed at, as the plan then has other places; a
+plan that comes so near ends just short of it."""
 
 
 def reached_by(case: Case, limits: Limits, places: Sequence[Place], readings: Sequence[Reading] = ()) -> bool:
@@ -67,6 +68,22 @@ def _within(case: Case, known: Knowledge, limits: Limits) -> bool:
         return False
     floor = expanded_floor(case.yardstick).space
     return expanded(case.yardstick, known.belief).space <= attainable(limits.expanded, floor)
+
+
+def just_short(case: Case, limits: Limits, places: Sequence[Place], readings: Sequence[Reading] = ()) -> bool:
+    """Return whether readings at these places nearly reach the accuracy of the volume, and others may reach it."""
+    if not limits.of_volume or len(places) >= (limits.readings or AT_ONCE):
+        return False
+    taken = [*readings, *blank_readings(case.description.setups, places)]
+    known = foreseen(case, readings, places)
+    return not reached(case, limits, known, taken) and reached(case, limits.times(_JUST), known, taken)
+
+
+def tightened(limits: Limits) -> Limits:
+    """Return limits that a search heeds with more readings: a tighter accuracy, or one reading more."""
+    if limits.accurate:
+        return limits.times(_AIM)
+    return replace(limits, readings=None if limits.readings is None else limits.readings + 1)
 
 
 def few_more(limits: Limits, least: int = 0) -> Limits:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -30,7 +30,7 @@ from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.enough import AT_ONCE, enough, roughly
+from axiscal.planning.enough import AT_ONCE, enough, just_short, roughly, tightened
 from axiscal.planning.other_readings import EVERY, plane_start, planned_with_markers, with_both_sides, without_markers
 from axiscal.planning.overrun import with_rooms
 from axiscal.planning.plan.order import in_order, seconds_along
@@ -44,6 +44,8 @@ CANDIDATES = 2000
 _SMALL = 120
 """Unknowns up to which what replaces a plan is climbed off the lattice: beyond, a person at the machine would wait too
 long."""
+_TIGHTER = 3
+"""Times that a plan just short of its limits goes on; one is nearly always enough."""
 _VOLUME = 0.5
 """Of U before the first reading: a volume without a limit weighs as a row without one."""
 
@@ -70,6 +72,26 @@ def planned_places(
         return tuple(place for place in places if not in_gap(case, place, gaps))
 
     return planned_with_markers(case, readings, gaps, limits, lambda: left or roughly(case, task, limits), planned)
+
+
+def until_reached(
+    case: Case,
+    limits: Limits,
+    heeded: Limits,
+    places: tuple[Place, ...],
+    again: Callable[[Limits, tuple[Place, ...]], tuple[Place, ...]],
+    readings: Sequence[Reading] = (),
+) -> tuple[Place, ...]:
+    """Return a plan that reaches limits: one that ends just short of them goes on with tighter ones.
+
+    heeded : by the search that found the places; again : what goes on from places with such limits; readings : so far
+    """
+    for _ in range(_TIGHTER):
+        if not just_short(case, limits, places, readings):
+            break
+        heeded = tightened(heeded)
+        places = again(heeded, places)
+    return places
 
 
 def first_places(
@@ -145,18 +167,15 @@ def refuse_lacking(case: Case) -> None:
         raise PlanError(lacking[0][1], lacking[0][2] if len(lacking) == 1 else listed(". ", remedies))
 
 
-def limits_left(
-    case: Case, task: Task, readings: Sequence[Reading], left: Sequence[Place], outliers: Sequence[Doubt]
-) -> Limits:
+def limits_left(case: Case, readings: Sequence[Reading]) -> Limits:
     """Return the rest of a campaign's limits, for a plan of at most `AT_ONCE` readings.
 
-    readings : so far, which are known; left : of an earlier plan; outliers : those of the readings not believed
+    readings : so far
     """
-    limits, bad = Limits.of(case.description.target), {doubt.reading for doubt in outliers}
+    limits = Limits.of(case.description.target)
     most = AT_ONCE if limits.readings is None else min(AT_ONCE, max(limits.readings - len(readings), 1))
     budget = None if limits.budget is None else max(limits.budget - timed(case, readings).seconds, 0.0)
-    believed = [reading for index, reading in enumerate(readings) if index not in bad]
-    return enough(case, task, replace(limits, readings=most, budget=budget), believed, left)
+    return replace(limits, readings=most, budget=budget)
 
 
 def root_of(case: Case, belief: Belief) -> Root:
@@ -208,9 +227,15 @@ def next_places(
     begin, task = without_markers(case, readings, left), posed(case, knowledge, closed, readings)
     if not len(task.lattice):
         return ()
-    limits = limits_left(case, task, readings, begin, outliers)
+    limits, bad = limits_left(case, readings), {doubt.reading for doubt in outliers}
+    believed = [reading for index, reading in enumerate(readings) if index not in bad]
+
+    def planned(limits: Limits, left: Sequence[Place]) -> tuple[Place, ...]:
+        return planned_places(case, task, limits, readings, closed, left)
+
     try:
-        return planned_places(case, task, limits, readings, closed, begin)
+        heeded = enough(case, task, limits, believed, begin)
+        return until_reached(case, limits, heeded, planned(heeded, begin), planned, believed)
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         return planned_places(case, task, Limits(1), readings, closed)
 

@@ -13,7 +13,7 @@ from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.prove import prove
 from axiscal.planning.enough import enough
 from axiscal.planning.gains.candidate_rows import MEMORY
-from axiscal.planning.next_readings import CANDIDATES, columns_of, first_places, planned_places, posed
+from axiscal.planning.next_readings import CANDIDATES, columns_of, first_places, planned_places, posed, until_reached
 from axiscal.planning.plan.plan import Plan, judged
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.step.smooth import regions
@@ -48,11 +48,15 @@ def proposed(
     bounded : whether the bound is wanted
     """
     task = replace(posed(case, case.knowledge, candidates=how.candidates), memory=how.memory)
-    limits = enough(case, task, limits)
-    places = planned_places(case, task, limits)
-    if first_places(case, task, limits):
-        places += _after(case, task, limits, places)
-    return Proposal(judged(task, limits, columns_of(case, places), bounded))
+    heeded = enough(case, task, limits)
+    places = planned_places(case, task, heeded)
+    if first_places(case, task, heeded):
+        places += _after(case, task, heeded, places)
+    else:
+        places = until_reached(
+            case, limits, heeded, places, lambda tighter, left: planned_places(case, task, tighter, left=left)
+        )
+    return Proposal(judged(task, heeded, columns_of(case, places), bounded))
 
 
 def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...]) -> tuple[Place, ...]:

@@ -9,13 +9,13 @@ import numpy as np
 from pydantic import Field
 
 from axiscal.answers.answer import AnswerDocument, TablesChecked
-from axiscal.answers.answer_words import VERDICTS
+from axiscal.answers.answer_words import VERDICTS, digits
 from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.check import Check
 from axiscal.evaluation.acceptance.datums import GUARD
 from axiscal.evaluation.acceptance.judgement import Judgement, Verdict
 from axiscal.evaluation.acceptance.table_checks import WORKS, Share
-from axiscal.language.spoken import later, listed, said
+from axiscal.language.spoken import counted, later, listed, said
 from axiscal.measurement.place import Places
 from axiscal.measurement.place_texts import approach_text, place_text, shown_pose
 from axiscal.numerics import Array
@@ -192,19 +192,19 @@ def plan_rows(check: Check, places: Places) -> list[dict[str, object]]:
     ]
 
 
+_PREDICTED = ("found_um", "left_um")
+
+
 def plan_lines(rows: Sequence[dict[str, object]]) -> list[str]:
-    """Return the rows of a plan in words."""
-    return [
-        said(
-            "{setup}: {place}  from {approach}  predicted: as found {found}, as left {left}",
-            setup=row["setup"],
-            place=row["place"],
-            approach=row["approach"] or said("any side"),
-            found=_micrometres(row["found_um"]),
-            left=_micrometres(row["left_um"]),
-        )
-        for row in rows
-    ]
+    """Return how many places a plan has, and what each set-up is expected to show at the most; its file lists them."""
+    lines = [counted("{count} PLACE TO CHECK", "{count} PLACES TO CHECK", len(rows))]
+    for setup in dict.fromkeys(row["setup"] for row in rows):
+        mine = [row for row in rows if row["setup"] == setup]
+        found, left = (float(np.max([np.max(np.abs(np.asarray(row[key]))) for row in mine])) for key in _PREDICTED)
+        places = counted("{count} place", "{count} places", len(mine))
+        words = '"{setup}": {places}, predicted up to {found} um as found, {left} um as left'
+        lines.append(said(words, setup=setup, places=places, found=digits(found), left=digits(left)))
+    return lines
 
 
 def _figures(values: Array) -> float | list[float]:
@@ -212,27 +212,20 @@ def _figures(values: Array) -> float | list[float]:
     return shown[0] if len(shown) == 1 else shown
 
 
-def _micrometres(figures: object) -> str:
-    if isinstance(figures, list):
-        return "(" + ", ".join(f"{figure:z.1f}" for figure in figures) + ") um"
-    return f"{figures:z.1f} um"
-
-
 def check_text(answer: CheckAnswer) -> str:
     """Return what was judged in words, the verdict first."""
     verdict = said(
-        "{verdict} at {tolerance:.3g} um, guard band {guard:.3g} um{holds_for}: {why}.",
+        "{verdict} at {tolerance:.3g} um, guard band {guard:.3g} um: {why}.",
         verdict=said(VERDICTS[answer.verdict]),
         tolerance=answer.tolerance_um,
         guard=answer.guard_band_um,
-        holds_for=_holds_for(answer),
         why=said(_why(answer), tables=", ".join(each.table for each in answer.faulty)),
     )
     sizes = [
         said("As found: {sizes}", sizes=_sizes([value.found_um for value in answer.readings])),
         said("As left:  {sizes}", sizes=_sizes([value.left_um for value in answer.readings])),
     ]
-    return "\n".join([verdict, *sizes, *_as_left(answer), _agreement(answer), *_warnings(answer)])
+    return "\n".join([verdict, *_holds_for(answer), *sizes, *_as_left(answer), _agreement(answer), *_warnings(answer)])
 
 
 def _as_left(answer: CheckAnswer) -> list[str]:
@@ -259,8 +252,8 @@ def _sizes(values: Sequence[float]) -> str:
     return said("largest {largest:.3g} um, RMS {rms:.3g} um", largest=float(sizes.max()), rms=rms)
 
 
-def _holds_for(answer: CheckAnswer) -> str:
-    """Return which tables the verdict is about; axes and tables that were not checked are named beside it."""
+def _holds_for(answer: CheckAnswer) -> list[str]:
+    """Say which tables the verdict is about, where axes or tables were not checked."""
     others = [
         said("axis {axis} (not moved through its volume and read along)", axis=name) for name in answer.axes_not_checked
     ]
@@ -270,9 +263,9 @@ def _holds_for(answer: CheckAnswer) -> str:
         if not each.checked
     ]
     if not others:
-        return ""
+        return []
     checked = ", ".join(each.table for each in answer.tables if each.checked) or said("what was read")
-    return said(", for {checked} only - NOT CHECKED: {others}", checked=checked, others=listed(", ", others))
+    return [said("It holds for {checked} only. NOT CHECKED: {others}.", checked=checked, others=listed(", ", others))]
 
 
 def _why(answer: CheckAnswer) -> str:

@@ -24,6 +24,8 @@ from axiscal.present.machine_drawing.machine_scene import machine_parts
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
 from axiscal.present.volume_error import MACHINES, BentVolume, sides_of
 
+_FLAT = 0.05
+"""Of the longest side: a shorter one is the height of something flat."""
 _SHARE = 0.1
 """Of the shortest side, that the largest deviation has."""
 _GHOST = 0.22
@@ -88,11 +90,12 @@ def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", le
 def magnification(volume: BentVolume) -> float:
     """Return by how many times deviations are enlarged: the nearest 1, 2 or 5 times a power of ten.
 
-    The largest of all that are drawn is then about a tenth of the shortest side.
+    The largest of all that are drawn is then about a tenth of the shortest side; of a bed its height is none.
     """
     drawn_ones = [each + volume.allowed for each in _of_all(volume)] + [each[None] for each in _of_all(volume)]
     largest = max(float(np.linalg.norm(each, axis=-1).max()) for each in drawn_ones)
-    shortest = min(sides_of(volume.tcp), default=1.0)
+    sides = sides_of(volume.tcp)
+    shortest = min((side for side in sides if side > _FLAT * max(sides)), default=1.0)
     wanted = math.log10(_SHARE * shortest / max(largest, 1e-12))
     powers = range(math.floor(wanted) - 1, math.floor(wanted) + 2)
     steps = [factor * 10.0**power for power in powers for factor in (1, 2, 5)]

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from axiscal.exceptions import SourceError
 from axiscal.machine import Axis
 from axiscal.measurement.place_texts import shown_approach, shown_pose
 from axiscal.measurement.setup import Setup
@@ -68,3 +70,14 @@ class Source(Protocol):
 
     def close(self) -> None:
         """Let go of whatever it holds; may be called twice."""
+
+
+def at_the_terminal(text: str) -> str:
+    """Ask on a line of its own and return what is typed; raises SourceError where nobody can answer."""
+    sys.stderr.write("\n" * sys.stderr.isatty() + text)  # the line before shows how far the run is
+    sys.stderr.flush()
+    line = sys.stdin.readline()
+    if not line:
+        what = "the machine waits for a person, and nobody is there to answer"
+        raise SourceError(what, "Give the command in a terminal, beside the machine")
+    return line

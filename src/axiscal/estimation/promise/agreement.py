@@ -18,7 +18,7 @@ one is 20 times as likely, or the readings do not agree with it either. p is at 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -44,8 +44,9 @@ SEVERAL = 3
 """One or two bad readings are bad readings, of however few."""
 _PRIOR = 0.01
 """Assumption: one campaign in a hundred has such a mistake."""
-_JUMP = 30.0
-"""Noises: standard deviation of a jump of a zero."""
+_JUMPS = 30.0, 1e3, 3e4
+"""Noises: standard deviations of a jump, one as likely as the other. A zero slips by the first; what stands on the
+table is nudged or moved by the others, too."""
 _LARGEST = 600.0
 """Logarithm of the largest odds that are said: beyond it floats end."""
 _INCH = 25.4
@@ -141,7 +142,11 @@ def agreement(
         p = min(p, binomial_tail(left_out, count + left_out, BAD_SHARE))
     whole, weighed = every or (problem, found)
     stated = chi_square_tail(len(whole.values), weighed.stated.square)
-    tried = [*_units(whole, weighed)] if stated < CONTRADICTS else []  # sizes that are learnt hide another unit
+    tried = list[_Tried]()
+    if stated < CONTRADICTS:  # sizes that are learnt hide another unit, or a jump of which few readings are
+        alone = replace(weighed, thetas=0 * weighed.thetas[:1], weights=np.ones(1), given=(weighed.stated,))
+        moved = _jumps(whole, alone, weighed.log_stated)
+        tried += [*_units(whole, weighed), *(each for each in moved if _stands(whole, each.mistake.setups[0]))]
     if p < CONTRADICTS:
         tried += [*_jumps(problem, found), *_turned(problem, found), *_against(problem, found, turned)]
     named = _explained(tried) if tried else []
@@ -164,8 +169,9 @@ def _explained(tried: Iterable[_Tried]) -> list[Explained]:
     """Return the mistakes with which readings agree, at odds above 20 : 1 beside none and within these of the best."""
     each = sorted(tried, key=lambda one: -one.mistake.log_odds)
     least = max(np.log(NAMED), each[0].mistake.log_odds - np.log(NAMED))
-    likely = [one for one in each if one.mistake.log_odds > least]
-    return [one.mistake for one in likely if 2 * one.p >= CONTRADICTS]
+    likely = [one.mistake for one in each if one.mistake.log_odds > least and 2 * one.p >= CONTRADICTS]
+    first = {(one.mistake, one.setups): one for one in reversed(likely)}
+    return [one for one in likely if first[one.mistake, one.setups] is one]
 
 
 def _tried(problem: Problem, found: Weighed, gains: Array, squares: Array, mistake: Explained) -> _Tried:
@@ -180,8 +186,11 @@ def _tried(problem: Problem, found: Weighed, gains: Array, squares: Array, mista
     return _Tried(mistake._replace(log_odds=odds), float(weights @ tails / weights.sum()))
 
 
-def _jumps(problem: Problem, found: Weighed) -> Iterator[_Tried]:
-    """Yield the likeliest jump of the zero of each set-up."""
+def _jumps(problem: Problem, found: Weighed, log_weight: float = 0.0) -> Iterator[_Tried]:
+    """Yield the likeliest jump of the zero of each set-up, of each size where it is read in several directions.
+
+    log_weight : of the draws beside what odds are said of
+    """
     for setup in np.unique(problem.setup).tolist():
         mine = problem.setup == setup
         readings = np.unique(problem.reading[mine])[1:]
@@ -190,18 +199,26 @@ def _jumps(problem: Problem, found: Weighed) -> Iterator[_Tried]:
         ways = _ways(problem, mine) / problem.noise * float(np.median(problem.noise[mine]))
         columns = (problem.reading >= readings[:, None])[:, None] * ways
         alone = np.eye(len(ways))
-        gains = np.empty((len(found.given), len(readings)))
+        sizes = _JUMPS if _stands(problem, setup) else _JUMPS[:1]
+        gains = np.empty((len(sizes), len(found.given), len(readings)))
         squares = np.empty_like(gains)
         for draw, given in enumerate(found.given):
             weighted = given.precision(columns.reshape(-1, len(mine)).T).T.reshape(columns.shape)
             fisher, pulled = columns @ weighted.transpose(0, 2, 1), weighted @ problem.values
-            solved = np.linalg.solve(fisher + _JUMP**-2 * alone, pulled[:, :, None])[:, :, 0]
-            squares[draw] = np.sum(pulled * solved, axis=1)
-            gains[draw] = 0.5 * (squares[draw] - np.linalg.slogdet(alone + _JUMP**2 * fisher)[1])
-        gains -= np.log(len(readings))
-        best = int(np.argmax(found.weights @ np.exp(gains - gains.max())))
-        named = Explained("jump", 0.0, (int(setup),), int(readings[best]))
-        yield _tried(problem, found, gains[:, best], squares[:, best], named)
+            for k, size in enumerate(sizes):
+                solved = np.linalg.solve(fisher + size**-2 * alone, pulled[:, :, None])[:, :, 0]
+                squares[k, draw] = np.sum(pulled * solved, axis=1)
+                gains[k, draw] = 0.5 * (squares[k, draw] - np.linalg.slogdet(alone + size**2 * fisher)[1])
+        gains += log_weight - np.log(len(sizes) * len(readings))
+        for gain, square in zip(gains, squares, strict=True):
+            best = int(np.argmax(found.weights @ np.exp(gain - gain.max())))
+            named = Explained("jump", 0.0, (int(setup),), int(readings[best]))
+            yield _tried(problem, found, gain[:, best], square[:, best], named)
+
+
+def _stands(problem: Problem, setup: int) -> bool:
+    """Return whether a set-up reads in several directions: what it reads stands on the table."""
+    return _numbers(problem.reading[problem.setup == setup]) > 1
 
 
 def _ways(problem: Problem, mine: NDArray[np.bool_]) -> Array:

@@ -20,6 +20,7 @@ from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.acceptance.at_the_machine import Sheet
+from axiscal.evaluation.acceptance.datums import lines_shared
 from axiscal.evaluation.acceptance.judgement import Judgement
 from axiscal.evaluation.acceptance.table_checks import Part, needed, parts_of, taken_away
 from axiscal.evaluation.acceptance.verification import (
@@ -86,11 +87,14 @@ class Check:
         count : how many; None takes what the tables need, each at its ends and where it corrects most, and
         USUAL at least where so many are new.
         Fewer than the tables need show those that correct most; the rest is where the machine should be worst and best.
-        No set-up is read at fewer places than tell the machine from it.
+        No set-up is read at fewer places than tell the machine from it. Set-ups that the campaign has read come alone:
+        of others nobody knows how they lie.
         """
         setups, lattice = self.description.setups, self.estimation.case.lattice
-        candidates = with_displacements(setups, lattice, by)
-        first = needed(self.estimate, setups, candidates, self.parts, self._used_places())
+        candidates, used = with_displacements(setups, lattice, by), self._used_places()
+        if len(judges := np.intersect1d(used.setups, candidates.setups)):
+            candidates = candidates.within(np.isin(candidates.setups, judges))
+        first = needed(self.estimate, setups, candidates, self.parts, used)
         most = len(first) + len(candidates) if count is None else count
         first = self._whole(first, candidates, most, tolerance)
         left = max(USUAL - len(first), _FEW) if count is None else count - len(first)
@@ -111,20 +115,24 @@ class Check:
     def _whole(self, first: Places, candidates: Places, count: int, tolerance: float) -> Places:
         """Return `count` places at most, the first ones and what their set-ups lack to be told from the machine.
 
-        A set-up that has too few new places for that is left out.
+        A set-up that has too few new places for that is left out; both legs of a square are read, or it shows little.
         """
         asked, setups = first, self.description.setups
         first = first.within(slice(count))
         while len(first):
             lacking = places_lacking(self.estimate, setups, candidates, first, tolerance)
-            lacking = {setup: more for setup, more in lacking.items() if more and setup in first.setups}
+            mounted = set(first.setups.tolist())
+            shared = set[str]().union(*(lines_shared(setups[setup]) for setup in mounted))
+            mounted |= {setup for setup in lacking if lines_shared(setups[setup]) & shared}
+            lacking = {setup: more for setup, more in lacking.items() if more and setup in mounted}
             if len(first) + sum(lacking.values()) <= count:
                 for setup, more in lacking.items():
                     own = candidates.within(candidates.setups == setup)
                     try:
                         first = Places.joined([first, self._others(own, more, first, tolerance)])
                     except ReadingError:
-                        return self._whole(asked.within(asked.setups != setup), candidates, count, tolerance)
+                        others = candidates.within(candidates.setups != setup)
+                        return self._whole(asked.within(asked.setups != setup), others, count, tolerance)
                 return first
             first = first.without(len(first) - 1)
         return first

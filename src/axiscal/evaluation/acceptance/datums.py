@@ -2,7 +2,8 @@
 
 A zero is a datum: a length is judged against the others of its set-up. So is the place of a ball that is not known to
 the tolerance. The ball is judged against itself, at other angles of the table. So are such a tool, and such a slope:
-residuals are judged against their own line. A well-known slope, and a growth always, is not fitted, for that could
+residuals are judged against their own line. The legs of a square share its turn, so that together they show how square
+the machine is. A well-known slope, and a growth always, is not fitted, for that could
 swallow an error of the machine. It adds U diag(std²) Uᵀ to the covariance of the readings.
 
 A tracker that was set down by eye is read as if it stood straight. It shows y = R(p + δ − s) + s + zero − p at a place
@@ -26,19 +27,23 @@ from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import TOOL, Nominal
 from axiscal.measurement.instruments.tracker import TURNS
 from axiscal.measurement.observation import directions_of
-from axiscal.measurement.setup import Setup
+from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array, rigid
 
 GUARD = 1.645
 """Expanded uncertainty in standard deviations: one side, 95 %."""
 _FAR = 3.0
 """A reading this far off its datum is named; two or four would name few others, and the verdict does not hang on it."""
-_LINES = ("slope", "turn")
+_LINES = ("slope", "turn", "square")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Datum:
-    """One unknown that is taken off.  row : (m,) gives its value from the readings; reach : the most it adds to one."""
+    """One unknown that is taken off.
+
+    setup : the set-up that has it, or what several share; row : (m,) gives its value from the readings
+    reach : the most it adds to one
+    """
 
     setup: str
     unknown: str
@@ -84,6 +89,11 @@ def is_zero(unknown: str) -> bool:
     return unknown.partition("_")[0] == "zero"
 
 
+def lines_shared(setup: Setup) -> set[str]:
+    """Return what else has the lines of a set-up, such as the square of a leg."""
+    return {unknown.owner for unknown in setup.unknowns if unknown.owner and _is_line(unknown.name)}
+
+
 def _is_line(unknown: str) -> bool:
     return unknown.partition("_")[0] in _LINES
 
@@ -100,23 +110,26 @@ def datums_of(
 
     indices : (m,) of the set-ups; poses : (m, q) m or rad; directions : (m, 3) of the values; tolerance : m
     """
-    count = len(indices)
-    free, spread, taken = np.eye(count), np.zeros((count, count)), list[Datum]()
-    for index in np.unique(indices):
+    found: dict[tuple[str, str], tuple[Unknown, Array, bool]] = {}
+    for index in np.unique(indices).tolist():
         mine, setup = np.flatnonzero(indices == index), setups[index]
         own = _own_rows(machine, setup, poses[mine], directions[mine])
-        stds = np.array([unknown.std for unknown in setup.unknowns])
-        off = _are_datums(setup, own, stds, tolerance)
+        off = _are_datums(setup, own, np.array([unknown.std for unknown in setup.unknowns]), tolerance)
         _refuse_few(setup, len(mine), int(off.sum()))
-        inverse = np.linalg.pinv(own[:, off])
-        free[np.ix_(mine, mine)] -= own[:, off] @ inverse
-        spread[np.ix_(mine, mine)] = own[:, ~off] @ np.diag(stds[~off] ** 2) @ own[:, ~off].T
-        for column, part in zip(np.flatnonzero(off).tolist(), inverse, strict=True):
-            row = np.zeros(count)
-            row[mine] = part
-            unknown, reach = setup.unknowns[column], max(float(np.max(np.abs(own[:, column]))), 1e-12)
-            taken.append(Datum(setup.name, unknown.name, unknown.std, row, reach))
-    return Datums(free, spread, tuple(taken))
+        for unknown, column, datum in zip(setup.unknowns, own.T, off.tolist(), strict=True):
+            key = unknown.owner or setup.name, unknown.name
+            _, whole, before = found.get(key, (unknown, np.zeros(len(indices)), False))
+            whole[mine] = column
+            found[key] = unknown, whole, before or datum
+    datums = {key: column for key, (_, column, off) in found.items() if off}
+    stays = [unknown.std * column for unknown, column, off in found.values() if not off]
+    columns, rest = (np.array(each).reshape(-1, len(indices)).T for each in (list(datums.values()), stays))
+    inverse = np.linalg.pinv(columns)
+    taken = tuple(
+        Datum(*key, found[key][0].std, row, max(float(np.max(np.abs(column))), 1e-12))
+        for (key, column), row in zip(datums.items(), inverse, strict=True)
+    )
+    return Datums(np.eye(len(indices)) - columns @ inverse, rest @ rest.T, taken)
 
 
 def fewest(machine: Machine, setup: Setup, poses: Array, tolerance: float) -> int:

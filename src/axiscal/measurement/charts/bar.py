@@ -43,11 +43,11 @@ class Bar(SmoothChart):
     def bounds(self, number: int) -> Coordinate:
         """Return a full turn, from pole to pole, or the travel of a rotary axis."""
         if number == 0:
-            return Coordinate(0.0, math.tau, self.steps[0], self.overrun / self.length, True, True)
+            return Coordinate(0.0, math.tau, self.steps[0], self.overrun / self.length, True)
         if number == 1:
             return Coordinate(-math.pi / 2, math.pi / 2, self.steps[1], self.overrun / self.length)
         axis = self.room.machine.axes[self.turning[number - 2]]
-        return Coordinate(*axis.travel, self.steps[number], axis.overrun, axis.cyclic)
+        return Coordinate(*axis.travel, self.steps[number], axis.overrun)
 
     def poses(self, places: Array) -> Array:
         """Return the poses (m, q) with the tool point on the sphere."""
@@ -109,7 +109,7 @@ class Circle(SmoothChart):
         """Return the arc."""
         low, high = self.arc
         whole = abs(high - low - math.tau) <= 1e-9 and not np.any(self.turning)
-        return Coordinate(low, high, self.step, self.overrun / self.length, whole, whole)
+        return Coordinate(low, high, self.step, self.overrun / self.length, whole)
 
     def directions(self, places: Array) -> Array:
         """Return the unit vectors (m, 3) from the centre to the tool point."""

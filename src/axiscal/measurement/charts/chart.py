@@ -20,7 +20,7 @@ class Coordinate(NamedTuple):
     """One coordinate of a chart: from low to high, in multiples of a step; 0 is continuous.
 
     overrun : over how much of it a side is come from
-    closed : high is low again, after a full turn; endless : and one may go on past it
+    endless : high is low again, after a full turn, and one may go on past it
     finest : what can be dialled in, where it is continuous
     """
 
@@ -28,7 +28,6 @@ class Coordinate(NamedTuple):
     high: float
     step: float = 0.0
     overrun: float = 0.0
-    closed: bool = False
     endless: bool = False
     finest: float = np.radians(1e-4)
 

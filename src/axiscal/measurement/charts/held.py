@@ -47,7 +47,7 @@ class Held(SmoothChart):
     def bounds(self, number: int) -> Coordinate:
         """Return the travel of a rotary axis."""
         axis = self.room.machine.axes[self.turning[number]]
-        return Coordinate(*axis.travel, self.steps[number], axis.overrun, axis.cyclic)
+        return Coordinate(*axis.travel, self.steps[number], axis.overrun)
 
     def poses(self, places: Array) -> Array:
         """Return the poses (m, q) with the tool point at the ball."""

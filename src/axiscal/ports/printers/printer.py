@@ -1,6 +1,5 @@
-"""`moonraker:HOST` and `duet:HOST`: a 3D printer that probes its own bed at the planned points.
+"""Printers behind their web servers, which are asked how they stand, moved, and probe.
 
-A reading is minus the height at which the probe meets the bed: over a high bed the tool is too low by as much.
 Written from the protocols that Moonraker and RepRapFirmware document. Tried with Klipper behind Moonraker, no printer;
 RepRapFirmware's against a small server that speaks it.
 """
@@ -18,16 +17,14 @@ import urllib.error
 import urllib.parse
 import urllib.request
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from queue import Empty, Queue
 from typing import Any, NamedTuple
 
-from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import InputError, SourceError, TableError, TravelError
 from axiscal.language.spoken import later, said
 from axiscal.ports.printers.klipper import holds_heights
-from axiscal.units import from_unit, to_unit
 
 TIMEOUT = 60.0
 """s for one answer: a probe on a slow printer takes some."""
@@ -41,69 +38,15 @@ _THERE = ("toolhead", "position"), ("gcode_move", "gcode_position")
 _SHIFTED = later("the printer {host} has its coordinates shifted, as by G92 or G10")
 _REFUSED, _ABSENT = 300, 404
 """Codes of HTTP from here on say that a request was not done, and this one that there is no such file."""
-_CLEAR, _LIFT, _TRAVEL = 5.0, 600, 3000
-"""mm over the bed on the way, mm/min up and across: gentle on any printer."""
-_FARTHEST = 5.0
-"""mm off the bed's zero; a probe that triggers farther away has met something else, or nothing."""
 _FOUND = re.compile(r"[Ss]topped at height (-?\d+(?:\.\d+)?) ?mm")
 _AMISS = re.compile(r"^\s*Error:?\s*(.+)$", re.MULTILINE)
 """How RepRapFirmware begins the reply to a line that it did not execute."""
 _BEYOND = re.compile(r"Move out of range|outside machine limits|not reachable")
 """How Klipper and RepRapFirmware refuse to go where their axes do not reach."""
+_OF_MODEL = "state", "move", "sensors"
+"""Parts of RepRapFirmware's object model."""
 _POLL = 0.1
 """s between two looks for a reply."""
-
-
-class PrinterSource:
-    """A printer over the network, looked at before the first reading.
-
-    Raises SourceError for a printer that is not ready, not homed, prints, or has a mesh or skew in force.
-    """
-
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        printer.refuse_unready()
-
-    def read(self, request: Request) -> Answer | Skip:
-        """Go over the point, from the side of the request, and probe; a point that it cannot go to is skipped.
-
-        Raises SourceError.
-        """
-        self._refuse_others(request)
-        self._printer.refuse_unready()  # somebody may have started a print since
-        at = {axis.name: float(to_unit(value, "mm")) for axis, value in zip(request.axes, request.pose, strict=True)}
-        side = {axis.name: sign for axis, sign in zip(request.axes, request.approach, strict=True)}
-        overrun = {axis.name: float(to_unit(axis.overrun, "mm")) for axis in request.axes}
-        beside = {name: at[name] - overrun[name] * side[name] for name in "XY"}
-        codes = ["G21", "G90", f"G1 Z{_CLEAR:.3f} F{_LIFT}"]
-        if any(side[name] for name in "XY"):
-            codes.append(f"G1 X{beside['X']:.3f} Y{beside['Y']:.3f} F{_TRAVEL}")
-        codes += [f"G1 X{at['X']:.3f} Y{at['Y']:.3f} F{_TRAVEL}", "M400"]
-        try:
-            height = self._printer.probed(codes)
-        except TravelError as impossible:
-            return Skip(impossible.what)
-        if not abs(height) <= _FARTHEST:
-            what = "the probe met something {height:.3f} mm off the bed's zero"
-            remedy = "Look at the probe and its offset; beyond {most:g} mm nothing is believed"
-            raise SourceError(what, remedy, height=height, most=_FARTHEST)
-        return Answer(-float(from_unit(height, "mm")), live=True)
-
-    def close(self) -> None:
-        """There is nothing to let go of: the tool stays where it is, over the bed."""
-
-    @staticmethod
-    def _refuse_others(request: Request) -> None:
-        setup, names = request.setup, {axis.name for axis in request.axes}
-        upright = abs(setup.direction[2]) > 1 - 1e-9 and setup.direction[2] > 0
-        if setup.instrument != "probe" or not upright or not {"X", "Y"} <= names:
-            remedy = 'It probes its bed: instrument = "probe", direction = "z", moves = ["X", "Y"]'
-            raise SourceError("a printer cannot take the readings of the set-up {setup}", remedy, setup=setup.name)
-
-
-def reached(kind: str, host: str) -> PrinterSource:
-    """Return the printer behind a web server; raises SourceError.  kind : of `open_source`"""
-    return PrinterSource({"moonraker": Moonraker, "duet": Duet}[kind](host))
 
 
 class Exported(NamedTuple):
@@ -145,8 +88,16 @@ class Printer(ABC):
         """Raise SourceError where the printer is not ready to be measured."""
 
     @abstractmethod
-    def probed(self, codes: list[str]) -> float:
-        """Execute lines, probe, and return the height of the bed there, mm."""
+    def probe_offset(self) -> tuple[float, float]:
+        """Return where the probe is beside the nozzle, x and y, mm."""
+
+    @abstractmethod
+    def moved(self, codes: list[str]) -> None:
+        """Execute lines."""
+
+    @abstractmethod
+    def probed(self, codes: list[str], over: list[str]) -> float:
+        """Execute lines, probe, and return the height of the bed there, mm.  over : what brings the nozzle there"""
 
     def _ask(
         self,
@@ -166,12 +117,11 @@ class Printer(ABC):
 
     def _done(self, path: str, code: int, data: bytes) -> bytes:
         if code >= _REFUSED:
-            said = data[:2000].decode(errors="replace")
             raise self._failed(
                 "the printer {host} refused {path} ({code}): {message}",
                 path=path,
                 code=code,
-                message=" ".join(said.split())[:200],
+                message=" ".join(_reason(data).split())[:200],
             )
         return data
 
@@ -240,8 +190,26 @@ class Moonraker(Printer):
             raise self._not_ready("the printer {host} is not homed", "Send G28 first")
         self._refuse_other(found)
         there, asked = (found_at(found, "gcode_move", key) or () for key in ("position", "gcode_position"))
-        if any(abs(a - b) > _SAME for a, b in zip(there[:3], asked[:3], strict=False)):
+        if _apart(there[:3], asked[:3]):
             raise self._not_ready(_SHIFTED, "Send SET_GCODE_OFFSET X=0 Y=0 Z=0 and G28 first")
+        self._refuse_skewed(found)
+
+    def _refuse_skewed(self, found: dict[str, Any]) -> None:
+        """Raise SourceError where the motors are not where they are said to be, and are to be."""
+        motors, asked = (found_at(found, *key) or () for key in _THERE)
+        if self._exported is None and _apart(motors[:2], asked[:2]):
+            raise self._not_ready("the printer {host} has a skew in force", "Send SET_SKEW CLEAR=1 first")
+
+    def probe_offset(self) -> tuple[float, float]:
+        """Ask for the section of printer.cfg that the probe has."""
+        name = str(found_at(self._status("probe"), "probe", "name") or "probe")
+        settings = found_at(self._status(configfile="settings"), "configfile", "settings", name)
+        x, y = (self._height(found_at(settings, f"{axis}_offset") or 0.0) for axis in "xy")
+        return x, y
+
+    def moved(self, codes: list[str]) -> None:
+        """Send the lines."""
+        self._script("\n".join(codes))
 
     def _refuse_other(self, found: dict[str, Any]) -> None:
         """Raise SourceError where anything else is in force than is to be."""
@@ -270,21 +238,24 @@ class Moonraker(Printer):
         if found_at(found, "print_stats", "state") in ("printing", "paused"):
             raise self._not_ready("the printer {host} prints", "Wait until it has ended")
 
-    def probed(self, codes: list[str]) -> float:
+    def probed(self, codes: list[str], over: list[str]) -> float:
         """Send the lines and PROBE; `last_z_result` is where it met the bed, before what is in force is added."""
-        self._script("\n".join([*codes, "PROBE"]))
+        self.moved([*codes, "PROBE"])
         found = self._status("probe", "toolhead", "gcode_move")
+        self._refuse_skewed(found)
         height = self._height(found_at(found, "probe", "last_z_result"))
         if self._exported is None:
             return height
+        self.moved(over)  # what is in force acts where the nozzle is
+        found = self._status("toolhead", "gcode_move")
         motors, asked = ((found_at(found, *key) or [None] * 3)[2] for key in _THERE)
         return height - (self._height(motors) - self._height(asked))
 
     def _script(self, script: str) -> None:
         self._ask("/printer/gcode/script", {"script": script}, body=b"")
 
-    def _status(self, *objects: str) -> dict[str, Any]:
-        found = self._document("/printer/objects/query", dict.fromkeys(objects, ""))
+    def _status(self, *objects: str, **parts: str) -> dict[str, Any]:
+        found = self._document("/printer/objects/query", dict.fromkeys(objects, "") | parts)
         status = found_at(found, "result", "status")
         if not isinstance(status, dict):
             raise self._failed("the printer {host} answers no status")
@@ -330,12 +301,23 @@ class Duet(Printer):
             except SourceError:
                 self._alone = True
         self._document("/rr_connect", {"password": ""})
-        return {key: self._document("/rr_model", {"key": key}).get("result") for key in ("state", "move")}
+        return {key: self._document("/rr_model", {"key": key}).get("result") for key in _OF_MODEL}
 
-    def probed(self, codes: list[str]) -> float:
-        """Send the lines and G30 S-1, which probes and only says at which height."""
+    def probe_offset(self) -> tuple[float, float]:
+        """Ask the object model for the first probe."""
+        probes = found_at(self._model(), "sensors", "probes")
+        found = found_at(probes[0], "offsets") if isinstance(probes, list) and probes else None
+        x, y = (self._height(each) for each in (found or (0.0, 0.0))[:2])
+        return x, y
+
+    def moved(self, codes: list[str]) -> None:
+        """Send the lines, one by one."""
         for code in codes:
             self._run(code)
+
+    def probed(self, codes: list[str], over: list[str]) -> float:
+        """Send the lines and G30 S-1, which probes and only says at which height."""
+        self.moved(codes)
         found = _FOUND.search(said := self._run("G30 S-1", wait=True))
         if found is None:
             raise self._failed("the printer {host} answers {message!r} to G30 S-1", message=said.strip()[:200])
@@ -385,6 +367,20 @@ def _exchange(asked: urllib.request.Request) -> tuple[int, bytes] | Exception:
             return answer.status, answer.read(_MOST + 1)
     except (OSError, ValueError, http.client.HTTPException) as fault:
         return fault
+
+
+def _reason(data: bytes) -> str:
+    """Return what a refusal says: of a document as Moonraker sends it the message, without its traceback."""
+    try:
+        message = found_at(json.loads(data), "error", "message")
+    except (ValueError, RecursionError):
+        message = None
+    return message if isinstance(message, str) else data[:2000].decode(errors="replace")
+
+
+def _apart(one: Sequence[float], other: Sequence[float]) -> bool:
+    """Return whether two positions are not the same, mm."""
+    return any(abs(a - b) > _SAME for a, b in zip(one, other, strict=False))
 
 
 def _compensation(model: dict[str, Any]) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from axiscal.campaign.sources.source import Answer, Request, Skip
+from axiscal.campaign.sources.source import Answer, Request, Skip, at_the_terminal
 from axiscal.document import shown
 from axiscal.exceptions import InputError, SourceError, TravelError
 from axiscal.language.spoken import said
@@ -20,7 +20,7 @@ from axiscal.machine.description import Machine
 from axiscal.machine.inverse import drawn_back
 from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.touched import cycle_of, read_as
+from axiscal.measurement.touched import all_round, cycle_of, read_as
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.live.connection import Connection
 from axiscal.ports.linuxcnc.live.in_force import InForce
@@ -63,7 +63,7 @@ class LiveSource:
         asked: Callable[[str], str] | None = None,
     ) -> None:
         self._line, self._machine, self._in_force = connection, machine, in_force
-        self._asked = asked or _at_the_terminal
+        self._asked = asked or at_the_terminal
         self._placed, self._singly = "", True
         self._standing: tuple[str, Decimals] | None = None
         try:
@@ -110,7 +110,8 @@ class LiveSource:
         hits = [self._touch(step, way) for step in self._between(way, touching)]
         self._in_force.refuse(self._line.status())  # what somebody switched meanwhile has spoilt the touches
         self._standing = request.setup.name, way.target.position
-        value, *others = read_as(self._machine, request.setup, np.array(request.pose), hits)
+        pose = np.array(request.pose)
+        value, *others = read_as(self._machine, request.setup, pose, hits, all_round(self._machine, pose))
         return Answer(value, others=tuple(others), live=True)
 
     def _put_down(self, off: Sequence[Step], placed: str) -> None:
@@ -289,17 +290,6 @@ def _slowed(feed: int, slow: int) -> int:
 
 def _joined(words: Sequence[tuple[str, str]]) -> str:
     return " ".join(axis + value for axis, value in words)
-
-
-def _at_the_terminal(text: str) -> str:
-    """Ask on a line of its own and return what is typed; raises SourceError where nobody can answer."""
-    sys.stderr.write("\n" * sys.stderr.isatty() + text)  # the line before shows how far the run is
-    sys.stderr.flush()
-    line = sys.stdin.readline()
-    if not line:
-        what = "the first run goes in single steps, and nobody is there to confirm them"
-        raise SourceError(what, "Give the command in a terminal, beside the machine")
-    return line
 
 
 _SAME = 1e-6

@@ -1,0 +1,243 @@
+"""Draws and weights piece by piece: halves, proposal, weights, and what is said of sizes, by their definitions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import norm
+
+from axiscal.description.sizes import Kind, Sizes
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.promise import posterior
+from axiscal.estimation.promise.dense import Dense, mixture
+from axiscal.estimation.promise.draws import Mode, Weighed, _halved, _wings, draws, mode, redrawn, weighed
+from axiscal.estimation.promise.posterior import (
+    LeftOut,
+    _as_stated,
+    _half_and_half,
+    _left_out,
+    _may_be_a_detail,
+    _Moments,
+    _moved_in,
+    _sizes,
+    _surely,
+)
+from axiscal.estimation.promise.problem import Problem, _cell_root
+from axiscal.estimation.promise.spaces import Space
+from axiscal.estimation.promise.unknowns import space_of
+from axiscal.machine import load_machine
+from tests.generators.problems import asked, sized
+
+
+@cache
+def _learnt() -> tuple[Problem, Space, Mode]:
+    """Return thirty readings that teach two sizes, with their mode."""
+    problem = sized(asked("axis", 30, 4), ("std", "noise"))
+    space = space_of(problem)
+    best = mode(space)
+    assert len(best.taught) == 2
+    return problem, space, best
+
+
+@given(st.floats(-4, 4), st.floats(0.1, 3), st.floats(0.1, 3))
+def test_a_normal_of_two_halves_is_cut_at_nought(point: float, below: float, above: float) -> None:
+    """Each half has the mass of its width, and within it the quantile of its own normal."""
+    ((found,),) = _halved(np.array([[point]]), np.array([[below], [above]]))
+    share = 2 / (below + above)
+    mass = below * share * norm.cdf(found / below) if found <= 0 else (
+        share * (below / 2 + above * (norm.cdf(found / above) - 0.5))
+    )  # fmt: skip
+    assert mass == pytest.approx(norm.cdf(point), rel=1e-6, abs=1e-8)
+
+
+def test_wings_reach_where_the_density_has_fallen_by_its_root_of_two() -> None:
+    """Of a normal all is as wide as its covariance says, and no wing is over twice or below half as wide."""
+    _, space, best = _learnt()
+    widths, axes = np.array([0.5, 0.2]), np.eye(2)
+    (below, above) = _wings(space, best, widths, axes)
+    assert (below[1], above[1]) == (0.2, 0.2)  # of one that is as narrow the normal is enough
+    for found, sign in ((below[0], -1.0), (above[0], 1.0)):
+        x = best.x.copy()
+        x[best.taught[0]] += sign * np.sqrt(2.0) * 0.5
+        there = Dense(space.problem).log_likelihood(space.problem.sizes.at(x)[0]) - 0.5 * float(x @ x)
+        y = best.x
+        here = Dense(space.problem).log_likelihood(space.problem.sizes.at(y)[0]) - 0.5 * float(y @ y)
+        assert found == pytest.approx(0.5 * np.clip((here - there) ** -0.5, 0.5, 2.0), rel=1e-4)
+
+
+def test_the_proposal_is_fifteen_parts_of_two_halves_and_one_of_the_prior() -> None:
+    """Its density over the prior's at each draw, and at the sizes as stated behind them."""
+    _, space, best = _learnt()
+    drawn = draws(space, best)
+    values, axes = np.linalg.eigh(best.covariance)
+    wings = 1.2 * _wings(space, best, np.sqrt(values), axes)
+    x = np.vstack([drawn.x, np.zeros(len(best.x))])[:, best.taught]
+    away = (x - best.x[best.taught]) @ axes
+    width = np.where(away > 0, wings[1], wings[0])
+    halves = np.prod(2 / wings.sum(axis=0) * width * norm.pdf(away, scale=width), axis=1)
+    prior = np.prod(norm.pdf(x), axis=1)
+    np.testing.assert_allclose(np.exp(drawn.log_proposal), 15 / 16 * halves / prior + 1 / 16, rtol=1e-6)
+    assert len(drawn.x) == 64
+    untaught = np.delete(drawn.x, best.taught, axis=1)
+    assert not untaught.any()
+
+
+def test_weights_are_likelihood_over_proposal_none_above_the_root_of_their_number_times_the_mean() -> None:
+    problem, space, best = _learnt()
+    drawn = draws(space, replace(best, covariance=25 * best.covariance))  # far too wide: one draw has too much
+    dense = Dense(problem)
+    logs = np.array([dense.log_likelihood(theta) for theta in drawn.thetas]) - drawn.log_proposal[:-1]
+    raw = np.exp(logs - logs.max())
+    cut = np.minimum(raw, raw.mean() * 8)
+    assert np.any(cut < raw)
+    found = weighed(space, drawn)
+    np.testing.assert_allclose(found.every, cut / cut.sum(), rtol=1e-4, atol=1e-9)
+    assert found.weights.sum() == pytest.approx(1.0)
+    assert len(found.weights) == np.sum(found.every > 1e-6)
+    assert found.log_evidence == pytest.approx(float(np.log(np.mean(np.exp(logs - logs.max()))) + logs.max()), abs=1e-4)
+    stated = dense.log_likelihood(np.zeros(len(problem.sizes))) - drawn.log_proposal[-1]
+    assert found.log_stated == pytest.approx(stated - np.log(64) - found.log_evidence, abs=1e-4)
+
+
+def test_draws_are_made_anew_about_those_that_carry_weight() -> None:
+    """Where twelve count as much as they are, mean and covariance are theirs; where one has all, weights are evened."""
+    _, space, best = _learnt()
+    drawn = draws(space, best)
+    weights = np.where(np.arange(64) % 4 == 1, 1 / 16, 0.0)
+    found = replace(weighed(space, drawn), every=weights)
+    again = redrawn(space, drawn, best, found)
+    chosen = drawn.x[weights > 0]
+    assert len(again.x) == 128
+    own = again.x[np.arange(128) % 16 != 8][:, best.taught]
+    spread = np.sqrt(np.diag(np.cov(chosen[:, best.taught].T, bias=True)) + 0.01)
+    assert np.abs(np.median(own, axis=0) - chosen.mean(axis=0)[best.taught]).max() < 0.6 * spread.max()
+    assert np.all(own.std(axis=0) > 0.5 * spread)
+    assert np.all(own.std(axis=0) < 3 * spread)
+    alone = replace(found, every=np.where(np.arange(64) == 5, 1.0, 1e-6))
+    assert np.all(redrawn(space, drawn, best, alone).x[:, best.taught].std(axis=0) > 0.1)
+
+
+THETAS = np.log(np.array([[0.5, 1.0, 2.0], [1.0, 2.0, 2.0], [4.0, 3.0, 1.0]]))
+WEIGHTS = np.array([0.005, 0.5, 0.495])
+
+
+def _told() -> tuple[Problem, Weighed]:
+    """Return three draws of a curve's size, a noise and a length."""
+    of = [SimpleNamespace(kind=kind, owners=owners) for kind, owners in (
+        ("std", ("EXX", "EYX")), ("noise", ("laser",)), ("length", ("EXX",)),
+    )]  # fmt: skip
+    return SimpleNamespace(sizes=Sizes(tuple(of))), SimpleNamespace(thetas=THETAS, weights=WEIGHTS)  # type: ignore
+
+
+def _of_three_draws() -> tuple[Problem, Weighed]:
+    """Return a dozen readings, one of them far off, and three draws of two sizes, the second one the heaviest."""
+    problem = sized(asked("axis", 12, 3), ("std", "noise"))
+    problem = replace(problem, values=problem.values + 60.0 * (problem.reading == 4))
+    space, thetas = space_of(problem), np.array([[-0.4, 0.2], [0.1, 0.1], [0.3, -0.2]])
+    given = tuple(each for theta in thetas if (each := space.given(theta)) is not None)
+    found = weighed(space, draws(space, mode(space)))
+    return problem, replace(found, thetas=thetas, weights=np.array([0.3, 0.5, 0.2]), given=given)
+
+
+def test_of_many_readings_the_heaviest_draw_judges_and_all_of_them_those_that_it_suspects(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    problem, found = _of_three_draws()
+    every = _left_out(problem, found)
+    monkeypatch.setattr(posterior, "MOST_NUMBERS", 11)
+    many, dense = _left_out(problem, found), Dense(problem)
+    suspected = [index for index, each in many.items() if each.z > 3]
+    assert 4 in suspected
+    assert len(suspected) < 12
+    for index, each in many.items():
+        mean, covariance = dense.expected(found.thetas[1], index)
+        if index in suspected:
+            mean, covariance = mixture([dense.expected(theta, index) for theta in found.thetas], found.weights)
+            assert each.log_odds == pytest.approx(every[index].log_odds)
+        np.testing.assert_allclose(each.covariance, covariance, rtol=1e-3)
+        np.testing.assert_allclose(each.residual, problem.values[problem.reading == index] - mean, rtol=1e-3, atol=1e-3)
+        assert each.z == pytest.approx(abs(each.residual[0]) / each.covariance[0, 0] ** 0.5)
+
+
+def test_odds_of_a_bad_reading_count_the_sizes_as_stated_as_one_draw_more() -> None:
+    problem, found = _of_three_draws()
+    dense, share = Dense(problem), float(np.exp(found.log_stated))
+    thetas = np.vstack([found.thetas, np.zeros(2)])
+    weights = np.append(found.weights, share) / (1 + share)
+    left = _as_stated(problem, found, _left_out(problem, found))
+    for index in (0, 4, 11):
+        assert left[index].log_odds == pytest.approx(np.log(dense.odds(thetas, weights, index)), rel=1e-3, abs=1e-3)
+
+
+def test_sizes_are_root_mean_squares_and_lengths_geometric_means() -> None:
+    found = _sizes(*_told())
+    square = float(WEIGHTS @ np.array([0.25, 1.0, 16.0])) ** 0.5
+    assert found == pytest.approx({
+        ("std", "EXX"): square,
+        ("std", "EYX"): square,
+        ("noise", "laser"): float(WEIGHTS @ np.array([1.0, 4.0, 9.0])) ** 0.5,
+        ("length", "EXX"): 2.0**0.505,
+    })  # fmt: skip
+    one: dict[tuple[Kind, str], float] = {("std", "EXX"): 1.0, ("length", "EXX"): 12.0}
+    other: dict[tuple[Kind, str], float] = {("std", "EXX"): 2.0, ("length", "EXX"): 3.0}
+    half = _half_and_half(one, other)
+    assert half == pytest.approx({("std", "EXX"): 2.5**0.5, ("length", "EXX"): 6.0})
+
+
+def test_of_an_error_so_much_is_there_with_99_percent() -> None:
+    """Below 1.0 are 0.5 %, so that 1 % of the draws are no smaller than 1.0; noises and lengths do not count."""
+    problem, found = _told()
+    assert _surely(problem, found) == pytest.approx(1.0 / float(WEIGHTS @ np.array([0.25, 1.0, 16.0])) ** 0.5)
+    more = SimpleNamespace(thetas=THETAS, weights=np.array([0.02, 0.5, 0.48]))
+    expected = 0.5 / float(more.weights @ np.array([0.25, 1.0, 16.0])) ** 0.5
+    assert _surely(problem, more) == pytest.approx(expected)  # type: ignore[arg-type]
+    large = SimpleNamespace(thetas=0.0 * THETAS, weights=WEIGHTS)
+    assert _surely(problem, large) == 1.0  # type: ignore[arg-type]
+
+
+def test_two_answers_that_count_one_half_each_are_their_mixture() -> None:
+    rng = np.random.default_rng(1)
+    one, other = ((rng.standard_normal(3), np.cov(rng.standard_normal((3, 9)))) for _ in range(2))
+    found = _Moments(*one, np.array([1.0, 5.0])).half_and_half(_Moments(*other, np.array([3.0, 0.0])))
+    mean, covariance = mixture([one, other], np.array([0.5, 0.5]))
+    np.testing.assert_allclose(found.mean, mean, rtol=1e-12)
+    np.testing.assert_allclose(found.covariance, covariance, rtol=1e-12)
+    assert found.cells.tolist() == [2.0, 2.5]
+
+
+def test_a_detail_is_no_larger_than_two_stated_sizes_of_the_curves() -> None:
+    problem, _, _ = _learnt()
+    (curves,), index = problem.curves, 7
+    row = problem.rows[problem.reading == index][:, curves.columns[0]]
+    root = curves.roots(np.zeros(len(problem.sizes)))[0]
+    size = float(np.sqrt(row @ root @ root.T @ row.T)[0, 0])
+    for times, may in ((1.99, True), (2.01, False)):
+        left = LeftOut(np.array([-times * size]), np.eye(1), 0.0, 0.0)
+        assert _may_be_a_detail(problem, index, left) == may
+
+
+def test_what_stands_on_a_table_may_have_moved_where_three_of_its_readings_are_bad() -> None:
+    problem = asked("two set-ups", 12)
+    probe, nest = (np.unique(problem.reading[problem.setup == setup]).tolist() for setup in (0, 1))
+    assert _moved_in(problem, nest[:3]) == {1}
+    assert _moved_in(problem, [*nest[:2], *probe[:4]]) == set()
+
+
+def test_rests_of_a_curve_go_together_by_halves_within_six_percent_of_the_travel() -> None:
+    errors = ErrorModel(load_machine("three-axis-mill"))
+    term = next(each for each in errors.functions if each.name == "EXX")
+    wide = round(0.06 * term.cell_count)
+    assert wide > 1
+    cells = [0, wide - 1, wide, 3 * wide, 3 * wide + 1]
+    root = _cell_root(term, cells)
+    expected = np.eye(5)
+    expected[0, 1] = expected[1, 0] = expected[3, 4] = expected[4, 3] = 0.5
+    np.testing.assert_allclose(root @ root.T, expected, atol=1e-12)
+    plane = ErrorModel(load_machine("printer-gantry")).planes[0]
+    np.testing.assert_array_equal(_cell_root(plane, [1, 2]), np.eye(2))
