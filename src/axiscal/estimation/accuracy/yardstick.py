@@ -54,7 +54,7 @@ def attainable(limit: float, floor: float) -> float:
 
 
 _BY_PLACES = (
-    "_shift", "gram", "root", "unseen_rms", "_unseen_total", "_unseen_shift", "shifts", "poses", "places", "rows",
+    "_shift", "root", "unseen_rms", "_unseen_total", "_unseen_shift", "shifts", "poses", "places", "rows",
     "_every_row", "_here", "_hidden", "evenly",
 )  # fmt: skip
 """What a yardstick has found that depends on no size of a rest."""
@@ -118,16 +118,10 @@ class Yardstick:
         return shift
 
     @cached_property
-    def gram(self) -> Array:
-        """G = E[HᵀH], less E[H]ᵀE[H] where the constant shift is not counted, (size, size)."""
-        counted = self._counts * self._shift
-        gram: Array = self.moments.gram - counted.T @ counted
-        return gram
-
-    @cached_property
     def root(self) -> Root:
-        """V (r, size) with VᵀV = G."""
-        return Root.of_gram(self.gram)
+        """V (r, size) with VᵀV = E[HᵀH], less E[H]ᵀE[H] where the constant shift is not counted."""
+        counted = self._counts * self._shift
+        return Root.of_gram(self.moments.gram - counted.T @ counted)
 
     @cached_property
     def unseen_rms(self) -> float:
