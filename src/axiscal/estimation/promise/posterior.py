@@ -22,7 +22,7 @@ of the stated size could be as large:
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -133,10 +133,8 @@ class Sorted:
         volume : G (e, e) of errors z, where zᵀG z is the mean square of the deviation over the volume
         """
         mine, found, left = self.mine
-        parts = [*_parts(mine, found)]
-        if self.with_details is not None:
-            parts = [part._replace(weight=part.weight / 2) for part in (*parts, *_parts(*self.with_details[:2]))]
-        moments = _moments(parts, np.zeros((0, 0)) if volume is None else volume)
+        judged = [self.mine] if self.with_details is None else [self.mine, self.with_details]
+        moments = _moments(judged, np.zeros((0, 0)) if volume is None else volume)
         kept = np.isin(self.problem.reading, [*left])
         z = np.array([each.z for each in left.values()])
         out = self.count - len(left)
@@ -212,25 +210,6 @@ def _half_and_half(one: Mapping[_Owned, float], other: Mapping[_Owned, float]) -
     }
 
 
-class _Part(NamedTuple):
-    """What one draw answers: its weight, mean (k,), covariance (k, k), and means of rests (c,)."""
-
-    weight: float
-    mean: Array
-    covariance: Array
-    cells: Array
-
-
-def _parts(problem: Problem, found: Weighed) -> Iterator[_Part]:
-    """Yield what each draw answers."""
-    for weight, given in zip(found.weights.tolist(), found.given, strict=True):
-        mean, covariance = given.answer()
-        if problem.held.size:
-            moved = given.gain(problem.held)
-            covariance = covariance + moved @ moved.T
-        yield _Part(weight, mean, covariance, given.cells())
-
-
 class _Moments(NamedTuple):
     """mean (k,), covariance (k, k), degrees of freedom; cells : means of rests (c,)."""
 
@@ -240,19 +219,28 @@ class _Moments(NamedTuple):
     cells: Array
 
 
-def _moments(parts: Sequence[_Part], volume: Array) -> _Moments:
-    """Return the moments over the draws.  volume : G of the first unknowns"""
-    weights = np.array([part.weight for part in parts])
-    about = parts[0].mean  # open zeros are large beside what draws differ by
-    shift = np.sum([part.weight * (part.mean - about) for part in parts], axis=0)
-    aparts = np.array([part.mean - about - shift for part in parts])
+def _moments(judged: Sequence[_Judged], volume: Array) -> _Moments:
+    """Return the moments over the draws.
+
+    judged : readings whose answers count alike; volume : G of the first unknowns
+    """
+    weights = np.concatenate([each.found.weights for each in judged]) / len(judged)
+    givens = [(each.problem.held, given) for each in judged for given in each.found.given]
+    answers = [given.answer() for _, given in givens]
+    about = answers[0].mean  # open zeros are large beside what draws differ by
+    shift = np.sum([w * (each.mean - about) for w, each in zip(weights, answers, strict=True)], axis=0)
+    aparts = np.array([each.mean - about - shift for each in answers])
     total = (aparts.T * weights) @ aparts
-    cells, counts = np.zeros_like(parts[0].cells), len(volume)
+    counts = len(volume)
     squares = np.sum((aparts[:, :counts] @ volume) * aparts[:, :counts], axis=1)
-    for i, part in enumerate(parts):
-        total += part.weight * part.covariance
-        cells += part.weight * part.cells
-        squares[i] += np.einsum("kl,kl->", volume, part.covariance[:counts, :counts])
+    for i, (held, given) in enumerate(givens):
+        covariance = answers[i].covariance
+        if held.size:
+            moved = given.gain(held)
+            covariance += moved @ moved.T
+        total += weights[i] * covariance
+        squares[i] += np.einsum("kl,kl->", volume, covariance[:counts, :counts])
+    cells = np.sum([w * given.cells() for w, (_, given) in zip(weights, givens, strict=True)], axis=0)
     mean = float(weights @ squares)
     varied = float(weights @ (squares - mean) ** 2)
     degrees = 4 + 2 * mean**2 / varied if varied > (_ALL_ALIKE * mean) ** 2 else np.inf
