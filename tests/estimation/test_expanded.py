@@ -14,6 +14,7 @@ from scipy.special import chdtr, chdtri
 
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.accuracy.expanded import LEVEL, expanded_of, reach
+from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import expanded_uncertainty
@@ -43,12 +44,15 @@ def test_u_in_space_is_the_95_percent_of_a_million_draws_for_any_spectrum(spectr
         assert found.axes[axis] == pytest.approx(np.quantile(np.abs(draws[:, axis]), LEVEL), rel=0.015)
 
 
-def test_over_many_places_u_is_that_of_draws_at_places_drawn_evenly() -> None:
+@pytest.mark.parametrize("degrees", [np.inf, 20.0, 6.0])
+def test_over_many_places_u_is_that_of_draws_at_places_drawn_evenly(degrees: float) -> None:
+    """Of a normal, and of a multivariate t of the same covariances."""
     rng = np.random.default_rng(2)
     covariances = np.array([scale * _turned(SPECTRA[2], rng) for scale in rng.uniform(0.1, 3.0, 200)])
-    found = expanded_of(covariances, np.ones(200, dtype=bool))
+    found = expanded_of(covariances, np.ones(200, dtype=bool), degrees=degrees)
     roots = np.linalg.cholesky(covariances)[rng.integers(0, 200, DRAWS)]
     draws = np.einsum("nij,nj->ni", roots, rng.standard_normal((DRAWS, 3)))
+    draws *= Belief([0.0], [[1.0]], degrees).stretches(rng, DRAWS)[:, None]
     assert found.space == pytest.approx(np.quantile(np.linalg.norm(draws, axis=1), LEVEL), rel=0.015)
     assert found.axes == pytest.approx(np.quantile(np.abs(draws), LEVEL, axis=0), rel=0.015)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from axiscal.estimation.promise.dense import Dense, mixture
+from axiscal.estimation.promise.dense import Dense, degrees_of, mixture
 from axiscal.estimation.promise.draws import draws, mode, weighed
 from axiscal.estimation.promise.posterior import Posterior, sorted_out
 from axiscal.estimation.promise.problem import Problem
@@ -44,17 +44,20 @@ def _stds(found: Posterior) -> Array:
     ("kind", "count"), [("axis", 12), ("plate", 9), pytest.param("two set-ups", 6, marks=pytest.mark.long)]
 )
 def test_moments_and_odds_are_those_of_the_equations(kind: str, count: int) -> None:
-    """Mean, covariance, residuals and odds over the same draws and weights."""
+    """Mean, covariance, degrees of freedom, residuals and odds over the same draws and weights."""
     problem = asked(kind, count, 3)
     every = range(count)
-    found = sorted_out(problem, sure=every).posterior()
+    volume = np.diag(np.linspace(1.0, 2.0, problem.answered))
+    found = sorted_out(problem, sure=every).posterior(volume=volume)
     space = space_of(problem)
     over = weighed(space, draws(space, mode(space)))
     dense = Dense(problem)
-    mean, covariance = mixture([dense.counted(theta) for theta in over.thetas], over.weights)
+    parts = [dense.counted(theta) for theta in over.thetas]
+    mean, covariance = mixture(parts, over.weights)
     stds = np.sqrt(np.diagonal(covariance))
     np.testing.assert_allclose((found.mean - mean) / stds, 0, atol=1e-4)
     np.testing.assert_allclose((found.covariance - covariance) / np.outer(stds, stds), 0, atol=1e-4)
+    assert found.degrees == pytest.approx(degrees_of(parts, over.weights, volume), rel=1e-3)
     stated, given = np.zeros(len(problem.sizes)), space.given(np.zeros(len(problem.sizes)))
     assert given is not None
     proposed = draws(space, mode(space)).log_proposal[-1]

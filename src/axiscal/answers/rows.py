@@ -51,7 +51,7 @@ def answered(known: Estimation, controls: Mapping[str, Control]) -> tuple[Answer
         return tuple(found)
     errors, maps = known.case.errors, {each.want.row: each.map for each in asked}
     return tuple(
-        replace(each, then=reach(functional.spectra(errors, turned.factor)))
+        replace(each, then=reach(functional.spectra(errors, turned.factor), turned.degrees))
         if _unturned(each) and functional is not None
         else each
         for each, functional in ((each, maps[each.row]) for each in found)

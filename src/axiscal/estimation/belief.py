@@ -9,6 +9,7 @@ A belief is frozen: an update returns a new one.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -61,21 +62,23 @@ class Updated(NamedTuple):
 
 @dataclass(frozen=True, init=False, eq=False, slots=True)
 class Belief:
-    """A multivariate normal over the coefficients A.
+    """A multivariate normal over the coefficients A, or a multivariate t where its sizes were learnt.
 
     mean : (n,); covariance : (n, n) positive semidefinite, may be singular; factor : F (n, n) with C = F Fᵀ
+    degrees : of freedom of the t; infinite for a normal
     Raises CovarianceError or ShapeError.
     """
 
     mean: Array
     factor: Array = field(repr=False)
+    degrees: float
 
-    def __init__(self, mean: ArrayLike, covariance: ArrayLike) -> None:
+    def __init__(self, mean: ArrayLike, covariance: ArrayLike, degrees: float = math.inf) -> None:
         centre = np.array(mean, dtype=float)
         root = gaussian.root_of(np.asarray(covariance, dtype=float))
         if centre.shape != root.shape[:1] or not np.all(np.isfinite(centre)):
             raise ShapeError(f"The mean has shape {centre.shape}; the covariance asks for ({len(root)},).")
-        _fill(self, centre, root)
+        _fill(self, centre, root, degrees)
 
     @property
     def size(self) -> int:
@@ -117,7 +120,7 @@ class Belief:
             done = gaussian.condition(self.factor, self.mean, rows, values, used, before)
         if not all(np.all(np.isfinite(result)) for result in (done.mean, done.root, done.variance)):
             raise ShapeError("Rows, values and variances lie so far apart in size that the update overflows.")
-        return _fill(Belief.__new__(Belief), done.mean, done.root), done
+        return _fill(Belief.__new__(Belief), done.mean, done.root, self.degrees), done
 
     def _readings(self, rows: ArrayLike, values: ArrayLike, variances: ArrayLike) -> tuple[Array, Array, Array]:
         table = np.atleast_2d(np.asarray(rows, dtype=float))
@@ -153,15 +156,25 @@ class Belief:
         size, count = self.size, len(extra)
         root = np.zeros((size + count, size + count))
         root[:size, :size], root[size:, size:] = self.factor, np.diag(np.sqrt(extra))
-        return _fill(Belief.__new__(Belief), np.concatenate([self.mean, np.zeros(count)]), root)
+        mean = np.concatenate([self.mean, np.zeros(count)])
+        return _fill(Belief.__new__(Belief), mean, root, self.degrees)
 
     def sample(self, generator: np.random.Generator, count: int) -> Array:
-        """Return draws from the belief, a normal density (B&H eq. 16): (count, n)."""
-        return self.mean + generator.standard_normal((count, self.size)) @ self.factor.T
+        """Return draws from the belief, a normal density (B&H eq. 16) or a t: (count, n)."""
+        drawn = generator.standard_normal((count, self.size)) @ self.factor.T
+        return self.mean + self.stretches(generator, count)[:, None] * drawn
+
+    def stretches(self, generator: np.random.Generator, count: int) -> Array:
+        """Return by what draws of a normal are to be stretched, √((f − 2)/χ²_f), (count,): 1 for a normal itself."""
+        if math.isinf(self.degrees):
+            return np.ones(count)
+        stretched: Array = np.sqrt((self.degrees - 2) / generator.chisquare(self.degrees, count))
+        return stretched
 
 
-def _fill(belief: Belief, mean: Array, root: Array) -> Belief:
+def _fill(belief: Belief, mean: Array, root: Array, degrees: float) -> Belief:
     for name, array in (("mean", mean), ("factor", root)):
         array.flags.writeable = False
         object.__setattr__(belief, name, array)
+    object.__setattr__(belief, "degrees", degrees)
     return belief

@@ -82,7 +82,7 @@ def _answered(case: Case, known: Estimation, kept: Sorted | None = None) -> Esti
     readings, at = known.readings, case.linear_as(known.case)
     taken = taken_as_normal(known.absorbed, readings)
     if taken is readings and at.observation.about == case.observation.about and at.description == case.description:
-        found = known.posterior if kept is None else kept.posterior(turned(case, readings))
+        found = known.posterior if kept is None else kept.posterior(turned(case, readings), at.about_volume)
     else:
         found = posterior_of(at, taken, known.implausible)
     return replace(known, posterior=found)

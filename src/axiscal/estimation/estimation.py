@@ -129,7 +129,7 @@ def printed(knowledge: Knowledge, found: Posterior | None) -> Knowledge:
     if found is None:
         return knowledge
     spread = found.agreement.inflation * (found.covariance + found.covariance.T) / 2
-    return Knowledge(knowledge.observation.bare, Belief(found.mean, spread))
+    return Knowledge(knowledge.observation.bare, Belief(found.mean, spread, found.degrees))
 
 
 @one_thread()

@@ -14,7 +14,7 @@ from axiscal.measurement.reading import Reading
 
 def posterior_of(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Posterior:
     """Return the posterior of readings where a case has them linear.  case : with the sizes as stated"""
-    return without_bad(case, readings, implausible).posterior(turned(case, readings))
+    return without_bad(case, readings, implausible).posterior(turned(case, readings), case.about_volume)
 
 
 def without_bad(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Sorted:

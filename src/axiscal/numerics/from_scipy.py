@@ -39,6 +39,11 @@ def chi_square_quantile(degrees: Array, share: float) -> Array:
     return places
 
 
+def f_quantile(above: float, below: float, share: float) -> float:
+    """Return what an F is at most with probability `share`.  above, below : degrees of freedom"""
+    return float(_function("scipy.special", "fdtri")(above, below, share))
+
+
 def binomial_tail(least: int, count: int, share: float) -> float:
     """Return the probability that at least `least` of `count` events happen, each with probability `share`."""
     return float(_function("scipy.special", "bdtrc")(least - 1, count, share))

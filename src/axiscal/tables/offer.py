@@ -154,6 +154,7 @@ def _possible(estimate: Estimate) -> Array:
     spread, rest = _roots(estimate, poses, approaches)
     rng = np.random.default_rng(0)
     drawn = (spread.reshape(-1, spread.shape[2]) @ rng.standard_normal((spread.shape[2], _MACHINES))).T
+    drawn *= estimate.belief.stretches(rng, _MACHINES)[:, None]
     scattered = rng.standard_normal((_MACHINES, len(poses), rest.shape[2]))
     each: Array = drawn.reshape(_MACHINES, *spread.shape[:2]) + np.einsum("mdf,kmf->kmd", rest, scattered)
     return each

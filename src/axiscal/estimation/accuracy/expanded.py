@@ -6,6 +6,11 @@ standard normal. By three moments (Hall 1983; Buckley and Eagleson 1988), with �
     P(Σλ_i z_i² ≤ q) = P(χ²_ν ≤ (q − κ₁) √(2ν/κ₂) + ν),    ν = 8 κ₂³/κ₃²
 
 U in space solves mean over the poses of P(U²) = 0.95, U along an axis mean of 2Φ(U/σ) − 1 = 0.95.
+
+A belief of f degrees of freedom is a multivariate t of the same covariance: all λ have one factor (f − 2)/χ²_f besides.
+With h = 2 E[r²]²/Var[r²] of the distance r over the poses (Satterthwaite 1946)
+
+    U_f² = U² (f − 2)/f · h F_{h,f}(0.95)/χ²_h(0.95)
 """
 
 from __future__ import annotations
@@ -19,7 +24,7 @@ from axiscal.errors.volume import EVERY_WAY, Counted
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import chi_square_quantile, chi_square_share
+from axiscal.numerics.from_scipy import chi_square_quantile, chi_square_share, f_quantile
 
 LEVEL = 0.95
 """Probability of every band and every expanded uncertainty."""
@@ -50,7 +55,8 @@ class Expanded:
 
 def expanded(yardstick: Yardstick, belief: Belief) -> Expanded:
     """Return the expanded uncertainties of a belief over the yardstick's volume, shifts not counted taken off."""
-    return expanded_of(yardstick.covariances(belief.factor), yardstick.evenly, yardstick.counted)
+    covariances = yardstick.covariances(belief.factor)
+    return expanded_of(covariances, yardstick.evenly, yardstick.counted, belief.degrees)
 
 
 def expanded_floor(yardstick: Yardstick) -> Expanded:
@@ -58,35 +64,38 @@ def expanded_floor(yardstick: Yardstick) -> Expanded:
     return expanded_of(yardstick.covariances(yardstick.left), yardstick.evenly, yardstick.counted)
 
 
-def expanded_of(covariances: Array, evenly: NDArray[np.bool_], counted: Counted = EVERY_WAY) -> Expanded:
+def expanded_of(
+    covariances: Array, evenly: NDArray[np.bool_], counted: Counted = EVERY_WAY, degrees: float = np.inf
+) -> Expanded:
     """Return the expanded uncertainties where the deviation has these covariances.
 
     covariances : (m, 3, 3) Σ at poses, m²; evenly : (m,) which of the poses stand for the volume; the others are places
-    where it may be worst; counted : the directions whose distance counts
+    where it may be worst; counted : the directions whose distance counts; degrees : of freedom of a belief
     """
     counts = np.flatnonzero(counted)
     spectra = np.maximum(np.linalg.eigvalsh(covariances[:, counts[:, None], counts]), 0.0)
     variances = np.maximum(np.einsum("pcc->pc", covariances)[evenly], 0.0)
     worst = np.argsort(spectra.sum(axis=1))[-_WORST:]
-    x, y, z = (reach(variances[:, [axis]]) for axis in range(3))
-    return Expanded(reach(spectra[evenly]), (x, y, z), max(reach(spectra[[pose]]) for pose in worst))
+    x, y, z = (reach(variances[:, [axis]], degrees) for axis in range(3))
+    return Expanded(reach(spectra[evenly], degrees), (x, y, z), max(reach(spectra[[at]], degrees) for at in worst))
 
 
-def reach(spectra: Array) -> float:
-    """Return U, m, with P(Σλ z² ≤ U²) of 95 % in the mean over the rows.  spectra : (m, d) λ, m²
+def reach(spectra: Array, degrees: float = np.inf) -> float:
+    """Return U, m, with P(Σλ z² ≤ U²) of 95 % in the mean over the rows.
 
-    It lies between the least and the largest of single rows; regula falsi as Illinois finds it there.
+    spectra : (m, d) λ, m²; degrees : of freedom of the belief they are of
+    For a normal it lies between the least and the largest of single rows; regula falsi as Illinois finds it there.
     """
     still = 1 - np.mean(spectra.any(axis=1)) if len(spectra) else 1.0
     if still >= LEVEL:
         return 0.0
-    scale, first, slope, degrees = _moments(spectra[spectra.any(axis=1)])
+    scale, first, slope, freedom = _moments(spectra[spectra.any(axis=1)])
 
     def beyond(distance: float) -> float:
-        at = (distance**2 / scale - first) * slope + degrees
-        return float(still + (1 - still) * np.mean(chi_square_share(degrees, np.maximum(at, 0.0)))) - LEVEL
+        at = (distance**2 / scale - first) * slope + freedom
+        return float(still + (1 - still) * np.mean(chi_square_share(freedom, np.maximum(at, 0.0)))) - LEVEL
 
-    alone = np.sqrt(scale * (first + (chi_square_quantile(degrees, LEVEL) - degrees) / slope))
+    alone = np.sqrt(scale * (first + (chi_square_quantile(freedom, LEVEL) - freedom) / slope))
     ends = [0.0 if still else float(alone.min()), float(alone.max())]
     over, kept = [beyond(end) for end in ends], -1
     for _ in range(_STEPS):
@@ -97,7 +106,17 @@ def reach(spectra: Array) -> float:
         side = int(here > 0)
         over[1 - side] /= 2 if side == kept else 1
         ends[side], over[side], kept = middle, here, side
-    return ends[int(abs(over[1]) < abs(over[0]))]
+    return ends[int(abs(over[1]) < abs(over[0]))] * _widening(spectra, degrees)
+
+
+def _widening(spectra: Array, degrees: float) -> float:
+    """Return U of a t over that of a normal.  spectra : (m, d) λ, not all noughts; degrees : of freedom, above 2"""
+    if np.isinf(degrees):
+        return 1.0
+    squares = spectra.sum(axis=1)
+    across = 2 * squares.mean() ** 2 / (2 * np.mean(np.sum(spectra**2, axis=1)) + squares.var())
+    normal = float(chi_square_quantile(across, LEVEL))
+    return float(np.sqrt((1 - 2 / degrees) * across * f_quantile(across, degrees, LEVEL) / normal))
 
 
 def _moments(spectra: Array) -> tuple[Array, Array, Array, Array]:

@@ -92,7 +92,8 @@ def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownR
         limit, (u, before, floor) = case.description.target.expanded, _of_volume(case, belief)
         angular, measured = False, read
     else:
-        u, before, floor = (reach(asked.map.spectra(case.errors, each)) for each in _factors(case, belief))
+        u = reach(asked.map.spectra(case.errors, belief.factor), belief.degrees)
+        before, floor = (reach(asked.map.spectra(case.errors, each)) for each in _beside(case))
         angular, measured = asked.map.angular or kind == "squareness", bool(u <= _MEASURED * before)
     return KnownRow(asked.want.row, angular, u, before, floor, limit, measured, asked.lines)
 
@@ -103,9 +104,9 @@ def _of_volume(case: Case, belief: Belief) -> tuple[float, float, float]:
     return known, before, expanded_floor(case.yardstick_as_sized).space
 
 
-def _factors(case: Case, belief: Belief) -> tuple[Array, Array, Array]:
-    """Return F of what is known, of the prior and of what endless readings leave."""
-    return belief.factor, case.prior.factor, case.yardstick_as_sized.left
+def _beside(case: Case) -> tuple[Array, Array]:
+    """Return F of the prior and of what endless readings leave."""
+    return case.prior.factor, case.yardstick_as_sized.left
 
 
 _SOON = 10.0

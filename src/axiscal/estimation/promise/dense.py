@@ -12,6 +12,10 @@ The sizes are not known, so draws of θ with weights w, Σ w = 1, stand for them
 
     m = Σ w m_θ,    V = Σ w (V_θ + (m_θ − m)(m_θ − m)ᵀ)
 
+They differ in s²_θ = tr G (V_θ + (m_θ − m)(m_θ − m)ᵀ), G of the volume. A t whose variance differs as much has degrees
+
+    f = 4 + 2 E[s²]²/Var[s²]
+
 The others expect reading i with mean μ and covariance S. A good one is as they say; a bad one, 1 of 100, is 30 σ wider:
 
     odds_i = 0.01/0.99 Σ w N(y_i; μ, S + (30 σ_i)²) / N(y_i; μ, S)
@@ -112,3 +116,11 @@ def mixture(parts: list[Normal], weights: NDArray[np.float64]) -> Normal:
     mean = np.sum([w * m for w, (m, _) in zip(weights, parts, strict=True)], axis=0)
     spread = [w * (c + np.outer(m - mean, m - mean)) for w, (m, c) in zip(weights, parts, strict=True)]
     return mean, np.sum(spread, axis=0)
+
+
+def degrees_of(parts: list[Normal], weights: NDArray[np.float64], volume: Array) -> float:
+    """Return the degrees of freedom of a mixture of normals.  volume : G (k, k)"""
+    mean = mixture(parts, weights)[0]
+    squares = np.array([np.trace(volume @ (c + np.outer(m - mean, m - mean))) for m, c in parts])
+    middle = np.sum(weights * squares)
+    return float(4 + 2 * middle**2 / np.sum(weights * (squares - middle) ** 2))

@@ -2,6 +2,11 @@
 
     m = Σ w m_θ,    C = Σ w (C_θ + (m_θ − m)(m_θ − m)ᵀ)
 
+The draws differ in how large they make the deviations over the volume, s²_θ = tr G (C_θ + (m_θ − m)(m_θ − m)ᵀ). A
+multivariate t whose variance varies as much has degrees of freedom (as GUM G.4 has them of a standard uncertainty)
+
+    f = 4 + 2 (Σ w s²_θ)²/Σ w (s²_θ − Σ w s²_θ)²
+
 A reading left out is expected with r = (K⁻¹_ii)⁻¹ (K⁻¹y)_i and covariance S = (K⁻¹_ii)⁻¹ (Rasmussen and Williams 2006,
 eq. 5.12). It is bad with odds, sizes integrated out, of
 
@@ -44,6 +49,8 @@ _DOUBTED = 3.0
 """Standard deviations from which on all draws are asked about one of many readings."""
 _DETAIL = 2.0
 """Stated sizes: a detail is no larger, and what is larger is a slip."""
+_ALL_ALIKE = 1e-6
+"""Of a variance: draws that differ by no more know it."""
 _RENEWED = 10.0
 """Effective number of draws below which they are drawn anew."""
 
@@ -69,6 +76,8 @@ class LeftOut:
 class Posterior:
     """mean (k,), covariance (k, k) : of errors, then set-ups' unknowns, m and rad
 
+    degrees : of freedom of a t of that covariance
+
     cells : means of the rests of visited cells by (term, cell), m or rad
     sizes : exp θ by kind and owner, of lengths the geometric mean, of others the root mean square
     surely : share of the sizes of errors that is there with 99 %, the least of all; effective : number of draws
@@ -78,6 +87,7 @@ class Posterior:
 
     mean: Array
     covariance: Array
+    degrees: float
     cells: dict[tuple[int, int], float]
     sizes: dict[tuple[Kind, str], float]
     surely: float
@@ -116,15 +126,15 @@ class Sorted:
     count: int
 
     @one_thread()
-    def posterior(self, turned: Iterable[Turned] = ()) -> Posterior:
+    def posterior(self, turned: Iterable[Turned] = (), volume: Array | None = None) -> Posterior:
         """Return the posterior.
 
         turned : the problem if some axes count the other way; made only where the readings contradict
+        volume : G (e, e) of errors z, where zᵀG z is the mean square of the deviation over the volume
         """
         mine, found, left = self.mine
-        moments = _moments(mine, found)
-        if self.with_details is not None:
-            moments = moments.half_and_half(_moments(*self.with_details[:2]))
+        judged = [self.mine] if self.with_details is None else [self.mine, self.with_details]
+        moments = _moments(judged, np.zeros((0, 0)) if volume is None else volume)
         kept = np.isin(self.problem.reading, [*left])
         z = np.array([each.z for each in left.values()])
         out = self.count - len(left)
@@ -132,7 +142,7 @@ class Sorted:
         agreed = agreement(mine, found, z, out, ((axes, other.only(kept)) for axes, other in turned), every)
         known = dict(zip(self.problem.cells, moments.cells.tolist(), strict=True))
         of_sizes = self.sizes, _surely(mine, found), found.effective
-        return Posterior(moments.mean, moments.covariance, known, *of_sizes, self.bad, agreed, left)
+        return Posterior(*moments[:3], known, *of_sizes, self.bad, agreed, left)
 
 
 @one_thread()
@@ -200,35 +210,41 @@ def _half_and_half(one: Mapping[_Owned, float], other: Mapping[_Owned, float]) -
     }
 
 
-@dataclass(frozen=True, eq=False)
-class _Moments:
-    """mean (k,), covariance (k, k); cells : means of rests (c,)"""
+class _Moments(NamedTuple):
+    """mean (k,), covariance (k, k), degrees of freedom; cells : means of rests (c,)."""
 
     mean: Array
     covariance: Array
+    degrees: float
     cells: Array
 
-    def half_and_half(self, other: _Moments) -> _Moments:
-        """Return the moments where this answer and another one count one half each."""
-        apart = (self.mean - other.mean) / 2
-        covariance = (self.covariance + other.covariance) / 2 + np.outer(apart, apart)
-        return _Moments((self.mean + other.mean) / 2, covariance, (self.cells + other.cells) / 2)
 
+def _moments(judged: Sequence[_Judged], volume: Array) -> _Moments:
+    """Return the moments over the draws.
 
-def _moments(problem: Problem, found: Weighed) -> _Moments:
-    """Return the moments over the draws."""
-    answers = [each.answer() for each in found.given]
+    judged : readings whose answers count alike; volume : G of the first unknowns
+    """
+    weights = np.concatenate([each.found.weights for each in judged]) / len(judged)
+    givens = [(each.problem.held, given) for each in judged for given in each.found.given]
+    answers = [given.answer() for _, given in givens]
     about = answers[0].mean  # open zeros are large beside what draws differ by
-    shift = np.sum([w * (each.mean - about) for w, each in zip(found.weights, answers, strict=True)], axis=0)
+    shift = np.sum([w * (each.mean - about) for w, each in zip(weights, answers, strict=True)], axis=0)
     aparts = np.array([each.mean - about - shift for each in answers])
-    total = (aparts.T * found.weights) @ aparts
-    for weight, answer, given in zip(found.weights, answers, found.given, strict=True):
-        total += weight * answer.covariance
-        if problem.held.size:
-            moved = given.gain(problem.held)
-            total += weight * moved @ moved.T
-    cells = np.sum([w * each.cells() for w, each in zip(found.weights, found.given, strict=True)], axis=0)
-    return _Moments(about + shift, total, cells)
+    total = (aparts.T * weights) @ aparts
+    counts = len(volume)
+    squares = np.sum((aparts[:, :counts] @ volume) * aparts[:, :counts], axis=1)
+    for i, (held, given) in enumerate(givens):
+        covariance = answers[i].covariance
+        if held.size:
+            moved = given.gain(held)
+            covariance += moved @ moved.T
+        total += weights[i] * covariance
+        squares[i] += np.einsum("kl,kl->", volume, covariance[:counts, :counts])
+    cells = np.sum([w * given.cells() for w, (_, given) in zip(weights, givens, strict=True)], axis=0)
+    mean = float(weights @ squares)
+    varied = float(weights @ (squares - mean) ** 2)
+    degrees = 4 + 2 * mean**2 / varied if varied > (_ALL_ALIKE * mean) ** 2 else np.inf
+    return _Moments(about + shift, total, degrees, cells)
 
 
 def _surely(problem: Problem, found: Weighed) -> float:

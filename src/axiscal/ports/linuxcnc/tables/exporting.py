@@ -131,7 +131,7 @@ def _without(estimate: Estimate, names: Sequence[str]) -> Estimate:
     for name in names:
         if name in estimate.model.names:
             mean[estimate.model.names[name].columns] = 0.0
-    return replace(estimate, belief=Belief(mean, estimate.belief.covariance))
+    return replace(estimate, belief=Belief(mean, estimate.belief.covariance, estimate.belief.degrees))
 
 
 def control(machine: Machine, files: Mapping[str, str], wiring: cross.Wiring) -> Control:
