@@ -21,9 +21,10 @@ from axiscal.estimation.promise.posterior import (
     LeftOut,
     _as_stated,
     _half_and_half,
+    _judged,
     _left_out,
     _may_be_a_detail,
-    _Moments,
+    _moments,
     _moved_in,
     _sizes,
     _surely,
@@ -202,13 +203,14 @@ def test_of_an_error_so_much_is_there_with_99_percent() -> None:
 
 
 def test_two_answers_that_count_one_half_each_are_their_mixture() -> None:
-    rng = np.random.default_rng(1)
-    one, other = ((rng.standard_normal(3), np.cov(rng.standard_normal((3, 9)))) for _ in range(2))
-    found = _Moments(*one, np.array([1.0, 5.0])).half_and_half(_Moments(*other, np.array([3.0, 0.0])))
-    mean, covariance = mixture([one, other], np.array([0.5, 0.5]))
-    np.testing.assert_allclose(found.mean, mean, rtol=1e-12)
-    np.testing.assert_allclose(found.covariance, covariance, rtol=1e-12)
-    assert found.cells.tolist() == [2.0, 2.5]
+    problem, _, _ = _learnt()
+    each, volume = [_judged(problem, apart) for apart in ((), (3, 7))], np.zeros((0, 0))
+    one, other = (_moments([judged], volume) for judged in each)
+    found = _moments(each, volume)
+    mean, covariance = mixture([one[:2], other[:2]], np.array([0.5, 0.5]))
+    np.testing.assert_allclose(found.mean, mean, rtol=1e-9, atol=1e-12 * np.abs(mean).max())
+    np.testing.assert_allclose(found.covariance, covariance, rtol=1e-9, atol=1e-9 * np.abs(covariance).max())
+    np.testing.assert_allclose(found.cells, (one.cells + other.cells) / 2, rtol=1e-9)
 
 
 def test_a_detail_is_no_larger_than_two_stated_sizes_of_the_curves() -> None:
