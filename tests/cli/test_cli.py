@@ -243,7 +243,6 @@ def test_finishing_beside_another_campaign_writes_nothing(started: Command) -> N
         ["record", "m.axiscal", "1 um", "--setup", "laser"],
         ["start", "c.toml", "r.axiscal", "d"],
         ["run", "c.toml", "--out", "d"],
-        ["finish", "m.axiscal"],
         ["machine"],
         ["machine", "sell"],
     ],

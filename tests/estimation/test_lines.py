@@ -9,6 +9,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.stats import t
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.wants import RowName
@@ -206,14 +207,15 @@ def test_the_same_reading_once_more_comes_from_the_other_side_ten_seconds_later(
 
 
 def test_what_is_known_of_rows_before_and_after_readings() -> None:
-    """Backlash is one number: U is 1.96 standard deviations of it by hand; nothing beyond type B is left for ever."""
+    """Backlash is one number: U is that of a t of its variance by scipy; nothing beyond type B is left for ever."""
     known = concluded(CASE, read(machine(3), 24))
     rows = {each.row.name: each for each in known_rows(known.case, known.printed, known.readings)}
     before = {each.row.name: each for each in known_rows(CASE, CASE.knowledge, ())}
     assert list(rows) == ["positioning X", "backlash X", "volume"]
     backlash, own = rows["backlash X"], known.case.errors.names["EXX_reversal"].columns
     std = float(np.linalg.norm(known.printed.belief.factor[own]))
-    assert backlash.known == pytest.approx(1.959964 * std, rel=1e-5)
+    degrees = known.printed.belief.degrees
+    assert backlash.known == pytest.approx(t.ppf(0.975, degrees) * np.sqrt(1 - 2 / degrees) * std, rel=1e-5)
     assert before["backlash X"].known == pytest.approx(1.959964 * 3e-6, rel=1e-5)
     assert [each.measured for each in before.values()] == [False, False, False]
     assert [each.measured for each in rows.values()] == [True, True, True]

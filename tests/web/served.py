@@ -99,9 +99,9 @@ def served(record: Path, *options: str) -> Iterator[Served]:
     )
     assert process.stdout is not None
     try:
-        words = process.stdout.readline().split()
-        assert words[:1] == ["Open"], process.communicate(timeout=PATIENCE)
-        yield Served(words[1], record, process.pid)
+        addresses = [word for word in process.stdout.readline().split() if word.startswith("http://")]
+        assert addresses, process.communicate(timeout=PATIENCE)
+        yield Served(addresses[0], record, process.pid)
         process.send_signal(signal.SIGINT)
         _, complaint = process.communicate(timeout=PATIENCE)
         assert (process.returncode, complaint.count("\n")) == (0, 1), complaint

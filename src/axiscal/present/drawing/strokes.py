@@ -145,7 +145,7 @@ def title(text: str) -> str:
 
 FONT = 14.0
 """Pixels of all words in a picture of a machine."""
-_WIDE, _NARROW, _USUAL = 0.92, 0.34, 0.58
+_WIDE, _NARROW, _USUAL = 0.92, 0.34, 0.6
 """Widths of letters as shares of their height, on the wide side for the fonts that screens have."""
 _DEEP = 0.28
 """Share of the height of letters that goes below the line they stand on."""
