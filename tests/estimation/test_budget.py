@@ -33,7 +33,7 @@ def test_squares_add_up_to_the_square_of_the_whole(count: int) -> None:
 def test_sizes_that_are_learnt_are_a_source_of_their_own() -> None:
     case = mixed()
     case = Case(replace(case.description, target=replace(case.description.target, aligned=False)))
-    known = concluded(case, drawn(case, 80))
+    known = concluded(case, drawn(case, 40))
     shares = {source.kind: source.rms for source in budget(known)}
     assert shares["sizes"] > 0.1 * known.accuracy.rms
     total = np.sqrt(sum(source.rms**2 for source in budget(known)))

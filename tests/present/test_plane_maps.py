@@ -97,3 +97,4 @@ def test_a_plane_that_nobody_describes_is_found(folder: Path, tmp_path: Path) ->
     result = json.loads((tmp_path / "out" / "result.json").read_text())
     plane = result["plane_errors"]["EZXY"]
     assert plane["mean"][-1][-1] == pytest.approx(-40, abs=6)
+    assert any("EZXY, what two axes do together" in each["text"] for each in result["warnings"])
