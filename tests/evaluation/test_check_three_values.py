@@ -90,7 +90,7 @@ def test_the_sheet_to_fill_in_has_a_column_for_every_value(tmp_path: Path, capsy
     assert run(["verify", str(record), "--points", "8", "--plan", str(plan)]) == 0
     shown_text = capsys.readouterr().out
     assert "fill in value_um, value_x_um, value_y_um, value_z_um" in " ".join(shown_text.split())
-    assert "as found (" in shown_text
+    assert "um as found, " in shown_text
 
 
 def test_datums_take_off_what_a_tracker_brings() -> None:
