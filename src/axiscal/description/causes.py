@@ -66,7 +66,7 @@ PITCH = Cause("pitch", "one sine for each stated period", 0.02, "std of the erro
 """Assumption: a fiftieth of the error."""
 TOGETHER = Cause(
     "two linear axes together", "product of Matérn-5/2, 0.3 of each travel", 0.15,
-    "larger std of both axes' errors", 6.0, "14 beds and plates: what is missed falls to 0.80 of that with 3.0 and half",
+    "larger std of both axes' errors", 6.0, "14 beds and plates: a fifth less is missed than with 3.0 and half",
 )  # fmt: skip
 DRIFT = Cause(
     "drift of a zero", "linear and Brownian in time", 2.0, "noise, each over the set-up's time", 4.0,
