@@ -70,7 +70,7 @@ A few readings of curves or maps that were measured densely; the rest of them is
 figures, not fitted, but chosen by somebody who knew the files. A row is a machine; of several curves the share is the
 mean, and what is missed the geometric mean. *Missed*: RMS of truth minus estimate. *Spline*: what a thin-plate spline
 (scipy) through the even readings misses, a cubic one along a line. *Band*: RMS of the printed standard deviation over
-what is missed, planned. Random places: the mean of three draws. (`make trust PART=measured`)
+what is missed, planned before the first reading. Random places: the mean of three draws. (`make trust PART=measured`)
 
 | machine | curves | readings | in the band: planned | even | random | missed: planned | even | random | spline | band |
 |---|---|---|---|---|---|---|---|---|---|---|
