@@ -37,7 +37,7 @@ def _kept(before: State, now: State, record: Path, going_on: str) -> str:
         return _nothing(record)
     what = "No reading was added; go on with: axiscal {going_on} {record}"
     if now.finished is not None and before.finished is None:
-        what = "The end was kept; write the results: axiscal finish {record} --out DIR"
+        what = "The end was kept; write the results: axiscal finish {record}"
     elif len(now.readings) > len(before.readings):
         what = "Reading {number} was kept; go on with: axiscal {going_on} {record}"
     elif len(now.skipped) > len(before.skipped):

@@ -66,13 +66,8 @@ def _lines(campaign: Campaign) -> list[str]:
     if state.finished is not None:
         return [*lines, said("Finished: {because}", because=because_text(state.finished))]
     if status.reached is not None:
-        lines.append(
-            said(
-                "Reached: {what}. End it: axiscal finish {record} --out DIR",
-                what=because_text(status.reached),
-                record=campaign.path,
-            )
-        )
+        words = "Reached: {what}. End it: axiscal finish {record}"
+        lines.append(said(words, what=because_text(status.reached), record=campaign.path))
     return [*lines, question_text(campaign, state.pending)] if state.pending else lines
 
 

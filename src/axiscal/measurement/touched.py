@@ -138,17 +138,23 @@ def _stops(cycle: Cycle, side: Array) -> Array:
 
 def all_round(machine: Machine, pose: Array) -> Array:
     """Return from where the sphere is met: the pole, four sides across the stem, the pole again, (6, 3)."""
-    met: Array = _SIDES @ touch_frames(machine, pose[None])[0] + 0.0
-    return met
+    return _turned(machine, pose, _SIDES)
 
 
-_CAP = _SIDES * [0.5, 0.5, 1.0] + [[0, 0, 0], *[[0, 0, math.sqrt(0.75)]] * 4, [0, 0, 0]]
+_COS = math.sqrt(0.75)
+"""Mathematics: the cosine of 30 degrees."""
+_CAP = np.array([(0, 0, 1), (0.5, 0, _COS), (0, 0.5, _COS), (-0.5, 0, _COS), (0, -0.5, _COS), (0, 0, 1)])
 """From where a probe that only goes down meets a sphere: the pole, four flanks 30 degrees beside it, the pole again."""
 
 
 def from_above(machine: Machine, pose: Array) -> Array:
     """Return from where a probe meets a sphere that only goes along its stem, (6, 3)."""
-    met: Array = _CAP @ touch_frames(machine, pose[None])[0] + 0.0
+    return _turned(machine, pose, _CAP)
+
+
+def _turned(machine: Machine, pose: Array, sides: Array) -> Array:
+    """Return sides (m, 3), said along first side, second side and pole, in the workpiece frame."""
+    met: Array = sides @ touch_frames(machine, pose[None])[0] + 0.0
     return met
 
 

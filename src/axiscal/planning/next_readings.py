@@ -168,10 +168,7 @@ def refuse_lacking(case: Case) -> None:
 
 
 def limits_left(case: Case, readings: Sequence[Reading]) -> Limits:
-    """Return the rest of a campaign's limits, for a plan of at most `AT_ONCE` readings.
-
-    readings : so far
-    """
+    """Return the rest of a campaign's limits, for a plan of at most `AT_ONCE` readings.  readings : so far"""
     limits = Limits.of(case.description.target)
     most = AT_ONCE if limits.readings is None else min(AT_ONCE, max(limits.readings - len(readings), 1))
     budget = None if limits.budget is None else max(limits.budget - timed(case, readings).seconds, 0.0)

@@ -21,7 +21,6 @@ from axiscal.estimation.functionals.functional import AxisLine
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.learnt import posterior_of
 from axiscal.measurement.reading import Reading
-from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 
 _NOUGHT = 1e-12
@@ -93,7 +92,8 @@ def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownR
         angular, measured = False, read
     else:
         u = reach(asked.map.spectra(case.errors, belief.factor), belief.degrees)
-        before, floor = (reach(asked.map.spectra(case.errors, each)) for each in _beside(case))
+        others = case.prior.factor, case.yardstick_as_sized.left
+        before, floor = (reach(asked.map.spectra(case.errors, each)) for each in others)
         angular, measured = asked.map.angular or kind == "squareness", bool(u <= _MEASURED * before)
     return KnownRow(asked.want.row, angular, u, before, floor, limit, measured, asked.lines)
 
@@ -102,11 +102,6 @@ def _of_volume(case: Case, belief: Belief) -> tuple[float, float, float]:
     """Return U, U before the first reading and the floor of the volume, m: U is the one that a report begins with."""
     known, before = (expanded(case.yardstick, each).space for each in (belief, case.prior))
     return known, before, expanded_floor(case.yardstick_as_sized).space
-
-
-def _beside(case: Case) -> tuple[Array, Array]:
-    """Return F of the prior and of what endless readings leave."""
-    return case.prior.factor, case.yardstick_as_sized.left
 
 
 _SOON = 10.0

@@ -77,7 +77,6 @@ class Posterior:
     """mean (k,), covariance (k, k) : of errors, then set-ups' unknowns, m and rad
 
     degrees : of freedom of a t of that covariance
-
     cells : means of the rests of visited cells by (term, cell), m or rad
     sizes : exp θ by kind and owner, of lengths the geometric mean, of others the root mean square
     surely : share of the sizes of errors that is there with 99 %, the least of all; effective : number of draws
@@ -237,7 +236,7 @@ def _moments(judged: Sequence[_Judged], volume: Array) -> _Moments:
         covariance = answers[i].covariance
         if held.size:
             moved = given.gain(held)
-            covariance += moved @ moved.T
+            covariance = covariance + moved @ moved.T
         total += weights[i] * covariance
         squares[i] += np.einsum("kl,kl->", volume, covariance[:counts, :counts])
     cells = np.sum([w * given.cells() for w, (_, given) in zip(weights, givens, strict=True)], axis=0)

@@ -3,8 +3,8 @@
 A zero is a datum: a length is judged against the others of its set-up. So is the place of a ball that is not known to
 the tolerance. The ball is judged against itself, at other angles of the table. So are such a tool, and such a slope:
 residuals are judged against their own line. The legs of a square share its turn, so that together they show how square
-the machine is. A well-known slope, and a growth always, is not fitted, for that could
-swallow an error of the machine. It adds U diag(std²) Uᵀ to the covariance of the readings.
+the machine is. A well-known slope, and a growth always, is not fitted, for that could swallow an error of the machine.
+It adds U diag(std²) Uᵀ to the covariance of the readings.
 
 A tracker that was set down by eye is read as if it stood straight. It shows y = R(p + δ − s) + s + zero − p at a place
 p from its station s. Its turn R is a datum of a check if it may hide the tolerance. Turns of 20 mrad are not linear:
