@@ -92,6 +92,7 @@ def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> li
     """Return the accuracies of which readings have taken away what they can, with what they leave at least.
 
     Few readings leave sizes open: a floor counts that is above its limit as stated, or with the size surely there.
+    One that is above what is left already is none of this machine.
     """
     surely = 1.0 if known.posterior is None else known.posterior.surely
     sizes = {} if known.posterior is None else known.posterior.sizes
@@ -106,9 +107,10 @@ def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> li
         return []
     found = []
     for wanted, each in zip(asked(target, known.case.yardstick_as_sized), volume, strict=True):
-        least = max(each.wanted.floor, surely * wanted.floor)
+        borne_out = (floor for floor in (each.wanted.floor, surely * wanted.floor) if floor <= each.now)
+        least = max(borne_out, default=0.0)
         if each.now <= attainable(wanted.limit, wanted.floor) and least > wanted.limit:
-            found.append(_Standing(wanted._replace(floor=min(least, each.now)), each.now))
+            found.append(_Standing(wanted._replace(floor=least), each.now))
     return found
 
 
