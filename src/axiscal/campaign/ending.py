@@ -91,8 +91,8 @@ def _said(target: Target, known: Estimation) -> str | None:
 def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> list[_Standing]:
     """Return the accuracies of which readings have taken away what they can, with what they leave at least.
 
-    Few readings leave sizes open: a floor counts that is above its limit as stated, or with the size surely there.
-    One that is above what is left already is none of this machine.
+    A floor counts as stated once a few readings have checked the sizes, or with the size that is surely there. One
+    that is above what is left already is none of this machine.
     """
     surely = 1.0 if known.posterior is None else known.posterior.surely
     sizes = {} if known.posterior is None else known.posterior.sizes
@@ -107,8 +107,8 @@ def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> li
         return []
     found = []
     for wanted, each in zip(asked(target, known.case.yardstick_as_sized), volume, strict=True):
-        borne_out = (floor for floor in (each.wanted.floor, surely * wanted.floor) if floor <= each.now)
-        least = max(borne_out, default=0.0)
+        floors = surely * wanted.floor, *([each.wanted.floor] if len(known.readings) >= FEW else [])
+        least = max((floor for floor in floors if floor <= each.now), default=0.0)
         if each.now <= attainable(wanted.limit, wanted.floor) and least > wanted.limit:
             found.append(_Standing(wanted._replace(floor=least), each.now))
     return found
