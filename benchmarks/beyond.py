@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.absorbed import absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
+from axiscal.estimation.located import absorbed
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array

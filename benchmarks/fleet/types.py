@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from axiscal.estimation.case import Rival
-from axiscal.estimation.inference.data_equation import DataEquation
+from axiscal.estimation.data_equation import DataEquation
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import TypePrior, rivals
 from axiscal.numerics import Array

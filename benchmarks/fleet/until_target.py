@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.estimation.case import Rival
-from axiscal.estimation.inference.data_equation import moments_of
+from axiscal.estimation.data_equation import moments_of
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.numerics import Array
 from benchmarks.fleet.virtual_types import Bench

@@ -14,7 +14,7 @@ import numpy as np
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import Term
 from axiscal.estimation.case import Case
-from axiscal.estimation.inference.data_equation import DataEquation, data_equation
+from axiscal.estimation.data_equation import DataEquation, data_equation
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array

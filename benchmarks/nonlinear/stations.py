@@ -9,9 +9,9 @@ import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.actual import deviation_of
-from axiscal.estimation.absorbed import absorbed
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
+from axiscal.estimation.located import absorbed
 from axiscal.estimation.stations import BentReadings, closed_form, polished
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from axiscal.estimation.absorbed import absorbed
 from axiscal.estimation.case import Case
+from axiscal.estimation.located import absorbed
 from axiscal.estimation.stations import BentReadings, closed_form, polished, tips
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Reading

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from axiscal.errors.prior import matern52
-from axiscal.estimation.inference.intervals import Fitted, sites
+from axiscal.estimation.intervals import Fitted, sites
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root
 

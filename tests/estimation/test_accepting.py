@@ -10,8 +10,14 @@ from typing import cast
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.accepting import acceptance, change_words, named
-from axiscal.estimation.agreement_words import agreement_document, agreement_words, mistake_words
+from axiscal.estimation.agreement_words import (
+    acceptance,
+    agreement_document,
+    agreement_words,
+    change_words,
+    mistake_words,
+    named,
+)
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.agreement import Agreement, Explained
 from axiscal.exceptions import RecordError

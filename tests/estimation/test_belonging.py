@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import multivariate_normal
 
-from axiscal.estimation.inference.data_equation import (
+from axiscal.estimation.data_equation import (
     DataEquation,
     data_equation,
     log_evidence,

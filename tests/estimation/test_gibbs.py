@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.estimation.inference.data_equation import DataEquation
+from axiscal.estimation.data_equation import DataEquation
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.ports.fleet.sisters.gibbs import half_covariance, swept

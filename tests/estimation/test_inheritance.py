@@ -10,7 +10,7 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
-from axiscal.estimation.changes import changes
+from axiscal.estimation.inheritance import changes
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.measurement.reading import Reading
 from axiscal.present.findings import findings

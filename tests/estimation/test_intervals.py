@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from scipy.stats import norm
 
 from axiscal.errors.prior import matern52
-from axiscal.estimation.inference.intervals import Fitted, Sites, sited, sites
+from axiscal.estimation.intervals import Fitted, Sites, sited, sites
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root

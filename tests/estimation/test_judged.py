@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.estimation.absorbed import absorbed, displayed
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case, Rival
 from axiscal.estimation.estimate import estimated
-from axiscal.estimation.inference.intervals import sited
+from axiscal.estimation.estimation import paths
+from axiscal.estimation.intervals import sited
 from axiscal.estimation.judged import judged
+from axiscal.estimation.located import absorbed, displayed
 from axiscal.estimation.machine_estimate import Estimate, rest_means
 from axiscal.estimation.membership import membership
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.estimation.zero_drift import paths
 from axiscal.measurement.drift import wandering
 from axiscal.measurement.reading import Reading
 from tests.generators.campaigns import mixed

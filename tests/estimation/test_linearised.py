@@ -9,12 +9,11 @@ from typing import cast
 import numpy as np
 import pytest
 
-from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.estimation import Estimation, Linearity, linearity
 from axiscal.estimation.learnt import without_bad
-from axiscal.estimation.located import SETTLED, Linearity, linearity, located, moved_by
+from axiscal.estimation.located import SETTLED, Absorbed, absorbed, located, moved_by
 from axiscal.estimation.stations import indices
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen, shown_values

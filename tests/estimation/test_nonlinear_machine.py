@@ -9,9 +9,8 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.actual import MovedErrors, deviation_of
-from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.case import Case
-from axiscal.estimation.located import bent, located
+from axiscal.estimation.located import Absorbed, absorbed, bent, located
 from axiscal.estimation.stations import GAUSSIAN, indices
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading

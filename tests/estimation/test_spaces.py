@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.special import gamma, kv
 
 from axiscal.description.sizes import Sizes
-from axiscal.estimation.absorbed import absorbed
+from axiscal.estimation.located import absorbed
 from axiscal.estimation.promise.dense import Dense
 from axiscal.estimation.promise.numbers import Numbers
 from axiscal.estimation.promise.problem import Curves, Problem

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.estimation import mirrors
-from axiscal.estimation.absorbed import absorbed
+from axiscal.estimation import located
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
+from axiscal.estimation.located import absorbed
 from axiscal.estimation.stations import BentReadings, Optimum, closed_form, mode
 from axiscal.exceptions import AmbiguityError
 from axiscal.measurement.reading import Reading
@@ -84,6 +84,6 @@ def test_a_station_of_several_that_fits_in_two_places_is_named_with_both() -> No
     here, there = np.zeros(case.observation.size), np.zeros(case.observation.size)
     there[list(case.station_columns(0)[2])] = 0.1, 0.0, -0.2
     x, y, z = (1e3 * each for each in case.description.setups[0].standing[2])
-    said = mirrors._ambiguity(case, 0, 2, Optimum(here, 1.0), Optimum(there, 2.0)).what
+    said = located._ambiguity(case, 0, 2, Optimum(here, 1.0), Optimum(there, 2.0)).what
     assert said.startswith('station 3 of "')
     assert f"as well at ({x:.1f}, {y:.1f}, {z:.1f}) mm as at ({x + 100:.1f}, {y:.1f}, {z - 200:.1f}) mm" in said

@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.estimation.absorbed import Absorbed, absorbed
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import path
 from axiscal.estimation.knowledge import Block, Knowledge, taken
+from axiscal.estimation.located import Absorbed, absorbed
 from axiscal.exceptions import ShapeError
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen

@@ -10,7 +10,7 @@ import pytest
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import path
-from axiscal.estimation.inference.intervals import Fitted
+from axiscal.estimation.intervals import Fitted
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen, visited_by
 from axiscal.numerics import Array

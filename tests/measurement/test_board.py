@@ -9,8 +9,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
-from axiscal.estimation.accepting import acceptance
-from axiscal.estimation.agreement_words import mistake_words
+from axiscal.estimation.agreement_words import acceptance, mistake_words
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation

@@ -16,10 +16,9 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.description.sizes import Sizes
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.estimation import Estimation, paths
 from axiscal.estimation.promise.dense import Dense
 from axiscal.estimation.promise.problem import problem as posed_of
-from axiscal.estimation.zero_drift import paths
 from axiscal.exceptions import DescriptionError, ReadingError, UnitError
 from axiscal.machine import load_machine
 from axiscal.measurement.drift import MEMORY, STEP, Course, wandering

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimation.data_equation import data_equation
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.inference.data_equation import data_equation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.type_prior import SisterRecord, TypePrior
 from axiscal.machine import machine_from_text

@@ -33,7 +33,7 @@ from axiscal.campaign.possible import beginning_of, described, kept_text, refuse
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.description.campaign import CampaignDescription
 from axiscal.document.durable import Closing
-from axiscal.estimation.accepting import named
+from axiscal.estimation.agreement_words import named
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import Estimation, path

@@ -10,8 +10,13 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say_either
-from axiscal.estimation.accepting import acceptance, change_words
-from axiscal.estimation.agreement_words import agreement_document, agreement_words, mistake_words
+from axiscal.estimation.agreement_words import (
+    acceptance,
+    agreement_document,
+    agreement_words,
+    change_words,
+    mistake_words,
+)
 from axiscal.language.spoken import put, said
 
 _MOST = 1e6

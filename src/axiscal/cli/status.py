@@ -11,8 +11,7 @@ from axiscal.cli.outputs import standing_screen
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text, signed_text
 from axiscal.description.target import Target
-from axiscal.estimation.accepting import change_words
-from axiscal.estimation.agreement_words import agreement_document, agreement_words, membership_words
+from axiscal.estimation.agreement_words import agreement_document, agreement_words, change_words, membership_words
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.language.spoken import capital, decimals, said
 from axiscal.present.guide.question import asked_text

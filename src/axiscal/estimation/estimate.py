@@ -12,14 +12,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from axiscal.estimation.absorbed import absorbed, taken_as_normal
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
 from axiscal.estimation.learnt import posterior_of, turned, without_bad
-from axiscal.estimation.located import bent, located
+from axiscal.estimation.located import absorbed, bent, located, refuse_mirrors, taken_as_normal
 from axiscal.estimation.membership import membership
-from axiscal.estimation.mirrors import refuse_mirrors
 from axiscal.estimation.promise.posterior import Sorted
 from axiscal.estimation.stations import progressed
 from axiscal.estimation.timed import timed
@@ -44,7 +42,7 @@ def _estimated(stated: Case, case: Case, readings: Sequence[Reading]) -> Estimat
     case = progressed(case, times.readings, implausible)
     kept = without_bad(case, times.readings, implausible)
     bad = {index: Doubt(index, each.z) for index, each in kept.bad.items()}
-    known = located(case.rescaled(kept.sizes), times.readings, [*implausible, *bad])
+    known = located(case.rescaled(kept.sizes), times.readings, [*implausible, *bad], {*kept.problem.cells})
     return _answered(case, Estimation(stated, times, implausible, bad, known), kept)
 
 

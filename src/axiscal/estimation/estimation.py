@@ -7,20 +7,26 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from axiscal.estimation.absorbed import Absorbed, displayed
+import numpy as np
+
 from axiscal.estimation.accuracy.expanded import Expanded, expanded
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.estimation.belief import Belief, Innovations
 from axiscal.estimation.case import Case
 from axiscal.estimation.judged import Doubt, objection
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.estimation.located import Absorbed, displayed
 from axiscal.estimation.machine_estimate import Estimate, map_grid, rest_means
 from axiscal.estimation.membership import Membership
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.estimation.promise.posterior import Posterior
+from axiscal.estimation.stations import GAUSSIAN, MOST, indices
 from axiscal.estimation.timed import Timed
+from axiscal.measurement.drift import wandering
 from axiscal.measurement.place_texts import reading_text
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, drawn
+from axiscal.measurement.setup import Setup
+from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
 from axiscal.numerics.threads import one_thread
 
@@ -165,3 +171,57 @@ def path(final: Estimation) -> list[Moment]:
     if final.readings:
         found[-1] = final.accuracy, found[-1][1]
     return [Moment(*each, end) for each, end in zip(found, (0.0, *final.timed.ends), strict=True)]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Path:
+    """The way of one zero: at times (k,) s its distance from where it stood at the first reading, m or rad.
+
+    mean, std : (k,) after the readings; prior : (k,) the standard deviation before them
+    """
+
+    times: Array
+    mean: Array
+    std: Array
+    prior: Array
+
+
+def paths(estimation: Estimation, setup: Setup) -> list[Path]:
+    """Return the way of each zero of a set-up at the times of its readings; none where no drift is stated."""
+    observation, belief = estimation.knowledge.observation, estimation.knowledge.belief
+    times = np.array(sorted({r.time for r in estimation.readings if r.setup == setup.name and r.time is not None}))
+    found = []
+    for (index, _), course in observation.courses.items():
+        if observation.setups[index].name == setup.name:
+            columns, rows = list(course.columns), course.rows(times)
+            std = np.sqrt(np.sum((rows @ belief.factor[columns]) ** 2, axis=1))
+            prior = np.sqrt(np.diag(wandering(course.rate, times - times[0])))
+            found.append(Path(times, rows @ belief.mean[columns], std, prior))
+    return found
+
+
+_ROUNDING = 1e-9
+"""Of the noise: what is less is rounding."""
+
+
+class Linearity(NamedTuple):
+    """largest : the largest ν of a reading; reading : its number, None where nothing was read"""
+
+    largest: float
+    reading: int | None
+
+    @property
+    def gaussian(self) -> bool:
+        """Whether the belief is the posterior to the digits printed."""
+        return self.largest <= GAUSSIAN
+
+
+@one_thread()
+def linearity(estimation: Estimation) -> Linearity:
+    """Return how linear the readings are, of many those of some."""
+    some = drawn(estimation.readings, MOST)
+    if not some:
+        return Linearity(0.0, None)
+    found = indices(estimation.absorbed.knowledge, some)
+    worst, largest = some[int(np.argmax(found))], float(found.max())
+    return Linearity(largest if largest > _ROUNDING else 0.0, worst.numbered(estimation.readings.index(worst)))

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief, Innovations
+from axiscal.measurement.cells import Cell
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen, visited_by
@@ -40,9 +41,12 @@ class Knowledge:
         covariance = observation.prior_covariance()
         return cls(observation, Belief(np.zeros(len(covariance)), covariance))
 
-    def opened(self, readings: Sequence[Reading]) -> Knowledge:
-        """Return the same with the unknowns of cells and drifts that readings will meet."""
-        wider = visited_by(self.observation, readings)
+    def opened(self, readings: Sequence[Reading], among: Collection[Cell] | None = None) -> Knowledge:
+        """Return the same with the unknowns of cells and drifts that readings will meet.
+
+        among : cells that may have one, None for all; others count as noise
+        """
+        wider = visited_by(self.observation, readings, among)
         return Knowledge(wider, self.belief.extended(self.observation.rest_variances(wider)))
 
     @one_thread()
@@ -68,12 +72,17 @@ class Block:
         return yardstick.along(self.factor, self.losses, np.cumsum([each.degrees for each in self.innovations]))
 
 
-def block(knowledge: Knowledge, readings: Sequence[Reading], counts: NDArray[np.bool_]) -> tuple[Block, Knowledge]:
+def block(
+    knowledge: Knowledge,
+    readings: Sequence[Reading],
+    counts: NDArray[np.bool_],
+    among: Collection[Cell] | None = None,
+) -> tuple[Block, Knowledge]:
     """Return readings, all at once, and what they make of knowledge.
 
-    counts : (m,) which are used; the others are predicted
+    counts : (m,) which are used; the others are predicted; among : as of `Knowledge.opened`
     """
-    before = knowledge.opened(readings)
+    before = knowledge.opened(readings, among)
     numbers = seen(before.observation, readings)
     used = np.where(counts[numbers.reading], numbers.variances, np.inf)
     done = before.belief.update_many(numbers.rows, numbers.values, numbers.variances, used, numbers.reading)
@@ -86,16 +95,19 @@ def block(knowledge: Knowledge, readings: Sequence[Reading], counts: NDArray[np.
 
 
 def taken(
-    knowledge: Knowledge, readings: Sequence[Reading], left_out: Collection[int] = ()
+    knowledge: Knowledge,
+    readings: Sequence[Reading],
+    left_out: Collection[int] = (),
+    among: Collection[Cell] | None = None,
 ) -> tuple[tuple[Block, ...], Knowledge]:
     """Return readings, some hundreds at a time, and what is known after them.
 
-    left_out : indices of those that are predicted and not used
+    left_out : indices of those that are predicted and not used; among : as of `Knowledge.opened`
     """
     found = list[Block]()
     for start in range(0, len(readings), AT_ONCE):
         mine = readings[start : start + AT_ONCE]
         counts = np.array([index not in left_out for index in range(start, start + len(mine))])
-        part, knowledge = block(knowledge, mine, counts)
+        part, knowledge = block(knowledge, mine, counts, among)
         found.append(part)
     return tuple(found), knowledge

@@ -2,35 +2,105 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from dataclasses import replace
-from typing import NamedTuple
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.estimation.absorbed import Absorbed, absorbed
+from axiscal.estimation.belief import Innovations
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.stations import GAUSSIAN, indices
+from axiscal.estimation.intervals import is_coarse, sited
+from axiscal.estimation.knowledge import Block, Knowledge, taken
+from axiscal.estimation.stations import GAUSSIAN, MOST, BentReadings, Optimum, indices, mirrored, polished
+from axiscal.exceptions import AmbiguityError
+from axiscal.language.spoken import said
+from axiscal.measurement.cells import Cell
+from axiscal.measurement.place_texts import place_text
 from axiscal.measurement.reading import Reading, drawn
-from axiscal.measurement.reading_rows import linear_values, places_of, seen
+from axiscal.measurement.reading_rows import Seen, linear_values, places_of, seen
 from axiscal.numerics import Array
-from axiscal.numerics.threads import one_thread
+from axiscal.units import to_unit
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Absorbed:
+    """case : with the set-ups that were read from other sides than they say; left_out : readings that do not count
+
+    blocks : of all readings, those left out as well
+    """
+
+    case: Case
+    left_out: frozenset[int]
+    knowledge: Knowledge
+    blocks: tuple[Block, ...]
+
+    @property
+    def innovations(self) -> tuple[Innovations, ...]:
+        """Those of each reading."""
+        return tuple(each for part in self.blocks for each in part.innovations)
+
+    def precisions(self, numbers: Seen) -> Array:
+        """Return one over the variance of each number of the readings, 0 of those that are left out, (m,)."""
+        precisions: Array = ~np.isin(numbers.reading, [*self.left_out]) / numbers.variances
+        return precisions
+
+
+def absorbed(
+    case: Case, readings: Sequence[Reading], left_out: Iterable[int] = (), among: Collection[Cell] | None = None
+) -> Absorbed:
+    """Return what is known after readings.
+
+    left_out : indices of those that do not count; among : cells whose rests are unknowns, None for all
+    """
+    apart = frozenset(left_out)
+    blocks, knowledge = taken(case.knowledge, readings, apart, among)
+    return Absorbed(_widened(case, readings), apart, knowledge, blocks)
+
+
+def _widened(case: Case, readings: Sequence[Reading]) -> Case:
+    """Return the case with set-ups that were read from sides which nobody said they allow."""
+    other = {reading.setup for reading in readings if not case.came_as_allowed(reading)}
+    return replace(case, both=case.both | other) if other else case
+
+
+def displayed(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:
+    """Return what is known with such readings instead of normal ones, and the surprises as they were.
+
+    known : after all readings, each as the value that was shown
+    """
+    normal = taken_as_normal(known, readings)
+    if normal is readings:
+        return known
+    fresh = absorbed(known.case, normal, known.left_out, known.knowledge.observation.cells)
+    return replace(fresh, blocks=known.blocks)
+
+
+def taken_as_normal(known: Absorbed, readings: Sequence[Reading]) -> Sequence[Reading]:
+    """Return the readings with normal ones in the place of those that are far from normal; themselves if none is."""
+    observation = known.case.observation
+    if not any(is_coarse(setup) for setup in observation.setups):
+        return readings
+    kept = [index for index in range(len(readings)) if index not in known.left_out]
+    instead = dict(zip(kept, sited(observation, [readings[i] for i in kept], known.case.inherited), strict=True))
+    return [instead.get(index, reading) for index, reading in enumerate(readings)]
+
 
 _ROUNDS = 12
 _LINEAR = 1e-2
 """RMS over all directions, in σ, of what the exact machine would change: less is not worth a second round."""
 
 
-def located(case: Case, readings: Sequence[Reading], left_out: Collection[int] = ()) -> Absorbed:
+def located(
+    case: Case, readings: Sequence[Reading], left_out: Collection[int] = (), among: Collection[Cell] | None = None
+) -> Absorbed:
     """Return what readings make known, linearised about the machine and the stations that they show until these stay.
 
     A distance is linear about the assumed place of its station, so a better place makes a better estimate. Large errors
     of the machine also separate the exact chain from its rows. A round that asks for more than the one before goes half
     as far, and so do those after it: else the rounds would swing.
-    case : with the sizes as learnt; left_out : indices of readings that do not count
+    case : with the sizes as learnt; left_out, among : as of `absorbed`
     """
-    return _followed(absorbed(case, readings, left_out), readings, turned=False)
+    return _followed(absorbed(case, readings, left_out, among), readings, turned=False)
 
 
 def bent(known: Absorbed, readings: Sequence[Reading]) -> Absorbed:
@@ -55,7 +125,7 @@ def _followed(known: Absorbed, readings: Sequence[Reading], *, turned: bool) -> 
             better = known.case.linear_about(_towards(known.case, mean, share), turned)
         if better is None:
             break
-        known = absorbed(better, readings, known.left_out)
+        known = absorbed(better, readings, known.left_out, known.knowledge.observation.cells)
     return known
 
 
@@ -90,30 +160,52 @@ SETTLED = 1e-3
 """RMS of the change over all directions, in σ, at which rounds end."""
 
 
-_MOST = 200
-"""Readings whose index is looked for: of time; drawn, they are the worst one or are like it."""
-_ROUNDING = 1e-9
-"""Of the noise: what is less is rounding."""
+_NEAR, _APART = 6.0, 5.0
+"""Optima within so much of the best one's log posterior, and so many standard deviations apart, are two."""
 
 
-class Linearity(NamedTuple):
-    """largest : the largest ν of a reading; reading : its number, None where nothing was read"""
+def refuse_mirrors(known: Absorbed, readings: Sequence[Reading], implausible: Sequence[int]) -> None:
+    """Raise AmbiguityError where a station's mirror image fits as well, with the reading that decides."""
+    case = known.case
+    kept = [reading for index, reading in enumerate(readings) if index not in implausible]
+    size = case.errors.size + len(case.observation.unknowns)
+    for index in range(len(case.description.setups)):
+        images = mirrored(case, kept, known.knowledge.belief.mean[:size], index)
+        for number, (columns, image) in enumerate(zip(case.station_columns(index), images, strict=False)):
+            here = known.knowledge.belief.mean[list(columns)]
+            spread = np.sqrt(np.diagonal(known.knowledge.belief.covariance)[list(columns)])
+            if np.all(np.abs(image[list(columns)] - here) < _APART * spread):
+                continue
+            problem = BentReadings(case, drawn(kept, MOST))
+            best, other = (polished(problem, start) for start in (known.knowledge.belief.mean[:size], image))
+            apart = np.abs(best.point - other.point)[list(columns)] > _APART * spread
+            if other.cost - best.cost < _NEAR and np.any(apart):
+                raise _ambiguity(case, index, number, best, other)
 
-    largest: float
-    reading: int | None
 
-    @property
-    def gaussian(self) -> bool:
-        """Whether the belief is the posterior to the digits printed."""
-        return self.largest <= GAUSSIAN
+def _ambiguity(case: Case, index: int, number: int, best: Optimum, other: Optimum) -> AmbiguityError:
+    setup = case.description.setups[index]
+    stated, columns = np.array(setup.standing[number]), list(case.station_columns(index)[number])
+    first, second = (_text(stated + each.point[columns]) for each in (best, other))
+    pose, differ = _decisive(case, index, number, best.point, other.point)
+    axes, name = case.description.machine.axes, setup.name
+    whose = said("station {number}", number=number + 1) if setup.stations else said("the station")
+    what = '{whose} of "{name}" fits its readings as well at {first} as at {second} (x, y, z in the workpiece frame)'
+    remedy = (
+        'Read "{name}" at {place} as well: there the two differ by {apart:.3g} mm. '
+        "Points in one plane cannot tell a station from its mirror image; or state the station nearer"
+    )
+    place, apart = place_text(axes, pose), to_unit(differ, "mm")
+    return AmbiguityError(what, remedy, whose=whose, name=name, first=first, second=second, place=place, apart=apart)
 
 
-@one_thread()
-def linearity(estimation: Estimation) -> Linearity:
-    """Return how linear the readings are, of many those of some."""
-    some = drawn(estimation.readings, _MOST)
-    if not some:
-        return Linearity(0.0, None)
-    found = indices(estimation.absorbed.knowledge, some)
-    worst, largest = some[int(np.argmax(found))], float(found.max())
-    return Linearity(largest if largest > _ROUNDING else 0.0, worst.numbered(estimation.readings.index(worst)))
+def _decisive(case: Case, index: int, number: int, first: Array, second: Array) -> tuple[list[float], float]:
+    """Return the place where the predictions of two optima differ the most, and by how much, m."""
+    poses, sides = case.lattice.of(index)
+    one, two = (case.observation.shown(index, poses, sides, point)[:, number] for point in (first, second))
+    best = int(np.argmax(np.abs(one - two)))
+    return poses[best].tolist(), float(abs(one - two)[best])
+
+
+def _text(place: Array) -> str:
+    return "(" + ", ".join(f"{to_unit(float(each), 'mm'):.1f}" for each in place) + ") mm"

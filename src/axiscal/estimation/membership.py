@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axiscal.estimation.absorbed import Absorbed, absorbed, displayed
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case, Rival
-from axiscal.estimation.inference.data_equation import data_equation, moments_of, shares_of
+from axiscal.estimation.data_equation import data_equation, moments_of, shares_of
 from axiscal.estimation.judged import Doubt
 from axiscal.estimation.learnt import posterior_of
+from axiscal.estimation.located import Absorbed, absorbed, displayed
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
@@ -85,4 +85,6 @@ def shares_of_rivals(
 
 def _belief(case: Case, known: Absorbed, readings: Sequence[Reading]) -> Belief:
     """Return what readings make of one of the beliefs, each counting as in what is known."""
-    return displayed(absorbed(case, readings, known.left_out), readings).knowledge.belief
+    return displayed(
+        absorbed(case, readings, known.left_out, known.knowledge.observation.cells), readings
+    ).knowledge.belief

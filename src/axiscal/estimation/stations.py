@@ -115,8 +115,8 @@ GAUSSIAN = 0.3
 """Index below which the Gaussian is the posterior to the digits printed."""
 _DRAWS, _SEED = 64, 20260101
 """Draws tell a root mean square within a tenth; the seed is any."""
-_MOST = 200
-"""Readings by which stations are found: of time; all of them count once these are found."""
+MOST = 200
+"""Readings by which stations are found and compared, and linearity is looked at: of time; all count in the end."""
 
 
 def progressed(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Case:
@@ -126,7 +126,7 @@ def progressed(case: Case, readings: Sequence[Reading], implausible: Collection[
     bad. So the mode is found before readings are doubted (docs/evidence/nonlinear.md).
     """
     kept = [reading for index, reading in enumerate(readings) if index not in implausible]
-    some = drawn(kept, _MOST) if case.bends else []
+    some = drawn(kept, MOST) if case.bends else []
     if float(np.max(indices(case.knowledge, some), initial=0.0)) <= GAUSSIAN:
         return case
     return case.linear_about(mode(BentReadings(case, some)).point)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from axiscal.measurement.cells import Cell
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
@@ -98,9 +99,14 @@ def shown_by_each(observation: Observation, readings: Sequence[Reading], points:
     return result
 
 
-def visited_by(observation: Observation, readings: Sequence[Reading]) -> Observation:
-    """Return the map with columns for what comes with readings: cells, and how far zeros have wandered."""
-    return visited(observation, places_of(observation.setups, readings), times_of(readings))
+def visited_by(
+    observation: Observation, readings: Sequence[Reading], among: Collection[Cell] | None = None
+) -> Observation:
+    """Return the map with columns for what comes with readings: cells, and how far zeros have wandered.
+
+    among : cells that may have a column, None for all
+    """
+    return visited(observation, places_of(observation.setups, readings), times_of(readings), among)
 
 
 def places_of(setups: Sequence[Setup], readings: Sequence[Reading]) -> Places:

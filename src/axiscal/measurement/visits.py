@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -20,13 +20,15 @@ _ROUNDING = 1e-12
 """A lever of this size is rounding: m/rad, 1, or rad/rad."""
 
 
-def visited(observation: Observation, places: Places, times: Array | None = None) -> Observation:
+def visited(
+    observation: Observation, places: Places, times: Array | None = None, among: Collection[Cell] | None = None
+) -> Observation:
     """Return the map with columns for the cells of places that had none, and for how far zeros may have wandered.
 
-    times : (m,) of the readings, s, NaN where nobody looked at a clock
+    times : (m,) of the readings, s, NaN where nobody looked at a clock; among : cells that may have one, None for all
     Columns come in the order of the places; of each its zeros first, then the cells in the order of the functions.
     """
-    fresh, cells, courses = _fresh_cells(observation, places), dict(observation.cells), dict(observation.courses)
+    fresh, cells, courses = _fresh_cells(observation, places, among), dict(observation.cells), dict(observation.courses)
     size = observation.size
     for i, setup in enumerate(places.setups.tolist()):
         if times is not None and observation.setups[setup].drift > 0 and not np.isnan(times[i]):
@@ -65,7 +67,7 @@ def cells_shown(observation: Observation, setup: int, poses: Array) -> RestEffec
     return found._replace(reach=np.where(reach > _ROUNDING, reach, 0.0))
 
 
-def _fresh_cells(observation: Observation, places: Places) -> dict[int, list[Cell]]:
+def _fresh_cells(observation: Observation, places: Places, among: Collection[Cell] | None) -> dict[int, list[Cell]]:
     """Return the cells without a column whose rest shows at each place, by its index; none for most places."""
     fresh = defaultdict[int, list[Cell]](list)
     for setup, mine in places.by_setup() if observation.with_rest else ():
@@ -73,7 +75,8 @@ def _fresh_cells(observation: Observation, places: Places) -> dict[int, list[Cel
         where, which = np.nonzero(((observation.cell_columns.at(shown) < 0) & (shown.reach > 0)).T)
         cells = zip(shown.functions[which].tolist(), shown.cells[which, where].tolist(), strict=True)
         for place, cell in zip(mine[where].tolist(), cells, strict=True):
-            fresh[place].append(cell)
+            if among is None or cell in among:
+                fresh[place].append(cell)
     return fresh
 
 

@@ -9,9 +9,8 @@ import numpy as np
 
 from axiscal.errors.iso230 import words
 from axiscal.errors.model import ErrorFunction
-from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.estimation import Estimation, paths
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.estimation.zero_drift import paths
 from axiscal.language.spoken import later, said
 from axiscal.measurement.place_texts import reading_unit, value_names
 from axiscal.measurement.reading import Reading

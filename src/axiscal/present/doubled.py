@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.estimation.inference.intervals import COARSE
+from axiscal.estimation.intervals import COARSE
 from axiscal.language.spoken import said
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place_texts import reading_unit

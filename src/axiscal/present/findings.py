@@ -11,10 +11,9 @@ from axiscal.errors.gauge_words import undescribed
 from axiscal.errors.iso230 import words
 from axiscal.estimation.agreement_words import STRANGE, farthest, membership_words
 from axiscal.estimation.case import Case
-from axiscal.estimation.changes import changes
-from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.estimation import Estimation, paths
+from axiscal.estimation.inheritance import changes
 from axiscal.estimation.promise.agreement import AGREES
-from axiscal.estimation.zero_drift import paths
 from axiscal.language.spoken import capital, later, listed, put, said
 from axiscal.measurement.place_texts import reading_unit, value_names
 from axiscal.measurement.reading import Reading

@@ -16,11 +16,10 @@ from axiscal.campaign.possible import versions
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.particulars import Equipment
 from axiscal.description.type_b import Distribution
-from axiscal.estimation.accepting import change_words
+from axiscal.estimation.agreement_words import change_words
 from axiscal.estimation.budget import BudgetShare, budget
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimation import Estimation, Moment, expanded_uncertainty, path
-from axiscal.estimation.located import Linearity, linearity
+from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.language.spoken import later, resaid, said, speaking
 from axiscal.language.stages import stage

@@ -24,7 +24,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription
 from axiscal.errors.model import ErrorModel, Term
 from axiscal.estimation.case import Case
-from axiscal.estimation.inference.data_equation import data_equation
+from axiscal.estimation.data_equation import data_equation
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import RecordError

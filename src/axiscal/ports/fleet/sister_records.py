@@ -16,8 +16,8 @@ from axiscal.campaign.possible import described
 from axiscal.description.campaign import CampaignDescription
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
+from axiscal.estimation.data_equation import DataEquation, data_equation
 from axiscal.estimation.estimate import concluded
-from axiscal.estimation.inference.data_equation import DataEquation, data_equation
 from axiscal.estimation.type_prior import SisterRecord, carried_over
 from axiscal.exceptions import AxiscalError, InputError, RecordError, UnreachableError
 from axiscal.language.spoken import said

@@ -11,7 +11,7 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.document import shown
 from axiscal.errors.model import ErrorModel
-from axiscal.estimation.inference.data_equation import DataEquation
+from axiscal.estimation.data_equation import DataEquation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior
 from axiscal.exceptions import RecordError, TargetError

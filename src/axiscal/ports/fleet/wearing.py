@@ -27,8 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel
+from axiscal.estimation.data_equation import DataEquation, log_evidence
 from axiscal.estimation.estimation import Estimation
-from axiscal.estimation.inference.data_equation import DataEquation, log_evidence
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import is_type_text, over, type_prior
 from axiscal.numerics import Array

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.estimation.accepting import change_words
-from axiscal.estimation.agreement_words import agreement_words
+from axiscal.estimation.agreement_words import agreement_words, change_words
 from axiscal.language.spoken import counted, decimals, said
 from axiscal.measurement.place_texts import reading_text, reading_unit
 from axiscal.planning.next_readings import rejected

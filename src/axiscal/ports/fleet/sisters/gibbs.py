@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimation.inference.data_equation import DataEquation
+from axiscal.estimation.data_equation import DataEquation
 from axiscal.language.stages import staged
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import back_solution, inverse_of_product, solution
