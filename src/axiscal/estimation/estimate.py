@@ -15,7 +15,7 @@ from dataclasses import replace
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.judged import Doubt, judged
-from axiscal.estimation.learnt import posterior_of, turned, without_bad
+from axiscal.estimation.learnt import posed, posterior_of, turned, without_bad
 from axiscal.estimation.located import absorbed, bent, located, refuse_mirrors, taken_as_normal
 from axiscal.estimation.membership import membership
 from axiscal.estimation.promise.posterior import Sorted
@@ -79,11 +79,11 @@ def _answered(case: Case, known: Estimation, kept: Sorted | None = None) -> Esti
     """
     readings, at = known.readings, case.linear_as(known.case)
     taken = taken_as_normal(known.absorbed, readings)
-    if taken is readings and at.observation.about == case.observation.about and at.description == case.description:
-        found = known.posterior if kept is None else kept.posterior(turned(case, readings), at.about_volume)
-    else:
-        found = posterior_of(at, taken, known.implausible)
-    return replace(known, posterior=found)
+    stays = taken is readings and at.observation.about == case.observation.about and at.description == case.description
+    if kept is None:
+        return known if stays else replace(known, posterior=posterior_of(at, taken, known.implausible))
+    kept = kept if stays else kept.where(posed(at, taken))
+    return replace(known, posterior=kept.posterior(turned(at, taken), at.about_volume))
 
 
 def _of_likeliest(stated: Case, found: Callable[[int], Estimation], first: int) -> Estimation:

@@ -8,7 +8,7 @@ from itertools import combinations
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.agreement import Turned
 from axiscal.estimation.promise.posterior import Posterior, Sorted, sorted_out
-from axiscal.estimation.promise.problem import problem
+from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.measurement.reading import Reading
 
 
@@ -19,8 +19,14 @@ def posterior_of(case: Case, readings: Sequence[Reading], implausible: Collectio
 
 def without_bad(case: Case, readings: Sequence[Reading], implausible: Collection[int]) -> Sorted:
     """Return the readings without the bad ones, where a case has them linear.  case : with the sizes as stated"""
-    posed = problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
-    return sorted_out(posed, implausible, [index for index, reading in enumerate(readings) if reading.accepted])
+    return sorted_out(
+        posed(case, readings), implausible, [index for index, reading in enumerate(readings) if reading.accepted]
+    )
+
+
+def posed(case: Case, readings: Sequence[Reading]) -> Problem:
+    """Return readings as a problem, linear where a case has them so.  case : with the sizes as stated"""
+    return problem(case.observation, readings, case.sizes, case.inherited, case.description.usual)
 
 
 def turned(case: Case, readings: Sequence[Reading]) -> Iterator[Turned]:
@@ -28,5 +34,4 @@ def turned(case: Case, readings: Sequence[Reading]) -> Iterator[Turned]:
     axes = [axis.name for axis in case.description.machine.axes if axis.rotary]
     for count in range(1, len(axes) + 1):
         for chosen in combinations(axes, count):
-            there = case.turned(chosen)
-            yield chosen, problem(there.observation, readings, case.sizes, case.inherited, case.description.usual)
+            yield chosen, posed(case.turned(chosen), readings)

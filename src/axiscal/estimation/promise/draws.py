@@ -93,7 +93,7 @@ class Weighed:
     """Draws with their weights by some readings; those without any weight are left out.
 
     thetas : (n, k); weights : (n,), their sum is 1; given : of each; log_evidence : log p(y), up to a constant
-    every : weights of all draws, those that are left out among them
+    drawn : all draws; every : weights of all of them, those that are left out among them
     log_stated : log weight of the sizes as stated if they are one draw more, over that of all others
     """
 
@@ -102,8 +102,13 @@ class Weighed:
     given: tuple[Given, ...]
     log_evidence: float
     every: Array
-    stated: Given
+    drawn: Draws
     log_stated: float
+
+    @property
+    def stated(self) -> Given:
+        """Everything at the sizes as stated."""
+        return self.drawn.stated
 
     @property
     def effective(self) -> float:
@@ -120,12 +125,18 @@ def _valued(found: Given | None, x: Array) -> float:
     return -np.inf if found is None else found.value - 0.5 * float(x @ x)
 
 
+def as_stated(space: Space) -> Given:
+    """Return everything at the sizes as stated."""
+    found = space.given(np.zeros(len(space.problem.sizes)))
+    assert found is not None, "a covariance with noise is positive definite"
+    return found
+
+
 def mode(space: Space) -> Mode:
     """Return the most probable sizes, climbing from those that are stated."""
     sizes = space.problem.sizes
     x = np.zeros(len(sizes))
-    found = space.given(sizes.at(x)[0])
-    assert found is not None, "a covariance with noise is positive definite"
+    found = as_stated(space)
     if not len(x):
         return Mode(x, np.zeros(0, dtype=np.intp), np.zeros((0, 0)), _valued(found, x), found)
     value, gradient, information = _pull(sizes, found, x)
@@ -236,4 +247,4 @@ def weighed(space: Space, drawn: Draws) -> Weighed:
     found = tuple(each for each in (given[i] for i in kept) if each is not None)
     own = weights[kept] / weights[kept].sum()
     log_stated = drawn.stated.value - float(drawn.log_proposal[-1] + np.log(len(weights))) - evidence
-    return Weighed(thetas[kept], own, found, evidence, weights, drawn.stated, log_stated)
+    return Weighed(thetas[kept], own, found, evidence, weights, drawn, log_stated)

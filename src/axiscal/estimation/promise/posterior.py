@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from axiscal.description.causes import BAD
 from axiscal.description.sizes import Kind
 from axiscal.estimation.promise.agreement import BAD_SHARE, MOST_BAD, SEVERAL, Agreement, Turned, agreement
-from axiscal.estimation.promise.draws import Weighed, draws, mode, redrawn, weighed
+from axiscal.estimation.promise.draws import Draws, Weighed, as_stated, draws, mode, redrawn, weighed
 from axiscal.estimation.promise.problem import MOST_NUMBERS, Problem
 from axiscal.estimation.promise.spaces import Given, parts_of
 from axiscal.estimation.promise.unknowns import space_of
@@ -106,7 +106,10 @@ class _Judged(NamedTuple):
 
 def _judged(problem: Problem, apart: Sequence[int]) -> _Judged:
     mine = problem.only(~np.isin(problem.reading, apart)) if apart else problem
-    found = sized(mine)
+    return _weighed(mine, sized(mine))
+
+
+def _weighed(mine: Problem, found: Weighed) -> _Judged:
     return _Judged(mine, found, _as_stated(mine, found, _left_out(mine, found)))
 
 
@@ -123,6 +126,17 @@ class Sorted:
     sizes: dict[_Owned, float]
     bad: dict[int, LeftOut]
     count: int
+
+    @one_thread()
+    def where(self, problem: Problem) -> Sorted:
+        """Return the same readings, sorted alike, as another problem has them: linear elsewhere, or as normal ones."""
+
+        def again(judged: _Judged) -> _Judged:
+            mine = problem.only(np.isin(problem.reading, judged.problem.reading))
+            return _weighed(mine, sized(mine, judged.found.drawn))
+
+        details = None if self.with_details is None else again(self.with_details)
+        return replace(self, problem=problem, mine=again(self.mine), with_details=details)
 
     @one_thread()
     def posterior(self, turned: Iterable[Turned] = (), volume: Array | None = None) -> Posterior:
@@ -182,9 +196,16 @@ def _moved_in(problem: Problem, bad: Iterable[int]) -> set[int]:
     return {setup for setup in each if each.count(setup) >= SEVERAL}
 
 
-def sized(problem: Problem) -> Weighed:
-    """Return draws of the sizes of a problem, with their weights."""
+def sized(problem: Problem, before: Draws | None = None) -> Weighed:
+    """Return draws of the sizes of a problem, with their weights.
+
+    before : draws for nearly the same readings, which are weighed anew while enough of them count
+    """
     space = space_of(problem)
+    if before is not None:
+        again = weighed(space, replace(before, stated=as_stated(space)))
+        if again.effective >= _RENEWED:
+            return again
     best = mode(space)
     drawn = draws(space, best)
     found = weighed(space, drawn)
