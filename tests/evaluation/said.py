@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.judgement import Judgement
-from axiscal.present.check_answer import check_answer, check_text
+from axiscal.present.check_answer import check_answer, check_details
 
 
 def said_of(judgement: Judgement) -> str:
     """Return the words for a judgement."""
-    return check_text(check_answer(judgement, 1, 1e-6, Taken()))
+    return "\n".join(check_details(check_answer(judgement, 1, 1e-6, Taken())))

@@ -67,7 +67,7 @@ def answer_of(
     anyway : rows are there although readings contradict each other
     """
     rows = answered(known, controls)
-    wanted = asked(known.stated.description.target, known.case.yardstick)
+    wanted = asked(known.stated.description.target, known.case.yardstick_as_sized)
     volume = [aim_of_volume(each, known_to(each.name, known)) for each in wanted]
     lines = [aim_of(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
     coming = campaign.state.coming if campaign.state.finished is None else ()
@@ -99,6 +99,13 @@ def standing_answer(campaign: Campaign) -> ResultAnswer:
     known = campaign.so_far()
     written = campaign.state.finished is not None and (results_of(campaign.path) / "result.json").exists()
     return answer_of(campaign, known, {} if known.agreement.withheld else dict(_controls(known)), written=written)
+
+
+def advised_control(campaign: Campaign) -> str:
+    """Return the control of the campaign whose tables leave the least, "csv" where it has none."""
+    known = campaign.so_far()
+    controls = dict(_controls(known))
+    return best_control(answered(known, controls), list(controls)) or "csv"
 
 
 def results_of(record: Path) -> Path:
@@ -298,7 +305,7 @@ def cost_words(campaign: Campaign, *, rest: bool) -> str:
     if volume is not None and without[volume].known > _COSTS * with_it[volume].known:
         sizes = (to_unit(rows[volume].known, "um") for rows in (with_it, without))
         before, after = (digits(size) for size in sizes)
-        parts.append(said("volume {before} -> {after} um", before=before, after=after))
+        parts.append(said("volume {before} → {after} um", before=before, after=after))
     return listed("; ", parts) if parts else ""
 
 

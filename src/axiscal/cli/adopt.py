@@ -40,7 +40,7 @@ def adopt(
       axiscal shop adopt store:mill-7 store:3f2a91c4-07de
     """
     if same_mounting and mounted_anew:
-        raise typer.BadParameter("Say --same-mounting or --mounted-anew, not both.")
+        raise typer.BadParameter(said("Say --same-mounting or --mounted-anew, not both."))
     with opened_to_write(record) as campaign, opened_log(record, write=False) as own:
         with opened_log(branch, write=False) as other:
             found = adopted(campaign, own, other, same_mounting, again, mounted_anew)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import gc
 import os
+import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -18,10 +19,11 @@ from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
+from typer.exceptions import TyperException
 
 from axiscal.cli.printing import complain, say
 from axiscal.exceptions import AxiscalError, InputError
-from axiscal.language.spoken import speaking
+from axiscal.language.spoken import later, said, speaking
 from axiscal.present.whose_language import chosen
 
 _MAIN = {
@@ -211,12 +213,53 @@ def run(arguments: Sequence[str]) -> int:
 
 def _status_of(arguments: Sequence[str]) -> int:
     try:
-        app(args=[shielded(word) for word in arguments], prog_name="axiscal")
+        ended = app(args=[shielded(word) for word in arguments], prog_name="axiscal", standalone_mode=False)
+    except TyperException as wrong:
+        return _refused(wrong)
+    except typer.Abort:
+        complain(said("Nobody answered. Nothing that was recorded is lost; give the command again."))
+        return 1
     except SystemExit as end:
-        if end.code == INTERRUPTED:
-            raise KeyboardInterrupt from None
-        return end.code if isinstance(end.code, int) else 0 if end.code is None else 1
-    return 0
+        ended = end.code
+    if ended == INTERRUPTED:
+        raise KeyboardInterrupt
+    return ended if isinstance(ended, int) else 0 if ended is None else 1
+
+
+_USAGE = (
+    later("No such option: {what} (Possible options: {why})"),
+    later("No such option: {what}"),
+    later("No such command '{what}'."),
+    later("Missing argument '{what}'."),
+    later("Missing option '{what}'."),
+    later("Option '{what}' requires an argument."),
+    later("Got unexpected extra argument(s) ({what})"),
+    later("Invalid value for {what}: {why}"),
+    later("Invalid value: {why}"),
+    later("Input should be a valid integer, unable to parse string as an integer"),
+    later("Input should be a valid number, unable to parse string as a number"),
+)
+"""What typer says of a wrong command line; anything else stays English."""
+
+
+def _refused(wrong: Any) -> int:
+    """Say what is wrong with the command line, or show the help of a group without a command."""
+    text = wrong.format_message()
+    if "\n" in text:
+        wrong.show()
+    else:
+        path = "axiscal" if wrong.ctx is None else wrong.ctx.command_path
+        complain(said("{wrong}. See: {command} -h", wrong=_in_words(text).rstrip("."), command=path))
+    return int(wrong.exit_code)
+
+
+def _in_words(text: str) -> str:
+    """Return a sentence of typer in the language that is spoken."""
+    for message in _USAGE:
+        pattern = re.sub(r"\\\{(\w+)\\\}", r"(?P<\1>.+)", re.escape(message))
+        if found := re.fullmatch(pattern, text):
+            return said(message, **{name: _in_words(value) for name, value in found.groupdict().items()})
+    return text
 
 
 def shielded(word: str) -> str:

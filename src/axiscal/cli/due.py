@@ -51,7 +51,9 @@ def _day(text: str | None) -> date:
     try:
         return date.fromisoformat(text)
     except ValueError:
-        raise typer.BadParameter(f'"{text}" is no day such as 2026-03-01', param_hint="--today") from None
+        raise typer.BadParameter(
+            said('"{text}" is no day such as 2026-03-01', text=text), param_hint="--today"
+        ) from None
 
 
 def _lines(found: Shop, tables: str | None) -> list[str]:

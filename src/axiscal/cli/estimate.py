@@ -19,6 +19,7 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.evaluation import evaluate, read_iso230
 from axiscal.exceptions import RecordError
+from axiscal.language.spoken import said
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
@@ -58,7 +59,7 @@ def estimate(
 
     description = campaign_with_sisters(campaign, target_needed=False, asking=False)
     if readings is None and log is None:
-        raise typer.BadParameter("give READINGS.csv or --log FILE")
+        raise typer.BadParameter(said("give READINGS.csv or --log FILE"))
     placed, extras = tuple[Reading, ...](), Extras()
     if readings is not None:
         raw = read_any(readings)

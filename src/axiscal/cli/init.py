@@ -75,9 +75,9 @@ def init(
       axiscal init mill --from ~/linuxcnc/configs/mill/mill.ini --instrument ballbar --target "30 um"
     """
     if ini is not None and machine is not None:
-        raise typer.BadParameter("give either --machine or --from, not both")
+        raise typer.BadParameter(said("give either --machine or --from, not both"))
     if ini is None and (chain is not None or limits):
-        raise typer.BadParameter(f"{'--limits' if chain is None else '--chain'} belongs to --from")
+        raise typer.BadParameter(said("{option} belongs to --from", option="--limits" if chain is None else "--chain"))
     try:
         begun = _built_in(machine) if ini is None else _from_ini(ini, chain, limits or (), folder)
         given = instrument and instruments_of(", ".join(instrument))

@@ -157,10 +157,11 @@ class Prompt:
     def _stop(self) -> _Then:
         """Say what there would be if the campaign ended here, and end it where the person wants that."""
         now = Progress.of(self.campaign)
-        stands = "Now {now} RMS; with the {coming} to come, in about {minutes} min, {promised}."
+        stands = "Now {figure} = {now}; with the {coming} to come, in about {minutes} min, {promised}."
         coming = counted("{count} reading", "{count} readings", now.coming)
-        minutes, promised = minutes_text(now.left_minutes, coming=True), um_text(now.promised.rms_um)
-        say("  " + said(stands, now=um_text(now.now.rms_um), coming=coming, minutes=minutes, promised=promised))
+        minutes, promised = minutes_text(now.left_minutes, coming=True), um_text(now.promised_um)
+        figures = {"figure": said(now.figure), "now": um_text(now.now_um), "promised": promised}
+        say("  " + said(stands, coming=coming, minutes=minutes, **figures))
         rows = answer_text(standing_answer(self.campaign), "", "").rows
         say("\n".join(columns(rows)) if rows else "")
         choice = said("Type yes to end it here and write the results, Enter to go on:")
@@ -172,9 +173,8 @@ class Prompt:
         """Say that nothing more is to be measured, and ask whether to write the results, go on or back."""
         known = Progress.of(self.campaign)
         taken = counted("{count} reading", "{count} readings", known.taken)
-        done = "Done: {because}. RMS {rms}, worst {worst}, {taken} in {minutes} min."
-        minutes, rms, worst = minutes_text(known.minutes), known.now.rms_um, known.now.worst_um
-        figures = {"rms": um_text(rms), "worst": um_text(worst), "minutes": minutes}
+        done = "Done: {because}. {figure} = {now}, {taken} in {minutes} min."
+        figures = {"figure": said(known.figure), "now": um_text(known.now_um), "minutes": minutes_text(known.minutes)}
         say("\n" + said(done, because=because_text(ended.because), taken=taken, **figures))
         prompt = said("Enter writes the results into {folder}; undo, more, note or pause > ", folder=self.out)
         then = _Then.SAME
@@ -227,9 +227,9 @@ def mounting_text(question: Question) -> str:
 
 
 def headline(campaign: Campaign, question: Question) -> str:
-    """Return one line: machine, readings, minutes, and how well the machine was, is and will be known."""
+    """Return two lines: machine, readings and minutes; how well the machine was, is and will be known."""
     now = Progress.of(campaign)
-    parts = (
+    done = (
         campaign.description.machine.name,
         said("reading {number} of {last}", number=question.number, last=question.number + now.coming - 1),
         said(
@@ -237,12 +237,14 @@ def headline(campaign: Campaign, question: Question) -> str:
             done=minutes_text(now.minutes),
             left=minutes_text(now.left_minutes, coming=True),
         ),
-        f"RMS {um_text(now.before.rms_um)} → {um_text(now.now.rms_um)}, "
-        + said("{promised} expected", promised=um_text(now.promised.rms_um)),
+    )
+    sizes = {"figure": said(now.figure), "before": um_text(now.before_um), "now": um_text(now.now_um)}
+    known = (
+        said("{figure} {before} → {now}, {promised} expected", promised=um_text(now.promised_um), **sizes),
         said("target {goals}", goals=now.goals) if now.goals else "",
         said("at best {floor}", floor=um_text(now.floor_um)),
     )
-    return "\n" + " · ".join(part for part in parts if part)
+    return "\n" + "\n".join(" · ".join(part for part in parts if part) for parts in (done, known))
 
 
 def question_lines(question: Question) -> str:

@@ -71,18 +71,18 @@ def record(
     text = " ".join(value or [])
     if log is not None:
         if text or at or setup or approach or std or accept or then_next:
-            raise typer.BadParameter("--log brings readings of its own; it takes only --programs and --json")
+            raise typer.BadParameter(said("--log brings readings of its own; it takes only --programs and --json"))
         _record_log(record, log, programs, json)
         return
     if skip is not None or leave is not None:  # the old names of `skip`
         if text or at or setup or approach or std or accept or (skip is not None and leave is not None):
-            raise typer.BadParameter("a reading is skipped alone: axiscal step skip RECORD REASON")
+            raise typer.BadParameter(said("a reading is skipped alone: axiscal step skip RECORD REASON"))
         skipped(record, skip or leave or "", leave=leave is not None, then_next=then_next, as_json=json)
         return
     if not text:
-        raise typer.BadParameter("give either VALUE or --log FILE")
+        raise typer.BadParameter(said("give either VALUE or --log FILE"))
     if at is None and (setup or approach):
-        raise typer.BadParameter("--setup and --approach belong to --at")
+        raise typer.BadParameter(said("--setup and --approach belong to --at"))
     with opened_to_write(record) as campaign:
         typed = _understood(campaign, text, std, at, setup, approach)  # first: what is misspelt is said at once
         before = doubted(campaign)

@@ -8,6 +8,7 @@ import typer
 
 from axiscal.cli.printing import say_document
 from axiscal.description.campaign_schema import SCHEMAS
+from axiscal.language.spoken import joined, said
 
 
 def schema(
@@ -22,5 +23,5 @@ def schema(
       axiscal data schema campaign > campaign.schema.json
     """
     if file not in SCHEMAS:
-        raise typer.BadParameter(f"there are schemas of {' and '.join(SCHEMAS)}")
+        raise typer.BadParameter(said("there are schemas of {names}", names=joined(list(SCHEMAS))))
     say_document(SCHEMAS[file]())

@@ -86,7 +86,7 @@ def _tell_prepared(address: str, new: bool, as_json: bool) -> None:
 def _set_aside(database: Database, text: str, as_json: bool) -> None:
     name, _, first = text.removeprefix(STORED).rpartition(":")
     if not name or not (first.isascii() and first.isdigit()):
-        raise typer.BadParameter("write it as store:NAME:N, N the first event", param_hint="--quarantine")
+        raise typer.BadParameter(said("write it as store:NAME:N, N the first event"), param_hint="--quarantine")
     refuse_other(database)
     found = only_entry(name, entries(database, name))
     count = quarantined(database, found.id, int(first))

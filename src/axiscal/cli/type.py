@@ -68,7 +68,7 @@ def learn(
       axiscal shop type learn store: --of VMC-600 --out vmc600.type.json
     """
     if not 0 < doubt < 1:
-        raise typer.BadParameter("a doubt lies between 0 and 1", param_hint="--doubt")
+        raise typer.BadParameter(said("a doubt lies between 0 and 1"), param_hint="--doubt")
     of = None if machine is None else load_machine(machine)
     prior = learnt_type(_files(records), of, directions, doubt, named)
     if out is not None:
@@ -193,7 +193,9 @@ def rehearse(
       axiscal shop type learn records --out virtual.type.json
     """
     if not 0 < size <= _LARGEST:
-        raise typer.BadParameter(f"a size lies above 0 and is at most {_LARGEST:g}", param_hint="--size")
+        raise typer.BadParameter(
+            said("a size lies above 0 and is at most {most:g}", most=_LARGEST), param_hint="--size"
+        )
     described = read_campaign(campaign)
     files = rehearsed(described, Imagined(size, common), machines, out, seed)
     words = said(

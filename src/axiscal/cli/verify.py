@@ -10,17 +10,26 @@ from typing import Annotated
 
 import typer
 
+from axiscal.answers.answer_of_campaign import advised_control
 from axiscal.answers.answer_words import WIDTH, digits, ending
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Source
-from axiscal.cli.arguments import Json, RecordFile
+from axiscal.cli.arguments import Details, Json, RecordFile
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.document.durable import write_whole
 from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.check import USUAL, Check
-from axiscal.language.spoken import listed, said
+from axiscal.language.spoken import joined, listed, said
 from axiscal.measurement.place import Places
-from axiscal.present.check_answer import check_answer, check_text, plan_lines, plan_rows
+from axiscal.present.check_answer import (
+    CheckAnswer,
+    check_answer,
+    check_details,
+    check_screen,
+    passed_over,
+    plan_lines,
+    plan_rows,
+)
 from axiscal.record.signing import own_hand
 from axiscal.units import to_unit
 
@@ -37,8 +46,12 @@ def verify(
         str | None, typer.Option(metavar="LENGTH", help="Largest deviation allowed; default: from the target.")
     ] = None,
     to: Annotated[
-        str, typer.Option(metavar="CONTROLLER", help="The control whose tables are loaded, as in `axiscal export`.")
-    ] = "csv",
+        str | None,
+        typer.Option(
+            metavar="CONTROLLER",
+            help="The control whose tables are loaded, as in `axiscal export`; default: whose tables leave the least.",
+        ),
+    ] = None,
     points: Annotated[
         int | None,
         typer.Option(
@@ -62,6 +75,7 @@ def verify(
             metavar="DIR", help="With a machine that runs: the exported folder, whose files are to be in force."
         ),
     ] = None,
+    details: Details = False,
     json: Json = False,
 ) -> None:
     """Check a compensated machine at places not read before.
@@ -79,22 +93,26 @@ def verify(
     """
 
     if (found is None) != (left is None):
-        raise typer.BadParameter("give --found and --left together, or neither to get a plan")
+        raise typer.BadParameter(said("give --found and --left together, or neither to get a plan"))
     if found is not None and left is not None and found.absolute() == left.absolute():
-        raise typer.BadParameter("--found and --left are one file, and without and with the tables are two")
+        raise typer.BadParameter(said("--found and --left are one file, and without and with the tables are two"))
     kind, live = (source or "").partition(":")[0], (source or "").partition(":")[0] in _PROBES
     if live and (found is None or plan is not None):
-        raise typer.BadParameter(f"{kind} reads into two files: give --found and --left, and no --plan")
+        raise typer.BadParameter(
+            said("{source} reads into two files: give --found and --left, and no --plan", source=kind)
+        )
     if loaded is not None and not live:
-        raise typer.BadParameter(f"--loaded is for --source {' and '.join(_PROBES)}")
+        raise typer.BadParameter(said("--loaded is for --source {names}", names=joined(list(_PROBES))))
     if kind == "moonraker" and loaded is None:
         raise typer.BadParameter(
-            "moonraker reads as left with the exported files in force: name their folder, --loaded"
+            said("moonraker reads as left with the exported files in force: name their folder, --loaded")
         )
     if found is not None and not live and (plan is not None or source is not None):
-        raise typer.BadParameter("--plan and --source are for new readings, --found and --left for readings taken")
+        raise typer.BadParameter(
+            said("--plan and --source are for new readings, --found and --left for readings taken")
+        )
     with Campaign.open(record, write=False) as campaign:
-        check = Check.of(campaign, to)
+        check = Check.of(campaign, to or advised_control(campaign))
     if found is not None or source is not None:
         check.allowed(tolerance)  # before anything is touched
     if live and source is not None and found is not None and left is not None:
@@ -111,15 +129,29 @@ def verify(
     else:
         tightest = check.tightest(tolerance)
         judged_by = tolerance or (None if tightest else f"{digits(to_unit(check.tables.U, 'um'))} um")
-        command = f"axiscal verify {shlex.quote(str(record))} --to {to}"
+        command = _command(record, check)
         command += "" if judged_by is None else f" --tolerance {shlex.quote(judged_by)}"
         _plan(check, check.planned(points, tolerance=tightest), plan, command, json)
         return
     answer = check_answer(check.judged(readings, tolerance), len(readings[0]), check.tables.U, taken)
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
+    elif details:
+        say(_wrapped(check_details(answer)))
     else:
-        say(_wrapped(check_text(answer).splitlines()))
+        say("\n".join([*check_screen(answer), *ending({said("Next"): _after(answer, record, check)})]))
+
+
+def _command(record: Path, check: Check) -> str:
+    return f"axiscal verify {shlex.quote(str(record))} --to {check.tables.controller}"
+
+
+def _after(answer: CheckAnswer, record: Path, check: Check) -> list[str]:
+    """Return what to do next: see when the machine is due, or check again."""
+    if answer.verdict == "pass":
+        return [f"axiscal shop due {shlex.quote(str(record.parent))}"]
+    first = [said("load the exported files again, then")] if answer.faulty else []
+    return [*first, f"{_command(record, check)} --plan check.csv"]
 
 
 _PROBES = {"linuxcnc-live": "sphere", "moonraker": "probe"}
@@ -172,12 +204,12 @@ def _say_next(text: str, json: bool) -> None:
 
 def _plan(check: Check, places: Places, plan: Path | None, command: str, json: bool) -> None:
     """Show the places and what to do next, and write them into the file `plan`.  command : without its last options"""
-    rows = plan_rows(check, places)
+    rows, unread = plan_rows(check, places), passed_over(check, places)
     sheet = check.sheet(places)
     if plan is not None:
         write_whole(plan, sheet.encode())
-    lines = [_wrapped(plan_lines(rows)), *ending({said("Next"): _steps(sheet, plan, command)})]
-    say_either(json, "axiscal-verify/1", {"plan": rows}, lines)
+    lines = [_wrapped(plan_lines(rows, unread)), *ending({said("Next"): _steps(sheet, plan, command)})]
+    say_either(json, "axiscal-verify/1", {"plan": rows, "passed_over": unread}, lines)
 
 
 def _wrapped(lines: Sequence[str]) -> str:

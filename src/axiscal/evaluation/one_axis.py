@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from axiscal.exceptions import EvaluationError, ReadingError
+from axiscal.language.spoken import said
 from axiscal.measurement.readers.files import read_any_positioning
 from axiscal.measurement.readers.positioning import PositioningRow, PositioningRows
 from axiscal.numerics import Array
-from axiscal.units import format_quantity, to_unit
+from axiscal.units import format_quantity, said_quantity, to_unit
 
 COVERAGE_FACTOR = 2.0
 _DRAWS = 1000
@@ -267,16 +268,16 @@ def _shortfalls(test: PositioningTest, runs: int, both: bool) -> Iterable[str]:
     """Say what ISO 230-2 asks for and this test does not have."""
     n, asked = len(test.targets), _targets_asked(test)
     if n < asked:
-        yield f"ISO 230-2 asks for {asked} targets on this travel; there are {n}."
+        yield said("ISO 230-2 asks for {asked} targets on this travel; there are {count}.", asked=asked, count=n)
     if runs < 5 and not _is_long(test):
-        yield f"ISO 230-2 asks for five runs in each direction; there are {runs}."
+        yield said("ISO 230-2 asks for five runs in each direction; there are {runs}.", runs=runs)
     if not both:
-        yield "Only one direction was measured: reversal and the bidirectional figures are not known."
+        yield said("Only one direction was measured: reversal and the bidirectional figures are not known.")
     yield from _drift(test)
     yield from _outliers(test)
     gaps = np.diff(test.targets)
     if n > 2 and np.ptp(gaps) < 1e-6 * np.max(gaps):
-        yield "The targets are equally spaced: an error that repeats with this spacing stays unseen."
+        yield said("The targets are equally spaced: an error that repeats with this spacing stays unseen.")
 
 
 def _drift(test: PositioningTest) -> Iterable[str]:
@@ -290,8 +291,9 @@ def _drift(test: PositioningTest) -> Iterable[str]:
     left = means - slope * time
     square = slope**2 * spread / max(float(left @ left) / degrees, np.finfo(float).tiny)
     if square > _STEADILY**2:
-        moved = format_quantity(slope * float(np.ptp(time)), "arcsec" if test.rotary else "um", 3)
-        yield f"The means of the runs move steadily, by {moved} from the first to the last: A and R count this drift."
+        moved = said_quantity(slope * float(np.ptp(time)), "arcsec" if test.rotary else "um", 3)
+        words = "The means of the runs move steadily, by {moved} from the first to the last: A and R count this drift."
+        yield said(words, moved=moved)
 
 
 def _outliers(test: PositioningTest) -> Iterable[str]:
@@ -308,9 +310,14 @@ def _outliers(test: PositioningTest) -> Iterable[str]:
         others = np.sqrt(np.maximum(np.sum(left**2) - shared, np.finfo(float).tiny) / degrees)
         surprise = np.abs(left) * np.sqrt(count / (count - 1)) / others
         for target, run in np.argwhere(surprise > _STANDS_OFF):
-            at = format_quantity(float(test.targets[target]), "deg" if test.rotary else "mm")
-            said = f"Run {run + 1} in direction {sign} at {at} is {surprise[target, run]:.1f} standard deviations from "
-            yield f"{said}what the other runs say: take it again; A and R count it."
+            yield said(
+                "Run {run} in direction {sign} at {place} is {size:.1f} standard deviations from what the other runs "
+                "say: take it again; A and R count it.",
+                run=int(run) + 1,
+                sign=sign,
+                place=said_quantity(float(test.targets[target]), "deg" if test.rotary else "mm"),
+                size=float(surprise[target, run]),
+            )
 
 
 def _span(test: PositioningTest) -> float:

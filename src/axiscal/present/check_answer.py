@@ -9,13 +9,13 @@ import numpy as np
 from pydantic import Field
 
 from axiscal.answers.answer import AnswerDocument, TablesChecked
-from axiscal.answers.answer_words import VERDICTS, digits
+from axiscal.answers.answer_words import VERDICTS, digits, wrapped
 from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.check import Check
 from axiscal.evaluation.acceptance.datums import GUARD
 from axiscal.evaluation.acceptance.judgement import Judgement, Verdict
 from axiscal.evaluation.acceptance.table_checks import WORKS, Share
-from axiscal.language.spoken import counted, later, listed, said
+from axiscal.language.spoken import counted, later, listed, put, said
 from axiscal.measurement.place import Places
 from axiscal.measurement.place_texts import approach_text, place_text, shown_pose
 from axiscal.numerics import Array
@@ -33,6 +33,8 @@ _DECISIONS: Mapping[Verdict, Decision] = {"pass": "conform", "fail": "not confor
 _PROVED = {"conform": later("conform"), "not conform": later("not conform"), "neither": later("neither")}
 _COVERAGE = 2.0
 """k of the uncertainty that is stated beside a decision, as certificates do."""
+_LINES = 12
+"""Lines of a screen above what comes next."""
 _DIGITS = 12
 """Hex digits of a checksum that are shown: the document has them all."""
 
@@ -195,8 +197,18 @@ def plan_rows(check: Check, places: Places) -> list[dict[str, object]]:
 _PREDICTED = ("found_um", "left_um")
 
 
-def plan_lines(rows: Sequence[dict[str, object]]) -> list[str]:
-    """Return how many places a plan has, and what each set-up is expected to show at the most; its file lists them."""
+def passed_over(check: Check, places: Places) -> list[str]:
+    """Return the set-ups of the campaign's readings that the check does not read: they lack new places."""
+    setups = check.description.setups
+    read, planned = {reading.setup for reading in check.used}, {setups[index].name for index in places.setups}
+    return [setup.name for setup in setups if setup.name in read - planned]
+
+
+def plan_lines(rows: Sequence[dict[str, object]], unread: Sequence[str]) -> list[str]:
+    """Return how many places a plan has, and what each set-up is expected to show at the most; its file lists them.
+
+    unread : set-ups that it passes over
+    """
     lines = [counted("{count} PLACE TO CHECK", "{count} PLACES TO CHECK", len(rows))]
     for setup in dict.fromkeys(row["setup"] for row in rows):
         mine = [row for row in rows if row["setup"] == setup]
@@ -204,7 +216,8 @@ def plan_lines(rows: Sequence[dict[str, object]]) -> list[str]:
         places = counted("{count} place", "{count} places", len(mine))
         words = '"{setup}": {places}, predicted up to {found} um as found, {left} um as left'
         lines.append(said(words, setup=setup, places=places, found=digits(found), left=digits(left)))
-    return lines
+    names = listed(", ", [put('"{setup}"', setup=name) for name in unread])
+    return [*lines, said("Not checked, for want of new places: {setups}.", setups=names)] if unread else lines
 
 
 def _figures(values: Array) -> float | list[float]:
@@ -212,20 +225,40 @@ def _figures(values: Array) -> float | list[float]:
     return shown[0] if len(shown) == 1 else shown
 
 
-def check_text(answer: CheckAnswer) -> str:
-    """Return what was judged in words, the verdict first."""
+def check_screen(answer: CheckAnswer) -> list[str]:
+    """Return what was judged in so few lines that a screen holds them, next to what comes next."""
+    lines = [shown for line in [*_judged(answer), *_unchecked(answer)] for shown in wrapped(line)]
+    if len(lines) <= _LINES:
+        return lines
+    return [*lines[: _LINES - 1], said("The rest: --details.")]
+
+
+def _judged(answer: CheckAnswer) -> list[str]:
+    """Return what was judged, the verdict first."""
     verdict = said(
         "{verdict} at {tolerance:.3g} um, guard band {guard:.3g} um: {why}.",
         verdict=said(VERDICTS[answer.verdict]),
         tolerance=answer.tolerance_um,
         guard=answer.guard_band_um,
-        why=said(_why(answer), tables=", ".join(each.table for each in answer.faulty)),
+        why=said(_why(answer), tables=listed(", ", [each.table for each in answer.faulty])),
     )
     sizes = [
         said("As found: {sizes}", sizes=_sizes([value.found_um for value in answer.readings])),
         said("As left:  {sizes}", sizes=_sizes([value.left_um for value in answer.readings])),
     ]
-    return "\n".join([verdict, *_holds_for(answer), *sizes, *_as_left(answer), _agreement(answer), *_warnings(answer)])
+    return [verdict, *sizes, _agreement(answer), *_warnings(answer)]
+
+
+def _unchecked(answer: CheckAnswer) -> list[str]:
+    """Say which axes and tables were not checked."""
+    names = [said("axis {axis}", axis=name) for name in answer.axes_not_checked]
+    names += [said("table {table}", table=each.table) for each in answer.tables if not each.checked]
+    return [said("Not checked: {others}.", others=listed(", ", names))] if names else []
+
+
+def check_details(answer: CheckAnswer) -> list[str]:
+    """Return all that was judged in words: what it holds for, what it proves and which files were in force as well."""
+    return [*_judged(answer), *_holds_for(answer), *_as_left(answer)]
 
 
 def _as_left(answer: CheckAnswer) -> list[str]:
@@ -264,7 +297,7 @@ def _holds_for(answer: CheckAnswer) -> list[str]:
     ]
     if not others:
         return []
-    checked = ", ".join(each.table for each in answer.tables if each.checked) or said("what was read")
+    checked = listed(", ", [each.table for each in answer.tables if each.checked]) or said("what was read")
     return [said("It holds for {checked} only. NOT CHECKED: {others}.", checked=checked, others=listed(", ", others))]
 
 

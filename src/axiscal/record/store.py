@@ -238,7 +238,7 @@ def _refuse_other_form(path: Path) -> None:
     if start[:16] == b"SQLite format 3\0" and start[68:72] == b"AXIS":
         remedy = "Bring it into today's: python tools/bring_first_form.py RECORD NEW"
         raise RecordError("This record is of the first form, an SQLite database", remedy, path)
-    remedy = "Name a record that `axiscal step start` or `axiscal step run` has made"
+    remedy = "Name a record, a file *.axiscal; `axiscal step start CAMPAIGN` makes one"
     raise RecordError("This file is not a campaign record", remedy, path)
 
 

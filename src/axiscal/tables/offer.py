@@ -233,19 +233,22 @@ def _table_notes(table: CompensationTable) -> list[str]:
     if not silent.size:
         return []
     first, last = (format_quantity(float(p), table.unit, 4) for p in silent[[0, -1]])
-    return [f"{_title(table)}: no reading says anything at {silent.size} points from {first} to {last}."]
+    return [f"{title(table)}: no reading says anything at {silent.size} points from {first} to {last}."]
 
 
 def _said(table: CompensationTable) -> str:
     return (
-        f"{_title(table)}: {len(table.positions)} points, the line within {table.shown(table.departure)} of the curve, "
+        f"{title(table)}: {len(table.positions)} points, the line within {table.shown(table.departure)} of the curve, "
         f"whose shape, its mean over the table taken off, is known to {table.shown(table.shape_std)} "
         "(standard deviation)."
     )
 
 
-def _title(table: CompensationTable) -> str:
-    return table.axis if table.over == table.axis else f"{table.axis} over {table.over}"
+def title(table: CompensationTable) -> str:
+    """Return the name of a table: its axis, or what it moves over another axis."""
+    if table.over == table.axis:
+        return table.axis
+    return said("{axis} over {over}", axis=table.axis, over=table.over)
 
 
 def foreword(estimate: Estimate, control: Control) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.observation import directions_of
@@ -21,7 +22,7 @@ from axiscal.measurement.place import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.tables.effect import Control, added_by, table_control
-from axiscal.tables.offer import Export
+from axiscal.tables.offer import Export, title
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity
 
@@ -173,15 +174,15 @@ def idle_axes(estimate: Estimate, poses: Array, directions: Array) -> tuple[str,
 
 def _of_table(estimate: Estimate, table: CompensationTable) -> list[Part]:
     machine, over = estimate.machine, estimate.machine.index(table.over)
-    name = table.axis if table.axis == table.over else f"{table.axis} over {table.over}"
+    name = title(table)
     half = (table.forward - table.reverse) / 2
     kinds = (
         (name, table.averaged(), False),
-        (f"reversal of {name}", replace(table, forward=half, reverse=-half), True),
+        (said("reversal of {table}", table=name), replace(table, forward=half, reverse=-half), True),
     )
     return [
-        Part(title, table_control(machine, [one]), over, _targets(estimate, over, one), both, _most(one), one.rotary)
-        for title, one, both in kinds
+        Part(shown, table_control(machine, [one]), over, _targets(estimate, over, one), both, _most(one), one.rotary)
+        for shown, one, both in kinds
         if _most(one) > _NOTHING
     ]
 

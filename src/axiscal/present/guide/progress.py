@@ -7,26 +7,17 @@ from __future__ import annotations
 
 import re
 from datetime import UTC, datetime
+from typing import Literal
 
 from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.target import Target
-from axiscal.estimation.accuracy.yardstick import Accuracy
+from axiscal.estimation.accuracy.expanded import expanded, expanded_floor
+from axiscal.estimation.accuracy.yardstick import Yardstick
+from axiscal.estimation.belief import Belief
 from axiscal.language.spoken import counted, said
-from axiscal.planning.promise import promised, reachable_rms
+from axiscal.measurement.reading_rows import blank_readings
 from axiscal.units import said_quantity, to_unit
-
-
-class KnownTo(AnswerDocument):
-    """RMS and worst standard uncertainty."""
-
-    rms_um: float
-    worst_um: float
-
-    @classmethod
-    def of(cls, accuracy: Accuracy) -> KnownTo:
-        """Return it of an accuracy."""
-        return cls(rms_um=to_unit(accuracy.rms, "um"), worst_um=to_unit(accuracy.worst, "um"))
 
 
 class Progress(AnswerDocument):
@@ -34,17 +25,19 @@ class Progress(AnswerDocument):
 
     taken, coming : readings; coming holds the one that is asked for
     minutes, left_minutes : used, by the clock where that was kept, and machine time to come by the plan
-    before, now, promised : how well the machine was known at first, is known, and will be after the plan
-    floor_um : RMS that endless readings would leave; goals : what ends the campaign
+    figure : of the volume, as the target names it: "U", "RMS" or "worst"
+    before_um, now_um, promised_um, floor_um : at first, now, after the plan, and after endless readings
+    goals : what ends the campaign
     """
 
     taken: int
     coming: int
     minutes: float
     left_minutes: float
-    before: KnownTo
-    now: KnownTo
-    promised: KnownTo
+    figure: Literal["U", "RMS", "worst"]
+    before_um: float
+    now_um: float
+    promised_um: float
     floor_um: float
     goals: str
 
@@ -52,18 +45,39 @@ class Progress(AnswerDocument):
     def of(cls, campaign: Campaign) -> Progress:
         """Return the progress of the campaign by its present plan."""
         known, places = campaign.estimate(), campaign.state.coming
-        case, machine = campaign.case(), campaign.seconds()
+        case, machine, target = campaign.case(), campaign.seconds(), campaign.description.target
+        after = known.printed.read(blank_readings(case.description.setups, places)) if places else known.printed
+        figure: Literal["U", "RMS", "worst"] = "U"
+        if target.expanded is None and (target.rms or target.worst) is not None:
+            figure = "worst" if target.rms is None else "RMS"
         return cls(
             taken=len(campaign.state.readings),
             coming=len(places),
             minutes=to_unit(machine if campaign.state.clocked is None else campaign.state.clocked, "min"),
             left_minutes=to_unit(campaign.seconds(places) - machine, "min"),
-            before=KnownTo.of(case.yardstick.measure(case.prior)),
-            now=KnownTo.of(known.accuracy),
-            promised=KnownTo.of(promised(known.case, known.printed, places) if places else known.accuracy),
-            floor_um=to_unit(reachable_rms(case), "um"),
-            goals=goals_text(campaign.description.target),
+            figure=figure,
+            before_um=_size(figure, case.yardstick, case.prior),
+            now_um=_size(figure, known.case.yardstick, known.printed.belief),
+            promised_um=_size(figure, known.case.yardstick, after.belief),
+            floor_um=_floor(figure, case.yardstick),
+            goals=goals_text(target),
         )
+
+
+def _size(figure: str, yardstick: Yardstick, belief: Belief) -> float:
+    """Return how well a belief knows the volume, um."""
+    if figure == "U":
+        return to_unit(expanded(yardstick, belief).space, "um")
+    accuracy = yardstick.measure(belief)
+    return to_unit(accuracy.rms if figure == "RMS" else accuracy.worst, "um")
+
+
+def _floor(figure: str, yardstick: Yardstick) -> float:
+    """Return what endless readings would leave, um."""
+    rms, worst = yardstick.floors
+    if figure == "U":
+        return to_unit(expanded_floor(yardstick).space, "um")
+    return to_unit(rms if figure == "RMS" else worst, "um")
 
 
 def goals_text(target: Target) -> str:

@@ -318,8 +318,8 @@ function asksForNote(visible) {
 }
 
 function asksToStop(visible) {
-  const p = state.progress, figures = { now: shown(p.now.rms_um), count: p.coming, minutes: shown(Math.ceil(p.left_minutes), 0), promised: shown(p.promised.rms_um) };
-  text("stop-words", said("Now {now} µm RMS; with the readings to come ({count}), in about {minutes} minutes, {promised} µm.", figures));
+  const p = state.progress, figures = { now: shown(p.now_um), figure: said(p.figure), count: p.coming, minutes: shown(Math.ceil(p.left_minutes), 0), promised: shown(p.promised_um) };
+  text("stop-words", said("Now {figure} = {now} µm; with the readings to come ({count}), in about {minutes} minutes, {promised} µm.", figures));
   show("stopping", visible);
   if (visible) find("not-stop").focus();
   else home();
