@@ -20,8 +20,8 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.place import Place
 from axiscal.present.drawing.shown import paper_svg, picture_file
 from axiscal.present.found_and_left import found_and_left_drawing
-from axiscal.present.gallery import groups
 from axiscal.present.machine_drawing.setup_picture import plan_picture
+from axiscal.present.page import groups
 from axiscal.present.summarising import Extras, summarise
 from axiscal.present.volume_error import bent_volume
 from axiscal.tables.export_options import ExportOptions

@@ -18,8 +18,7 @@ from axiscal.description.wants import rows_of
 from axiscal.errors.iso230 import words
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import load_machine
-from axiscal.present.gallery import groups, panel_figure
-from axiscal.present.page import render
+from axiscal.present.page import groups, panel_figure, render
 from axiscal.present.summary import (
     ConstantSummary,
     CurvePoint,

@@ -31,22 +31,22 @@ _MAIN = {
     "plan": "plan",
     "measure": "measure",
     "serve": "serve",
-    "finish": "finish",
+    "finish": "report.finish",
     "export": "export",
     "verify": "verify",
     "report": "report",
     "demo": "demo",
-    "fleet": "fleet",
+    "fleet": "folder.fleet",
 }
-"""In the order of `--help`. A file holds a function of its own name; one of several commands also holds their `app`."""
+"""In the order of `--help`: a file with a function of its name, or "file.function"; `app` where it has subcommands."""
 _STEP = {
     "start": "start",
-    "next": "next_reading",
+    "next": "steps.next_reading",
     "record": "record",
-    "undo": "undo",
+    "undo": "steps.undo",
     "accept": "accept",
-    "note": "note",
-    "skip": "skip",
+    "note": "steps.note",
+    "skip": "record.skip",
     "status": "status",
     "run": "run_loop",
 }
@@ -54,13 +54,13 @@ _DATA = {
     "estimate": "estimate",
     "iso230": "iso230",
     "predict": "predict",
-    "copy": "copy_record",
-    "sign": "sign",
-    "salvage": "salvage",
-    "schema": "schema",
+    "copy": "records.copy_record",
+    "sign": "records.sign",
+    "salvage": "records.salvage",
+    "schema": "init.schema",
     "reproduce": "reproduce",
 }
-_SHOP = {"bring": "bring", "sync": "sync", "adopt": "adopt", "type": "type", "due": "due", "check": "check"}
+_SHOP = {"bring": "folder.bring", "sync": "sync", "adopt": "adopt", "type": "type", "due": "due", "check": "check"}
 _GROUPS: Mapping[str, tuple[str, Mapping[str, str]]] = {
     "step": ("Take one step of a campaign per command, as scripts do.", _STEP),
     "data": ("Work on readings, records and poses in files.", _DATA),
@@ -123,7 +123,8 @@ class AllCommands(_LazyGroup):
             return super().invoke(ctx)
 
 
-def _command(name: str, file: str) -> Any:
+def _command(name: str, place: str) -> Any:
+    file, _, function = place.partition(".")
     module = import_module(f"axiscal.cli.{file}")
     if not gc.isenabled():  # as `main` leaves it: what is loaded stays, and need not be looked through
         gc.freeze()
@@ -132,7 +133,7 @@ def _command(name: str, file: str) -> Any:
     if several is not None:
         return typer.main.get_command(several)
     alone = typer.Typer(rich_markup_mode=None, add_completion=False)
-    alone.command(name)(getattr(module, file))
+    alone.command(name)(getattr(module, function or file))
     return typer.main.get_command(alone)
 
 
@@ -145,11 +146,12 @@ def _summaries(files: Mapping[str, str]) -> list[tuple[str, str]]:
     return [(name, _docstring(file).splitlines()[0]) for name, file in files.items()]
 
 
-def _docstring(file: str) -> str:
+def _docstring(place: str) -> str:
     """Return the docstring of a command as its file has it, unloaded."""
+    file, _, function = place.partition(".")
     tree = ast.parse(Path(__file__).with_name(f"{file}.py").read_text(encoding="utf-8"))
     functions = (node for node in tree.body if isinstance(node, ast.FunctionDef))
-    return next(ast.get_docstring(function) or "" for function in functions if function.name == file)
+    return next(ast.get_docstring(each) or "" for each in functions if each.name == (function or file))
 
 
 INTERRUPTED = 130

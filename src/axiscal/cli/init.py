@@ -1,4 +1,4 @@
-"""`axiscal init`."""
+"""`axiscal init`, and `axiscal data schema` of the files that it writes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from typing import Annotated, TypeVar
 import typer
 
 from axiscal.answers.answer_words import WIDTH, ending
-from axiscal.cli.printing import ask, complain, say
+from axiscal.cli.printing import ask, complain, say, say_document
+from axiscal.description.campaign_schema import SCHEMAS
 from axiscal.description.first_campaign import OFFERED
 from axiscal.description.first_files import (
     Beginning,
@@ -30,7 +31,7 @@ from axiscal.description.first_files import (
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
 from axiscal.exceptions import DescriptionError, InputError
-from axiscal.language.spoken import counted, said
+from axiscal.language.spoken import counted, joined, said
 from axiscal.machine import builtin_names
 
 _Answer = TypeVar("_Answer")
@@ -195,3 +196,19 @@ def _asked(question: str, known: Iterable[str]) -> str:
     names = ", ".join(known)
     say(textwrap.fill(f"{question}{f' ({names})' if names else ''}", WIDTH, break_on_hyphens=False))
     return ask("> ").strip()
+
+
+def schema(
+    file: Annotated[str, typer.Argument(metavar="FILE", help=f"Which file: {' or '.join(SCHEMAS)}.")],
+) -> None:
+    """Print the JSON schema of machine.toml or campaign.toml.
+
+    Editors complete and check both files by it.
+
+    \b
+    Example:
+      axiscal data schema campaign > campaign.schema.json
+    """
+    if file not in SCHEMAS:
+        raise typer.BadParameter(said("there are schemas of {names}", names=joined(list(SCHEMAS))))
+    say_document(SCHEMAS[file]())

@@ -1,17 +1,281 @@
-"""`axiscal measure`."""
+"""The dialogue at the prompt: one question after the other, until there is none or the person pauses.
+
+It shows the line on top, the set-up to mount, the reading to take, and what can be typed.
+"""
 
 from __future__ import annotations
 
-from axiscal.answers.answer_of_campaign import results_beside
+from enum import Enum, auto
+from pathlib import Path
+
+from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
+from axiscal.answers.answer_words import answer_text, columns, minutes_text
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ending import Ended, because_text
 from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.outputs import write_outputs
-from axiscal.cli.printing import say
-from axiscal.cli.prompt import Prompt
-from axiscal.language.spoken import said, speaking, spoken_now
+from axiscal.cli.printing import ask, say
+from axiscal.cli.progress import tell_out_of_reach
+from axiscal.cli.texts import um_text
+from axiscal.exceptions import AxiscalError, OvertakenError
+from axiscal.language.spoken import counted, decimals, said, speaking, spoken_now
+from axiscal.present.guide.answers import ACTIONS, Value, Word, action, answer
+from axiscal.present.guide.progress import Progress
+from axiscal.present.guide.question import SURPRISING, Question, coming_text, go_text, parked_text
+from axiscal.present.guide.taking_back import contradictions, doubted, others_doubted, take_back
 from axiscal.present.result_set import RECORD
 from axiscal.present.summarising import Extras
 from axiscal.present.whose_language import chosen
+from axiscal.record.events import Asked
+
+
+class _Then(Enum):
+    """What comes after something was typed: the same prompt, the question anew, a reading, the end, or a pause."""
+
+    SAME = auto()
+    ANEW = auto()
+    STANDS = auto()
+    FINISH = auto()
+    PAUSE = auto()
+
+
+class Prompt:
+    """The dialogue about one campaign; it remembers which set-up the person has mounted.
+
+    out : folder for the results
+    """
+
+    def __init__(self, campaign: Campaign, out: Path) -> None:
+        self.campaign, self.out = campaign, out
+        readings = campaign.state.readings
+        self.mounted = readings[-1].setup if readings else ""
+
+    def held(self) -> bool:
+        """Hold the dialogue; return False where the person pauses, True where the campaign is to be finished."""
+        tell_out_of_reach(self.campaign)
+        then = _Then.ANEW
+        while then is _Then.ANEW:
+            then = self._answered(self.campaign.next())
+        return then is _Then.FINISH
+
+    def _answered(self, asked: Asked | Ended) -> _Then:
+        if isinstance(asked, Ended):
+            return self._ended(asked)
+        question = Question.of(self.campaign, asked)
+        if question.setup != self.mounted:
+            say(mounting_text(question))
+            then = self._asked(said("Enter when it stands, or ? > "), question, standing=False)
+            if then is not _Then.STANDS:
+                return then
+            self.mounted = question.setup
+        say(headline(self.campaign, question))
+        say(question_lines(question))
+        return self._asked(said("reading [{unit}] > ", unit=question.unit), question, standing=True)
+
+    def _asked(self, prompt: str, question: Question, *, standing: bool) -> _Then:
+        """Ask until something has been done; a refusal is said, and the same is asked again."""
+        then = _Then.SAME
+        while then is _Then.SAME:
+            try:
+                typed = answer(ask(prompt), self.campaign.description.setup(question.setup))
+                then = self._heed(typed, question) if standing else self._heed_mounting(typed, question)
+            except OvertakenError:
+                self.campaign.looked_at_again()
+                say("  " + said("Nothing was done: the record has moved on, on a page or by another command."))
+                then = _Then.ANEW
+            except AxiscalError as failure:
+                say(f"  {failure}")
+        return then
+
+    def _heed_mounting(self, typed: Value | Word, question: Question) -> _Then:
+        if isinstance(typed, Value):
+            say("  " + said("This is a reading: press Enter when the set-up stands, then type it."))
+            return _Then.SAME
+        return _Then.STANDS if typed.action == "show" else self._heed(typed, question)
+
+    def _heed(self, typed: Value | Word, question: Question) -> _Then:
+        if isinstance(typed, Value):
+            return self._keep(typed, question)
+        match typed.action:
+            case "pause":
+                return _Then.PAUSE
+            case "undo":
+                say(f"  {take_back(self.campaign).sentence}")
+                return _Then.ANEW
+            case "skip":
+                self._costs(rest=False)
+                self.campaign.skip(typed.text or ask("  " + said("why can it not be taken?") + " "))
+                say("  " + said("skipped; the plan is made anew around it"))
+                return _Then.ANEW
+            case "leave":
+                return self._leave(typed.text, question)
+            case "note":
+                self._note(typed.text)
+            case "stop":
+                return self._stop()
+            case "help":
+                say(help_text())
+            case _:
+                say(question_lines(question))
+        return _Then.SAME
+
+    def _keep(self, typed: Value, question: Question) -> _Then:
+        vouched = False
+        surprise = question.surprise(typed.values)
+        if surprise >= SURPRISING:
+            far = "It is {size} standard deviations from what is expected, {expected}."
+            say("  " + said(far, size=decimals(f"{surprise:.1f}"), expected=expected_text(question)))
+            choice = said("Type k to keep it, v to keep it as surely right, Enter to read again:")
+            word = ask(f"  {choice} ").strip().lower()
+            if word not in ("k", "v"):
+                return _Then.SAME
+            vouched = word == "v"
+        before = doubted(self.campaign)
+        value, *others = (float(each) for each in typed.values)
+        kept = self.campaign.record(value, accepted=vouched, others=tuple(others))
+        at = go_text(question.places) or said('set-up "{setup}"', setup=question.setup)
+        say("  " + said("kept reading {number} at {place}; it is on the disk", number=kept.number, place=at))
+        for sentence in [*others_doubted(self.campaign, before), *contradictions(self.campaign)]:
+            say("  " + said("Mind: {sentence}", sentence=sentence))
+        return _Then.ANEW
+
+    def _costs(self, *, rest: bool) -> bool:
+        """Say what it costs to skip the reading, or to leave the set-up, and return whether that is anything."""
+        words = cost_words(self.campaign, rest=rest)
+        say(f"  {cost_sentence(words)}")
+        return bool(words)
+
+    def _leave(self, reason: str, question: Question) -> _Then:
+        setup = question.setup
+        if self._costs(rest=True):
+            choice = said("Type yes to leave it, Enter to go on:")
+            if ask(f"  {choice} ").strip().lower() not in ("yes", "y", said("yes")):
+                return _Then.SAME
+        self.campaign.skip(reason or said("the set-up was left"), rest=True)
+        say("  " + said('left "{setup}": the plan is made anew without it; undo goes back to it', setup=setup))
+        return _Then.ANEW
+
+    def _note(self, text: str) -> None:
+        self.campaign.note(text or ask("  " + said("what is to be kept in the record?") + " "))
+        say("  " + said("noted; it is on the disk"))
+
+    def _stop(self) -> _Then:
+        """Say what there would be if the campaign ended here, and end it where the person wants that."""
+        now = Progress.of(self.campaign)
+        stands = "Now {figure} = {now}; with the {coming} to come, in about {minutes} min, {promised}."
+        coming = counted("{count} reading", "{count} readings", now.coming)
+        minutes, promised = minutes_text(now.left_minutes, coming=True), um_text(now.promised_um)
+        figures = {"figure": said(now.figure), "now": um_text(now.now_um), "promised": promised}
+        say("  " + said(stands, coming=coming, minutes=minutes, **figures))
+        rows = answer_text(standing_answer(self.campaign), "", "").rows
+        say("\n".join(columns(rows)) if rows else "")
+        choice = said("Type yes to end it here and write the results, Enter to go on:")
+        if ask(f"  {choice} ").strip().lower() not in ("yes", "y", said("yes")):
+            return _Then.SAME
+        return _Then.FINISH
+
+    def _ended(self, ended: Ended) -> _Then:
+        """Say that nothing more is to be measured, and ask whether to write the results, go on or back."""
+        known = Progress.of(self.campaign)
+        taken = counted("{count} reading", "{count} readings", known.taken)
+        done = "Done: {because}. {figure} = {now}, {taken} in {minutes} min."
+        figures = {"figure": said(known.figure), "now": um_text(known.now_um), "minutes": minutes_text(known.minutes)}
+        say("\n" + said(done, because=because_text(ended.because), taken=taken, **figures))
+        prompt = said("Enter writes the results into {folder}; undo, more, note or pause > ", folder=self.out)
+        then = _Then.SAME
+        while then is _Then.SAME:
+            try:
+                then = self._heed_at_end(*ask(prompt).strip().partition(" ")[::2])
+            except AxiscalError as failure:
+                say(f"  {failure}")
+        return then
+
+    def _heed_at_end(self, word: str, rest: str) -> _Then:
+        match action(word):
+            case "":
+                return _Then.FINISH
+            case "more":
+                self.campaign.next(beyond=True)
+                return _Then.ANEW
+            case "undo":
+                say(f"  {take_back(self.campaign).sentence}")
+                return _Then.ANEW
+            case "note":
+                self._note(rest)
+            case "pause":
+                return _Then.PAUSE
+        return _Then.SAME
+
+
+def help_text() -> str:
+    """Return what can be typed at the prompt, in the language that is spoken."""
+    undo, skip, note, leave, stop, pause, *_ = (said(word) for word in ACTIONS)
+    because, text = said("REASON"), said("TEXT")
+    rows = (
+        ("-1.7", said("keep a reading, in the unit that is shown; a decimal comma does as well")),
+        ("0.0021 mm", said("keep a reading in another unit")),
+        ("Enter", said("show the question again")),
+        (undo, said("take back the last reading or skip")),
+        (f"{skip} {because}", said("the reading cannot be taken")),
+        (f"{leave} {because}", said("nothing more can be read with this set-up; the plan is made anew without it")),
+        (f"{note} {text}", said("keep a sentence in the record, such as the temperature: {note} 21.4 °C", note=note)),
+        (stop, said("end the campaign here: what would be left, and what the tables would reach, is said first")),
+        (pause, said("stop for now; axiscal measure goes on here")),
+    )
+    return "\n".join(f"  {typed:<18} {does}" for typed, does in rows)
+
+
+def mounting_text(question: Question) -> str:
+    """Return what to mount and the steps to do so."""
+    steps = [f"  {step.name:<9} {step.what}" for step in question.mounting]
+    return "\n".join([f'\n{said("Set-up")} "{question.setup}": {question.mount_sentence}.', *steps])
+
+
+def headline(campaign: Campaign, question: Question) -> str:
+    """Return two lines: machine, readings and minutes; how well the machine was, is and will be known."""
+    now = Progress.of(campaign)
+    done = (
+        campaign.description.machine.name,
+        said("reading {number} of {last}", number=question.number, last=question.number + now.coming - 1),
+        said(
+            "{done} min done, about {left} left",
+            done=minutes_text(now.minutes),
+            left=minutes_text(now.left_minutes, coming=True),
+        ),
+    )
+    sizes = {"figure": said(now.figure), "before": um_text(now.before_um), "now": um_text(now.now_um)}
+    known = (
+        said("{figure} {before} → {now}, {promised} expected", promised=um_text(now.promised_um), **sizes),
+        said("target {goals}", goals=now.goals) if now.goals else "",
+        said("at best {floor}", floor=um_text(now.floor_um)),
+    )
+    return "\n" + "\n".join(" · ".join(part for part in parts if part) for parts in (done, known))
+
+
+def question_lines(question: Question) -> str:
+    """Return where to go, from which side, the sign in words, and what to expect."""
+    rows = (
+        (said("go to"), go_text(question.places)),
+        (said("coming"), coming_text(question.places)),
+        (said("parked"), parked_text(question.places)),
+        (said("at"), question.touch),
+        (said("again"), question.again),
+        (said("sign"), question.sign),
+        (said("expect"), expected_text(question)),
+    )
+    return "\n".join(f"  {name:<9} {what}" for name, what in rows if what)
+
+
+def expected_text(question: Question) -> str:
+    """Return what each number of the reading is expected to be, with two standard deviations."""
+    return f"{', '.join(f'{_plain(each.mean)} ± {_plain(each.half)}' for each in question.expected)} {question.unit}"
+
+
+def _plain(shown: float) -> str:
+    """Return a number with one decimal, none from a hundred on, and no minus before zero."""
+    digits = 1 if abs(shown) < 100 else 0
+    return decimals(f"{round(shown, digits) + 0.0:.{digits}f}")
 
 
 def measure(

@@ -1,4 +1,4 @@
-"""`axiscal report`."""
+"""`axiscal report` and `axiscal finish`: the results of a campaign."""
 
 from __future__ import annotations
 
@@ -7,14 +7,16 @@ from typing import Annotated
 
 import typer
 
-from axiscal.answers.answer_of_campaign import standing_answer
+from axiscal.answers.answer_of_campaign import results_of, standing_answer
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import OwnRecord, ReportLanguage
+from axiscal.cli.arguments import Anyway, Details, Json, OwnRecord, ReportLanguage, ResultsFolder
+from axiscal.cli.opened import opened_to_write
+from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import say
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import said
 from axiscal.present.delivery import write_report
-from axiscal.present.result_set import write_manifest
+from axiscal.present.result_set import RECORD, write_manifest
 from axiscal.present.summarising import Extras, summarise
 from axiscal.record.signing import key_file
 
@@ -61,3 +63,22 @@ def _page(out: Path) -> Path:
     what = "the report is an HTML page, a PDF or a certificate, and {out} is the name of none"
     names = ", ".join(out.with_suffix(suffix).name for suffix in (".html", ".pdf", ".xml"))
     raise RecordError(what, "Write it to one of {names}", out, out=out.name, names=names)
+
+
+def finish(
+    record: OwnRecord, out: ResultsFolder = None, anyway: Anyway = False, details: Details = False, json: Json = False
+) -> None:
+    """End a campaign and write its results.
+
+    A finished campaign is written again, into the same folder if you like; `axiscal step undo` takes the end back.
+
+    \b
+    Example:
+      axiscal finish mill.axiscal --out results
+    """
+
+    with opened_to_write(record) as campaign:
+        folder = out or results_of(record)
+        campaign.refuse_other(folder / RECORD)
+        campaign.finish()
+        write_outputs(campaign, folder, as_json=json, details=details, anyway=anyway)

@@ -17,7 +17,6 @@ from axiscal.language.spoken import capital, decimals, said
 from axiscal.present.guide.question import asked_text
 from axiscal.present.guide.taking_back import contradictions
 from axiscal.present.plan_answer import coming_answer
-from axiscal.record.events import Gap
 from axiscal.units import format_quantity, to_unit
 
 
@@ -58,7 +57,9 @@ def _lines(campaign: Campaign) -> list[str]:
         lines.append(agreement_words(campaign.estimate(), campaign.path))
     if sisters := _sisters(campaign):
         lines.append(capital(sisters))
-    lines += [f"{_gap_words(gap)} {asked_text(campaign, gap.asked)}: {gap.reason}" for gap in state.skipped]
+    for gap in state.skipped:
+        done = said("Left the set-up at") if gap.whole else said("Skipped")
+        lines.append(f"{done} {asked_text(campaign, gap.asked)}: {gap.reason}")
     lines += [said("Accepted: {change}", change=change_words(each)) for each in state.accepted]
     lines.append(said("The record is {signed}", signed=signed_text(campaign)))
     lines += [said("Noted {at}: {text}", at=note.at[:16].replace("T", " "), text=note.text) for note in state.notes]
@@ -73,10 +74,6 @@ def _lines(campaign: Campaign) -> list[str]:
 def _sisters(campaign: Campaign) -> str:
     """Return whether the machine is like its sisters, in words, "" for one without; only then is it estimated."""
     return membership_words(campaign.estimate()) if is_type_text(campaign.description.prior_text) else ""
-
-
-def _gap_words(gap: Gap) -> str:
-    return said("Left the set-up at") if gap.whole else said("Skipped")
 
 
 def _document(campaign: Campaign) -> StatusAnswer:

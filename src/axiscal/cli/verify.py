@@ -119,7 +119,7 @@ def verify(
         places = check.planned(points, _PROBES[kind], check.allowed(tolerance))
         to_do = _read_live(check, source, places, (found, left), loaded)
         if to_do:
-            _say_next(to_do, json)
+            say_either(json, "axiscal-verify/1", {"verdict": None, "next": to_do}, [to_do])
             return
     if found is not None and left is not None:
         readings, taken = check.read(found, left), Taken.of(left)
@@ -196,10 +196,6 @@ def _opening(
     any_of = InForce(active or bool(check.description.compensation_active))
     in_force = any_of if tables is None else InForce.of(tables)
     return lambda: attached_to(host, check.description.machine, in_force), in_force.files
-
-
-def _say_next(text: str, json: bool) -> None:
-    say_either(json, "axiscal-verify/1", {"verdict": None, "next": text}, [text])
 
 
 def _plan(check: Check, places: Places, plan: Path | None, command: str, json: bool) -> None:

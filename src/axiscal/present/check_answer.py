@@ -250,15 +250,16 @@ def _judged(answer: CheckAnswer) -> list[str]:
 
 
 def _unchecked(answer: CheckAnswer) -> list[str]:
-    """Say which axes and tables were not checked."""
+    """Say which axes were not moved through the volume and read along, and which tables were not checked."""
     names = [said("axis {axis}", axis=name) for name in answer.axes_not_checked]
-    names += [said("table {table}", table=each.table) for each in answer.tables if not each.checked]
+    tables = [each for each in answer.tables if not each.checked]
+    names += [said("table {table} ({size} at most)", table=each.table, size=each.size) for each in tables]
     return [said("Not checked: {others}.", others=listed(", ", names))] if names else []
 
 
 def check_details(answer: CheckAnswer) -> list[str]:
-    """Return all that was judged in words: what it holds for, what it proves and which files were in force as well."""
-    return [*_judged(answer), *_holds_for(answer), *_as_left(answer)]
+    """Return all that was judged in words, with what it proves and which files were in force."""
+    return [*_judged(answer), *_unchecked(answer), *_as_left(answer)]
 
 
 def _as_left(answer: CheckAnswer) -> list[str]:
@@ -283,22 +284,6 @@ def _sizes(values: Sequence[float]) -> str:
     sizes = np.abs(values)
     rms = float(np.sqrt(np.mean(sizes**2)))
     return said("largest {largest:.3g} um, RMS {rms:.3g} um", largest=float(sizes.max()), rms=rms)
-
-
-def _holds_for(answer: CheckAnswer) -> list[str]:
-    """Say which tables the verdict is about, where axes or tables were not checked."""
-    others = [
-        said("axis {axis} (not moved through its volume and read along)", axis=name) for name in answer.axes_not_checked
-    ]
-    others += [
-        said("table {table} (corrects {size} at most)", table=each.table, size=each.size)
-        for each in answer.tables
-        if not each.checked
-    ]
-    if not others:
-        return []
-    checked = listed(", ", [each.table for each in answer.tables if each.checked]) or said("what was read")
-    return [said("It holds for {checked} only. NOT CHECKED: {others}.", checked=checked, others=listed(", ", others))]
 
 
 def _why(answer: CheckAnswer) -> str:

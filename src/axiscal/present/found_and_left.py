@@ -57,7 +57,8 @@ def found_and_left_shown(volume: BentVolume, found: str = "", left: str = "") ->
 
 def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", left: str = "") -> Drawing:
     """Return the picture for a width, as `found_and_left`."""
-    times, room = magnification(volume), StandingMachine(volume.machine, _home(volume))
+    home = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in volume.machine.axes])
+    times, room = magnification(volume), StandingMachine(volume.machine, home)
     panels = [(said("found"), found, volume.found, "beam")]
     if volume.left is not None:
         title = said("left with the tables for {controller}", controller=volume.controller)
@@ -104,10 +105,6 @@ def magnification(volume: BentVolume) -> float:
 
 def _of_all(volume: BentVolume) -> list[Array]:
     return [volume.found] if volume.left is None else [volume.found, volume.left]
-
-
-def _home(volume: BentVolume) -> Array:
-    return np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in volume.machine.axes])
 
 
 def _ghost(room: StandingMachine) -> list[Part]:

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 from markupsafe import Markup
 
-from axiscal.language.spoken import capital, later, resaid, said
-from axiscal.present import figures, gallery, sentences
+from axiscal.answers.digits import number, numbers
+from axiscal.estimation.accuracy.expanded import BAND
+from axiscal.language.spoken import capital, joined, later, resaid, said
+from axiscal.present import figures, sentences
 from axiscal.present.data_files import listed
 from axiscal.present.drawing.shown import shown
+from axiscal.present.drawing.svg_picture import Figure
 from axiscal.present.drawn_by_standards import circle_picture
+from axiscal.present.figures import axis_style, band, finite_range, layout, line_trace
 from axiscal.present.found_and_left import found_and_left_shown
-from axiscal.present.sentences import UNSAID, files_of_controls, pairs, words
+from axiscal.present.plane_summary import PlaneSummary
+from axiscal.present.sentences import UNSAID, axis_unit, figure, files_of_controls, pairs, quantity, unit_text, words
 from axiscal.present.standalone import environment, inlined
 from axiscal.present.statement import answered, statement
-from axiscal.present.summary import Summary
+from axiscal.present.summary import CurvePoint, CurveSummary, HistoryRow, Summary
 
 FILTERS = {
     "figure": sentences.figure,
@@ -71,9 +79,9 @@ def report_values(summary: Summary) -> dict[str, Any]:
     """Return what both reports, the page and the PDF, are filled with, in the language that is spoken."""
     return {
         "s": summary,
-        "groups": gallery.groups(summary.curves, summary.chain),
-        "reversal_groups": gallery.groups(summary.reversals, summary.chain),
-        "planes": gallery.plane_panels(summary),
+        "groups": groups(summary.curves, summary.chain),
+        "reversal_groups": groups(summary.reversals, summary.chain),
+        "planes": [PlanePanel(plane, _maps(plane, summary.history)) for plane in summary.planes],
         "constants": sentences.constant_rows(summary),
         "positioning": [(each, figures.positioning_figure(each)) for each in summary.positioning],
         **answered(summary)._asdict(),
@@ -89,3 +97,186 @@ def report_values(summary: Summary) -> dict[str, Any]:
         "listed": listed(summary),
         "flagged": {warning.error: warning.code for warning in summary.warnings if warning.error},
     }
+
+
+_MAP_HEIGHT = 290
+"""Pixels; a matter of taste."""
+_EITHER_WAY = [[0, "#0b5c8a"], [0.5, "#f4f1e8"], [1, "#c2491d"]]
+"""From low to high about nought; a matter of taste."""
+_WIDER = [[0, "#f4f1e8"], [1, "#5a3d7a"]]
+"""From known to unknown; a matter of taste."""
+
+Grid = Sequence[Sequence[float]]
+
+_HEIGHT, _HEIGHT_ALONE = 210, 360
+"""Pixels; a matter of taste."""
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """A curve and its picture."""
+
+    curve: CurveSummary
+    figure: Figure
+
+
+@dataclass(frozen=True, slots=True)
+class AxisGroup:
+    """The panels of one axis, in rows of one unit.  note : what has to be known of all of them"""
+
+    axis: str
+    note: str
+    rows: Sequence[Sequence[Panel]]
+
+
+def groups(curves: Sequence[CurveSummary], chain: str = "") -> list[AxisGroup]:
+    """Return the curves grouped by axis in order of appearance, and by unit within.  chain : of the machine"""
+    axes = dict.fromkeys(curve.axis for curve in curves)
+    height = _HEIGHT_ALONE if len(curves) == 1 else _HEIGHT
+    return [
+        AxisGroup(axis, _turned(axis, chain), _rows([curve for curve in curves if curve.axis == axis], height))
+        for axis in axes
+    ]
+
+
+def _turned(axis: str, chain: str) -> str:
+    """Return why curves do not have the sign of their readings: they name what the carriage does (ISO 230-1)."""
+    if f"{axis}'" not in chain.split("-"):
+        return ""
+    turned = "{axis} carries the workpiece: these curves say what the table does, readings show it with the other sign."
+    return said(turned, axis=axis)
+
+
+def _rows(curves: list[CurveSummary], height: int) -> list[list[Panel]]:
+    ordered = sorted(curves, key=lambda curve: curve.value_unit)
+    ordered.sort(key=lambda curve: curve.value_unit != "um")
+    return [_row(list(row), height) for _, row in groupby(ordered, key=lambda curve: curve.value_unit)]
+
+
+def _row(curves: list[CurveSummary], height: int) -> list[Panel]:
+    shared = finite_range([value for curve in curves for value in _content(curve)])
+    return [Panel(curve, panel_figure(curve, shared, height)) for curve in curves]
+
+
+def _content(curve: CurveSummary) -> list[float]:
+    size = len(curve.position)
+    means = numbers(curve.mean, f"mean of {curve.name}", size)
+    halves = [BAND * std for std in numbers(curve.std, f"std of {curve.name}", size)]
+    edges = [mean + sign * half for mean, half in zip(means, halves, strict=True) for sign in (1, -1)]
+    truth = [] if curve.truth is None else list(curve.truth[1])
+    return [*edges, *truth, *(point.value for point in curve.points if not point.rejected), 0.0]
+
+
+def panel_figure(curve: CurveSummary, shared: list[float], height: int) -> Figure:
+    """Return one panel.  shared : the range upwards of its row"""
+    size, positions = len(curve.position), numbers(curve.position, f"position of {curve.name}")
+    mean = numbers(curve.mean, f"mean of {curve.name}", size)
+    prior, whole, seen = (
+        [BAND * std for std in numbers(stds, f"{what} of {curve.name}", size)]
+        for what, stds in (("prior_std", curve.prior_std), ("std", curve.std), ("std_seen", curve.std_seen))
+    )
+    traces = [
+        band(positions, [0.0] * size, prior, "var(--prior)"),
+        band(positions, mean, whole, "var(--whole)"),
+        band(positions, mean, seen, "var(--seen)"),
+        *_truth(curve),
+        line_trace(positions, mean, "var(--accent)", 1.8),
+        *_points(curve),
+    ]
+    x = axis_style(f"{curve.axis}, {unit_text(curve.position_unit)}", range=_span(positions), nticks=6, **_turns(curve))
+    y = axis_style(unit_text(curve.value_unit), range=shared, nticks=6, zeroline=True, zerolinecolor="var(--rule)")
+    return {"data": traces, "layout": layout(x, y, height), "wide": height == _HEIGHT_ALONE}
+
+
+def _span(positions: list[float]) -> list[float]:
+    low, high = min(positions, default=0.0), max(positions, default=1.0)
+    pad = 0.02 * (high - low) or 1.0
+    return numbers([low - pad, high + pad], "range")
+
+
+def _turns(curve: CurveSummary) -> Figure:
+    span = max(curve.position, default=0.0) - min(curve.position, default=0.0)
+    return {"dtick": 90} if axis_unit(curve.axis) == "deg" and 180 < span <= 540 else {}
+
+
+def _truth(curve: CurveSummary) -> list[Figure]:
+    if curve.truth is None:
+        return []
+    positions, value = (numbers(values, f"truth of {curve.name}") for values in curve.truth)
+    return [line_trace(positions, value, "var(--truth)", 1.6, "4px,3px")]
+
+
+def _points(curve: CurveSummary) -> list[Figure]:
+    kinds = (False, "circle", "var(--ink)"), (True, "circle-open", "var(--alarm)")
+    low, high = finite_range(_content(curve))
+    near = [point for point in curve.points if low <= point.value <= high]
+    chosen = (([p for p in near if p.rejected is rejected], s, c) for rejected, s, c in kinds)
+    return [_point_trace(curve, points, symbol, colour) for points, symbol, colour in chosen if points]
+
+
+def _point_trace(curve: CurveSummary, points: list[CurvePoint], symbol: str, colour: str) -> Figure:
+    bars = {"array": [number(BAND * p.std, "std of a point") for p in points], "color": "var(--whisker)"}
+    text = [_point_text(point, curve.value_unit) for point in points]
+    data = {"x": numbers([p.position for p in points], "points"), "y": numbers([p.value for p in points], "points")}
+    edge = colour if symbol == "circle-open" else "var(--card)"
+    marker = {"color": "var(--card)" if edge == colour else colour, "size": 5.0, "symbol": symbol, "round": True}
+    marker["line"] = {"color": edge, "width": 1.5 if edge == colour else 0.6}
+    style = {"type": "scatter", "mode": "markers", "marker": marker}
+    return {**data, **style, "error_y": bars, "text": text}
+
+
+def _point_text(point: CurvePoint, unit: str) -> str:
+    label = "" if point.reading is None else f"{said('reading {number}', number=point.reading)}, "
+    return f"{label}{point.setup}\n{figure(point.value)} ± {quantity(BAND * point.std, unit)}"
+
+
+@dataclass(frozen=True, slots=True)
+class PlanePanel:
+    """A plane with its maps, each with the words under it."""
+
+    plane: PlaneSummary
+    maps: Sequence[tuple[Figure, str]]
+
+
+def _maps(plane: PlaneSummary, rows: Sequence[HistoryRow]) -> list[tuple[Figure, str]]:
+    unit = unit_text(plane.value_unit)
+    bands = [[BAND * value for value in row] for row in plane.whole_std]
+    alone = [[plane.sign * value for value in row] for row in plane.mean]
+    names = joined(plane.axes)
+    whole = _map(plane, plane.whole_mean, _EITHER_WAY, both=True)
+    whole["data"].append(_places(plane, rows))
+    return [
+        (whole, said("The tool over {axes}, their curves included, {unit}; dots: readings", axes=names, unit=unit)),
+        (_map(plane, bands, _WIDER, both=False), said("95 % of it: ± so many {unit}", unit=unit)),
+        (_map(plane, alone, _EITHER_WAY, both=True), said("Of it, what no sum of two curves holds, {unit}", unit=unit)),
+    ]
+
+
+def _map(plane: PlaneSummary, values: Grid, colours: Sequence[Sequence[object]], both: bool) -> Figure:
+    """Return a map with the first axis to the right.  both : whether values lie on both sides of 0"""
+    first, second = (numbers(at, f"position of {plane.name}") for at in plane.position)
+    heights = [numbers(row, f"map of {plane.name}", len(first)) for row in zip(*values, strict=True)]
+    largest = number(max(abs(value) for row in heights for value in row) or 1.0, plane.name)
+    trace = {
+        "type": "heatmap",
+        "x": first,
+        "y": second,
+        "z": heights,
+        "colorscale": colours,
+        "zmin": -largest if both else 0.0,
+        "zmax": largest,
+        "colorbar": True,
+    }
+    x, y = (axis_style(f"{axis}, {unit_text(unit)}", nticks=6, showgrid=False, range=[at[0], at[-1]])
+            for axis, unit, at in zip(plane.axes, plane.position_unit, (first, second), strict=True))  # fmt: skip
+    return {"data": [trace], "layout": layout(x, y, _MAP_HEIGHT, margin={"l": 46, "r": 8, "t": 8, "b": 42})}
+
+
+def _places(plane: PlaneSummary, rows: Sequence[HistoryRow]) -> Figure:
+    """Return the readings in whose set-up both axes have a position."""
+    first, second = plane.axes
+    read = [row.position for row in rows if row.position and {first, second} <= set(row.position)]
+    at = {name: numbers([position[axis] for position in read], axis)
+          for name, axis in (("x", first), ("y", second))}  # fmt: skip
+    marker = {"size": 4, "color": "#1c1b18", "line": {"color": "#f4f1e8", "width": 0.8}}
+    return {"type": "scatter", "mode": "markers", **at, "marker": marker, "cliponaxis": False}

@@ -50,7 +50,8 @@ def result_set(folder: Path, manifest: str = MANIFEST, live: Path | None = None)
         yield staging
         if not whole:
             _refuse_what_blocks(staging, folder)
-        _sync_all(staging)
+        for path in (staging, *(each for each in staging.rglob("*") if each.is_dir())):
+            sync_folder(path)
     except BaseException:
         shutil.rmtree(staging, ignore_errors=True)
         raise
@@ -152,11 +153,6 @@ def _beside(folder: Path, live: Path | None) -> Path | None:
 
 def _within(folder: Path) -> Path:
     return folder / f".results.{os.getpid()}.new"
-
-
-def _sync_all(folder: Path) -> None:
-    for path in (folder, *(each for each in folder.rglob("*") if each.is_dir())):
-        sync_folder(path)
 
 
 def _swap(staging: Path, folder: Path) -> None:

@@ -78,7 +78,7 @@ def statement(summary: Summary) -> Statement:
     errors = [
         *map(_curve, (*summary.curves, *summary.reversals)),
         *map(_plane, summary.planes),
-        *map(_constant, _of_the_machine(summary)),
+        *(_constant(each) for each in summary.constants if ": " not in each.name),  # none of set-ups
     ]
     sources = [_source(row) for row in summary.budget]
     total = _sum(summary) if sources else ""
@@ -127,11 +127,6 @@ def _sum(summary: Summary) -> str:
         words = "√(sum of squares) = {whole} at the sizes as learnt. Averaged over sizes u = {u}. U = k u = {expanded}."
     return said(words, u=quantity(u, "um"), whole=quantity(whole, "um"), k=figure(found.factor),
                 expanded=quantity(found.space, "um"))  # fmt: skip
-
-
-def _of_the_machine(summary: Summary) -> list[ConstantSummary]:
-    """Return the constants without those of set-ups."""
-    return [each for each in summary.constants if ": " not in each.name]
 
 
 def _curve(curve: CurveSummary) -> list[str]:
@@ -222,7 +217,8 @@ def drift_words(setups: Sequence[Setup]) -> list[str]:
     for kind, words in known.items():
         mine = [setup for setup in setups if setup.drift_said == kind]
         if mine:
-            found.append(said(words, these=_named(mine) if kind == "denied" else _rates(mine)))
+            rates = listed(said(" and "), list(dict.fromkeys(map(_rate, mine))))
+            found.append(said(words, these=_named(mine) if kind == "denied" else rates))
     return found
 
 
@@ -230,10 +226,6 @@ def _named(setups: Sequence[Setup]) -> str:
     if len(setups) > _MANY:
         return said("{count} set-ups", count=len(setups))
     return listed(said(" and "), [f'"{setup.name}"' for setup in setups])
-
-
-def _rates(setups: Sequence[Setup]) -> str:
-    return listed(said(" and "), list(dict.fromkeys(map(_rate, setups))))
 
 
 def _rate(setup: Setup) -> str:

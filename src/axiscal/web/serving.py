@@ -1,21 +1,139 @@
-"""The server: one port of this computer that nobody else can reach, until Ctrl-C."""
+"""The API of the page and the server that answers it."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
 import socket
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
 from types import FrameType
+from typing import Annotated
 
 import uvicorn
+from fastapi import FastAPI, Query, Response
+from fastapi.responses import FileResponse
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from axiscal.exceptions import InputError
-from axiscal.web.api import application
+from axiscal.web.answering import ROOT, document, page_application, problem
 from axiscal.web.counter import Counter
+from axiscal.web.desk import Desk
 from axiscal.web.guard import Admission, Guard
+from axiscal.web.shapes import (
+    CostQuery,
+    CostShape,
+    DoneShape,
+    KeepRequest,
+    NoteRequest,
+    PictureQuery,
+    SkipRequest,
+    StateShape,
+    StepRequest,
+    TypedQuery,
+    TypedShape,
+    WaitQuery,
+)
+
+_FILES = ("page.css", "elements.js", "page.js", "pictures.js", "words.js", "icon.svg")
+
+
+def application(counter: Counter, admitted: Admission) -> Guard:
+    """Return the whole page behind its guard."""
+    api = _Api(counter)
+    app = page_application(
+        "page.html",
+        _FILES,
+        title="axiscal, the readings of one campaign",
+        version="1",
+        openapi_url=f"{ROOT}/openapi.json",
+        lifespan=_watching(counter),
+    )
+    app.get("/report.html", include_in_schema=False)(api.report)
+    app.get("/setup.svg", include_in_schema=False)(api.setup_picture)
+    app.get(f"{ROOT}/state", response_model=StateShape)(api.state)
+    app.get(f"{ROOT}/typed", response_model=TypedShape)(api.typed)
+    app.get(f"{ROOT}/cost", response_model=CostShape)(api.cost)
+    app.post(f"{ROOT}/readings", response_model=DoneShape)(api.keep)
+    app.post(f"{ROOT}/skips", response_model=DoneShape)(api.skip)
+    app.post(f"{ROOT}/notes", response_model=DoneShape)(api.note)
+    app.post(f"{ROOT}/undo", response_model=DoneShape)(api.undo)
+    app.post(f"{ROOT}/next", response_model=DoneShape)(api.go_on)
+    app.post(f"{ROOT}/finish", response_model=DoneShape)(api.finish)
+    return Guard(app, admitted)
+
+
+class _Api:
+    """What the routes answer; the description of the API says of each what stands here."""
+
+    def __init__(self, counter: Counter) -> None:
+        self._counter = counter
+
+    async def state(self, query: Annotated[WaitQuery, Query()]) -> Response:
+        """All that the page shows, at once or when it is newer than what was seen."""
+        return document(await self._counter.newer(query.seen, query.wait))
+
+    async def typed(self, query: Annotated[TypedQuery, Query()]) -> Response:
+        """What a typed text would mean for the question that is open."""
+        return document(self._counter.read(query.text))
+
+    async def cost(self, query: Annotated[CostQuery, Query()]) -> Response:
+        """What skipping the reading costs, or leaving its set-up."""
+        return document(await self._counter.ask(lambda desk: desk.cost(rest=query.rest)))
+
+    async def setup_picture(self, query: Annotated[PictureQuery, Query()]) -> Response:
+        """The machine with the instrument on it and the places that are read, as wide as the page has room."""
+        drawn = await self._counter.ask(lambda desk: desk.setup_picture(query.width))
+        if not drawn:
+            return Response(status_code=204)  # what was asked has been answered in the meantime
+        return Response(drawn, media_type="image/svg+xml")
+
+    async def keep(self, asked: KeepRequest) -> Response:
+        """Keep a reading of what is asked."""
+        return await self._done(lambda desk: desk.keep(asked.after, asked.text, keep=asked.keep, vouch=asked.vouch))
+
+    async def skip(self, asked: SkipRequest) -> Response:
+        """Note that the reading asked for cannot be taken."""
+        return await self._done(lambda desk: desk.skip(asked.after, asked.reason, rest=asked.rest))
+
+    async def note(self, asked: NoteRequest) -> Response:
+        """Keep a sentence in the record."""
+        return await self._done(lambda desk: desk.note(asked.text))
+
+    async def undo(self, asked: StepRequest) -> Response:
+        """Take back the last reading, skip or end."""
+        return await self._done(lambda desk: desk.undo(asked.after))
+
+    async def go_on(self, asked: StepRequest) -> Response:
+        """Ask for one more reading although a target is reached."""
+        return await self._done(lambda desk: desk.go_on(asked.after))
+
+    async def finish(self, asked: StepRequest) -> Response:
+        """End the campaign and write its results beside the record."""
+        return await self._done(lambda desk: desk.finish(asked.after))
+
+    async def report(self) -> Response:
+        """The report, which allows its own scripts by their hashes and asks for nothing."""
+        file = self._counter.report
+        if not file.is_file() or file.resolve().parent.parent != self._counter.folder.resolve():
+            return problem(404, "missing", "There is no report yet")
+        return FileResponse(file, media_type="text/html", headers={"Content-Security-Policy": "frame-ancestors 'none'"})
+
+    async def _done(self, step: Callable[[Desk], str]) -> Response:
+        said = await self._counter.do(step)
+        return document(DoneShape(sentence=said, state=await self._counter.newer(0, 0.0)))
+
+
+def _watching(counter: Counter) -> Callable[[FastAPI], AbstractAsyncContextManager[None]]:
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        watch = asyncio.create_task(counter.watch())
+        yield
+        watch.cancel()
+
+    return lifespan
+
 
 _LOOPBACK = "127.0.0.1"
 _ASKING, _BURST, _PATIENCE, _HEAD = 100, 100, 5.0, 16 * 1024

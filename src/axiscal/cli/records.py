@@ -1,0 +1,132 @@
+"""`axiscal data copy`, `salvage` and `sign`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axiscal.campaign.possible import beginning_of, described
+from axiscal.campaign.salvaging import Salvaged, salvaged
+from axiscal.cli.arguments import Json, OwnRecord, RecordFile
+from axiscal.cli.opened import opened_to_write
+from axiscal.cli.printing import say_either
+from axiscal.cli.texts import count_text, signed_text
+from axiscal.exceptions import NewerError
+from axiscal.language.spoken import said
+from axiscal.ports.fleet.type_learning import campaign_with_sisters
+from axiscal.record.copies import write_copy
+from axiscal.record.line_form import EventText
+from axiscal.record.log import EventLog, rows_of
+from axiscal.record.opening import file_name, is_stored, opened_log
+from axiscal.record.signing import key_file, make_key
+from axiscal.record.store import Record
+
+
+def copy_record(
+    record: RecordFile,
+    to: Annotated[
+        Path | None,
+        typer.Argument(metavar="TO", help="A file or a folder that exists; default: RECORD.copy."),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Copy a record, checked and whole.
+
+    Another command may be writing to it. The copy takes the place of an earlier copy of the same record, and of nothing
+    else.
+
+    \b
+    Example:
+      axiscal data copy mill.axiscal /media/stick
+    """
+
+    name = file_name(record).name
+    beside = Path(name) if is_stored(record) else record.with_name(f"{name}.copy")
+    target = beside if to is None else to / name if to.is_dir() else to
+    with opened_log(record, write=False) as log:
+        readings = _readings(log)
+        write_copy(log, target)
+        last, name = log.last(), log.name
+    count = count_text(last, "event") if readings is None else count_text(readings, "reading")
+    document = {"copy": str(target), "readings": readings, "event": last, "hash": name}
+    words = said(
+        "{copy} holds {count}, up to event {last} of the record, {digest}.",
+        copy=target,
+        count=count,
+        last=last,
+        digest=name[:12],
+    )
+    say_either(json, "axiscal-copy/1", document, [words])
+
+
+def _readings(log: EventLog) -> int | None:
+    """Return how many readings a record has, checked; None where only a newer version can know."""
+    try:
+        described(log)
+        return len(log.state().readings)
+    except NewerError:
+        return None
+
+
+def salvage(
+    record: RecordFile,
+    new: Annotated[Path, typer.Argument(metavar="NEW", help="The record to make.")],
+    beginning: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="A copy of the record, or its campaign.toml, where event 1 is lost."),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Make a new record of all that stands whole in a damaged one.
+
+    An event counts where sums and chains show that it is as it was written. What is missing is printed, and kept as a
+    note in the new record. The damaged file stays as it is.
+
+    \b
+    Example:
+      axiscal data salvage mill.axiscal mill-salvaged.axiscal
+    """
+    found = salvaged(record, new, None if beginning is None else _first(beginning))
+    document = {"record": str(new), "readings": len(found.state.readings), "events": found.entries}
+    lists = {"missing": list(found.missing), "left_out": list(found.left)}
+    say_either(json, "axiscal-salvage/1", document | lists, _lines(record, new, found))
+
+
+def _first(file: Path) -> EventText:
+    """Return the entry with which a campaign begins: that of a record, or of a description that would begin now."""
+    if file.suffix != ".toml":
+        with Record.open(file, write=False) as record:
+            return record.texts()[0].row
+    return rows_of([beginning_of(campaign_with_sisters(file))])[0]
+
+
+def _lines(record: Path, new: Path, found: Salvaged) -> list[str]:
+    readings, events = count_text(len(found.state.readings), "reading"), count_text(found.entries, "event")
+    lines = [f"{new} holds {readings}, from {events} of {record} that stand whole."]
+    lines += [f"Missing: {words}" for words in found.missing] or ["Nothing is missing."]
+    lines += [f"Left out: {words}" for words in found.left]
+    if found.missing:
+        lines.append("Mind: a missing entry may have taken a reading back; look at those before it.")
+    return lines
+
+
+def sign(record: OwnRecord, json: Json = False) -> None:
+    """Sign a record with your key.
+
+    Your key is made the first time; keep its file to yourself. From then on your records are signed when they end, when
+    a prompt is paused, and before the first entry of another day.
+
+    \b
+    Example:
+      axiscal data sign mill.axiscal
+    """
+    make_key()
+    with opened_to_write(record) as campaign:
+        campaign.sign()
+        found = campaign.signed()
+        assert found is not None
+        document = {"record": str(record), "event": found.number, **found.by._asdict(), "holds": found.holds}
+        words = f"{record}: {signed_text(campaign)}. Public key: {found.by.key}. Keep {key_file()} to yourself."
+        say_either(json, "axiscal-signature/1", document, [words])
