@@ -88,7 +88,7 @@ def test_a_printer_is_measured_corrected_and_checked(
     assert (said["verdict"], said["decision"], said["person"], said["source"]) == ("pass", "conform", "Anna", source)
     assert said["in_force"] == {"bed_mesh.cfg": hashlib.sha256(Path("mesh/bed_mesh.cfg").read_bytes()).hexdigest()}
     assert said["left_rms_um"] < 0.2 * said["found_rms_um"]
-    assert run(words[:-1]) == 0
+    assert run([*words[:-1], "--details"]) == 0
     text = capsys.readouterr().out
     assert "By ISO 14253-1 as left: conform." in text
     assert "Read by Anna from moonraker" in text

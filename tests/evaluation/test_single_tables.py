@@ -114,7 +114,7 @@ def test_all_tables_loaded_pass_and_are_all_checked(folder: Path) -> None:
     assert judgement.verdict == "pass"
     assert {share.name for share in judgement.shares if share.checked} >= {"X", "Y", "Z", "Y over X", "reversal of X"}
     assert judgement.idle == ()
-    assert "Not checked: axis" not in said_of(judgement)
+    assert "Not checked: positioning" not in said_of(judgement)
     for share in judgement.shares:
         assert not share.checked or abs(share.value - 1) < 5 * share.std + 0.05
 
@@ -153,7 +153,7 @@ def test_tables_that_were_not_looked_at_are_named_beside_the_verdict(folder: Pat
     assert judgement.idle == ("Y", "Z")
     assert "X" not in judgement.unchecked
     text = said_of(judgement)
-    assert "Not checked: axis Y, axis Z" in text
+    assert "Not checked: positioning Y Z" in text
     assert text.index("PASS") < text.index("Not checked")
     assert list(check_answer(judgement, 1, 1e-6, Taken()).not_checked) == list(judgement.unchecked)
     missing = judged(check, truth, along_x, with_share(check, "Z", 0.0))

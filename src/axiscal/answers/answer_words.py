@@ -13,7 +13,7 @@ from typing import NamedTuple, TypeVar
 
 from axiscal.answers.answer import Aim, AnswerRow, NextStep, PlannedRow, ResultAnswer, TablesChecked, Verdict
 from axiscal.description.wants import Kind
-from axiscal.language.spoken import counted, later, listed, put, said
+from axiscal.language.spoken import counted, decimals, later, listed, put, said
 
 _Row = TypeVar("_Row", bound=PlannedRow)
 LINES, WIDTH = 14, 80
@@ -274,6 +274,11 @@ def _commands(steps: Sequence[NextStep], record: str, results: str) -> Iterator[
             yield f"axiscal {step.code} {record} --to {step.control}"
         else:
             yield f"axiscal {step.code} {record}"
+
+
+def um_text(value: float) -> str:
+    """Return so many um with three significant digits."""
+    return decimals(f"{value:.3g} um" if abs(value) < 1000 else f"{value:.0f} um")
 
 
 def limit_text(value: float) -> str:

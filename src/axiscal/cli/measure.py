@@ -9,7 +9,7 @@ from enum import Enum, auto
 from pathlib import Path
 
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
-from axiscal.answers.answer_words import answer_text, columns, minutes_text
+from axiscal.answers.answer_words import answer_text, columns, minutes_text, um_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder
@@ -17,7 +17,6 @@ from axiscal.cli.opened import opened_to_write
 from axiscal.cli.outputs import write_outputs
 from axiscal.cli.printing import ask, say
 from axiscal.cli.progress import tell_out_of_reach
-from axiscal.cli.texts import um_text
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, said, speaking, spoken_now
 from axiscal.present.guide.answers import ACTIONS, Value, Word, action, answer

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
-from axiscal.answers.answer_words import ending
+from axiscal.answers.answer_words import ending, um_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.estimation.accuracy.yardstick import Accuracy
-from axiscal.language.spoken import counted, decimals, said
+from axiscal.language.spoken import counted, said
 from axiscal.measurement.place_texts import reading_unit, value_names
 from axiscal.present.guide.question import axis_places, coming_text, go_text, parked_text, reads_text, touch_text
 from axiscal.record.events import Asked
@@ -19,11 +19,6 @@ from axiscal.units import to_unit
 def micrometres(length: float) -> str:
     """Return a length in um with three significant digits.  length : m"""
     return um_text(to_unit(length, "um"))
-
-
-def um_text(value: float) -> str:
-    """Return so many um with three significant digits."""
-    return decimals(f"{value:.3g} um" if abs(value) < 1000 else f"{value:.0f} um")
 
 
 def question_text(campaign: Campaign, asked: Asked) -> str:

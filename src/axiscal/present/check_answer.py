@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from axiscal.answers.answer import AnswerDocument, TablesChecked
-from axiscal.answers.answer_words import VERDICTS, digits, wrapped
+from axiscal.answers.answer_words import VERDICTS, digits, row_name, wrapped
 from axiscal.evaluation.acceptance.at_the_machine import Taken
 from axiscal.evaluation.acceptance.check import Check
 from axiscal.evaluation.acceptance.datums import GUARD
@@ -251,7 +251,8 @@ def _judged(answer: CheckAnswer) -> list[str]:
 
 def _unchecked(answer: CheckAnswer) -> list[str]:
     """Say which axes were not moved through the volume and read along, and which tables were not checked."""
-    names = [said("axis {axis}", axis=name) for name in answer.axes_not_checked]
+    axes = answer.axes_not_checked
+    names = [row_name("positioning", [[name] for name in axes])] if axes else []
     tables = [each for each in answer.tables if not each.checked]
     names += [said("table {table} ({size} at most)", table=each.table, size=each.size) for each in tables]
     return [said("Not checked: {others}.", others=listed(", ", names))] if names else []

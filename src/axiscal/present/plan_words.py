@@ -19,6 +19,7 @@ from axiscal.answers.answer_words import (
     first_lines,
     known_text,
     row_names,
+    um_text,
     wrapped,
 )
 from axiscal.description.type_b import MEASURED_TEMPERATURE
@@ -160,7 +161,7 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
         if point.setup != mounted:
             mounted = point.setup
             yield f'{said("Set-up")} "{mounted}"'
-        after = f"RMS {_micrometres(point.rms_um):>8}, {point.minutes:6.1f} min"
+        after = f"RMS {um_text(point.rms_um):>8}, {point.minutes:6.1f} min"
         yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}"
     yield bound_sentence(answer)
     if answer.certain_minutes is not None:
@@ -196,7 +197,3 @@ def _where(holds_for: str) -> str:
 
 def _percent(value: float | None) -> str:
     return "unknown" if value is None else f"{value:.2g} %" if value < 100 else f"{value:.0f} %"
-
-
-def _micrometres(value: float) -> str:
-    return f"{value:.3g} um" if value < 1000 else f"{value:.0f} um"
