@@ -25,7 +25,7 @@ def test_a_target_that_a_plan_reaches_is_reached(seed: int) -> None:
 
 @pytest.mark.long
 def test_ten_readings_more_do_not_bring_what_no_reading_can() -> None:
-    found = endings.infeasible(3)
+    found = endings.infeasible(11)
     assert found is not None
     assert "cannot be reached: endless readings would leave" in found.because
     assert not found.refuted

@@ -28,6 +28,8 @@ _REACHED = "target reached"
 ALL_REACHED = f"every {_REACHED}"
 _BEYOND = "cannot be reached with these set-ups"
 _HARDLY = 0.99
+_CLEARLY = 1.1
+"""Times its limit is a floor as stated that ends a campaign: sizes that are learnt move it by about a tenth."""
 _PASSING = {"drift", "cycle", "growth", "way", "noise"}
 """Kinds of sizes that endless readings take away, however large."""
 
@@ -91,8 +93,8 @@ def _said(target: Target, known: Estimation) -> str | None:
 def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> list[_Standing]:
     """Return the accuracies of which readings have taken away what they can, with what they leave at least.
 
-    A floor counts as stated once a few readings have checked the sizes, or with the size that is surely there. One
-    that is above what is left already is none of this machine.
+    A floor counts with the size that is surely there; as stated once a few readings have checked the sizes, where it is
+    clearly above its limit. One that is above what is left already is none of this machine.
     """
     surely = 1.0 if known.posterior is None else known.posterior.surely
     sizes = {} if known.posterior is None else known.posterior.sizes
@@ -107,7 +109,8 @@ def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> li
         return []
     found = []
     for wanted, each in zip(asked(target, known.case.yardstick_as_sized), volume, strict=True):
-        floors = surely * wanted.floor, *([each.wanted.floor] if len(known.readings) >= FEW else [])
+        checked = len(known.readings) >= FEW and each.wanted.floor > _CLEARLY * wanted.limit
+        floors = surely * wanted.floor, *([each.wanted.floor] if checked else [])
         least = max((floor for floor in floors if floor <= each.now), default=0.0)
         if each.now <= attainable(wanted.limit, wanted.floor) and least > wanted.limit:
             found.append(_Standing(wanted._replace(floor=least), each.now))
