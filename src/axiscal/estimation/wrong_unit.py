@@ -22,6 +22,7 @@ from axiscal.description.usual import Learnable, sizes_of
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.judged import bent, judged, unit_guess
+from axiscal.estimation.promise.draws import as_stated
 from axiscal.estimation.promise.posterior import sized
 from axiscal.estimation.promise.problem import Problem, problem
 from axiscal.estimation.promise.unknowns import space_of
@@ -125,10 +126,13 @@ def other_unit(observation: Observation, readings: Sequence[Reading]) -> OtherUn
 
 
 def _multiplied(posed: Problem, factor: float) -> float:
-    """Return log p of the readings if f times their values are right; minus infinity if these would be nothing."""
+    """Return log p of the readings if f times their values are right.
+
+    Minus infinity if these would be nothing, or so far beyond what is stated that they are nearer to it as written.
+    """
     other = replace(posed, values=factor * posed.values)
-    stated = space_of(other).given(np.zeros(len(posed.sizes)))
-    if stated is not None and stated.square < _LEAST_FIT * len(other.values):
+    square = as_stated(space_of(other)).square / len(other.values)
+    if not _LEAST_FIT < square < np.exp(2 * _FARTHEST):
         return -np.inf
     found = sized(other)
     told = [index for index, size in enumerate(posed.sizes.of) if size.kind in ("std", "reversal", "noise")]
