@@ -2,7 +2,7 @@
 
 The test uses the set-up's own unknowns after the readings before, and the stated std of the errors at the place. It
 treats these errors as independent from place to place. So a curve that is rougher than its prior, or several times
-larger, makes no reading implausible. A belief about the unknowns alone does, for the errors count as scatter.
+larger, makes no reading implausible. Errors count as scatter there, and only the unknowns are learnt.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import later, listed, said
 from axiscal.machine.axis import Axis
@@ -93,20 +92,19 @@ def surprises(observation: Observation, mean: Array, covariance: Array, readings
     rows, own = np.split(numbers.rows, [len(mean)], axis=1)
     scatter = numbers.variances + np.einsum("mi,mi->m", rows @ covariance, rows)
     stds = [unknown.std for unknown in observation.unknowns]
-    unknowns = Belief(np.zeros(len(stds)), np.diag(np.square(stds))) if stds else None
+    known, spread = np.zeros(len(stds)), np.diag(np.square(stds))
     values, own = numbers.values - rows @ mean, own[:, : len(stds)]
     setups, first, sizes = {setup.name: setup for setup in observation.setups}, dict[str, float](), list[float]()
     ends = np.searchsorted(numbers.reading, np.arange(len(readings) + 1)).tolist()
     for reading, mine in zip(readings, (slice(*each) for each in pairwise(ends)), strict=True):
         setup = setups[reading.setup]
         variances = scatter[mine] + bent(observation.machine, setup, reading) + _drifted(setup, reading, first)
-        expected, spread = np.zeros(len(variances)), variances
-        if unknowns is not None:
-            known = unknowns.predict(own[mine])
-            expected, spread = known.mean, variances + known.std**2
-        sizes.append(float(np.max(np.abs(values[mine] - expected) / np.sqrt(spread))))
-        if unknowns is not None and (reading.accepted or sizes[-1] <= IMPLAUSIBLE * _WIDEST):
-            unknowns = unknowns.update(own[mine], values[mine], variances)
+        shown = spread @ own[mine].T
+        surprise, wide = values[mine] - own[mine] @ known, own[mine] @ shown + np.diag(variances)
+        sizes.append(float(np.max(np.abs(surprise) / np.sqrt(np.diagonal(wide)))))
+        if reading.accepted or sizes[-1] <= IMPLAUSIBLE * _WIDEST:
+            gain = np.linalg.solve(wide, shown.T).T
+            known, spread = known + gain @ surprise, spread - gain @ shown.T
         if reading.time is not None:
             first.setdefault(reading.setup, reading.time)
     return sizes
