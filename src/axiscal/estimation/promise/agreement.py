@@ -141,10 +141,10 @@ def agreement(
     if left_out >= SEVERAL and left_out > MOST_BAD * (count + left_out):
         p = min(p, binomial_tail(left_out, count + left_out, BAD_SHARE))
     whole, weighed = every or (problem, found)
-    stated = chi_square_tail(len(whole.values), weighed.stated.square)
+    stated = chi_square_tail(len(whole.values), weighed.drawn.stated.square)
     tried = list[_Tried]()
     if stated < CONTRADICTS:  # sizes that are learnt hide another unit, or a jump of which few readings are
-        alone = replace(weighed, thetas=0 * weighed.thetas[:1], weights=np.ones(1), given=(weighed.stated,))
+        alone = replace(weighed, thetas=0 * weighed.thetas[:1], weights=np.ones(1), given=(weighed.drawn.stated,))
         moved = _jumps(whole, alone, weighed.log_stated)
         tried += [*_units(whole, weighed), *(each for each in moved if _stands(whole, each.mistake.setups[0]))]
     if p < CONTRADICTS:
@@ -236,7 +236,7 @@ def _ways(problem: Problem, mine: NDArray[np.bool_]) -> Array:
 
 def _units(problem: Problem, found: Weighed) -> Iterator[_Tried]:
     """Yield the likeliest reading from which on a set-up has another unit, at the sizes as stated, where that fits."""
-    given = found.stated
+    given = found.drawn.stated
     for setup in np.unique(problem.setup).tolist():
         mine = problem.setup == setup
         readings = np.unique(problem.reading[mine])

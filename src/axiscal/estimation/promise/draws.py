@@ -106,11 +106,6 @@ class Weighed:
     log_stated: float
 
     @property
-    def stated(self) -> Given:
-        """Everything at the sizes as stated."""
-        return self.drawn.stated
-
-    @property
     def effective(self) -> float:
         """Effective number of draws."""
         return float(1 / np.sum(self.weights**2))

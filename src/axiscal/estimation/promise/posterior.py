@@ -104,12 +104,9 @@ class _Judged(NamedTuple):
     left: dict[int, LeftOut]
 
 
-def _judged(problem: Problem, apart: Sequence[int]) -> _Judged:
+def _judged(problem: Problem, apart: Sequence[int], before: Draws | None = None) -> _Judged:
     mine = problem.only(~np.isin(problem.reading, apart)) if apart else problem
-    return _weighed(mine, sized(mine))
-
-
-def _weighed(mine: Problem, found: Weighed) -> _Judged:
+    found = sized(mine, before)
     return _Judged(mine, found, _as_stated(mine, found, _left_out(mine, found)))
 
 
@@ -132,8 +129,8 @@ class Sorted:
         """Return the same readings, sorted alike, as another problem has them: linear elsewhere, or as normal ones."""
 
         def again(judged: _Judged) -> _Judged:
-            mine = problem.only(np.isin(problem.reading, judged.problem.reading))
-            return _weighed(mine, sized(mine, judged.found.drawn))
+            apart = np.setdiff1d(problem.reading, judged.problem.reading).tolist()
+            return _judged(problem, apart, judged.found.drawn)
 
         details = None if self.with_details is None else again(self.with_details)
         return replace(self, problem=problem, mine=again(self.mine), with_details=details)
@@ -310,7 +307,7 @@ def _as_stated(problem: Problem, found: Weighed, left: Mapping[int, LeftOut]) ->
 
     A bad reading makes noise seem large: without it the sizes may be those stated, of which no draw is left.
     """
-    given, log_stated, result = found.stated, found.log_stated, dict(left)
+    given, log_stated, result = found.drawn.stated, found.log_stated, dict(left)
     log_total = np.logaddexp(0.0, log_stated)
     for part in parts_of(problem.reading):
         _, _, ratios = _of_draw(problem, given, given.theta, part)
