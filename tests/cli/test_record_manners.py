@@ -80,7 +80,7 @@ def test_leaving_a_set_up_says_what_that_costs(record: Path, capsys: pytest.Capt
     asked(record, capsys)
     other, at = ("along y", "Y=50 mm") if first == "along x" else ("along x", "X=50 mm")
     told = said(capsys, "record", str(record), "2 um", "--at", at, "--setup", other, "--approach", f"{at[0]}+")
-    found = re.search(rf'this leaves "{first}", which costs.*volume ([\d.]+) -> ([\d.]+) um', told)
+    found = re.search(rf'this leaves "{first}", which costs.*volume ([\d.]+) → ([\d.]+) um', told)
     assert found is not None, told
     before, after = map(float, found.groups())
     assert after > before

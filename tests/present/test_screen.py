@@ -91,7 +91,7 @@ POSITIONING = answer_row(RowName("positioning", ("X",)), MILL)
         (
             "more",
             [aim("backlash X", 4, 1, 0), aim("yaw X", 1, 2, 0)],
-            "123 MORE READINGS, 57 MIN\n  1 of 2 limits: backlash X 4.0 / 1 um",
+            "123 MORE READINGS, 57 MIN\n  1 of 2 limits: backlash X 4.0 of 1 um",
         ),
     ],
 )
@@ -102,7 +102,7 @@ def test_the_first_line_says_what_became_of_the_target(verdict: Verdict, aims: l
 def test_a_row_that_is_missing_is_named_in_the_language_that_is_spoken() -> None:
     missing = answer(verdict="more", aims=[aim("straightness X in Y", 4, 1, 0), aim("centre of C", 1, 2, 0)])
     with speaking("de"):
-        assert "1 von 2 Grenzen: Geradheit X in Y 4,0 / 1 um" in _screen(missing)
+        assert "1 von 2 Grenzen: Geradheit X in Y 4,0 von 1 um" in _screen(missing)
 
 
 def test_a_row_says_found_known_and_left() -> None:

@@ -135,7 +135,7 @@ def aim_text(aim: Aim) -> str:
         return said(_AIMS[aim.name], **sizes)
     kind, _, axes = aim.name.partition(" ")
     words = next(words for each, words in _KINDS.items() if each == kind)
-    return put("{name} {now} / {limit} {unit}", name=said(words, axes=axes.removeprefix("of ")), **sizes)
+    return said("{name} {now} of {limit} {unit}", name=said(words, axes=axes.removeprefix("of ")), **sizes)
 
 
 def measured_rows(answer: ResultAnswer, room: int) -> list[list[AnswerRow]]:
