@@ -5,9 +5,9 @@ Markers: where a zero may wander, its first place is read again every so often, 
 Both sides: where a backlash is wanted, two places at least are read from both. A model whose reversal is the same
 everywhere would read one place again and again.
 
-A plane: where two axes act together and nobody knows how much, nine readings over it are the first ones. Scales that
-are not learnt yet choose places that learn the scales badly. On measured maps the bands then cover less often
-(docs/evidence/planes.md). Corners, edges and middle are the even design too.
+A plane: where two axes act together and nobody knows how much, nine readings over it are the first ones: corners, then
+middle, then edges, as many as there are to come. Scales that are not learnt yet choose places that learn the scales
+badly. On measured maps the bands then cover less often (docs/evidence/planes.md).
 """
 
 from __future__ import annotations
@@ -183,10 +183,8 @@ def _there(case: Case, setup: Setup, axis: int, like: Place, at: float, side: in
     return Place(setup.name, *with_room(case.errors, setup, pose, approach))
 
 
-_SIDE = 3
-"""Places along each axis."""
-_FEWEST = 12
-"""Of fewer readings nine are too many."""
+_NINE = ((0, 0), (1, 1), (0, 1), (1, 0), (0.5, 0.5), (0.5, 0), (0.5, 1), (0, 0.5), (1, 0.5))
+"""Shares of the spans: of up to nine readings on maps the first ones miss no more than an even grid of as many."""
 _READ = 0.01
 """Share of each travel within which a place counts as read."""
 _FELT = 1e-12
@@ -194,17 +192,16 @@ _FELT = 1e-12
 
 
 def plane_start(case: Case, readings: Sequence[Reading], left: int | None) -> Places:
-    """Return those of the nine that are not read yet; none where scales of a plane are not learnt, or few are to come.
+    """Return those of the nine that are not read yet; none where scales of a plane are not learnt.
 
     They are asked for where one set-up alone is there and moves just two axes that act together.
     left : how many readings may still come; None for any number
     """
     setups = case.description.setups
     none = Places.none(len(case.description.machine.axes))
-    enough = left is None or left + len(readings) >= _FEWEST
-    if len(setups) != 1 or len(readings) >= _SIDE**2 or not enough or not _learns_a_plane(case, setups[0]):
+    if len(setups) != 1 or len(readings) >= len(_NINE) or not _learns_a_plane(case, setups[0]):
         return none
-    poses = _nine(case, setups[0])
+    poses = _nine(case, setups[0])[: None if left is None else left + len(readings)]
     spans = np.array([axis.length for axis in case.description.machine.axes])
     read = np.array([reading.pose for reading in readings]).reshape(-1, len(spans))
     away = np.abs(poses[:, None] - read) / spans
@@ -226,10 +223,11 @@ def _learns_a_plane(case: Case, setup: Setup) -> bool:
 
 
 def _nine(case: Case, setup: Setup) -> Array:
-    """Return corners, edges and middle of where a set-up can be read, on its raster, each once, (m, q)."""
-    machine = case.description.machine
-    lines = [np.linspace(*setup.span(machine.axes[axis], axis), _SIDE) for axis in setup.moves]
-    places = np.stack([grid.ravel() for grid in np.meshgrid(*lines, indexing="ij")], axis=1)
-    poses = np.tile(np.array(setup.park), (len(places), 1))
-    poses[:, list(setup.moves)] = places
-    return np.unique(snapped(machine, setup, poses), axis=0)
+    """Return corners, middle and edges of where a set-up can be read, on its raster, each once, (m, q)."""
+    machine, poses = case.description.machine, np.tile(np.array(setup.park), (len(_NINE), 1))
+    for axis, shares in zip(setup.moves, np.array(_NINE).T, strict=True):
+        low, high = setup.span(machine.axes[axis], axis)
+        poses[:, axis] = low + shares * (high - low)
+    poses = snapped(machine, setup, poses)
+    _, first = np.unique(poses, axis=0, return_index=True)
+    return np.asarray(poses[np.sort(first)])

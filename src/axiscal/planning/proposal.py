@@ -63,6 +63,8 @@ def _after(case: Case, task: Task, limits: Limits, first: tuple[Place, ...]) -> 
     """Return the readings that follow on the first ones, whatever these show."""
     readings = blank_readings(case.description.setups, first)
     count = None if limits.readings is None else limits.readings - len(first)
+    if count == 0:
+        return ()
     spent = timed(case, readings).seconds
     left = replace(limits, readings=count, budget=None if limits.budget is None else max(limits.budget - spent, 0.0))
     then = posed(case, case.knowledge.read(readings), readings=readings, candidates=len(task.lattice))
