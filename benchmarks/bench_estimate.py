@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, read_campaign
-from axiscal.measurement.place_texts import approach_text
+from axiscal.measurement.reading import approach_text
 from axiscal.measurement.simulation import Simulator
 
 CAMPAIGN = """

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.estimation.case import Case
 from axiscal.machine.motion import travel_seconds
 from axiscal.numerics.threads import one_thread

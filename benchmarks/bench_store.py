@@ -18,9 +18,9 @@ from axiscal.ports.postgres.database import Database, store_address
 from axiscal.ports.postgres.server_log import ServerLog
 from axiscal.ports.postgres.syncing import synced
 from axiscal.ports.postgres.tables import prepare
+from axiscal.record.copies import opened_log, records_of
 from axiscal.record.events import Created, Event, Recorded
 from axiscal.record.log import chained_texts
-from axiscal.record.opening import opened_log, records_of
 from axiscal.record.store import Record
 from tests.record.postgres_server import running_server
 

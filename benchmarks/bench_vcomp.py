@@ -11,7 +11,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 
-from axiscal.tables.vcomp.vcomp_reading import read
+from axiscal.tables.vcomp_file import read
 from tests.tables.core_library import Core
 from tests.tables.test_vcomp_file import text
 

@@ -18,10 +18,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from axiscal.campaign.possible import versions
-from axiscal.ports.study.outcome import outcome
-from axiscal.ports.study.processes import Processes
-from axiscal.ports.study.results import FILE, Results, run_missing
-from axiscal.ports.study.study_case import Done, Engine, WorkItem, here
+from axiscal.ports.study.results import FILE, Processes, Results, run_missing
+from axiscal.ports.study.study_case import Done, Engine, WorkItem, here, outcome
 from axiscal.ports.study.study_file import Study, read_study
 from tests.ports.texts import CAMPAIGN
 

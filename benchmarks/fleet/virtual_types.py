@@ -19,7 +19,7 @@ from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import unique_root
-from axiscal.ports.fleet.sisters.hierarchy import PriorUnits, prior_units
+from axiscal.ports.fleet.hierarchy import PriorUnits, prior_units
 
 NAME = "three-axis-mill"
 _SETUP = """[[setups]]

@@ -8,8 +8,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from axiscal.errors.actual import deviation_of
 from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import deviation_of
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import actual_deviation

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.errors.actual import deviation_of
+from axiscal.errors.volume import deviation_of
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.estimation.located import absorbed

@@ -13,8 +13,7 @@ from typing import Any
 
 from axiscal.campaign.possible import versions
 from axiscal.exceptions import StudyError
-from axiscal.ports.study.processes import Processes
-from axiscal.ports.study.results import Results, run_missing
+from axiscal.ports.study.results import Processes, Results, run_missing
 from axiscal.ports.study.study_case import Engine, Solve, WorkItem, canonical, here
 from benchmarks.trust.sources import ROOT, version
 

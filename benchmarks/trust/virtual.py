@@ -15,7 +15,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.machine import ErrorEntry, Machine, load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
-from axiscal.ports.study.outcome import curves_held, tcp_held
+from axiscal.ports.study.study_case import curves_held, tcp_held
 from axiscal.present.findings import findings
 from benchmarks.trust.kept import Trial, Tried, one_by_one
 

@@ -21,8 +21,7 @@ from axiscal.campaign.ending import (
     standing,
 )
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.target import Target
-from axiscal.description.wants import RowName, Want
+from axiscal.description.target import RowName, Target, Want
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty

@@ -18,7 +18,7 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.exceptions import SourceError, TableError
-from axiscal.ports.printers.printer_loader import loader_at
+from axiscal.ports.printers.printer_source import loader_at
 from tests.campaign.test_printer_source import Handler, Server, serving
 from tests.tables.test_bed_round_trips import X, Y, bed, duet_map, estimated, klipper_file
 

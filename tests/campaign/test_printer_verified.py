@@ -13,7 +13,7 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
-from axiscal.evaluation.acceptance.check import Check
+from axiscal.evaluation.check import Check
 from tests.campaign.test_printer_source import Server, serving
 
 pytestmark = pytest.mark.long

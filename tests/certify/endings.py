@@ -9,8 +9,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.simulated import SimulatedSource
-from axiscal.campaign.sources.source import Skip
+from axiscal.campaign.sources.source import SimulatedSource, Skip
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.case import Case

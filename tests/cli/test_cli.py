@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 from axiscal.campaign.sources import Answer, Request
-from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.cli import app
 from axiscal.exceptions import SourceError
 from tests.generators.begun import begun

@@ -34,8 +34,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.ports.printers.printer import Exported, Moonraker
-from axiscal.ports.printers.printer_loader import loader_at
-from axiscal.ports.printers.printer_source import PrinterSource
+from axiscal.ports.printers.printer_source import PrinterSource, loader_at
 from axiscal.tables.surface import mesh_of_nodes
 from tests.controls.fetched import python
 from tests.controls.klipper_host import klipper

@@ -13,8 +13,8 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.exceptions import DescriptionError, InputError
 from axiscal.machine import load_machine
 from axiscal.measurement.charts.bar import Bar, Circle
+from axiscal.measurement.charts.box import Line
 from axiscal.measurement.charts.held import Balls, Held
-from axiscal.measurement.charts.line import Line
 
 SPHERES = """
 [[artefacts]]

@@ -7,8 +7,7 @@ from dataclasses import replace
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.target import Target
-from axiscal.description.wants import rows_of
+from axiscal.description.target import Target, rows_of
 from axiscal.exceptions import InputError
 from axiscal.machine import load_machine
 

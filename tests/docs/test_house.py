@@ -38,8 +38,10 @@ CLASSES_THAT_MAY = {
 FILES_THAT_MAY = {
     "campaign.py": "a campaign as it is described, and as it runs",
     "dense.py": "the plain equations beside a fast path: of gains, and of the posterior",
-    "exporting.py": "the files for a control, in a folder for each control",
-    "heidenhain.py": "one control: its tables, and its programs",
+    **{
+        f"{control}.py": "one control: its tables, and its programs"
+        for control in ("fanuc", "heidenhain", "isg", "sinumerik")
+    },
 }
 PICKLES = {"pickle", "_pickle", "cloudpickle", "dill", "joblib", "shelve", "marshal"}
 """They make objects of what a file says, so that whoever writes the file says what is made."""

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.document.bounded import bounded_content
+from axiscal.document.file import bounded_content
 
 
 def test_a_file_is_read_whole_up_to_its_limit(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from axiscal.document.toml_text import toml_document, toml_value
+from axiscal.document.quoting import toml_document, toml_value
 
 SCALARS = (
     st.text() | st.booleans() | st.integers(-(2**63), 2**63 - 1) | st.floats(allow_nan=False, allow_infinity=False)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.errors.actual import MovedErrors, deviation_of, deviations_of, levers_at
 from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import MovedErrors, deviation_of, deviations_of, levers_at
 from axiscal.machine import builtin_names, load_machine
 from axiscal.numerics import Array, rigid
 from tests.generators.machines import random_machine, random_poses

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.errors.gauge import Hidden, hidden, machine_check, unseen_factor
-from axiscal.errors.gauge_words import undescribed
+from axiscal.errors.gauge import Hidden, hidden, machine_check, undescribed, unseen_factor
 from axiscal.errors.model import ErrorModel
 from axiscal.machine import Machine, builtin_names, load_machine
 from axiscal.machine.entry import ErrorEntry

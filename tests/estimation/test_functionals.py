@@ -7,8 +7,8 @@ import pytest
 from scipy import stats
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.errors.actual import deviation_of
 from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import deviation_of
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import AxisLine, Functional
 from axiscal.machine import load_machine

@@ -8,8 +8,8 @@ import pytest
 from axiscal.estimation.data_equation import DataEquation
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.ports.fleet.sisters.gibbs import half_covariance, swept
-from axiscal.ports.fleet.sisters.hierarchy import (
+from axiscal.ports.fleet.gibbs import half_covariance, swept
+from axiscal.ports.fleet.hierarchy import (
     CERTAINTY,
     LEVEL,
     MEANS,

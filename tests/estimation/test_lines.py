@@ -12,7 +12,7 @@ import pytest
 from scipy.stats import t
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.wants import RowName
+from axiscal.description.target import RowName
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.functionals.functional import PLACES, line_of, seen_by, through_the_volume

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.errors.actual import MovedErrors, deviation_of
+from axiscal.errors.volume import MovedErrors, deviation_of
 from axiscal.estimation.case import Case
 from axiscal.estimation.located import Absorbed, absorbed, bent, located
 from axiscal.estimation.stations import GAUSSIAN, indices

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.causes import CYCLE, DRIFT, GROWTH, WAY
+from axiscal.description.sizes import CYCLE, DRIFT, GROWTH, WAY
 from axiscal.description.usual import Learnable, sizes_of
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.passing import passing_columns, turning

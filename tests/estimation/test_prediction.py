@@ -10,14 +10,14 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from axiscal.errors.actual import deviation_of
 from axiscal.errors.model import ErrorModel
+from axiscal.errors.volume import deviation_of
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.prediction import predict_poses, tcp_prediction
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine, machine_from_text
-from axiscal.measurement.readers.axes import RawPose
+from axiscal.measurement.readers.csv_table import RawPose
 
 TEXT = """
 chain = "w-X'-b-C-t"

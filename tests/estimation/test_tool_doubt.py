@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.errors.gauge import MANY_READINGS, unseen_factor
-from axiscal.errors.gauge_words import Hidden
+from axiscal.errors.gauge import MANY_READINGS, Hidden, unseen_factor
 from axiscal.estimation.accuracy.unseen import tool_doubt
 from axiscal.estimation.case import Case, _whitened
 from axiscal.measurement.observation import Observation

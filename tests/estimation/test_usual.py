@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from axiscal.description import causes as model
-from axiscal.description.causes import DRIFT, LENGTH, NOISE, REST, REVERSAL, ROUGH, SURE
+from axiscal.description import sizes as model
+from axiscal.description.sizes import DRIFT, LENGTH, NOISE, REST, REVERSAL, ROUGH, SURE
 from axiscal.description.usual import Learnable, sizes_of, usual_machine
 from axiscal.machine.entry import Sure
 from tests.generators.problems import case_of, plain_case, sizes_for

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from axiscal.evaluation.acceptance.at_the_machine import Taken
-from axiscal.evaluation.acceptance.judgement import Judgement
+from axiscal.evaluation.at_the_machine import Taken
+from axiscal.evaluation.judgement import Judgement
 from axiscal.present.check_answer import check_answer, check_details
 
 

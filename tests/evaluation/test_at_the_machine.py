@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.simulated import SimulatedSource
-from axiscal.campaign.sources.source import Answer, Request, Skip, Source
+from axiscal.campaign.sources.source import Answer, Request, SimulatedSource, Skip, Source
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.evaluation.acceptance.at_the_machine import Sheet, Taken
-from axiscal.evaluation.acceptance.check import Check, requests
+from axiscal.evaluation.at_the_machine import Sheet, Taken
+from axiscal.evaluation.check import Check, requests
 from axiscal.exceptions import SourceError, TableError
 from axiscal.measurement.place import Places
 from axiscal.measurement.simulation import Simulator

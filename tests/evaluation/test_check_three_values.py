@@ -12,12 +12,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.evaluation.acceptance.check import Check
-from axiscal.evaluation.acceptance.datums import datums_of, straightened
-from axiscal.evaluation.acceptance.verification import plan_check, values_at
+from axiscal.evaluation.check import Check
+from axiscal.evaluation.datums import datums_of, straightened
+from axiscal.evaluation.verification import plan_check, values_at
 from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.place import Places

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.evaluation.acceptance.at_the_machine import Taken
-from axiscal.evaluation.acceptance.check import Check
-from axiscal.evaluation.acceptance.judgement import Judgement
-from axiscal.evaluation.acceptance.table_checks import parts_of, shares
+from axiscal.evaluation.at_the_machine import Taken
+from axiscal.evaluation.check import Check
+from axiscal.evaluation.judgement import Judgement
+from axiscal.evaluation.table_checks import parts_of, shares
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine

@@ -14,14 +14,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.acceptance.check import tolerance_of
-from axiscal.evaluation.acceptance.datums import GUARD
-from axiscal.evaluation.acceptance.verification import judge, plan_check, verdict, with_displacements
+from axiscal.evaluation.check import tolerance_of
+from axiscal.evaluation.datums import GUARD
+from axiscal.evaluation.verification import judge, plan_check, verdict, with_displacements
 from axiscal.exceptions import ReadingError, TargetError
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading

@@ -13,9 +13,9 @@ from axiscal.description.first_files import first_files, of_builtin
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.acceptance.datums import datums_of
-from axiscal.evaluation.acceptance.judgement import Judgement
-from axiscal.evaluation.acceptance.verification import judge
+from axiscal.evaluation.datums import datums_of
+from axiscal.evaluation.judgement import Judgement
+from axiscal.evaluation.verification import judge
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from axiscal.answers.answer import Aim, AnswerLine, AnswerRow, ResultAnswer
-from axiscal.description.wants import RowName, dimension
+from axiscal.description.target import RowName, dimension
 from axiscal.machine import Machine
 
 

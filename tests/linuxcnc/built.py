@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from axiscal.campaign.sources import Answer, Request, Skip
-from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.machine import Axis
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine

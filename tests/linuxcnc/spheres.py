@@ -12,8 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from axiscal.machine.description import Machine
-from axiscal.machine.inverse import drawn_back, tip_at
-from axiscal.machine.kinematics import frames
+from axiscal.machine.kinematics import drawn_back, frames, tip_at
 from axiscal.measurement.instruments.kind import Actual
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine

@@ -15,8 +15,7 @@ from axiscal.errors.volume import whole_travel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ControlError
-from axiscal.machine.inverse import tip_at
-from axiscal.machine.kinematics import frames
+from axiscal.machine.kinematics import frames, tip_at
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from axiscal.description.logged import logged_readings
+from axiscal.description.placed_readings import logged_readings
 from axiscal.ports.linuxcnc.lab import Settings, available, can_load
 from axiscal.programs import write_programs
 from tests.generators import touched_table as table

@@ -11,7 +11,7 @@ from axiscal.exceptions import ControlError, InputError
 from axiscal.ports.linuxcnc.configuring import export_into, software_only
 from axiscal.ports.linuxcnc.lab import Joint, Settings, available, can_load
 from axiscal.ports.linuxcnc.lab.configuration import files as lab_files
-from axiscal.ports.linuxcnc.volumetric.patching import Configuration
+from axiscal.ports.linuxcnc.patching import Configuration
 from axiscal.tables.export_options import ExportOptions
 from tests.linuxcnc.test_closed_loop import known
 

@@ -11,13 +11,13 @@ import pytest
 from axiscal.exceptions import ControlError
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available, can_load
+from axiscal.tables import vcomp_applying
 from axiscal.tables.effect import left_by
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
-from axiscal.tables.vcomp import applying
-from axiscal.tables.vcomp.applying import fnv1a
-from axiscal.tables.vcomp.vcomp_reading import read
+from axiscal.tables.vcomp_applying import fnv1a
+from axiscal.tables.vcomp_file import read
 from tests.figures import held
 from tests.linuxcnc.built import BuiltMachine
 from tests.linuxcnc.demo import EXAMPLES
@@ -185,7 +185,7 @@ def test_another_tool_is_followed_slowly_and_counts(running: WatchedSession) -> 
     pose = np.array([[at[axis.name] for axis in file.axes]])
     ways = np.ones_like(pose)
     motors = running.read([f"axiscal-vcomp.correction-{n}" for n in range(5)])
-    found = applying.correction(file, pose, ways, np.array([0.0, 0.0, -180.0]))[0]
+    found = vcomp_applying.correction(file, pose, ways, np.array([0.0, 0.0, -180.0]))[0]
     said = dict(zip((axis.name for axis in file.axes), found, strict=True))
     z = motors[2] - said["Z"]
     assert z == pytest.approx(0, abs=1e-6)  # Z has no reversal on this machine
@@ -200,7 +200,7 @@ def test_over_the_limit_it_fades_on_the_way_and_there_is_a_way_out() -> None:
     file = read(files["axiscal.vcomp"])
     places = np.random.default_rng(3).uniform([0, -50, -140, -140, 0], [300, 50, 140, 140, 150], (300, 5))
     linear = [k for k, axis in enumerate(file.axes) if not axis.rotary]
-    sizes = np.abs(applying.correction(file, places, np.zeros_like(places)))[:, linear].max(axis=1)
+    sizes = np.abs(vcomp_applying.correction(file, places, np.zeros_like(places)))[:, linear].max(axis=1)
     start, end = (
         " ".join(f"{axis.name}{at:.3f}" for axis, at in zip(file.axes, places[choose(sizes)], strict=True))
         for choose in (np.argmin, np.argmax)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from axiscal.exceptions import ChainError
-from axiscal.machine.building import parse_chain
+from axiscal.machine.description import parse_chain
 
 CHAINS: list[tuple[str, list[str]]] = [
     ("w-b-X-t", ["X"]),

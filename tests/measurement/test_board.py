@@ -15,7 +15,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import InputError
 from axiscal.measurement.candidates import spread
-from axiscal.measurement.owners import Owned
+from axiscal.measurement.observation import Owned
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.rigid import rotation

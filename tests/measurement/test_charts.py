@@ -11,11 +11,10 @@ import pytest
 from axiscal.errors.model import ErrorModel
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.charts.bar import Bar, Circle
-from axiscal.measurement.charts.box import Sight
+from axiscal.measurement.charts.box import Line, Sight
 from axiscal.measurement.charts.chart import Chart, arrivals, has_room
 from axiscal.measurement.charts.crossings import crossings
 from axiscal.measurement.charts.held import Balls, Held
-from axiscal.measurement.charts.line import Line
 from axiscal.measurement.charts.room import Room
 from axiscal.numerics import Array
 from tests.generators.kinematics import in_travel, stem, tip

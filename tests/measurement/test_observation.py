@@ -13,7 +13,7 @@ from axiscal.estimation.belief import Belief
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
-from axiscal.measurement.breaks import breaks_along, smoothness_along
+from axiscal.measurement.candidates import breaks_along, smoothness_along
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from axiscal.measurement.place_texts import place_text, reading_text
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, place_text, reading_text
 from tests.planning.test_out_and_back import one_axis
 
 

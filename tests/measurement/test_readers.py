@@ -12,9 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.exceptions import ReadingError
-from axiscal.measurement.readers.axes import RawPose, read_poses
 from axiscal.measurement.readers.csv_readings import RawReading, read_readings
-from axiscal.measurement.readers.csv_table import parse_table, read_table
+from axiscal.measurement.readers.csv_table import RawPose, parse_table, read_poses, read_table
 from axiscal.measurement.readers.truth_curves import read_truth
 
 READINGS = """setup,X_mm,Y_mm,B_deg,approach,value_um,value_arcsec,std_um

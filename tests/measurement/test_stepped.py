@@ -22,7 +22,7 @@ from axiscal.machine import Machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.breaks import breaks_along, smoothness_along
+from axiscal.measurement.candidates import breaks_along, smoothness_along
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading

@@ -11,8 +11,8 @@ from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import chart_candidates
+from axiscal.measurement.instruments.distance import Nest
 from axiscal.measurement.instruments.kind import Actual, Nominal
-from axiscal.measurement.instruments.nest import Nest
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import cycle_of, touch_frames

@@ -11,8 +11,8 @@ import pytest
 from axiscal.machine import Machine, machine_from_text
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.bar import Bar
+from axiscal.measurement.charts.box import Line
 from axiscal.measurement.charts.held import Held
-from axiscal.measurement.charts.line import Line
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.charts.swing import Slides, Swinging, stem_rate
 from axiscal.measurement.charts.ways import clear

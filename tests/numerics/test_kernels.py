@@ -12,7 +12,7 @@ _DRAWS = """
 import numpy as np
 from axiscal.errors.model import ErrorModel
 from axiscal.ports.fleet.rehearsal import Imagined, VirtualType
-from axiscal.ports.fleet.sisters.hierarchy import prior_units
+from axiscal.ports.fleet.hierarchy import prior_units
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator
 from tests.generators.planes import bed, poses_of, table
@@ -36,7 +36,7 @@ _CAMPAIGN = """
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator

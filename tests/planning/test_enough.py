@@ -9,7 +9,7 @@ from statistics import median
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.estimate import concluded

@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended
-from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated

@@ -5,8 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from axiscal.ports.study.processes import Processes
-from axiscal.ports.study.results import Results, run_missing
+from axiscal.ports.study.results import Processes, Results, run_missing
 from tests.ports.deeds import doubled_slowly, numbers
 
 if __name__ == "__main__":

@@ -24,8 +24,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.ports.fleet.due_dates import due_dates, titles
 from axiscal.ports.fleet.type_learning import learnt_type
-from axiscal.ports.fleet.wearing import Aging, Pair, Wearing, aging
-from axiscal.ports.fleet.worn_machine import WornMachine
+from axiscal.ports.fleet.worn_machine import Aging, Pair, Wearing, WornMachine, aging
 from tests.generators.sisters import read_on, shop, slide, write_record
 
 DAY = date(2030, 1, 1)

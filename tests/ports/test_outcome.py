@@ -10,8 +10,7 @@ import pytest
 
 from axiscal.exceptions import PlanError
 from axiscal.numerics.remembered import Memo
-from axiscal.ports.study.outcome import outcome, prepared, taken
-from axiscal.ports.study.study_case import FIGURES, Stop, StudyCase
+from axiscal.ports.study.study_case import FIGURES, Stop, StudyCase, outcome, prepared, taken
 from axiscal.ports.study.study_file import read_study
 from tests.ports.texts import STUDY, written
 
@@ -26,7 +25,7 @@ def _cases(folder: Path) -> list[StudyCase]:
 def test_a_case_is_a_function_of_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cases = _cases(tmp_path)
     first = [outcome(case) for case in cases]
-    monkeypatch.setattr("axiscal.ports.study.outcome._PREPARED", Memo())
+    monkeypatch.setattr("axiscal.ports.study.study_case._PREPARED", Memo())
     np.random.default_rng(5).random(3)
     assert [outcome(case) for case in reversed(cases)] == first[::-1]
     assert all(set(found) == {figure.column for figure in FIGURES.values()} for found in first)

@@ -13,8 +13,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.document.durable import is_running
-from axiscal.ports.study.processes import THREADS, Processes
-from axiscal.ports.study.results import FILE, Results, run_missing
+from axiscal.ports.study.results import FILE, THREADS, Processes, Results, run_missing
 from axiscal.ports.study.study_case import Done, WorkItem, here
 from tests.ports.deeds import COUNT, doubled, ending_always, ending_once, numbers, refusing_odd
 

@@ -11,9 +11,8 @@ from scipy.interpolate import CubicSpline
 
 from axiscal.cli.app import run as command
 from axiscal.numerics import Array
-from axiscal.ports.paper.experiment import Experiment, document, run, table
 from axiscal.ports.paper.paper_page import render
-from axiscal.ports.paper.stack import GreedyPlan
+from axiscal.ports.paper.stack import Experiment, GreedyPlan, document, run, table
 from benchmarks.beyond import beyond
 from tests.web.browser import Browser
 

@@ -20,8 +20,7 @@ from axiscal.ports.postgres.database import Database, store_address
 from axiscal.ports.postgres.server_log import ServerLog
 from axiscal.ports.postgres.syncing import Synced, synced
 from axiscal.ports.postgres.tables import prepare
-from axiscal.record.copies import write_copy
-from axiscal.record.opening import gathered, opened_log, records_of
+from axiscal.record.copies import gathered, opened_log, records_of, write_copy
 from axiscal.record.store import Record
 from tests.generators.sisters import CAMPAIGN, MACHINE, read_on, shop, slide, write_record
 from tests.record.postgres_server import RunningServer, running_server

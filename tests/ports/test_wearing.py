@@ -6,7 +6,7 @@ import numpy as np
 
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.numerics import Array
-from axiscal.ports.fleet.wearing import Wearing
+from axiscal.ports.fleet.worn_machine import Wearing
 
 SIZE, MACHINES = 5, 200_000
 

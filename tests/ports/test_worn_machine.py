@@ -16,8 +16,7 @@ from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import unique_root
 from axiscal.ports.fleet.rehearsal import measured
-from axiscal.ports.fleet.wearing import Aging
-from axiscal.ports.fleet.worn_machine import WornMachine
+from axiscal.ports.fleet.worn_machine import Aging, WornMachine
 
 TABLE = """name = "Table"
 chain = "w-b-X-Y-t"

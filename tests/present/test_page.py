@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from axiscal.answers.answer import NextStep, ReadingAgreement, ResultAnswer
-from axiscal.description.wants import rows_of
+from axiscal.description.target import rows_of
 from axiscal.errors.iso230 import words
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import load_machine

@@ -13,7 +13,7 @@ import pytest
 from axiscal.answers.answer import LargestCause, NextStep, PlannedRow, PlannedSetup, PlanVerdict, ReachAnswer
 from axiscal.answers.answer_words import WIDTH
 from axiscal.cli.app import run
-from axiscal.description.wants import RowName, dimension, rows_of
+from axiscal.description.target import RowName, dimension, rows_of
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import Machine, load_machine
 from axiscal.planning.helping import Helping

@@ -11,7 +11,7 @@ from axiscal.answers.answer import Aim, NextStep, ResultAnswer, TablesChecked, V
 from axiscal.answers.answer_words import LINES, WIDTH, screen
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
-from axiscal.description.wants import RowName, rows_of
+from axiscal.description.target import RowName, rows_of
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import load_machine
 from tests.generators.answers import aim, answer, answer_row

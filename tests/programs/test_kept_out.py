@@ -17,7 +17,7 @@ from axiscal.measurement.charts.room import Room
 from axiscal.measurement.place import Place
 from axiscal.numerics import Array
 from axiscal.programs import dialect, programs
-from axiscal.programs.kept_out import KeptOut, refuse_kept_out
+from axiscal.programs.gliding import KeptOut, refuse_kept_out
 from axiscal.programs.scale import AxisScale, ReadingTarget
 from axiscal.programs.steps import Arrival, Move
 from tests.generators.printed_machine import printed_machine

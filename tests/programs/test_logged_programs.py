@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.logged import logged_readings
+from axiscal.description.placed_readings import logged_readings
 from axiscal.exceptions import InputError, ProgramError, ReadingError
-from axiscal.machine.inverse import drawn_back
+from axiscal.machine.kinematics import drawn_back
 from axiscal.machine.motion import Driving
 from axiscal.measurement.place import Place
 from axiscal.measurement.readers.touch_log import read_touch_log

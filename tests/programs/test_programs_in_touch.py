@@ -15,17 +15,16 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.exceptions import ProgramError
 from axiscal.machine import Machine, load_machine
-from axiscal.machine.inverse import tip_at
-from axiscal.machine.kinematics import frames
+from axiscal.machine.kinematics import frames, tip_at
 from axiscal.machine.motion import Driving
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.place import Place
 from axiscal.numerics import Array
 from axiscal.programs import Program, controllers, dialect, programs
 from axiscal.programs.gliding import SlideDriver, TipDriver
-from axiscal.programs.groups import groups
 from axiscal.programs.in_touch import Ways
 from axiscal.programs.scale import AxisScale
+from axiscal.programs.steps import groups
 from tests.generators.kinematics import in_travel, pose_with_tip, tip
 from tests.generators.program_ways import STEP, Reader
 

@@ -8,10 +8,9 @@ from pathlib import Path
 import pytest
 
 from axiscal.exceptions import RecordError
-from axiscal.record import opening
-from axiscal.record.copies import carried_text
+from axiscal.record import copies
+from axiscal.record.copies import carried_text, file_name, gathered, is_store, is_stored, opened_log, records_of
 from axiscal.record.log import shared_events
-from axiscal.record.opening import file_name, gathered, is_store, is_stored, opened_log, records_of
 
 THERE = [Path("store:one"), Path("store:two")]
 
@@ -26,7 +25,7 @@ def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         assert name.endswith("server_log:all_there")
         return lambda: THERE
 
-    monkeypatch.setattr(opening, "ours", ours)
+    monkeypatch.setattr(copies, "ours", ours)
     return tmp_path
 
 

@@ -22,10 +22,10 @@ from axiscal.ports.postgres import database as database_module
 from axiscal.ports.postgres.database import Database, opened_database, store_address
 from axiscal.ports.postgres.server_log import Entry, ServerLog, enter, entries, insert
 from axiscal.ports.postgres.tables import prepare
+from axiscal.record.copies import opened_log
 from axiscal.record.events import Created, Noted, Recorded
 from axiscal.record.line_form import EventText, chained
 from axiscal.record.log import ChainedText, chained_texts
-from axiscal.record.opening import opened_log
 from axiscal.record.store import Record
 from tests.generators.sisters import CAMPAIGN, MACHINE
 from tests.record.postgres_server import RunningServer, programs, running_server

@@ -18,7 +18,7 @@ from axiscal.description.campaign import read_campaign
 from axiscal.evaluation import evaluate, read_iso230
 from axiscal.exceptions import AxiscalError
 from axiscal.machine.description import load_machine
-from axiscal.measurement.readers.axes import read_poses
+from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.readers.truth_curves import read_truth
 from axiscal.measurement.reading import Reading

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc import volumetric as linuxcnc_volumetric
+from axiscal.ports import linuxcnc
 
 HERE = Path(__file__).parent
-SOURCES = Path(linuxcnc_volumetric.__file__).parent
+SOURCES = Path(linuxcnc.__file__).parent
 NEEDS_GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs Debian's gcc")
 
 

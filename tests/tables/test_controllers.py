@@ -26,8 +26,7 @@ from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.ports.linuxcnc.tables.cross import Hal
 from axiscal.ports.printers import contents, klipper
 from axiscal.tables.controllers import heidenhain, isg, sinumerik
-from axiscal.tables.controllers.fanuc.exporting import increments
-from axiscal.tables.controllers.fanuc.pitch import PitchParameters
+from axiscal.tables.controllers.fanuc import PitchParameters, increments
 from axiscal.tables.effect import Effect, effect_of_control, rms, tour
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.offer import Draft, tried_out

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.ports.linuxcnc.volumetric.patching import Configuration, scripts
+from axiscal.ports.linuxcnc.patching import Configuration, scripts
 
 BEFORE = {"mill.ini": "[HAL]\nHALFILE = mill.hal\n", "mill.hal": "loadrt trivkins\n", "it's mine.hal": "# nothing\n"}
 AFTER = {**BEFORE, "mill.ini": "[HAL]\nHALFILE = axiscal-load.hal\n", "it's mine.hal": "# something\n"}

@@ -13,7 +13,7 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
-from axiscal.tables.controllers.isg import leadscrew
+from axiscal.tables.controllers.isg import read_list
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.registry import export
 
@@ -100,4 +100,4 @@ def test_with_the_tables_less_is_left_than_without() -> None:
 
 def test_a_line_that_the_kernel_does_not_know_is_found() -> None:
     with pytest.raises(TableError, match="would not know"):
-        leadscrew.read("kw.ssfk.table[0].up 3\n", known().machine)
+        read_list("kw.ssfk.table[0].up 3\n", known().machine)

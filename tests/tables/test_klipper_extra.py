@@ -13,7 +13,7 @@ from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import exporter
 from axiscal.tables.round_trip import drawn_and_known
-from axiscal.tables.vcomp.applying import fnv1a
+from axiscal.tables.vcomp_applying import fnv1a
 from tests.controls.known import BED, OWN, PLANE, SQUARE, STRAIGHT, TURNS, Known, known
 from tests.generators.texts import machine_text
 

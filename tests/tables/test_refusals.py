@@ -17,9 +17,8 @@ from axiscal.exceptions import DescriptionError, TableError
 from axiscal.machine.description import Machine, machine_from_text
 from axiscal.ports.linuxcnc.tables import cross
 from axiscal.ports.printers import marlin
-from axiscal.tables.controllers import plain_csv
-from axiscal.tables.controllers.isg import leadscrew
-from axiscal.tables.controllers.sinumerik import writing
+from axiscal.tables.controllers import plain_csv, sinumerik
+from axiscal.tables.controllers.isg import write_list
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.old_files import OldFile, read_old
 from axiscal.tables.registry import export, loaded
@@ -141,9 +140,9 @@ def test_a_spacing_is_of_an_axis_of_the_machine() -> None:
 
 def test_more_tables_than_a_sinumerik_has() -> None:
     one = table("X", "Y", [0.0, 0.1])
-    assert len(writing.blocks_of([], [one] * writing.TABLES)) == writing.TABLES
-    with pytest.raises(TableError, match=f"{writing.TABLES + 1} CEC tables are needed, {writing.TABLES} fit"):
-        writing.blocks_of([], [one] * (writing.TABLES + 1))
+    assert len(sinumerik.blocks_of([], [one] * sinumerik.TABLES)) == sinumerik.TABLES
+    with pytest.raises(TableError, match=f"{sinumerik.TABLES + 1} CEC tables are needed, {sinumerik.TABLES} fit"):
+        sinumerik.blocks_of([], [one] * (sinumerik.TABLES + 1))
 
 
 def test_a_table_is_of_the_axis_that_is_said_on_the_command_line(tmp_path: Path) -> None:
@@ -212,9 +211,9 @@ def test_the_whole_correction_refuses_what_it_does_itself(options: ExportOptions
 def test_uneven_points_where_the_control_knows_one_distance() -> None:
     uneven = table("X", "X", [0.0, 0.01, 0.03])
     with pytest.raises(TableError, match="not evenly spaced"):
-        leadscrew.write(uneven, 1, False)
+        write_list(uneven, 1, False)
     with pytest.raises(TableError, match="not evenly spaced"):
-        writing.write([uneven], [], {"X": "X1"})
+        sinumerik.write([uneven], [], {"X": "X1"})
 
 
 def test_what_a_lincurve_cannot_hold() -> None:

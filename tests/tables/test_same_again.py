@@ -9,13 +9,11 @@ from hypothesis import strategies as st
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.tables import pivots, reader, writer
+from axiscal.ports.linuxcnc.tables import pivots, writer
 from axiscal.ports.printers import klipper, marlin, reprapfirmware
-from axiscal.tables.controllers import plain_csv
-from axiscal.tables.controllers.fanuc.pitch import read_records, replace_values
-from axiscal.tables.controllers.isg import formats as isg_formats
-from axiscal.tables.controllers.isg import leadscrew
-from axiscal.tables.controllers.sinumerik import read_back, writing
+from axiscal.tables.controllers import isg, plain_csv, sinumerik
+from axiscal.tables.controllers.fanuc import read_records, replace_values
+from axiscal.tables.controllers.isg import read_list, write_list
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import Exporter
 from axiscal.tables.loaded import Loaded, both_ways
@@ -70,7 +68,7 @@ def test_linuxcnc_table(table: CompensationTable, inch: bool) -> None:
     """The control keeps its trims in 32 bits: a trim of a millimetre is 6e-11 mm off, far below a digit of the file."""
     unit = "deg" if table.rotary else "in" if inch else "mm"
     text = writer.write(table, unit)
-    kept = reader.parse(text)
+    kept = writer.parse(text)
     assert (kept.errors, kept.unread) == ((), None)
     at, forward, reverse = (from_unit(column, unit) for column in (kept.nominal, -kept.forward, -kept.reverse))
     assert writer.write(CompensationTable(table.axis, table.rotary, at, forward, reverse, table.std), unit) == text
@@ -86,20 +84,20 @@ def test_linuxcnc_pivots(swivel: str, lengths: list[float], conventional: bool) 
 @given(tables())
 def test_sinumerik(table: CompensationTable) -> None:
     names = {"X": "X1", "C": "C1"}
-    files = writing.write([table], writing.blocks_of([table], []), names)
-    found = read_back.read(files.values(), names, MACHINE)
+    files = sinumerik.write([table], sinumerik.blocks_of([table], []), names)
+    found = sinumerik.read(files.values(), names, MACHINE)
     middle = -found[0].added
     half = -found[1].added if len(found) > 1 else np.zeros_like(middle)
     same = CompensationTable(table.axis, table.rotary, found[0].positions, middle + half, middle - half, table.std)
-    assert writing.write([same], writing.blocks_of([same], []), names) == files
+    assert sinumerik.write([same], sinumerik.blocks_of([same], []), names) == files
 
 
 @given(tables())
 def test_isg_leadscrew(table: CompensationTable) -> None:
-    text = leadscrew.write(table, 3, cyclic=False)
-    forward, reverse = leadscrew.read(text, MACHINE)
+    text = write_list(table, 3, cyclic=False)
+    forward, reverse = read_list(text, MACHINE)
     same = CompensationTable(table.axis, table.rotary, forward.positions, -forward.added, -reverse.added, table.std)
-    assert leadscrew.write(same, 3, cyclic=False) == text
+    assert write_list(same, 3, cyclic=False) == text
 
 
 @given(st.integers(2, 9), st.data())
@@ -109,8 +107,8 @@ def test_isg_volumetric(count: int, data: st.DataObject) -> None:
         for name, axis in (("EXX", X), ("EYX", X), ("EBX", X), ("EZC", C), ("EAC", C))
     }
     curves["A0C"] = SampledError(np.zeros(1), data.draw(values(1)))
-    text = isg_formats.write_csv(curves, MACHINE)
-    assert isg_formats.write_csv(isg_formats.read_csv(text, MACHINE), MACHINE) == text
+    text = isg.write_csv(curves, MACHINE)
+    assert isg.write_csv(isg.read_csv(text, MACHINE), MACHINE) == text
 
 
 @given(meshes())

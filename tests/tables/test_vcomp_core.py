@@ -14,11 +14,11 @@ from axiscal.machine.description import machine_from_text
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.volumetric import exporting
+from axiscal.ports.linuxcnc.volumetric_tables import LinuxcncVolumetric
+from axiscal.tables import vcomp_applying
 from axiscal.tables.effect import left_by
 from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.vcomp import applying
-from axiscal.tables.vcomp.vcomp_reading import read
+from axiscal.tables.vcomp_file import read
 from tests.figures import held
 from tests.generators.machines import random_machine
 from tests.generators.texts import machine_text
@@ -68,7 +68,7 @@ def shown(estimate: Estimate, values: Array, unit: str = "mm") -> Array:
 
 
 def text_of(estimate: Estimate, unit: str = "mm") -> str:
-    return exporting.LinuxcncVolumetric().make(estimate, ExportOptions(unit=unit)).files["axiscal.vcomp"]
+    return LinuxcncVolumetric().make(estimate, ExportOptions(unit=unit)).files["axiscal.vcomp"]
 
 
 @pytest.mark.parametrize("unit", ["mm", "in"])
@@ -123,7 +123,7 @@ def test_the_reader_adds_what_the_core_adds(core: Core, seed: int) -> None:
         added, faults, _ = core.correct(joints, ways, tool)
         good = faults == 0
         assert np.mean(good) > 0.8
-        expected = applying.correction(read(text), joints[good], ways[good], tool)
+        expected = vcomp_applying.correction(read(text), joints[good], ways[good], tool)
         held("reader against core", np.max(np.abs(expected - added[good])), 1e-9, "mm or deg")
 
 
@@ -140,7 +140,7 @@ def test_linear_axes_that_do_not_span_space_are_a_fault(core: Core) -> None:
         if np.any(faults):
             assert set(faults) == {0, 4}
             with pytest.raises(TableError, match="do not span space"):
-                applying.correction(read(text), joints[faults > 0], np.zeros_like(joints)[faults > 0])
+                vcomp_applying.correction(read(text), joints[faults > 0], np.zeros_like(joints)[faults > 0])
             return
     pytest.fail("no chain with a rotary axis between linear ones")
 
@@ -247,7 +247,7 @@ def test_an_axis_of_two_kinds_of_knots_keeps_its_cubics() -> None:
             scale = np.degrees(1.0) if axis.rotary else 1e3
             at = np.random.default_rng(5).uniform(*axis.travel, 200)
             sense = file.axes[k].sense
-            kept = applying.joint_errors(file.axes[k], sense * at * scale, np.full(200, float(sense)), "mm")
+            kept = vcomp_applying.joint_errors(file.axes[k], sense * at * scale, np.full(200, float(sense)), "mm")
             expected = np.zeros((200, 6))
             for f in (f for f in model.functions if f.axis == k and (f.kind != "location" or axis.rotary)):
                 value = f.basis.rows(at) @ estimate.mean[f.columns] * (0.5 if f.kind == "reversal" else 1)
@@ -264,4 +264,4 @@ def test_more_knots_than_fit_are_refused() -> None:
     model = ErrorModel(machine_from_text(text))
     estimate = Estimate(model, Belief(np.linspace(0, 1e-5, model.size), np.eye(model.size)), whole_travel(model))
     with pytest.raises(TableError, match=r"have 119 knots together, the component holds 96"):
-        exporting.LinuxcncVolumetric().make(estimate, ExportOptions())
+        LinuxcncVolumetric().make(estimate, ExportOptions())

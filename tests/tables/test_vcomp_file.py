@@ -11,8 +11,8 @@ from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.registry import export
-from axiscal.tables.vcomp.applying import fnv1a, joint_errors
-from axiscal.tables.vcomp.vcomp_reading import read
+from axiscal.tables.vcomp_applying import fnv1a, joint_errors
+from axiscal.tables.vcomp_file import read
 from tests.tables.core_library import NEEDS_GCC, Core
 from tests.tables.test_controllers import known
 

@@ -16,16 +16,15 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine import machine_from_text
 from axiscal.machine.kinematics import frames
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.volumetric.exporting import reversal_times
+from axiscal.ports.linuxcnc.volumetric_tables import reversal_times
 from axiscal.tables.conditional import mean_along
-from axiscal.tables.controllers.fanuc.exporting import _turn_notes
-from axiscal.tables.controllers.fanuc.pitch import PitchParameters
+from axiscal.tables.controllers.fanuc import PitchParameters, _turn_notes
 from axiscal.tables.effect import planes_left
 from axiscal.tables.loaded import Loaded, Lookup
 from axiscal.tables.offer import foreword, shifts
 from axiscal.tables.surface import Mesh
 from axiscal.tables.table import CompensationTable
-from axiscal.tables.vcomp.applying import whole_control
+from axiscal.tables.vcomp_applying import whole_control
 from tests.generators.planes import BED, TABLE
 from tests.tables.test_controllers import known
 from tests.tables.test_sampling import CHAINS, machine

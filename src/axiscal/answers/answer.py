@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from axiscal.description.wants import Kind
+from axiscal.description.target import Kind
 from axiscal.planning.helping import Helping
 from axiscal.planning.promise import Alike
 

@@ -38,10 +38,10 @@ from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
 from axiscal.machine.axis import Axis
 from axiscal.measurement.place import Place
-from axiscal.measurement.place_texts import shown_pose
+from axiscal.measurement.reading import shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.promise import WantedAccuracy, asked
-from axiscal.record.opening import file_name
+from axiscal.record.copies import file_name
 from axiscal.tables.effect import Control
 from axiscal.tables.registry import offered
 from axiscal.units import to_unit

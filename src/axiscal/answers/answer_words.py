@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple, TypeVar
 
 from axiscal.answers.answer import Aim, AnswerRow, NextStep, PlannedRow, ResultAnswer, TablesChecked, Verdict
-from axiscal.description.wants import Kind
+from axiscal.description.target import Kind
 from axiscal.language.spoken import counted, decimals, later, listed, put, said
 
 _Row = TypeVar("_Row", bound=PlannedRow)

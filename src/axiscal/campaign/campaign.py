@@ -47,7 +47,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.next_readings import next_places, plan_basis
 from axiscal.record.accepted import Accepted
-from axiscal.record.copies import refuse_other, write_copy
+from axiscal.record.copies import created_log, opened_log, refuse_other, write_copy
 from axiscal.record.events import (
     Asked,
     Continued,
@@ -64,7 +64,6 @@ from axiscal.record.events import (
     Undone,
 )
 from axiscal.record.log import EventLog, SignedUntil, signed_until
-from axiscal.record.opening import created_log, opened_log
 
 Planner = Callable[
     [Case, Knowledge, Sequence[Reading], Sequence[Doubt], Sequence[Gap], Sequence[Place]], tuple[Place, ...]

@@ -13,7 +13,7 @@ from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
 from axiscal.language.spoken import counted, said
-from axiscal.record.opening import opened_log
+from axiscal.record.copies import opened_log
 
 
 def adopt(

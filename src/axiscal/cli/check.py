@@ -15,7 +15,7 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.document.durable import write_whole
 from axiscal.measurement.readers.files import read_any
 from axiscal.ports.fleet.quick_check import CHANCE, READINGS, Checked, QuickCheck
-from axiscal.ports.fleet.wearing import YEAR, aging
+from axiscal.ports.fleet.worn_machine import YEAR, aging
 
 
 def check(

@@ -12,7 +12,7 @@ from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text, micrometres
 from axiscal.language.spoken import said
 from axiscal.ports.fleet.due_dates import DueMachine, Shop, due_dates, titles
-from axiscal.record.opening import records_of
+from axiscal.record.copies import records_of
 from axiscal.units import to_unit
 
 

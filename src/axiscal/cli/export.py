@@ -14,7 +14,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Anyway, Json, RecordFile
 from axiscal.cli.printing import say, say_document
 from axiscal.document import shown
-from axiscal.document.bounded import bounded_content
+from axiscal.document.file import bounded_content
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
@@ -24,14 +24,13 @@ from axiscal.present.delivery import deliver_export, introduced
 from axiscal.present.findings import findings
 from axiscal.present.summarising import record_state
 from axiscal.tables import registry
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.export_options import ExportOptions, informed
 from axiscal.tables.offer import Export, effect_sentence
 from axiscal.tables.old_files import read_old
-from axiscal.tables.on_top import informed
 from axiscal.units import parse_quantity, to_unit
 
 if TYPE_CHECKING:
-    from axiscal.ports.printers.printer_loader import DuetLoader, MoonrakerLoader
+    from axiscal.ports.printers.printer_source import DuetLoader, MoonrakerLoader
 
 MOST_BYTES = 4_000_000
 """A template has some thousand bytes; whatever is far larger is another file."""
@@ -158,7 +157,7 @@ def export(
 
 
 def _loader(printer: str, to: str) -> MoonrakerLoader | DuetLoader:
-    from axiscal.ports.printers.printer_loader import loader_at
+    from axiscal.ports.printers.printer_source import loader_at
 
     return loader_at(printer, to)
 

@@ -9,8 +9,7 @@ import typer
 
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_either
-from axiscal.errors.gauge import machine_check
-from axiscal.errors.gauge_words import undescribed
+from axiscal.errors.gauge import machine_check, undescribed
 from axiscal.machine import builtin_names, load_machine
 from axiscal.machine.questions import questions, which_way
 

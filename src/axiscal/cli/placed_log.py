@@ -6,8 +6,7 @@ from pathlib import Path
 
 from axiscal.cli.printing import tell
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.logged import logged_readings
-from axiscal.description.placed_readings import placed_readings
+from axiscal.description.placed_readings import logged_readings, placed_readings
 from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.reading import Reading

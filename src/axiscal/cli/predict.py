@@ -11,7 +11,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.printing import say_either
 from axiscal.estimation.prediction import PosePrediction, predict_poses
-from axiscal.measurement.readers.axes import read_poses
+from axiscal.measurement.readers.csv_table import read_poses
 
 
 def predict(

@@ -23,8 +23,7 @@ from axiscal.language.spoken import counted, joined, said
 from axiscal.machine import Machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
-from axiscal.measurement.place_texts import place_text, reading_unit, shown_pose
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, place_text, reading_unit, shown_pose
 from axiscal.measurement.setup import Setup
 from axiscal.present.guide.answers import value_texts
 from axiscal.present.guide.question import asked_text

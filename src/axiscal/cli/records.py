@@ -16,10 +16,9 @@ from axiscal.cli.texts import count_text, signed_text
 from axiscal.exceptions import NewerError
 from axiscal.language.spoken import said
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
-from axiscal.record.copies import write_copy
+from axiscal.record.copies import file_name, is_stored, opened_log, write_copy
 from axiscal.record.line_form import EventText
 from axiscal.record.log import EventLog, rows_of
-from axiscal.record.opening import file_name, is_stored, opened_log
 from axiscal.record.signing import key_file, make_key
 from axiscal.record.store import Record
 

@@ -11,8 +11,8 @@ import typer
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_document, tell
 from axiscal.document.durable import write_whole
-from axiscal.ports.paper.experiment import document, run, table
 from axiscal.ports.paper.paper_page import render
+from axiscal.ports.paper.stack import document, run, table
 
 Folder = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for reproduce.html and its numbers.")]
 

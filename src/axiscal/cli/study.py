@@ -19,10 +19,8 @@ from axiscal.exceptions import AxiscalError, InputError, StudyError
 from axiscal.language.spoken import counted, put, said
 from axiscal.language.stages import counting
 from axiscal.ports.study.comparing import MeasuringWay, verdicts, ways_of
-from axiscal.ports.study.outcome import outcome
-from axiscal.ports.study.processes import Processes
-from axiscal.ports.study.results import Ran, Results, rows_of, run_missing, write_table
-from axiscal.ports.study.study_case import FIGURES, Done, Engine, WorkItem, answered, here, processors_here
+from axiscal.ports.study.results import Processes, Ran, Results, rows_of, run_missing, write_table
+from axiscal.ports.study.study_case import FIGURES, Done, Engine, WorkItem, answered, here, outcome, processors_here
 from axiscal.ports.study.study_file import Study, read_study
 from axiscal.ports.study.study_page import render
 

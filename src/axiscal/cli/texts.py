@@ -10,7 +10,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.language.spoken import counted, said
-from axiscal.measurement.place_texts import reading_unit, value_names
+from axiscal.measurement.reading import reading_unit, value_names
 from axiscal.present.guide.question import axis_places, coming_text, go_text, parked_text, reads_text, touch_text
 from axiscal.record.events import Asked
 from axiscal.units import to_unit

@@ -17,11 +17,9 @@ from axiscal.estimation.type_prior import TypePrior, type_prior
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import said
 from axiscal.machine import load_machine
-from axiscal.ports.fleet.rehearsal import Imagined, rehearsed
+from axiscal.ports.fleet.rehearsal import ErrorLine, Imagined, error_lines, rehearsed, summary_sentences
 from axiscal.ports.fleet.type_learning import DIRECTIONS, DOUBT, Saving, learnt_type, saving
-from axiscal.ports.fleet.type_words import ErrorLine, error_lines, summary_sentences
-from axiscal.record.copies import carried_text
-from axiscal.record.opening import gathered
+from axiscal.record.copies import carried_text, gathered
 from axiscal.units import to_unit
 
 _LARGEST = 100.0

@@ -1,18 +1,29 @@
 """campaign.toml -> CampaignDescription: what is to be reached, with which set-ups, on which machine.
 
 [programs] has the same words as a command line: how programs go to their readings.
+
+Who measured what with which instruments: what a report is signed for, and no figure depends on.
 """
 
 from __future__ import annotations
 
 import glob
+import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from pydantic import Field
+
 from axiscal.description.artefacts import read_artefacts
-from axiscal.description.campaign_schema import CampaignTable, ProgramsTable, SistersTable
-from axiscal.description.particulars import NOTHING_SAID, Particulars, read_particulars
+from axiscal.description.campaign_schema import (
+    ArtefactTable,
+    CampaignTable,
+    ProgramsTable,
+    ReportTable,
+    SetupTable,
+    SistersTable,
+)
 from axiscal.description.setups import Surroundings, read_setups
 from axiscal.description.stated_type_b import refers_to_20
 from axiscal.description.target import Target, coordinate, read_target
@@ -27,6 +38,42 @@ from axiscal.measurement.setup import Setup, Vector
 from axiscal.record.events import Mounted
 from axiscal.record.log import STORED
 from axiscal.units import format_quantity, parse_quantity
+
+
+@dataclass(frozen=True, slots=True)
+class Equipment:
+    """The instrument or artefact of readings: serial number and calibration certificate, "" where nobody said."""
+
+    serial: str = ""
+    certificate: str = ""
+
+
+class Particulars(ReportTable, frozen=True):
+    """[report] of campaign.toml, with its machine, instruments and artefacts; "" where nothing is said.
+
+    maker, serial : of the machine; setups, artefacts : by name
+    """
+
+    maker: str = ""
+    serial: str = ""
+    setups: dict[str, Equipment] = Field(default={})
+    artefacts: dict[str, Equipment] = Field(default={})
+
+
+NOTHING_SAID = Particulars()
+
+
+def read_particulars(table: CampaignTable, machine: Machine) -> Particulars:
+    """Return who measured with what."""
+    built = tomllib.loads(machine.text)
+    of_machine = {key: str(built.get(key, "")) for key in ("maker", "serial")}
+    setups, artefacts = _equipment(table.setups), _equipment(table.artefacts)
+    return Particulars(**table.report.model_dump(), **of_machine, setups=setups, artefacts=artefacts)
+
+
+def _equipment(tables: Sequence[SetupTable | ArtefactTable]) -> dict[str, Equipment]:
+    return {each.name: Equipment(each.serial, each.certificate) for each in tables}
+
 
 _PRINTERS = {"klipper", "marlin", "reprapfirmware"}
 _SCALES: dict[str | None, Sure] = {None: "roughly", "stated": "well", "estimate": "roughly"}

@@ -11,7 +11,7 @@ from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import listed, said
 from axiscal.machine import Machine
-from axiscal.machine.inverse import linear_axes
+from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates
 from axiscal.measurement.charts.bar import Circle
 from axiscal.measurement.charts.box import Sight

@@ -19,16 +19,16 @@ from axiscal.document.quoting import meant
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import listed, said
 from axiscal.machine import Axis, Machine
-from axiscal.machine.inverse import linear_axes
+from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.bar import Bar, Circle
+from axiscal.measurement.charts.box import Line
 from axiscal.measurement.charts.chart import Chart, Coordinate
 from axiscal.measurement.charts.held import Balls, Held
-from axiscal.measurement.charts.line import Line
 from axiscal.measurement.charts.room import Room
+from axiscal.measurement.instruments.distance import RADIUS
 from axiscal.measurement.instruments.kind import TOOL
-from axiscal.measurement.instruments.nest import RADIUS
-from axiscal.measurement.owners import unknowns_at
+from axiscal.measurement.observation import unknowns_at
 from axiscal.measurement.setup import Contact, Unknown, Vector
 from axiscal.measurement.touched import Cycle, gone_to
 from axiscal.numerics import Array

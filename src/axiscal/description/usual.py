@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.description.causes import (
+from axiscal.description.sizes import (
     CYCLE,
     DRIFT,
     GROWTH,
@@ -22,12 +22,13 @@ from axiscal.description.causes import (
     SURE,
     TOGETHER,
     WAY,
+    Kind,
+    Size,
+    Sizes,
 )
-from axiscal.description.sizes import Kind, Size, Sizes
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
-from axiscal.machine.entry import ErrorEntry, Sure
-from axiscal.machine.plane_entry import PlaneEntry, side_name
+from axiscal.machine.entry import ErrorEntry, PlaneEntry, Sure, side_name
 from axiscal.measurement.setup import Setup
 
 _LENGTH = 0.25

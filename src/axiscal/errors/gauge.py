@@ -8,18 +8,255 @@ matter of how the errors are defined. The others do move it, and need a reading 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
-from axiscal.errors import gauge_words
-from axiscal.errors.gauge_words import Aspect, Hidden
+from axiscal.errors.iso230 import words
 from axiscal.errors.model import ErrorFunction, ErrorModel, Term
 from axiscal.errors.plane import PlaneError
 from axiscal.errors.volume import VolumeMoments, volume_moments, whole_travel
+from axiscal.language.spoken import counted, either_of, joined, later, listed, put, said
+from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
+from axiscal.machine.names import COMPONENTS
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline, quadrature
 from axiscal.numerics.from_scipy import solution, triangle_over
+from axiscal.units import said_quantity
+
+_LISTED = 5
+"""Sentences that are read; the others are counted."""
+_THEY_DO_NOT_MOVE = later("No allowed reading shows {subject}; they do not move the tool point.")
+_WHOLE = 0.999
+"""All of it, to rounding of the shares."""
+_OPEN = 0.1
+"""Share that has to be hidden before it is spoken of."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hidden:
+    """One combination, or one group of combinations, that cannot be seen.
+
+    names : the errors that take part; text : the sentence for a person
+    effect : RMS over the volume of what it does to the tool point, m; 0 where it is a matter of definition
+    """
+
+    names: tuple[str, ...]
+    text: str
+    effect: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Aspect:
+    """What stays open of one error.
+
+    kind : "constant", "slope", or "curve" for what is neither
+    share : of the prior variance that is unseen; scale : prior std
+    """
+
+    function: Term
+    kind: str
+    share: float
+    scale: float
+
+    @property
+    def wholly(self) -> bool:
+        """Whether readings leave it as it was before."""
+        return self.share > _WHOLE
+
+    @property
+    def size(self) -> float:
+        """Unseen standard deviation, m or rad."""
+        return float(np.sqrt(self.share)) * self.scale
+
+
+def missing_words(model: ErrorModel, found: list[tuple[Aspect, float]]) -> Iterator[Hidden]:
+    """Yield what moves the tool point unseen, joined by the reading that would show it, the worst first."""
+    groups: dict[str, list[tuple[Aspect, float]]] = {}
+    for aspect, effect in sorted(found, key=lambda pair: -pair[1]):
+        groups.setdefault(reading_that_shows(model, aspect.function), []).append((aspect, effect))
+    for reading, members in list(groups.items())[:_LISTED]:
+        subject = _listed([_phrase(aspect) for aspect, _ in members])
+        effect = float(np.sqrt(sum(effect**2 for _, effect in members)))
+        text = said(
+            "No allowed set-up shows {subject}. It moves the tool point by {effect} (RMS over the volume); {reading} "
+            "would show it.",
+            subject=subject,
+            effect=said_quantity(effect, "um", 2),
+            reading=reading,
+        )
+        yield Hidden(tuple(aspect.function.name for aspect, _ in members), text, effect)
+    yield from _others(list(groups.values())[_LISTED:])
+
+
+def _others(groups: list[list[tuple[Aspect, float]]]) -> Iterator[Hidden]:
+    members = [member for group in groups for member in group]
+    if members:
+        names = tuple(aspect.function.name for aspect, _ in members)
+        effect = float(np.sqrt(sum(effect**2 for _, effect in members)))
+        text = "Nor does any allowed set-up show {names}; together they move it by {effect} (RMS over the volume)."
+        yield Hidden(names, said(text, names=joined(names), effect=said_quantity(effect, "um", 2)), effect)
+
+
+def reading_that_shows(model: ErrorModel, function: Term) -> str:
+    """Return in words which reading would show an error that no allowed one shows."""
+    axis, component = model.machine.axes[function.axis], function.component % 3
+    if function.kind == "location" and not axis.rotary:
+        across = "xyz"[3 - component - letter_direction(axis.letter)]
+        return said("a reading along {way} {when}", way=across, when=_moving(axis))
+    when = _moving(axis)
+    if isinstance(function, PlaneError):
+        when = said("while {axes} move", axes=joined(function.entry.axes))
+    if function.kind == "reversal":
+        when = said("{when} and comes from both sides", when=when)
+    if function.angular:
+        return said("a reading of the rotation about {way} {when}", way="xyz"[component], when=when)
+    return said("a reading along {way} {when}", way="xyz"[component], when=when)
+
+
+def _moving(axis: Axis) -> str:
+    return said("while {axis} turns", axis=axis.name) if axis.rotary else said("while {axis} moves", axis=axis.name)
+
+
+def conventions(model: ErrorModel, aspects: list[Aspect]) -> Iterator[Hidden]:
+    """Yield what does not move the tool point: errors without effect, curves that act as one, and sums of constants."""
+    idle = [a for a in aspects if a.wholly and (a.kind == "curve" or _is_constant(a))]
+    if idle:
+        subject, many = _listed([_phrase(a) for a in idle]), len(idle) > 1
+        one = "No allowed reading shows {subject}; it does not move the tool point."
+        text = said(_THEY_DO_NOT_MOVE if many else one, subject=subject)
+        yield Hidden(tuple(a.function.name for a in idle), text)
+    rest = [a for a in aspects if a not in idle]
+    yield from _twins(model, [a for a in rest if a.kind == "curve"])
+    for turning in (False, True):
+        for direction in range(3):
+            found = [a for a in rest if a.kind != "curve" and _pattern(model, a) == (turning, direction)]
+            if any(a.share > _OPEN for a in found):
+                yield _sum(model, found, turning, direction)
+
+
+def _pattern(model: ErrorModel, aspect: Aspect) -> tuple[bool, int]:
+    """Return whether an aspect acts as a turn, or as a shift; and the direction, about or along which."""
+    function, axis = aspect.function, model.machine.axes[aspect.function.axis]
+    component, along = function.component % 3, letter_direction(axis.letter)
+    if aspect.kind == "slope" and not axis.rotary and not function.angular and component != along:
+        return True, 3 - component - along
+    return function.angular, component
+
+
+def _sum(model: ErrorModel, members: list[Aspect], turning: bool, direction: int) -> Hidden:
+    names = tuple(dict.fromkeys(a.function.name for a in members))
+    way = "xyz"[direction]
+    where = said("About {way}", way=way) if turning else said("Along {way}", way=way)
+    if len(members) == 1:
+        turned = "{where}: {error} cannot be told from what other errors do; the tool point does not depend on it."
+        shifted = (
+            "{where}: {error} cannot be told from what other errors do, for it is where the workpiece zero lies; the "
+            "tool point does not depend on it."
+        )
+        return Hidden(names, said(turned if turning else shifted, where=where, error=_phrase(members[0])))
+    turns = any(axis.rotary for axis in model.machine.axes)
+    shows = said("only sums of them show") if turns else said("only their sum shows")
+    together = "{where}: {errors} act together, {shows}. {convention}; the tool point does not depend on it."
+    convention = _convention(members, turning)
+    text = said(together, where=where, errors=_kinds(members), shows=shows, convention=convention)
+    return Hidden(names, text)
+
+
+def _convention(members: list[Aspect], turning: bool) -> str:
+    """How to read a group: which of its errors hold the whole of it."""
+    held = [a.function.name for a in members if a.function.kind == "location"]
+    if held:
+        one = "With constants and slopes taken as zero, {names} says all of it"
+        many = "With constants and slopes taken as zero, {names} say all of it"
+        return counted(one, many, len(held), names=joined(held))
+    if turning:
+        return said("Which of them holds it is a matter of choice")
+    return said("It is where the workpiece zero lies")
+
+
+def _twins(model: ErrorModel, curves: list[Aspect]) -> Iterator[Hidden]:
+    """Yield, axis by axis, the curves that act on the tool point as one: a turn then looks like a displacement."""
+    for k, axis in enumerate(model.machine.axes):
+        mine = [a for a in curves if a.function.axis == k]
+        about = sorted({"xyz"[a.function.component % 3] for a in mine if a.function.angular})
+        alone = (
+            "On {axis}, no allowed reading tells {subject} from other curves that act alike; the tool point does not "
+            "depend on it."
+        )
+        turned = (
+            "On {axis}, no allowed reading tells {subject} from other curves that act alike. A reading of the "
+            "rotation about {about} would, or a tool of another length. The tool point does not depend on it."
+        )
+        if mine:
+            subject, either = _listed([_phrase(a) for a in mine]), either_of(about) if about else ""
+            text = said(turned if about else alone, axis=axis.name, subject=subject, about=either)
+            yield Hidden(tuple(a.function.name for a in mine), text)
+
+
+def _kinds(members: list[Aspect]) -> str:
+    """The members by kind: location errors by name, then constants and slopes."""
+    parts = [a.function.name for a in members if _is_constant(a)]
+    constants, slopes = (
+        [a.function.name for a in members if a.kind == kind and not _is_constant(a)] for kind in ("constant", "slope")
+    )
+    if constants:
+        one, many = "the constant of {names}", "the constants of {names}"
+        parts.append(counted(one, many, len(constants), names=joined(constants)))
+    if slopes:
+        parts.append(counted("the slope of {names}", "the slopes of {names}", len(slopes), names=joined(slopes)))
+    return joined(parts)
+
+
+def _phrase(aspect: Aspect) -> str:
+    function = aspect.function
+    name = put("{name} ({words})", name=function.name, words=words(function.name))
+    if _is_constant(aspect) or aspect.kind == "curve":
+        return name
+    return (
+        said("the constant of {name}", name=name)
+        if aspect.kind == "constant"
+        else said("the slope of {name}", name=name)
+    )
+
+
+def _is_constant(aspect: Aspect) -> bool:
+    return not isinstance(aspect.function, PlaneError) and aspect.function.basis.size == 1
+
+
+def _listed(phrases: list[str]) -> str:
+    more = len(phrases) - _LISTED
+    return joined([*phrases[:_LISTED], said("{count} more", count=more)] if more > 0 else phrases)
+
+
+_ABOUT = {"XY": "C", "XZ": "B", "YZ": "A"}
+
+
+def undescribed(machine: Machine) -> str | None:
+    """Return in one sentence which of the six errors of each axis, and which squarenesses, are not described.
+
+    None where all are. A squareness may be that of either axis: C0Y or C0X.
+    """
+    named = {error.name for error in machine.errors}
+    missing = [name for axis in machine.axes for name in _motions(axis, named)]
+    missing += _squarenesses(machine, named)
+    return said("Not described, taken as zero: {names}.", names=listed(", ", missing)) if missing else None
+
+
+def _motions(axis: Axis, named: set[str]) -> list[str]:
+    absent = [name for component in COMPONENTS if (name := f"E{component}{axis.name}") not in named]
+    return absent if len(absent) < len(COMPONENTS) else [said("all six of {axis}", axis=axis.name)]
+
+
+def _squarenesses(machine: Machine, named: set[str]) -> Iterator[str]:
+    linear = sorted((axis for axis in machine.axes if not axis.rotary), key=lambda axis: axis.name)
+    for first, second in combinations(linear, 2):
+        about = _ABOUT.get(first.letter + second.letter)
+        if about and not {f"{about}0{first.name}", f"{about}0{second.name}"} & named:
+            yield f"{about}0{second.name}"
+
 
 __all__ = ["Hidden", "hidden", "machine_check", "unseen_factor"]
 
@@ -84,7 +321,7 @@ def hidden(model: ErrorModel, unseen: Array, moments: VolumeMoments | None = Non
     counted = [i for i, effect in enumerate(effects) if effect > _COUNTS * np.sqrt(before)]
     missing = [(_missing(model.terms[i], acting), effects[i]) for i in counted]
     aspects = [aspect for f in model.functions if not f.stated_shape for aspect in _aspects(f, idle)]
-    return (*gauge_words.missing(model, missing), *gauge_words.conventions(model, aspects))
+    return (*missing_words(model, missing), *conventions(model, aspects))
 
 
 def _split(unseen: Array, beyond: Array, floor: float) -> tuple[Array, Array]:

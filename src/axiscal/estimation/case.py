@@ -13,10 +13,9 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.description.sizes import Kind, Sizes
 from axiscal.description.target import POSES, Target
 from axiscal.description.usual import Learnable, rescaled_machine, rescaled_setups, sizes_of
-from axiscal.errors.actual import MovedErrors
 from axiscal.errors.gauge import Hidden, hidden, unseen_factor
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import VolumeMoments, of_rests, volume_moments
+from axiscal.errors.volume import MovedErrors, VolumeMoments, of_rests, volume_moments
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
 from axiscal.estimation.accuracy.unseen import seen_as_one, tool_doubt
 from axiscal.estimation.accuracy.yardstick import Yardstick
@@ -28,8 +27,7 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.distance import SHIFTS, shifts_of
-from axiscal.measurement.instruments.tracker import TURNS
+from axiscal.measurement.instruments.distance import SHIFTS, TURNS, shifts_of
 from axiscal.measurement.observation import Observation, Rows
 from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading

@@ -20,11 +20,9 @@ from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.drift import wandering
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.instruments.distance import SHIFTS
-from axiscal.measurement.instruments.tracker import TURNS
+from axiscal.measurement.instruments.distance import SHIFTS, TURNS
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place_texts import reading_text, reading_unit
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, reading_text, reading_unit
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array

@@ -15,8 +15,7 @@ from axiscal.estimation.stations import GAUSSIAN, MOST, BentReadings, Optimum, i
 from axiscal.exceptions import AmbiguityError
 from axiscal.language.spoken import said
 from axiscal.measurement.cells import Cell
-from axiscal.measurement.place_texts import place_text
-from axiscal.measurement.reading import Reading, drawn
+from axiscal.measurement.reading import Reading, drawn, place_text
 from axiscal.measurement.reading_rows import Seen, linear_values, places_of, seen
 from axiscal.numerics import Array
 from axiscal.units import to_unit

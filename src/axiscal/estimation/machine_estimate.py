@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from axiscal.errors.actual import deviation_of
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import EVERY_WAY, Box, Counted
+from axiscal.errors.volume import EVERY_WAY, Box, Counted, deviation_of
 from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.belief import Belief
 from axiscal.machine.description import Machine

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from axiscal.errors.actual import deviation_of
+from axiscal.errors.volume import deviation_of
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
-from axiscal.measurement.readers.axes import RawPose
+from axiscal.measurement.readers.csv_table import RawPose
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.units import to_unit

@@ -28,8 +28,7 @@ from numpy.typing import NDArray
 from axiscal.evaluation.one_axis import Positioning, arranged, evaluate
 from axiscal.exceptions import EvaluationError
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, CsvTable, table_of
-from axiscal.measurement.readers.positioning import positioning_rows, read_direction
-from axiscal.measurement.readers.renishaw import is_rtl, rtl_positioning
+from axiscal.measurement.readers.renishaw import is_rtl, positioning_rows, read_direction, rtl_positioning
 from axiscal.measurement.readers.text import read_text
 from axiscal.numerics import Array
 from axiscal.units import to_unit

@@ -16,7 +16,7 @@ import numpy as np
 from axiscal.exceptions import EvaluationError, ReadingError
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.files import read_any_positioning
-from axiscal.measurement.readers.positioning import PositioningRow, PositioningRows
+from axiscal.measurement.readers.renishaw import PositioningRow, PositioningRows
 from axiscal.numerics import Array
 from axiscal.units import format_quantity, said_quantity, to_unit
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.language.spoken import joined, later, said
-from axiscal.machine.axis import Axis, letter_direction
+from axiscal.machine.axis import Axis, Stated, letter_direction
 from axiscal.machine.entry import (
     JOINT,
     KNOTS_PER_WAVE,
@@ -23,11 +23,11 @@ from axiscal.machine.entry import (
     ROUGH,
     SMOOTH,
     ErrorEntry,
+    PlaneEntry,
+    side_name,
 )
-from axiscal.machine.limits import Stated
 from axiscal.machine.machine_schema import ErrorTable
 from axiscal.machine.names import COMPONENTS, ErrorName, PlaneName, parse_error_name, parse_plane_name
-from axiscal.machine.plane_entry import PlaneEntry, side_name
 from axiscal.units import Dimension
 
 MOST_PRODUCTS = 1600

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.way import feet, moved
+from axiscal.measurement.travel import feet, moved
 from axiscal.numerics import Array
 
 Cell = tuple[int, int]

@@ -6,12 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-from axiscal.measurement.instruments.displacement import Displacement
-from axiscal.measurement.instruments.distance import SHIFTS, Distance
+from axiscal.measurement.instruments.displacement import Displacement, Stepped
+from axiscal.measurement.instruments.distance import SHIFTS, Distance, Nest, Tracker
 from axiscal.measurement.instruments.kind import CARRIED, TOOL, Model, Reads, Rotation
-from axiscal.measurement.instruments.nest import Nest
-from axiscal.measurement.instruments.stepped import Stepped
-from axiscal.measurement.instruments.tracker import Tracker
 from axiscal.measurement.setup import Setup, Unknown
 
 

@@ -22,11 +22,10 @@ from axiscal.machine.names import parse_error_name
 from axiscal.measurement.drift import MEMORY
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.kind import Actual, Nominal
-from axiscal.measurement.observation import directions_of
-from axiscal.measurement.owners import Owned
+from axiscal.measurement.observation import Owned, directions_of
 from axiscal.measurement.readers.truth_curves import TruthCurve, read_truth
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.way import belongs
+from axiscal.measurement.travel import belongs
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import unique_root
 

@@ -15,8 +15,7 @@ import numpy as np
 from axiscal.document import shown
 from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine.description import Machine
-from axiscal.machine.inverse import linear_axes, tip_at
-from axiscal.machine.kinematics import frames
+from axiscal.machine.kinematics import frames, linear_axes, tip_at
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.units import format_quantity, from_unit

@@ -12,7 +12,7 @@ from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import listed, said
-from axiscal.measurement.place_texts import reading_unit
+from axiscal.measurement.reading import reading_unit
 from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.relaxation import Relaxation

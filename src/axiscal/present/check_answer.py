@@ -10,14 +10,14 @@ from pydantic import Field
 
 from axiscal.answers.answer import AnswerDocument, TablesChecked
 from axiscal.answers.answer_words import VERDICTS, digits, row_name, wrapped
-from axiscal.evaluation.acceptance.at_the_machine import Taken
-from axiscal.evaluation.acceptance.check import Check
-from axiscal.evaluation.acceptance.datums import GUARD
-from axiscal.evaluation.acceptance.judgement import Judgement, Verdict
-from axiscal.evaluation.acceptance.table_checks import WORKS, Share
+from axiscal.evaluation.at_the_machine import Taken
+from axiscal.evaluation.check import Check
+from axiscal.evaluation.datums import GUARD
+from axiscal.evaluation.judgement import Judgement, Verdict
+from axiscal.evaluation.table_checks import WORKS, Share
 from axiscal.language.spoken import counted, later, listed, put, said
 from axiscal.measurement.place import Places
-from axiscal.measurement.place_texts import approach_text, place_text, shown_pose
+from axiscal.measurement.reading import approach_text, place_text, shown_pose
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 
@@ -66,10 +66,10 @@ class SetupOff(AnswerDocument):
 
 
 class CheckAnswer(AnswerDocument):
-    """What a check says; fields as of `evaluation.acceptance.judgement.Judgement`.
+    """What a check says; fields as of `evaluation.judgement.Judgement`.
 
     decision : what the as-left readings prove of the tolerance, by ISO 14253-1; U_um : largest of theirs, k = 2
-    person, source, in_force : as of `evaluation.acceptance.at_the_machine.Taken`
+    person, source, in_force : as of `evaluation.at_the_machine.Taken`
     expected_um : U over the volume with the tables loaded
     places : how many were read, each without the tables and with them
     found_rms_um, left_rms_um : over the places, in space where a reading has three values

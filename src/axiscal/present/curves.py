@@ -12,8 +12,7 @@ from axiscal.errors.model import ErrorFunction
 from axiscal.estimation.estimation import Estimation, paths
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import later, said
-from axiscal.measurement.place_texts import reading_unit, value_names
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, reading_unit, value_names
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array

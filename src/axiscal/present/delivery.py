@@ -10,7 +10,7 @@ from pathlib import Path
 from axiscal.answers.answer_of_campaign import answer_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
-from axiscal.description.particulars import Particulars
+from axiscal.description.campaign import Particulars
 from axiscal.document.durable import write_whole, written
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import ReadingError, TableError

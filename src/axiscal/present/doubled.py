@@ -26,8 +26,7 @@ import numpy as np
 from axiscal.estimation.intervals import COARSE
 from axiscal.language.spoken import said
 from axiscal.measurement.instrument import values_of
-from axiscal.measurement.place_texts import reading_unit
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, reading_unit
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.numerics import Array
 from axiscal.present.summary import Finding

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from axiscal.description.sizes import Kind
-from axiscal.errors.gauge_words import undescribed
+from axiscal.errors.gauge import undescribed
 from axiscal.errors.iso230 import words
 from axiscal.estimation.agreement_words import STRANGE, farthest, membership_words
 from axiscal.estimation.case import Case
@@ -15,8 +15,7 @@ from axiscal.estimation.estimation import Estimation, paths
 from axiscal.estimation.inheritance import changes
 from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import capital, later, listed, put, said
-from axiscal.measurement.place_texts import reading_unit, value_names
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, reading_unit, value_names
 from axiscal.measurement.setup import Setup
 from axiscal.present.doubled import coarse_displays
 from axiscal.present.summary import Finding

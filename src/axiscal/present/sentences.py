@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from axiscal.description.particulars import Equipment
+from axiscal.description.campaign import Equipment
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.language.spoken import counted, decimals, joined, later, said
 from axiscal.present.summary import ConstantSummary, CurveSummary, HistoryRow, Iso230, Position, Summary, TableOffer

@@ -14,7 +14,7 @@ from axiscal.answers.answer_words import AnswerText, answer_text, digits, row_na
 from axiscal.estimation.accuracy.expanded import BAND, LEVEL
 from axiscal.estimation.case import Case
 from axiscal.language.spoken import counted, later, listed, put, said
-from axiscal.measurement.place_texts import reading_unit
+from axiscal.measurement.reading import reading_unit
 from axiscal.measurement.setup import SaidOfDrift, Setup
 from axiscal.present.plane_summary import PlaneSummary
 from axiscal.present.result_set import RECORD

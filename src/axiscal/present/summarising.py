@@ -13,8 +13,7 @@ from axiscal.answers.answer_of_campaign import agreement_of, answer_of
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text, reaches
 from axiscal.campaign.possible import versions
-from axiscal.description.campaign import CampaignDescription
-from axiscal.description.particulars import Equipment
+from axiscal.description.campaign import CampaignDescription, Equipment
 from axiscal.description.type_b import Distribution
 from axiscal.estimation.agreement_words import change_words
 from axiscal.estimation.budget import BudgetShare, budget
@@ -25,7 +24,8 @@ from axiscal.language.spoken import later, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.questions import questions, which_way
 from axiscal.measurement.instrument import values_of
-from axiscal.measurement.place_texts import (
+from axiscal.measurement.reading import (
+    Reading,
     approach_text,
     direction_text,
     reading_unit,
@@ -33,7 +33,6 @@ from axiscal.measurement.place_texts import (
     value_columns,
     value_names,
 )
-from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.present.curves import constants, curves

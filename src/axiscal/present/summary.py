@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from axiscal.answers.answer import NOTHING_READ, ReadingAgreement, ResultAnswer
-from axiscal.description.particulars import NOTHING_SAID, Particulars
+from axiscal.description.campaign import NOTHING_SAID, Particulars
 from axiscal.present.drawn_by_standards import BallBarCircle, PositioningCurve
 from axiscal.present.plane_summary import PlaneSummary
 from axiscal.present.volume_error import BentVolume, VolumeError

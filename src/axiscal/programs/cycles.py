@@ -15,9 +15,8 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import SideTouch, cycle_of, touches
 from axiscal.numerics import Array
-from axiscal.programs.groups import Group
 from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget, exact
-from axiscal.programs.steps import Step, Touched, moves
+from axiscal.programs.steps import Group, Step, Touched, moves
 from axiscal.units import to_unit
 
 _TRAVEL = 600

@@ -14,7 +14,7 @@ import numpy as np
 
 from axiscal.exceptions import ProgramError
 from axiscal.machine.description import Machine
-from axiscal.machine.inverse import drawn_back
+from axiscal.machine.kinematics import drawn_back
 from axiscal.machine.motion import LARGEST_TURN
 from axiscal.measurement.charts.chart import KNOWN, Chart, begun
 from axiscal.measurement.charts.room import Room
@@ -22,8 +22,7 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
-from axiscal.programs.gliding import Driver
-from axiscal.programs.kept_out import KeptOut
+from axiscal.programs.gliding import Driver, KeptOut
 from axiscal.programs.scale import ReadingTarget
 from axiscal.programs.steps import Arrival, Halt, Remark, Step, dwells
 

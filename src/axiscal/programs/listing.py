@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from axiscal.machine.axis import Axis
-from axiscal.measurement.place_texts import approach_text, columns_of
 from axiscal.measurement.readers.csv_table import csv_text
+from axiscal.measurement.reading import approach_text, columns_of
 from axiscal.measurement.setup import Setup
 
 

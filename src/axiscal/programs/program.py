@@ -15,7 +15,7 @@ from axiscal.exceptions import ProgramError
 from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
-from axiscal.machine.inverse import drawn_back
+from axiscal.machine.kinematics import drawn_back
 from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.place import Place
@@ -23,10 +23,8 @@ from axiscal.measurement.readers.touch_log import plan_code
 from axiscal.measurement.setup import Setup
 from axiscal.programs.cycles import SphereCycle
 from axiscal.programs.dialect import Dialect, filled, head
-from axiscal.programs.gliding import GENTLE, Driver, SlideDriver, TipDriver
-from axiscal.programs.groups import Group, groups
+from axiscal.programs.gliding import GENTLE, Driver, KeptOut, SlideDriver, TipDriver, refuse_kept_out
 from axiscal.programs.in_touch import InTouch, Ways
-from axiscal.programs.kept_out import KeptOut, refuse_kept_out
 from axiscal.programs.listing import Listed, listing
 from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget, target
 from axiscal.programs.steps import (
@@ -34,6 +32,7 @@ from axiscal.programs.steps import (
     Clearance,
     Dwell,
     Glide,
+    Group,
     Halt,
     Hold,
     Move,
@@ -41,6 +40,7 @@ from axiscal.programs.steps import (
     Remark,
     Step,
     Touched,
+    groups,
     run_through,
 )
 from axiscal.units import format_quantity, to_unit

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from axiscal.document.toml_text import toml_value
+from axiscal.document.quoting import toml_value
 from axiscal.units import Dimension, parse_quantity
 
 Quantity = float | int | str

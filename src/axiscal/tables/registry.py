@@ -15,26 +15,25 @@ from axiscal.exceptions import AxiscalError, TableError
 from axiscal.language.stages import stage
 from axiscal.machine.description import Machine
 from axiscal.numerics.threads import one_thread
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.export_options import ExportOptions, asked_about, informed, on_top
 from axiscal.tables.exporter import Exporter
 from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import Export, tried_out
-from axiscal.tables.on_top import asked_about, informed, on_top
 
 _ABSURD = 1.0
 """m or rad: no compensation is as large; any value above what a machine can be off by would do."""
 CONTROLLERS = {
     "csv": "tables.controllers.plain_csv:PlainCsv",
-    "fanuc": "tables.controllers.fanuc.exporting:Fanuc",
+    "fanuc": "tables.controllers.fanuc:Fanuc",
     "heidenhain": "tables.controllers.heidenhain:Heidenhain",
-    "isg": "tables.controllers.isg.exporting:Isg",
+    "isg": "tables.controllers.isg:Isg",
     "klipper": "ports.printers.klipper:Klipper",
-    "klipper-volumetric": "ports.printers.klipper_volumetric:KlipperVolumetric",
+    "klipper-volumetric": "ports.printers.klipper:KlipperVolumetric",
     "linuxcnc": "ports.linuxcnc.tables.exporting:Linuxcnc",
-    "linuxcnc-volumetric": "ports.linuxcnc.volumetric.exporting:LinuxcncVolumetric",
+    "linuxcnc-volumetric": "ports.linuxcnc.volumetric_tables:LinuxcncVolumetric",
     "marlin": "ports.printers.marlin:Marlin",
     "reprapfirmware": "ports.printers.reprapfirmware:RepRapFirmware",
-    "sinumerik": "tables.controllers.sinumerik.exporting:Sinumerik",
+    "sinumerik": "tables.controllers.sinumerik:Sinumerik",
 }
 """Name -> place of its class."""
 PORTS = "axiscal.exporters"

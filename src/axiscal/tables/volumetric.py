@@ -14,8 +14,8 @@ from axiscal.errors.model import ErrorFunction, ErrorModel
 from axiscal.errors.plane import PlaneError
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.machine.entry import side_name
 from axiscal.machine.names import parse_error_name
-from axiscal.machine.plane_entry import side_name
 from axiscal.numerics import Array
 from axiscal.tables.effect import Control, by_linear_axes
 from axiscal.tables.hats import Hats

@@ -22,8 +22,7 @@ from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.language.spoken import decimals, said, spoken_now
 from axiscal.measurement.place import Place
-from axiscal.measurement.place_texts import reading_unit, shown_coordinate
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, reading_unit, shown_coordinate
 from axiscal.measurement.setup import Setup
 from axiscal.present.guide.answers import Value, answer
 from axiscal.present.guide.progress import Progress, due

@@ -91,7 +91,7 @@ def virtual_machine(text: str, simulator: Simulator) -> tuple[VirtualMachine, in
 
 def moved(kind: str, machine: VirtualMachine, seed: int, files: Mapping[str, str] | None = None) -> Source:
     """Return a virtual machine as a source: moved by itself, or by a LinuxCNC that loads files."""
-    from axiscal.campaign.sources.simulated import SimulatedSource
+    from axiscal.campaign.sources.source import SimulatedSource
 
     if kind != "linuxcnc":
         return SimulatedSource(machine, seed)

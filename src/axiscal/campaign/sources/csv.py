@@ -10,8 +10,8 @@ from pathlib import Path
 from axiscal.campaign.sources.source import Answer, Request
 from axiscal.exceptions import SourceError
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.place_texts import approach_text, reading_unit
 from axiscal.measurement.readers.csv_table import Column, CsvTable, Row, read_table
+from axiscal.measurement.reading import approach_text, reading_unit
 from axiscal.units import dimension_of, to_unit
 
 _SAME = {False: 1e-6, True: math.radians(1e-5)}

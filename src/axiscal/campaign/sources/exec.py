@@ -20,7 +20,7 @@ from axiscal.campaign.sources.source import Answer, Request, Skip
 from axiscal.exceptions import SourceError, UnitError
 from axiscal.language.spoken import said
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
-from axiscal.measurement.place_texts import reading_unit
+from axiscal.measurement.reading import reading_unit
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.units import dimension_of, format_quantity, from_unit
 

@@ -1,15 +1,42 @@
-"""The protocol of a source: it answers questions for one reading at a time, or says why it cannot."""
+"""The protocol of a source: it answers questions for one reading at a time, or says why it cannot.
+
+`sim[:SEED]` and `truth:FILE`: a virtual machine, with errors drawn from the prior or given as curves.
+"""
 
 from __future__ import annotations
 
 import sys
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from axiscal.exceptions import SourceError
 from axiscal.machine import Axis
-from axiscal.measurement.place_texts import shown_approach, shown_pose
+from axiscal.measurement.reading import shown_approach, shown_pose
 from axiscal.measurement.setup import Setup
+
+if TYPE_CHECKING:
+    from axiscal.measurement.simulation import VirtualMachine
+
+
+class SimulatedSource:
+    """A virtual machine as a source.
+
+    The noise of a reading depends on its number only, so that a run that is resumed is the same run.
+    """
+
+    def __init__(self, machine: VirtualMachine, seed: int) -> None:
+        self._machine, self._seed = machine, seed
+
+    def read(self, request: Request) -> Answer:
+        """Return the simulated reading."""
+        import numpy as np
+
+        rng = np.random.default_rng((self._seed, request.reading))
+        value, *others = self._machine.read_all(request.setup, request.pose, request.approach, rng, request.seconds)
+        return Answer(value, others=tuple(others))
+
+    def close(self) -> None:
+        """Nothing is held."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.wants import ABOUT, ANGLES, RowName, Want
+from axiscal.description.target import ABOUT, ANGLES, RowName, Want
 from axiscal.estimation.functionals.functional import (
     AxisLine,
     Functional,

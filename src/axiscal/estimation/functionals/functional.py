@@ -20,7 +20,7 @@ from typing import Literal
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.wants import ABOUT, ANGLES, Kind
+from axiscal.description.target import ABOUT, ANGLES, Kind
 from axiscal.errors.model import ErrorModel
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from axiscal.description.wants import RowName
+from axiscal.description.target import RowName
 from axiscal.estimation.accuracy.expanded import expanded, expanded_floor, reach
 from axiscal.estimation.accuracy.yardstick import attainable
 from axiscal.estimation.belief import Belief

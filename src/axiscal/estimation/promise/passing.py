@@ -19,8 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.causes import CYCLE, DRIFT, GROWTH, WAY
-from axiscal.description.sizes import Kind, Sizes
+from axiscal.description.sizes import CYCLE, DRIFT, GROWTH, WAY, Kind, Sizes
 from axiscal.description.type_b import TYPE_B, Read, TypeB
 from axiscal.description.usual import needs_a_way
 from axiscal.errors.prior import exponential, matern32

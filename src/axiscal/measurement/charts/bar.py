@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.machine.inverse import tip_at
-from axiscal.machine.kinematics import frames
+from axiscal.machine.kinematics import frames, tip_at
 from axiscal.measurement.charts.chart import Coordinate
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.charts.swing import Swing, bar_angles

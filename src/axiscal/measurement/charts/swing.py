@@ -13,8 +13,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from axiscal.machine.description import Machine
-from axiscal.machine.inverse import linear_axes
-from axiscal.machine.kinematics import Frames, tool_point
+from axiscal.machine.kinematics import Frames, linear_axes, tool_point
 from axiscal.measurement.charts.chart import Chart
 from axiscal.numerics import Array
 

@@ -16,8 +16,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.machine.inverse import linear_axes
-from axiscal.machine.kinematics import Frames, frames
+from axiscal.machine.kinematics import Frames, frames, linear_axes
 from axiscal.measurement.charts.crossings import along_one
 from axiscal.measurement.charts.room import Room
 from axiscal.measurement.charts.swing import Slides, Swing, Swinging, stem_rate

@@ -20,8 +20,6 @@ from axiscal.exceptions import Faults, UnitError
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.place import Places
-from axiscal.measurement.place_texts import approach_text
-from axiscal.measurement.readers.axes import axis_layout, read_approach, read_position
 from axiscal.measurement.readers.csv_table import (
     ANGLES,
     LENGTHS,
@@ -29,12 +27,15 @@ from axiscal.measurement.readers.csv_table import (
     Column,
     CsvTable,
     Row,
+    axis_layout,
     csv_text,
+    read_approach,
+    read_position,
     read_table,
     unshielded,
 )
-from axiscal.measurement.readers.positioning import STEMS, PositioningRows, positioning_rows
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.readers.renishaw import STEMS, PositioningRows, positioning_rows
+from axiscal.measurement.reading import Reading, approach_text
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.units import parse_quantity, to_unit
 

@@ -31,7 +31,7 @@ from axiscal.machine.names import AXIS_NAME
 from axiscal.measurement.readers import bed_map, renishaw
 from axiscal.measurement.readers.csv_readings import RawReading, of_positioning, read_times, readings_of
 from axiscal.measurement.readers.csv_table import Column, CsvTable, Row, table_of
-from axiscal.measurement.readers.positioning import PositioningRows, positioning_rows
+from axiscal.measurement.readers.renishaw import PositioningRows, positioning_rows
 from axiscal.measurement.readers.text import TextFile, read_text
 from axiscal.units import from_unit, parse_quantity
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from axiscal.document.bounded import bounded_content
+from axiscal.document.file import bounded_content
 from axiscal.exceptions import ReadingError
 
 MOST = 20_000_000

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from axiscal.exceptions import ReadingError
-from axiscal.measurement.readers.text import read_text
+from axiscal.measurement.readers.text import TextFile, read_text
 from axiscal.units import from_unit
 
 LISTS = "AXISCAL_PLAN_{}.txt"
@@ -56,73 +56,64 @@ def plan_code(listings: Sequence[str]) -> str:
     return hashlib.sha256("\0".join(listings).encode()).hexdigest()[:8].upper()
 
 
+_Line = tuple[int, re.Pattern[str], Sequence[str]]
+"""A line of a log: its number, which kind of line it is, and what it says."""
+
+
 def read_touch_log(path: str | Path) -> TouchLog:
     """Read a log; raises ReadingError for a line of another kind, or for several plans."""
-    return _LogReader(str(path)).log(read_text(path).lines)
-
-
-class _LogReader:
-    def __init__(self, file: str) -> None:
-        self._file = file
-        self._codes: list[str] = []
-        self._touches: list[LoggedTouch] = []
-        self._said: list[str] = []
-        self._run: set[int] | None = None
-
-    def log(self, lines: Sequence[str]) -> TouchLog:
-        for number, line in enumerate(lines, start=1):
-            text = " ".join(_CONTROL.sub(" ", line).split())
-            if text:
-                self._line(text, number)
-        self._unended()
-        if not self._codes:
-            raise self._fail("this is no log of a measuring program", "Its first line is AXISCAL LOG 1 PLAN ... MM")
-        return TouchLog(self._codes[0], tuple(self._touches), tuple(self._said))
-
-    def _line(self, text: str, line: int) -> None:
-        if (found := _HEAD.fullmatch(text)) is not None:
-            self._begun(found[1], line)
-        elif (found := _TOUCH.fullmatch(text)) is not None:
-            x, y, z = (float(from_unit(float(each.replace(" ", "")), "mm")) for each in found.groups()[2:])
-            self._in_run(line).add(int(found[1]))
-            self._touches.append(LoggedTouch(int(found[1]), int(found[2]), (x, y, z), line))
-        elif (found := _MISS.fullmatch(text)) is not None:
-            self._in_run(line)
-            self._said.append(f"at touch {found[2]} of reading {found[1]} the probe met nothing (line {line})")
-            self._run = None
-        elif (found := _END.fullmatch(text)) is not None:
-            self._ended(int(found[1]), line)
-        else:
-            shown = text if len(text) <= 60 else text[:57] + "..."
-            remedy = "Give the file as the control wrote it"
-            raise self._fail("{shown!r} is no line of a log", remedy, line, shown=shown)
-
-    def _begun(self, code: str, line: int) -> None:
-        self._unended()
-        if self._codes and code != self._codes[0]:
+    file = read_text(path)
+    texts = (" ".join(_CONTROL.sub(" ", line).split()) for line in file.lines)
+    lines = [_understood(file, number, text) for number, text in enumerate(texts, start=1) if text]
+    if not lines:
+        raise file.fail("this is no log of a measuring program", "Its first line is AXISCAL LOG 1 PLAN ... MM")
+    begins = [i for i, (_, kind, _) in enumerate(lines) if kind is _HEAD]
+    if begins[:1] != [0]:
+        raise _outside(file, lines[0])
+    code, touches, said = lines[0][2][0], list[LoggedTouch](), list[str]()
+    for begin, end in zip(begins, [*begins[1:], len(lines)], strict=True):
+        number, _, (other,) = lines[begin]
+        if other != code:
             what = "here begins the log of plan {code}, and above stands that of plan {other}"
-            raise self._fail(what, "Give the log of each plan by itself", line, code=code, other=self._codes[0])
-        self._codes.append(code)
-        self._run = set()
+            raise file.fail(what, "Give the log of each plan by itself", number, code=other, other=code)
+        taken, gap = _run(file, lines[begin + 1 : end])
+        touches += taken
+        said += gap
+    return TouchLog(code, tuple(touches), tuple(said))
 
-    def _in_run(self, line: int) -> set[int]:
-        if self._run is None:
-            what = "this touch stands outside of any run: the line that begins one is missing"
-            raise self._fail(what, "Give the file as the control wrote it", line)
-        return self._run
 
-    def _ended(self, count: int, line: int) -> None:
-        taken = len(self._in_run(line))
-        if taken != count:
-            what = "the run that ends here took {count} readings, and {taken} of them stand in the log"
-            remedy = "Lines are missing: give the file as the control wrote it"
-            raise self._fail(what, remedy, line, count=count, taken=taken)
-        self._run = None
+def _understood(file: TextFile, number: int, text: str) -> _Line:
+    for kind in (_HEAD, _TOUCH, _MISS, _END):
+        if (found := kind.fullmatch(text)) is not None:
+            return number, kind, found.groups()
+    shown = text if len(text) <= 60 else text[:57] + "..."
+    raise file.fail("{shown!r} is no line of a log", "Give the file as the control wrote it", number, shown=shown)
 
-    def _unended(self) -> None:
-        if self._run is not None:
-            self._said.append("a run did not come to its end")
-        self._run = None
 
-    def _fail(self, what: str, remedy: str, line: int | None = None, **values: object) -> ReadingError:
-        return ReadingError(what, remedy, self._file, line, **values)
+def _run(file: TextFile, lines: Sequence[_Line]) -> tuple[list[LoggedTouch], list[str]]:
+    """Return the touches of a run, and the gap that its end states; lines : those behind the first."""
+    ends = next((i for i, (_, kind, _) in enumerate(lines) if kind is not _TOUCH), len(lines))
+    touches = [_touch(number, words) for number, _, words in lines[:ends]]
+    if ends == len(lines):
+        return touches, ["a run did not come to its end"]
+    if lines[ends + 1 :]:
+        raise _outside(file, lines[ends + 1])
+    number, kind, words = lines[ends]
+    if kind is _MISS:
+        return touches, [f"at touch {words[1]} of reading {words[0]} the probe met nothing (line {number})"]
+    count, taken = int(words[0]), len({touch.reading for touch in touches})
+    if taken != count:
+        what = "the run that ends here took {count} readings, and {taken} of them stand in the log"
+        remedy = "Lines are missing: give the file as the control wrote it"
+        raise file.fail(what, remedy, number, count=count, taken=taken)
+    return touches, []
+
+
+def _touch(number: int, words: Sequence[str]) -> LoggedTouch:
+    x, y, z = (float(from_unit(float(each.replace(" ", "")), "mm")) for each in words[2:])
+    return LoggedTouch(int(words[0]), int(words[1]), (x, y, z), number)
+
+
+def _outside(file: TextFile, line: _Line) -> ReadingError:
+    what = "this touch stands outside of any run: the line that begins one is missing"
+    return file.fail(what, "Give the file as the control wrote it", line[0])

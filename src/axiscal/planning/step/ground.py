@@ -10,8 +10,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.measurement.breaks import breaks_along, smoothness_along
-from axiscal.measurement.candidates import arrivals_of, chart_sides, raster_positions, turned_to
+from axiscal.measurement.candidates import (
+    arrivals_of,
+    breaks_along,
+    chart_sides,
+    raster_positions,
+    smoothness_along,
+    turned_to,
+)
 from axiscal.measurement.charts.chart import KNOWN, Chart, begun, has_room
 from axiscal.measurement.charts.crossings import crossings
 from axiscal.measurement.observation import Observation, directions_of

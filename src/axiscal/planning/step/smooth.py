@@ -15,7 +15,7 @@ import numpy as np
 
 from axiscal.exceptions import PlanError
 from axiscal.language.spoken import later
-from axiscal.measurement.breaks import smoothness_along
+from axiscal.measurement.candidates import smoothness_along
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.observation import Observation
 from axiscal.numerics import Array

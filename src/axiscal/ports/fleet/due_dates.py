@@ -5,7 +5,7 @@ With the tables of the last mean m in the control, what is left after Δt has th
     r²(Δt) = tr W [ρ² C + (1 − ρ²) C₀ + (1 − ρ)² m mᵀ] + rests
 
 For errors of an axis that was renewed since, ρ = 0. If its type is known m and C₀ are counted from what that has
-taught (`wearing`). Named tables of a control add the errors that they cannot hold (`worn_machine`). It is due when r
+taught; named tables of a control add the errors that they cannot hold (`worn_machine`). It is due when r
 passes the target.
 """
 
@@ -30,8 +30,7 @@ from axiscal.language.spoken import listed, put
 from axiscal.language.stages import staged
 from axiscal.numerics.threads import one_thread
 from axiscal.ports.fleet.sister_records import MachineRecord, equation_of, other_machine, read_records, why_not
-from axiscal.ports.fleet.wearing import YEAR, Aging, Pair, Wearing, aging, found_by
-from axiscal.ports.fleet.worn_machine import WornMachine
+from axiscal.ports.fleet.worn_machine import YEAR, Aging, Pair, Wearing, WornMachine, aging, found_by
 
 _HORIZON = 20.0
 """Years: nobody plans farther."""

@@ -1,10 +1,14 @@
-"""A type rehearsed: virtual sisters with the stated share in common, measured as a campaign plans, each in a record."""
+"""A type rehearsed: virtual sisters with the stated share in common, measured as a campaign plans, each in a record.
+
+A learnt type in words: the errors that machines share, their sizes, and when that saves nothing.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,6 +16,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
+from axiscal.estimation.type_prior import TypePrior
 from axiscal.exceptions import RecordError, TargetError
 from axiscal.language.stages import staged
 from axiscal.measurement.place import Place
@@ -21,7 +26,127 @@ from axiscal.numerics import Array
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
-from axiscal.ports.fleet.sisters.hierarchy import prior_units
+from axiscal.ports.fleet.hierarchy import prior_units
+from axiscal.ports.fleet.type_learning import FEW
+
+_RIGHT = 1.25
+"""A size within a quarter is as stated."""
+_SHARED, _OWN = 0.5, 0.25
+"""Shares from which a thing is mostly common, and below which it hardly is; a matter of taste."""
+_LOUD, _NAMED = 0.5, 4
+"""Part of the largest load from which an error is named with a direction, and how many are; a matter of taste."""
+_DIRECTION = 0.5
+"""Variance along a direction, of which all else has 1, from which it is worth a sentence."""
+
+
+class ErrorLine(NamedTuple):
+    """One error as its type knows it.
+
+    stated, known : RMS standard deviation before, and by the type, m or rad; factor : of the size, √c; share : ω
+    """
+
+    name: str
+    angular: bool
+    stated: float
+    known: float
+    factor: float
+    share: float
+    share_std: float
+
+
+def error_lines(prior: TypePrior) -> list[ErrorLine]:
+    """Return a line for each error, in the order of the machine."""
+    lines, variances = list[ErrorLine](), np.diagonal(prior.covariance)
+    for term in ErrorModel(prior.machine).terms:
+        learned = prior.learned[term.name]
+        stated, known = (
+            float(np.sqrt(np.mean(each))) for each in (np.diagonal(term.covariance), variances[term.columns])
+        )
+        factor = float(np.sqrt(learned.scale))
+        lines.append(ErrorLine(term.name, term.angular, stated, known, factor, learned.share, learned.share_std))
+    return lines
+
+
+def summary_sentences(prior: TypePrior) -> list[str]:
+    """Return what was learnt, in sentences."""
+    return [*_sources(prior), *_sizes(prior), *_common(prior), *_directions(prior), *_doubts(prior)]
+
+
+def _sources(prior: TypePrior) -> Iterator[str]:
+    counted = len(prior.counted)
+    readings = sum(record.readings for record in prior.counted)
+    said = f"Learnt from {counted} machine{'s' * (counted != 1)}, {readings} readings"
+    left = [record for record in prior.records if record.left_out]
+    yield said + (f"; {len(left)} record{'s' * (len(left) != 1)} left out." if left else ".")
+    for record in left:
+        yield f"Left out: {record.file}: {record.left_out}."
+
+
+def _size(prior: TypePrior) -> float:
+    """Return how many times as large as stated the machines are, the geometric mean over their errors."""
+    return float(np.exp(0.5 * np.mean([np.log(each.scale) for each in prior.learned.values()])))
+
+
+def _sizes(prior: TypePrior) -> Iterator[str]:
+    size = _size(prior)
+    if 1 / _RIGHT <= size <= _RIGHT:
+        yield f"The stated sizes are about right: the machines show {size:.2g} times as much."
+    elif size < 1:
+        yield f"The stated sizes are too large: the machines show {size:.2g} times as much."
+    else:
+        yield (
+            f"The stated sizes are too small: the machines show {size:.2g} times as much. What was measured with them "
+            "promised too much; more readings are needed, and rightly."
+        )
+
+
+def _common(prior: TypePrior) -> Iterator[str]:
+    shares = {name: each.share for name, each in prior.learned.items()}
+    most = sorted((name for name, share in shares.items() if share >= _SHARED), key=lambda name: -shares[name])
+    if most:
+        named = ", ".join(f"{name} {shares[name]:.0%}" for name in most[:_NAMED])
+        more = f" and {len(most) - _NAMED} more" if len(most) > _NAMED else ""
+        yield f"All have in common, as a share of the variance: {named}{more}."
+    else:
+        yield "No error is mostly common to all."
+
+
+def _directions(prior: TypePrior) -> Iterator[str]:
+    """Say in which errors sisters differ together, by the correlations of their own parts."""
+    for number, named in enumerate(directions_named(prior), start=1):
+        yield f"Sisters differ together ({number}): {', '.join(named)}."
+
+
+def directions_named(prior: TypePrior) -> list[list[str]]:
+    """Return the errors that go together in each direction in which sisters differ by more than by chance."""
+    if prior.directions == 0:
+        return []
+    scale = np.sqrt(np.maximum(np.diagonal(prior.own), np.finfo(float).tiny))
+    terms = ErrorModel(prior.machine).terms
+    correlation = prior.own / scale[:, None] / scale
+    for term in terms:
+        correlation[term.columns, term.columns] = np.eye(term.columns.stop - term.columns.start)
+    values, vectors = np.linalg.eigh(correlation)
+    found = []
+    for value, vector in list(zip(values[::-1], vectors.T[::-1], strict=True))[: prior.directions]:
+        loads = {term.name: float(np.linalg.norm(vector[term.columns])) for term in terms}
+        loud = [name for name, load in loads.items() if load > _LOUD * max(loads.values())]
+        if value - 1 > _DIRECTION and len(loud) > 1:
+            found.append(sorted(loud, key=lambda name: -loads[name])[:_NAMED])
+    return found
+
+
+def _doubts(prior: TypePrior) -> Iterator[str]:
+    counted, right = len(prior.counted), 1 / _RIGHT <= _size(prior) <= _RIGHT
+    if counted < FEW and right:
+        yield f"Fewer than {FEW} machines of a type whose stated sizes are right save nothing."
+    elif right and np.mean([each.share for each in prior.learned.values()]) < _OWN:
+        yield "They share next to nothing, and the stated sizes are right: this saves next to nothing."
+    yield (
+        f"That a machine is no sister is believed with {prior.doubt:.0%} before it is measured; "
+        "the readings decide, and the band holds for strangers too."
+    )
+
 
 _DIRECTIONS, _LOAD = 3, 0.4
 """Directions in which virtual sisters differ together, and how far: as in the trials of the method."""

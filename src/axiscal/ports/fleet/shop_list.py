@@ -26,9 +26,9 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import AxiscalError, RecordError, UnreachableError
 from axiscal.language.stages import staged
 from axiscal.ports.fleet.sister_records import why_not
+from axiscal.record.copies import opened_log, records_of
 from axiscal.record.events import Recorded
 from axiscal.record.log import campaign_of, shared_events
-from axiscal.record.opening import opened_log, records_of
 from axiscal.record.store import Record
 from axiscal.units import format_quantity
 

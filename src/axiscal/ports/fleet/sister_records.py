@@ -25,9 +25,9 @@ from axiscal.language.stages import staged
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.record.copies import opened_log
 from axiscal.record.events import Recorded
 from axiscal.record.log import campaign_of, shared_events
-from axiscal.record.opening import opened_log
 from axiscal.record.payload import encode
 from axiscal.units import format_quantity
 

@@ -21,10 +21,10 @@ from axiscal.numerics.threads import one_thread
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
+from axiscal.ports.fleet.gibbs import SisterPrior, sister_prior
+from axiscal.ports.fleet.hierarchy import Hierarchy, PriorUnits, prior_units
 from axiscal.ports.fleet.sister_records import MachineRecord, equations_of, read_records, usual_machine
-from axiscal.ports.fleet.sisters.gibbs import SisterPrior, sister_prior
-from axiscal.ports.fleet.sisters.hierarchy import Hierarchy, PriorUnits, prior_units
-from axiscal.record.opening import gathered
+from axiscal.record.copies import gathered
 
 DIRECTIONS, DOUBT = 3, 0.1
 """In which sisters differ together; that a machine is no sister, before it is measured. A user states them."""

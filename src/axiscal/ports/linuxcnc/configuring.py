@@ -24,9 +24,9 @@ from axiscal.exceptions import ControlError, TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.text import read_text
 from axiscal.numerics import Array
+from axiscal.ports.linuxcnc import patching
 from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available, can_load
-from axiscal.ports.linuxcnc.volumetric import patching
-from axiscal.ports.linuxcnc.volumetric.patching import Configuration
+from axiscal.ports.linuxcnc.patching import Configuration
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export

@@ -2,21 +2,182 @@
 
 from __future__ import annotations
 
-from axiscal.ports.paper import drawings as figures
-from axiscal.ports.paper.experiment import SHOWN_SINGLE, SHOWN_STACKED, SIMULATED, Experiment
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from axiscal.errors.model import ErrorFunction
+from axiscal.estimation.accuracy.expanded import BAND
+from axiscal.estimation.belief import Belief
+from axiscal.numerics import Array
+from axiscal.ports.paper.stack import SHOWN_SINGLE, SHOWN_STACKED, SIMULATED, UNIT, Experiment, GreedyPlan, Simulated
 from axiscal.present.drawing.shown import shown
+from axiscal.present.drawing.svg_picture import Figure
+from axiscal.present.figures import axis_style, band, layout
 from axiscal.present.standalone import page_of
+
+_POINTS = 301
+"""Points of a drawn curve."""
+_MARGIN = {"l": 46, "r": 10, "t": 10, "b": 42}
+"""Pixels; a matter of taste."""
+_KNEE = {"line": {"color": "var(--soft)", "width": 1, "dash": "dot"}, "type": "line", "yref": "paper", "y0": 0, "y1": 1}
+"""A dotted line; a matter of taste."""
+
+
+def single_spline(experiment: Experiment) -> list[Figure]:
+    """Return figure 4: the spline before measuring, and after three and seven readings."""
+    plan, shown = experiment.single, experiment.spline
+    return [_curve(plan, shown, readings, plan.stack.errors.functions[0], (-3.4, 3.4)) for readings in SHOWN_SINGLE]
+
+
+def stacked(experiment: Experiment) -> list[list[Figure]]:
+    """Return figure 7: a row of three splines before measuring and after some readings."""
+    plan, shown = experiment.stacked, experiment.machine
+    return [
+        [_curve(plan, shown, readings, function, (-3.6, 3.6)) for function in plan.stack.errors.functions]
+        for readings in SHOWN_STACKED
+    ]
+
+
+def _curve(
+    plan: GreedyPlan, shown: Simulated, readings: int, function: ErrorFunction, span: tuple[float, float]
+) -> Figure:
+    """Return one spline: truth, estimate with its ±σ band, control points, and where it was measured."""
+    belief, basis, columns = shown.beliefs[readings], function.basis, function.columns
+    t = np.linspace(basis.knots[0], basis.knots[-1], _POINTS)
+    rows = np.zeros((len(t), belief.size))
+    rows[:, columns] = basis.rows(t)
+    traces = [
+        *_estimate(t, belief, rows),
+        _line(t, rows @ shown.truth, "var(--truth)", width=2.2, name="real spline"),
+        _control_points(basis.knots, belief.mean[columns]),
+        _readings(plan, shown, readings, function, span[0]),
+    ]
+    x = axis_style(f"t{'₁₂₃'[function.axis]}" if len(plan.stack.machine.axes) > 1 else "t", dtick=2)
+    y = axis_style("S(t)", range=list(span), dtick=1)
+    return {"data": traces, "layout": layout(x, y, 290, margin=_MARGIN)}
+
+
+def _estimate(t: Array, belief: Belief, rows: Array) -> list[Figure]:
+    mean, std = belief.predict(rows)
+    x, middle, half = (t / UNIT).tolist(), (mean / UNIT).tolist(), (std / UNIT).tolist()
+    edges = [[m + sign * s for m, s in zip(middle, half, strict=True)] for sign in (1, -1)]
+    dashed = [
+        {**_scatter(x, edge), "line": {"color": "var(--accent)", "width": 1, "dash": "4px,3px"}} for edge in edges
+    ]
+    return [
+        band(x, middle, half, "var(--whole)"),
+        *dashed,
+        _line(t, mean, "var(--accent)", width=1.8, name="estimated spline"),
+    ]
+
+
+def _line(t: Array, values: Array, colour: str, width: float, name: str) -> Figure:
+    style = {"line": {"color": colour, "width": width}}
+    return {**_scatter((t / UNIT).tolist(), (values / UNIT).tolist()), **style}
+
+
+def _scatter(x: Sequence[float], y: Sequence[float], mode: str = "lines") -> Figure:
+    return {"type": "scatter", "mode": mode, "x": list(x), "y": list(y)}
+
+
+def _control_points(knots: Array, values: Array) -> Figure:
+    marker = {"symbol": "square-open", "size": 7, "color": "var(--accent)", "line": {"width": 1.6}}
+    points = _scatter((knots / UNIT).tolist(), (values / UNIT).tolist(), "markers")
+    return {**points, "marker": marker, "cliponaxis": False}
+
+
+def _readings(plan: GreedyPlan, shown: Simulated, readings: int, function: ErrorFunction, floor: float) -> Figure:
+    """Return the readings at their values where one spline is all there is to see, else their places along the foot."""
+    x = plan.positions[:readings, function.axis].tolist()
+    marker = {"size": 7, "color": "var(--ink)", "line": {"color": "var(--card)", "width": 0.8}}
+    common = {"marker": marker, "cliponaxis": False, "text": [f"reading {k + 1}" for k in range(readings)]}
+    if len(plan.stack.machine.axes) > 1:
+        marker |= {"symbol": "circle-open", "line": {"color": "var(--ink)", "width": 1.4}}
+        return {**_scatter(x, [floor + 0.22] * readings, "markers"), **common}
+    bars = {"array": [plan.stack.std] * readings, "thickness": 1.2, "color": "var(--ink)"}
+    values = (shown.values[:readings] / UNIT).tolist()
+    return {**_scatter(x, values, "markers"), **common, "error_y": bars}
+
+
+def decrease(experiment: Experiment, *, logarithmic: bool) -> Figure:
+    """Return figure 5: the overall variance against the squared error that many simulated splines really have."""
+    variances, errors = experiment.single.overall_variances, experiment.squared_errors
+    steps = list(range(len(variances)))
+    mean, std = errors.mean(axis=0), errors.std(axis=0, ddof=1) / np.sqrt(len(errors))
+    whiskers = {"array": (BAND * std).tolist(), "color": "var(--accent)", "thickness": 1.4}
+    traces = [
+        _points(steps, variances, "overall variance J", "var(--truth)", "lines", width=2.6),
+        _points(steps, experiment.spline_errors.tolist(), "the spline of figure 4", "var(--soft)", "lines", dash="dot"),
+        {**_points(steps, mean.tolist(), "mean squared error", "var(--accent)", "markers"), "error_y": whiskers},
+    ]
+    scale: dict[str, Any] = {"type": "log"} if logarithmic else {"rangemode": "tozero"}
+    title = "variance × length" + (", logarithmic" if logarithmic else "")
+    drawn = layout(axis_style("readings", dtick=1), axis_style(title, **scale), 330, margin={**_MARGIN, "l": 54})
+    return {"data": traces, "layout": {**drawn, "shapes": [{**_KNEE, "x0": 7, "x1": 7}]}}
+
+
+def _points(x: Sequence[float], y: Sequence[float], name: str, colour: str, mode: str, **line: Any) -> Figure:
+    style = {"line": {"color": colour, **line}, "marker": {"color": colour, "size": 7, "symbol": "square"}}
+    return {**_scatter(x, y, mode), **style}
+
+
+def both_criteria(experiment: Experiment) -> list[Figure]:
+    """Return what the paper does not draw: how well one joint, and the height, are known under both criteria."""
+    joint, volume = experiment.stacked, experiment.stacked_volume
+    length, left = joint.stack.length, joint.stack.variance_left
+    one_joint = [[(value / length) ** 0.5 for value in plan.overall_variances] for plan in (joint, volume)]
+    height = [[value**0.5 for value in plan.height_variances] for plan in (joint, volume)]
+    floor = {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": (left / length) ** 0.5}
+    floor |= {"y1": floor["y0"], "line": {"color": "var(--soft)", "width": 1.2, "dash": "dash"}}
+    return [
+        _pair(one_joint, "one joint: standard deviation, RMS", [floor]),
+        _pair(height, "height: standard deviation, RMS", []),
+    ]
+
+
+def _pair(lines: list[list[float]], title: str, shapes: list[Figure]) -> Figure:
+    steps = list(range(len(lines[0])))
+    traces = [
+        _points(steps, lines[0], "chosen under joint", "var(--truth)", "lines", width=2.6),
+        _points(steps, lines[1], "chosen under volume", "var(--accent)", "markers"),
+    ]
+    y = axis_style(title, type="log", range=[-2.05, 0.35])
+    drawn = layout(axis_style("readings", dtick=3), y, 330, margin={**_MARGIN, "l": 54})
+    return {"data": traces, "layout": {**drawn, "shapes": [*shapes, {**_KNEE, "x0": 19, "x1": 19}]}}
+
+
+def confounded(experiment: Experiment, readings: int) -> list[Figure]:
+    """Return one joint and the height while all joints move together, after the same readings."""
+    plan, shown = experiment.stacked, experiment.machine
+    belief, functions = shown.beliefs[readings], plan.stack.errors.functions
+    travel = plan.stack.machine.axes[0].travel
+    t = np.linspace(*travel, _POINTS)
+    height = plan.stack.rows(np.tile(t[:, None], len(functions)))
+    one = np.zeros_like(height)
+    one[:, functions[0].columns] = height[:, functions[0].columns]
+    return [
+        _bare(t, belief, one, shown.truth, "S₁(t)", "t"),
+        _bare(t, belief, height, shown.truth, "S₁(t) + S₂(t) + S₃(t)", "t, all joints"),
+    ]
+
+
+def _bare(t: Array, belief: Belief, rows: Array, truth: Array, title: str, x: str) -> Figure:
+    real = _line(t, rows @ truth, "var(--truth)", width=2.2, name="real")
+    drawn = layout(axis_style(x, dtick=2), axis_style(title, range=[-4.6, 4.6], dtick=2), 300, margin=_MARGIN)
+    return {"data": [*_estimate(t, belief, rows), real], "layout": drawn}
 
 
 def render(experiment: Experiment) -> str:
     """Return the page as self-contained HTML."""
     values = {
         "draw": shown,
-        "single": list(zip(SHOWN_SINGLE, figures.single_spline(experiment), strict=True)),
-        "decrease": [figures.decrease(experiment, logarithmic=logarithmic) for logarithmic in (False, True)],
-        "stacked": list(zip(SHOWN_STACKED, figures.stacked(experiment), strict=True)),
-        "both": figures.both_criteria(experiment),
-        "confounded": figures.confounded(experiment, SHOWN_STACKED[-1]),
+        "single": list(zip(SHOWN_SINGLE, single_spline(experiment), strict=True)),
+        "decrease": [decrease(experiment, logarithmic=logarithmic) for logarithmic in (False, True)],
+        "stacked": list(zip(SHOWN_STACKED, stacked(experiment), strict=True)),
+        "both": both_criteria(experiment),
+        "confounded": confounded(experiment, SHOWN_STACKED[-1]),
         "simulated": SIMULATED,
         "variances": experiment.single.overall_variances,
         "stacked_variances": experiment.stacked.overall_variances,

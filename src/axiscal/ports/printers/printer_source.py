@@ -2,22 +2,222 @@
 
 A reading is minus the height at which the probe meets the bed: over a high bed the tool is too low by as much.
 The probe stands over the point, and the carriage beside it by the probe's offset, as for the printer's own map.
+
+Height maps put into a printer over the network, in force when it is done, and read back.
+
+Written from what Moonraker and RepRapFirmware document. Tried with Klipper behind Moonraker, no printer; for a Duet
+against a small server. What is there under the same name is kept beside it.
 """
 
 from __future__ import annotations
 
+import json
+import posixpath
+import re
+import time
+import urllib.parse
+import zlib
 from collections.abc import Callable, Mapping, Sequence
+from fnmatch import fnmatchcase
 
 import numpy as np
 
 from axiscal.campaign.sources.source import Answer, Request, Skip, at_the_terminal
-from axiscal.exceptions import SourceError, TravelError
-from axiscal.language.spoken import said
+from axiscal.document import shown
+from axiscal.exceptions import SourceError, TableError, TravelError
+from axiscal.language.spoken import later, said
 from axiscal.machine.description import Machine
-from axiscal.machine.inverse import tip_at
+from axiscal.machine.kinematics import tip_at
 from axiscal.measurement.touched import cycle_of, from_above, read_as, stated
-from axiscal.ports.printers.printer import Duet, Moonraker, Printer
+from axiscal.ports.printers.klipper import holds_heights, plain_profile
+from axiscal.ports.printers.printer import Duet, Moonraker, Printer, found_at
 from axiscal.units import from_unit, to_unit
+
+_CONFIG = "axiscal_mesh.cfg"
+_INCLUDE = re.compile(r"^\[include\s+(\S.*?)\s*\]", re.MULTILINE)
+_MAP = "0:/sys/heightmap.csv"
+_STARTING = (404, 503)
+"""How Moonraker answers for Klipper while that starts: no such page yet, or nobody there."""
+_RESTART = 60.0
+"""s for Klipper to read its files again."""
+_SWITCHED = 15.0
+"""s for a Duet to read a map from its card, and for its object model to say so."""
+_POLL = 0.2
+"""s between two looks whether it has."""
+_BOUNDARY = "axiscal-8f2c61"
+"""Between the parts of what is sent; in no file of ours."""
+
+
+def loader_at(where: str, controller: str) -> MoonrakerLoader | DuetLoader:
+    """Return what puts the files of a control into a printer; raises TableError where it takes no files of that.
+
+    where : moonraker:HOST or duet:HOST
+    """
+    kind, _, host = where.partition(":")
+    if kind not in _LOADERS:
+        remedy = "Write --load moonraker:voron.local or duet:192.168.1.7"
+        raise TableError("{text!r} is no printer", remedy, text=where[:60])
+    made = _LOADERS[kind]
+    if controller.casefold() != made.controller:
+        what, remedy = "{kind} takes no files of {controller}", "Export with --to {needed}"
+        raise TableError(what, remedy, kind=kind, controller=shown(controller), needed=made.controller)
+    return made(host.strip())
+
+
+class _Loader:
+    """Of a printer that takes one file of an export.  controller : what the export is for"""
+
+    controller: str
+    _file: str
+
+    def taken(self, files: Mapping[str, str]) -> str:
+        """Return the text that the printer takes; raises TableError where an export does not hold it."""
+        if self._file not in files:
+            remedy = "Leave --load out; the README of the export says how its files are used"
+            raise TableError("the printer takes {needed}, which this export does not hold", remedy, needed=self._file)
+        return files[self._file]
+
+
+class MoonrakerLoader(_Loader, Moonraker):
+    """Klipper reads a profile from a file that printer.cfg includes, when it is started again."""
+
+    controller, _file = "klipper", "bed_mesh.cfg"
+    _again = later("Mend it, then give the command again")
+
+    def load(self, mesh: str, name: str) -> str:
+        """Keep the file that is there, write the profile, start Klipper again, load and compare; raises SourceError."""
+        self.refuse_busy()
+        sent, old = plain_profile(mesh).encode(), self._kept(_CONFIG)
+        kept = "" if old in (None, sent) else self._beside(old or b"")
+        self._upload(_CONFIG, sent)
+        if not _reads(self._ask("/server/files/config/printer.cfg").decode(errors="replace")):
+            what = "the printer {host} has {config} now, and its printer.cfg does not read it"
+            remedy = "Write the line [include {config}] at the top of printer.cfg, then again"
+            raise self._not_ready(what, remedy, config=_CONFIG)
+        self.refuse_busy()  # somebody may have started a print since, which a restart would end
+        self._ask("/printer/restart", body=b"")
+        self._wait_until_ready()
+        self._script(f"BED_MESH_PROFILE LOAD={name}")
+        found = self._status("bed_mesh")
+        if found_at(found, "bed_mesh", "profile_name") != name or not holds_heights(
+            found_at(found, "bed_mesh", "probed_matrix"), mesh
+        ):
+            what = "the printer {host} does not hold the profile {name} as it was sent"
+            raise self._not_ready(what, "Look at its console", name=name)
+        return f"{_CONFIG} is in the printer, and its profile {name} is in force{kept}. It has to be homed again."
+
+    def _kept(self, file: str) -> bytes | None:
+        """Return a file of the configuration, None where there is none; raises SourceError."""
+        return self._held(f"/server/files/config/{file}")
+
+    def _beside(self, old: bytes) -> str:
+        """Keep what was there under a name that no [include *.cfg] reads, and say so; raises SourceError."""
+        self._upload(file := f"axiscal_mesh_{_digest(old)}.bak", old)
+        if self._kept(file) != old:
+            raise self._not_ready("the printer {host} did not keep {kept}", "Look at its disk", kept=file)
+        return f"; the one that was there is {file}"
+
+    def _upload(self, file: str, text: bytes) -> None:
+        parts = [("root", None, b"config"), ("file", file, text)]
+        lines = list[bytes]()
+        for field, named, content in parts:
+            more = f'; filename="{named}"' if named else ""
+            head = f'--{_BOUNDARY}\r\nContent-Disposition: form-data; name="{field}"{more}\r\n'
+            lines += [head.encode(), content]
+        body = b"\r\n".join([*lines, f"--{_BOUNDARY}--\r\n".encode()])
+        self._ask("/server/files/upload", body=body, kind=f"multipart/form-data; boundary={_BOUNDARY}")
+
+    def _wait_until_ready(self) -> None:
+        end = time.monotonic() + _RESTART
+        while (state := self._state()) != "ready":
+            if state in ("error", "shutdown") or time.monotonic() > end:
+                what = "the printer {host} is {state!r} after it was started again"
+                remedy = "Take [include {config}] out of printer.cfg, and look at its log"
+                raise self._not_ready(what, remedy, state=state, config=_CONFIG)
+            time.sleep(_POLL)
+
+    def _state(self) -> object:
+        """Return the state of Klipper."""
+        code, data = self._answered("/printer/info")
+        if code in _STARTING:
+            return "startup"
+        return found_at(_document(data), "result", "state")
+
+
+class DuetLoader(_Loader, Duet):
+    """RepRapFirmware reads `0:/sys/heightmap.csv` at G29 S1."""
+
+    controller, _file = "reprapfirmware", "heightmap.csv"
+    _again = later("Mend it, then give the command again")
+
+    def load(self, mesh: str, name: str) -> str:
+        """Keep the map that is there, write the new one, load it and compare; raises SourceError."""
+        self.refuse_busy()
+        sent, old = mesh.encode(), self._kept(_MAP)
+        kept = "" if old in (None, sent) else self._beside(old or b"")
+        self._put(_MAP, sent)
+        if self._kept(_MAP) != sent:
+            remedy = "Look at its card"
+            raise self._not_ready("the printer {host} does not hold {kept} as it was sent", remedy, kept=_MAP)
+        self.refuse_busy()  # somebody may have started a print since
+        if self.compensation() == "mesh":
+            self._switch("G29 S2", "none")  # else that of before would be taken for the new one
+        self._switch("G29 S1", "mesh")
+        return f"{_MAP} is in the printer and in force{kept}."
+
+    def _switch(self, code: str, kind: str) -> None:
+        """Execute a line and wait until the compensation is of a kind; raises SourceError."""
+        self._run(code)
+        end = time.monotonic() + _SWITCHED
+        while (found := self.compensation()) != kind:
+            if time.monotonic() > end:
+                what = "the printer {host} says its compensation is {found!r} after {code}"
+                raise self._not_ready(what, "Look at its console", found=found, code=code)
+            time.sleep(_POLL)
+            if self._alone:
+                self._sound(code, self._ask("/rr_reply").decode(errors="replace"))
+
+    def _kept(self, file: str) -> bytes | None:
+        """Return a file of the card, None where there is none; raises SourceError."""
+        if self._alone:
+            return self._held("/rr_download", {"name": file})
+        return self._held(f"/machine/file/{urllib.parse.quote(file, safe='')}")
+
+    def _beside(self, old: bytes) -> str:
+        """Keep the map that was there under another name, and say so; raises SourceError."""
+        self._put(file := f"0:/sys/heightmap_before_axiscal_{_digest(old)}.csv", old)
+        if self._kept(file) != old:
+            raise self._not_ready("the printer {host} did not keep {kept}", "Look at its card", kept=file)
+        return f"; the one that was there is {file}"
+
+    def _put(self, file: str, text: bytes) -> None:
+        if not self._alone:
+            self._ask(f"/machine/file/{urllib.parse.quote(file, safe='')}", body=text, method="PUT")
+            return
+        said = self._ask("/rr_upload", {"name": file, "crc32": _digest(text)}, body=text)
+        if found_at(_document(said), "err") != 0:
+            raise self._not_ready("the printer {host} did not take {kept}", "Look at its card", kept=file)
+
+
+def _reads(config: str) -> bool:
+    """Return whether a printer.cfg includes our file, by its name or by a pattern as Klipper takes."""
+    return any(fnmatchcase(_CONFIG, posixpath.normpath(named)) for named in _INCLUDE.findall(config))
+
+
+def _digest(data: bytes) -> str:
+    """Return the CRC-32 of a file: what was kept once is overwritten by nothing else."""
+    return f"{zlib.crc32(data):08x}"
+
+
+def _document(data: bytes) -> object:
+    try:
+        return json.loads(data)
+    except (ValueError, RecursionError):
+        return None
+
+
+_LOADERS: Mapping[str, type[MoonrakerLoader | DuetLoader]] = {"moonraker": MoonrakerLoader, "duet": DuetLoader}
+
 
 _CLEAR, _LIFT, _TRAVEL = 5.0, 600, 3000
 """mm over the bed on the way, mm/min up and across: gentle on any printer."""

@@ -15,12 +15,12 @@ from axiscal.answers.answer import TablesChecked
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import reaches
 from axiscal.campaign.milestones import Milestone
-from axiscal.campaign.sources.simulated import SimulatedSource
+from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.errors.model import ErrorFunction, ErrorModel
 from axiscal.estimation.case import Case
-from axiscal.evaluation.acceptance.at_the_machine import Taken
-from axiscal.evaluation.acceptance.check import Check
+from axiscal.evaluation.at_the_machine import Taken
+from axiscal.evaluation.check import Check
 from axiscal.machine import load_machine
 from axiscal.measurement.readers.truth_curves import TruthCurve
 from axiscal.measurement.simulation import Simulator, VirtualMachine

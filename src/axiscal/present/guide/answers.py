@@ -10,7 +10,7 @@ import numpy as np
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, said
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
-from axiscal.measurement.place_texts import reading_unit
+from axiscal.measurement.reading import reading_unit
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.units import parse_quantity

@@ -20,7 +20,7 @@ from axiscal.language.spoken import said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
-from axiscal.measurement.place_texts import direction_text, place_text, reading_unit, shown_coordinate, value_names
+from axiscal.measurement.reading import direction_text, place_text, reading_unit, shown_coordinate, value_names
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Setup, Vector
 from axiscal.numerics import Array

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from axiscal.campaign.campaign import Campaign
 from axiscal.estimation.agreement_words import agreement_words, change_words
 from axiscal.language.spoken import counted, decimals, said
-from axiscal.measurement.place_texts import reading_text, reading_unit
+from axiscal.measurement.reading import reading_text, reading_unit
 from axiscal.planning.next_readings import rejected
 from axiscal.present.guide.question import asked_text
 from axiscal.record.accepted import Accepted

@@ -17,7 +17,7 @@ from axiscal.document import shown
 from axiscal.exceptions import InputError, SourceError, TravelError
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
-from axiscal.machine.inverse import drawn_back
+from axiscal.machine.kinematics import drawn_back
 from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import all_round, cycle_of, read_as
@@ -25,10 +25,9 @@ from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.live.connection import Connection
 from axiscal.ports.linuxcnc.live.in_force import InForce
 from axiscal.programs.cycles import SphereCycle
-from axiscal.programs.groups import Group, groups
 from axiscal.programs.program import clearance_of
 from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget, exact, target
-from axiscal.programs.steps import Clearance, Move, Step, Touched, cleared, moves, to_the_start, way_to
+from axiscal.programs.steps import Clearance, Group, Move, Step, Touched, cleared, groups, moves, to_the_start, way_to
 from axiscal.units import format_quantity, from_unit
 
 _DECIMALS = 6

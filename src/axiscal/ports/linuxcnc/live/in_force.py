@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from axiscal.exceptions import SourceError, TableError
-from axiscal.tables.vcomp import vcomp_reading
+from axiscal.tables import vcomp_file
 
 _SWITCH_OFF = "Set axiscal-vcomp.enable to 0 and wait a second"
 _SWITCH_ON = "Set axiscal-vcomp.enable to 1 and wait a second"
@@ -35,7 +35,7 @@ class InForce:
         for name, text in texts.items():
             if name.endswith(".vcomp"):
                 whole = text.decode("ascii", "replace")
-                vcomp_reading.read(whole, str(folder / name))
+                vcomp_file.read(whole, str(folder / name))
                 return cls(True, int(whole.split()[-1], 16), {name: digests[name]})
         tables = {name: digests[name] for name in texts if name.endswith(".comp") and not name.startswith("axiscal")}
         if not tables:

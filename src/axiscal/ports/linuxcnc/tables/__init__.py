@@ -1,10 +1,9 @@
 """LinuxCNC: `COMP_FILE` tables of one axis.
 
 Nothing in such a file is checked by LinuxCNC: a fault in it is passed over in silence or drives the motor away.  So a
-file is read back by the controller's own rules (`reading`), applied, and offered only when it corrects (`writing`).
+file is read back by the controller's own rules (`writer`), applied, and offered only when it corrects (`exporting`).
 """
 
-from axiscal.ports.linuxcnc.tables.reader import LinuxcncTable, correction, parse
-from axiscal.ports.linuxcnc.tables.writer import dead_band, offer, verify, write
+from axiscal.ports.linuxcnc.tables.writer import LinuxcncTable, correction, dead_band, offer, parse, verify, write
 
 __all__ = ["LinuxcncTable", "correction", "dead_band", "offer", "parse", "verify", "write"]

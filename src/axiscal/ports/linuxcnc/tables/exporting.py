@@ -21,8 +21,7 @@ from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import cross, pivots
 from axiscal.ports.linuxcnc.tables.cross import Hal
-from axiscal.ports.linuxcnc.tables.reader import ROWS, LinuxcncTable, correction, parse
-from axiscal.ports.linuxcnc.tables.writer import notes, offer, resolution
+from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, correction, notes, offer, parse, resolution
 from axiscal.tables.effect import Control
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import TableFormat, Written, summed

@@ -25,7 +25,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import back_solution, inverse_of_product, solution
 from axiscal.numerics.gaussian import lower_root
 from axiscal.numerics.threads import one_thread
-from axiscal.ports.fleet.sisters.hierarchy import (
+from axiscal.ports.fleet.hierarchy import (
     CERTAINTY,
     LEVEL,
     MEANS,

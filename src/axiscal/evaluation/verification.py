@@ -15,16 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.acceptance.datums import GUARD, Datums, datums_of, fewest, is_zero, straightened
-from axiscal.evaluation.acceptance.judgement import HARDLY, Judgement, Verdict
-from axiscal.evaluation.acceptance.table_checks import Part, Share, idle_axes, shares, taken_away, without
+from axiscal.evaluation.datums import GUARD, Datums, datums_of, fewest, is_zero, straightened
+from axiscal.evaluation.judgement import HARDLY, Judgement, Verdict
+from axiscal.evaluation.table_checks import Part, Share, idle_axes, shares, taken_away, without
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import said
 from axiscal.measurement.instrument import INSTRUMENTS, model_of
 from axiscal.measurement.instruments.displacement import Displacement
+from axiscal.measurement.instruments.distance import TURNS, Nest, Tracker
 from axiscal.measurement.instruments.kind import Nominal
-from axiscal.measurement.instruments.nest import Nest
-from axiscal.measurement.instruments.tracker import TURNS, Tracker
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading

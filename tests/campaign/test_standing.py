@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from axiscal.campaign.salvaging import Missing, Standing, standing
 from axiscal.exceptions import NewerError, RecordError
 from axiscal.record.events import Created, Event, Noted
 from axiscal.record.line_form import BLOCK, MARK, MARKS, START, Mark, mark_bytes
-from axiscal.record.salvage import Missing, Standing, standing
 from axiscal.record.store import Record
 from tests.reliability.salvaged import lines_of
 

@@ -19,11 +19,11 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.acceptance.at_the_machine import Sheet
-from axiscal.evaluation.acceptance.datums import lines_shared
-from axiscal.evaluation.acceptance.judgement import Judgement
-from axiscal.evaluation.acceptance.table_checks import Part, needed, parts_of, taken_away
-from axiscal.evaluation.acceptance.verification import (
+from axiscal.evaluation.at_the_machine import Sheet
+from axiscal.evaluation.datums import lines_shared
+from axiscal.evaluation.judgement import Judgement
+from axiscal.evaluation.table_checks import Part, needed, parts_of, taken_away
+from axiscal.evaluation.verification import (
     expected,
     judge,
     places_lacking,
@@ -35,9 +35,8 @@ from axiscal.evaluation.acceptance.verification import (
 from axiscal.exceptions import ReadingError, TargetError
 from axiscal.language.stages import stage
 from axiscal.measurement.place import Places
-from axiscal.measurement.place_texts import columns_of
 from axiscal.measurement.readers.csv_readings import blank_sheet, read_readings
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, columns_of
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.planning.overrun import with_room

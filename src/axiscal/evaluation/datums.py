@@ -24,8 +24,8 @@ from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import model_of
+from axiscal.measurement.instruments.distance import TURNS
 from axiscal.measurement.instruments.kind import TOOL, Nominal
-from axiscal.measurement.instruments.tracker import TURNS
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array, rigid

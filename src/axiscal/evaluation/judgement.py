@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from axiscal.evaluation.acceptance.datums import Datum
-from axiscal.evaluation.acceptance.table_checks import Share
+from axiscal.evaluation.datums import Datum
+from axiscal.evaluation.table_checks import Share
 from axiscal.numerics import Array
 
 _UNLIKELY = 0.01

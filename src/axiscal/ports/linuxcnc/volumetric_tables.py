@@ -1,4 +1,10 @@
-"""All files for the component: the machine's errors, the HAL text, the source, and notes."""
+"""All files for the component: the machine's errors, the HAL text, the source, and notes.
+
+The component (`axiscal_vcomp.comp`) corrects in realtime between motion and drives. It is one for every machine,
+installed once by halcompile, and reads the file of a campaign when it is loaded. `tables.vcomp_file` writes that file
+and `tables.vcomp_applying` has the chain and the curves once more: a file is offered only if it does there what the
+estimate asks for.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +18,14 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.volumetric.patching import FILE, HAL_FILE, STATEMENT, hal_text
+from axiscal.ports.linuxcnc.patching import FILE, HAL_FILE, STATEMENT, hal_text
+from axiscal.tables import vcomp_file
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import Exporter, Written
 from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import Draft, spread_poses
 from axiscal.tables.old_files import OldFile
-from axiscal.tables.vcomp import vcomp_reading, vcomp_writing
-from axiscal.tables.vcomp.applying import VcompFile, component_control, whole_control
+from axiscal.tables.vcomp_applying import VcompFile, component_control, whole_control
 from axiscal.units import format_quantity
 
 SOURCES = ("axiscal_vcomp.comp", "axiscal_vcomp_core.h")
@@ -58,7 +64,7 @@ class LinuxcncVolumetric(Exporter):
         file = _content(estimate, options, largest)
         joints = [n for axis in file.axes for n in axis.joints]
         source = resources.files(__package__)
-        files = {FILE: vcomp_writing.text_of(file, STATEMENT), HAL_FILE: hal_text(joints)}
+        files = {FILE: vcomp_file.text_of(file, STATEMENT), HAL_FILE: hal_text(joints)}
         files |= {name: source.joinpath(name).read_text(encoding="ascii") for name in SOURCES}
         notes, steps = _notes(estimate, file), {axis.name: _AWAY for axis in machine.axes}
         held = self.held(Written(files, steps, notes), machine, options)
@@ -67,7 +73,7 @@ class LinuxcncVolumetric(Exporter):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the component makes of its files; raises TableError."""
-        read = vcomp_reading.read_among(files)
+        read = vcomp_file.read_among(files)
         return Loaded(others=tuple(component_control(each, machine) for each in read))
 
 
@@ -85,10 +91,10 @@ def _refuse(options: ExportOptions) -> None:
 
 def _content(estimate: Estimate, options: ExportOptions, largest: Array) -> VcompFile:
     axes = estimate.machine.axes
-    joints = vcomp_writing.joints_of(options.joints(estimate.machine), axes)
+    joints = vcomp_file.joints_of(options.joints(estimate.machine), axes)
     seconds = reversal_times(estimate.model, estimate.mean, estimate)
     given = [(joints[axis.name], own) for axis, own in zip(axes, seconds, strict=True)]
-    return vcomp_writing.content_of(estimate, given, options.unit, largest, options.origin)
+    return vcomp_file.content_of(estimate, given, options.unit, largest, options.origin)
 
 
 def reversal_times(model: ErrorModel, mean: Array, estimate: Estimate) -> list[float]:

@@ -1,1 +1,0 @@
-"""Whether a compensated machine is as good as its tables promise."""

@@ -1,0 +1,325 @@
+"""All files for the ISG kernel and Beckhoff TwinCAT CNC (TF5280): error motions and location errors, and reversal.
+
+The volumetric compensation has no direction; a bilateral leadscrew table of each axis holds what its directions are
+apart, half to each side.
+
+ISG_CSV, written and read back by the documentation's rules (TF5280), and the list file.
+
+Columns under a header, `#` begins a new one, `//` a comment; mm, deg and rad.
+
+Bilateral leadscrew tables (`kw.ssfk`): what an axis is off by, for each direction, in tenths of a µm or 1e-4 deg.
+
+A value is the actual position less the setpoint ("absolute position errors", TF5200 axis compensation), and the kernel
+takes it away. Points are evenly spaced from kw_startpos on.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+from axiscal.machine.names import parse_error_name
+from axiscal.numerics import Array
+from axiscal.tables.effect import table_control
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import Exporter, Written, summed
+from axiscal.tables.loaded import Loaded, Lookup
+from axiscal.tables.offer import Draft
+from axiscal.tables.old_files import OldFile
+from axiscal.tables.sampling import axis_tables, points
+from axiscal.tables.surface import sum_of
+from axiscal.tables.table import CompensationTable
+from axiscal.tables.volumetric import SampledError, anchored, curves, tip_control, together
+from axiscal.units import from_unit, to_unit
+
+_UNITS = {"mm": 1e-4, "deg": 1e-4}
+"""One unit of the file in mm or deg."""
+_LINE = re.compile(r"(kopf|kw\.ssfk)\.(\w+)(?:\[(\d+)\]\.(\w+))?\s+(\S+)")
+
+
+def list_unit(axis_unit: str) -> float:
+    """Return one unit of the file, m or rad."""
+    return float(from_unit(_UNITS[axis_unit], axis_unit))
+
+
+def write_list(table: CompensationTable, number: int, cyclic: bool) -> str:
+    """Return the list of one axis; number : logical axis; cyclic : the table holds one turn and repeats."""
+    position = table.unit
+    at, forward, reverse = (_whole(values, position) for values in (table.positions, table.forward, table.reverse))
+    steps = np.diff(at)
+    if np.ptp(steps):
+        raise TableError("the points of {axis} are not evenly spaced", "leave the spacing to axiscal", axis=table.axis)
+    keys = {"interval": steps[0], "kw_startpos": at[0], "kw_nr_max": len(at), "unit": 1, "bilateral": 1}
+    lines = [f"kopf.log_achs_nr {number}", f"kopf.log_achs_name {table.axis}"]
+    lines += [f"kw.ssfk.{key} {value}" for key, value in {**keys, "modulo": int(cyclic)}.items()]
+    for name, values in (("pos", forward), ("neg", reverse)):
+        lines += [f"kw.ssfk.table[{i}].{name} {value}" for i, value in enumerate(values)]
+    return "\n".join(lines) + "\n"
+
+
+def read_list(text: str, machine: Machine) -> list[Lookup]:
+    """Return what the kernel makes of a list; raises TableError for a line that it would not know."""
+    keys, sides = dict[str, str](), {"pos": dict[int, int](), "neg": dict[int, int]()}
+    for line in text.splitlines():
+        found = _LINE.fullmatch(line)
+        if found is None or (found[4] is not None and found[4] not in sides):
+            raise TableError("the kernel would not know {text!r}", "this is a defect of axiscal", text=line[:40])
+        if found[4] is None:
+            keys[found[2]] = found[5]
+        else:
+            sides[found[4]][int(found[3])] = int(found[5])
+    needed = ("log_achs_name", "kw_nr_max", "kw_startpos", "interval")
+    if missing := [key for key in needed if key not in keys]:
+        raise TableError("the list says no kw.ssfk.{missing}", "give it as the kernel loads it", missing=missing[0])
+    count = int(keys["kw_nr_max"])
+    if any(set(values) != set(range(len(values))) or len(values) != count for values in sides.values()):
+        remedy = "give it as the kernel loads it"
+        raise TableError("the list has not its {count} entries on both sides", remedy, count=count)
+    axis = machine.axis(keys["log_achs_name"])
+    scale = list_unit(axis.unit)
+    at: Array = scale * (int(keys["kw_startpos"]) + int(keys["interval"]) * np.arange(count, dtype=float))
+    pos, neg = (-scale * np.array([values[i] for i in range(count)]) for values in sides.values())
+    return [Lookup(axis.name, axis.name, at, pos, 1), Lookup(axis.name, axis.name, at, neg, -1)]
+
+
+def _whole(values: Array, shown: str) -> Array:
+    return np.round(np.asarray(to_unit(values, shown)) / _UNITS[shown]).astype(np.int64)
+
+
+NAMES = re.compile(r"E[XYZABC][XYZABC]|[XYZABC]0[XYZABC]|P[XYZ][ABC]|P0[XYZ]")
+
+
+def write_csv(found: Mapping[str, SampledError], machine: Machine) -> str:
+    """Return the ISG_CSV text."""
+    constants = {name: curve for name, curve in found.items() if len(curve.positions) == 1}
+    blocks = []
+    if constants:
+        values = [_shown(name, curve.values)[0] for name, curve in constants.items()]
+        blocks.append(_row(constants) + _row(f"{value:.9e}" for value in values))
+    for axis in machine.axes:
+        own = {
+            n: c for n, c in found.items() if not (n in constants or c.over) and parse_error_name(n).axis == axis.name
+        }
+        if own:
+            at = to_unit(next(iter(own.values())).positions, axis.unit)
+            columns = [_shown(name, curve.values) for name, curve in own.items()]
+            rows = zip(at, *columns, strict=True)
+            lines = (_row([f"{p:.6f}", *(f"{value:.9e}" for value in values)]) for p, *values in rows)
+            blocks.append(_row([axis.name, *own]) + "".join(lines))
+    blocks += [_over_both(name, curve, machine) for name, curve in found.items() if curve.over]
+    return "// mm, deg and rad\n" + "#\n".join(blocks)
+
+
+def _over_both(name: str, curve: SampledError, machine: Machine) -> str:
+    """Return the block of an error that depends on two axes: all positions of its axis at each of the other one."""
+    own, other = machine.axis(parse_error_name(name).axis), machine.axis(curve.over)
+    lines = [_row([other.name, own.name, name])]
+    for across, values in zip(to_unit(curve.across, other.unit), curve.values, strict=True):
+        rows = zip(to_unit(curve.positions, own.unit), _shown(name, values), strict=True)
+        lines += [_row([f"{across:.6f}", f"{at:.6f}", f"{value:.9e}"]) for at, value in rows]
+    return "".join(lines)
+
+
+def read_csv(text: str, machine: Machine) -> dict[str, SampledError]:
+    """Return the errors of an ISG_CSV text; raises TableError where the kernel would report 70468 or 70469."""
+    found: dict[str, SampledError] = {}
+    rows: list[list[str]] = []
+    for line in [*text.splitlines(), "#"]:
+        words = line.split("//")[0].split()
+        if words != ["#"]:
+            rows += [words] if words else []
+            continue
+        if rows:
+            _take_block(rows, machine, found)
+        rows = []
+    return found
+
+
+def _take_block(rows: list[list[str]], machine: Machine, found: dict[str, SampledError]) -> None:
+    header, *lines = rows
+    arguments = [name for name in header if name in {axis.name for axis in machine.axes}]
+    table = np.array([[float(word) for word in line] for line in lines]).reshape(len(lines), len(header))
+    at = {n: from_unit(np.asarray(table[:, header.index(n)]), machine.axis(n).unit) for n in arguments}
+    for column, name in enumerate(header):
+        if name in arguments:
+            continue
+        if not NAMES.fullmatch(name) or name in found:
+            remedy = "this is a defect of axiscal"
+            raise TableError("the kernel would refuse the column {name!r}", remedy, name=name[:20])
+        found[name] = _sampled(name, at, _inside(name, np.asarray(table[:, column])))
+
+
+def _sampled(name: str, at: Mapping[str, Array], values: Array) -> SampledError:
+    """Return a column over one axis, over two, or of a constant; raises TableError for a grid that is none."""
+    if len(at) < 2:
+        return SampledError(next(iter(at.values()), np.zeros(1)), values)
+    own = parse_error_name(name).axis
+    others = [axis for axis in at if axis != own]
+    if own not in at or len(others) > 1:
+        remedy = "give it over its own axis and one other"
+        raise TableError("{name} over {axes} is not read", remedy, name=name, axes=", ".join(at))
+    (positions, inner), (across, outer) = (np.unique(at[axis], return_inverse=True) for axis in (own, others[0]))
+    grid = np.full((len(across), len(positions)), np.nan)
+    grid[outer, inner] = values
+    if len(values) != grid.size or np.any(np.isnan(grid)):
+        what = "{name} is not there at every pair of {other} and {own}"
+        raise TableError(what, "give the whole grid", name=name, other=others[0], own=own)
+    return SampledError(positions, grid, others[0], across)
+
+
+def list_file(machine: Machine, options: ExportOptions, name: str) -> str:
+    """Return the configuration of one compensation, as TF5280 has it."""
+    workpiece = sum(axis.workpiece_side for axis in machine.axes)
+    chain = "".join(axis.name for axis in machine.axes)
+    negate = "".join(axis.name for axis in machine.axes if not axis.rotary) if options.flip else ""
+    lines = [f"{axis} {number}" for axis, number in options.numbered(machine).items()]
+    lines += [f"chain {chain}", f"workpiece_axes {workpiece}", *([f"negate {negate}"] if negate else [])]
+    lines += ["interpolation GRID", f"file[0] {name}", "file_format[0] ISG_CSV"]
+    return "\n".join(lines) + "\n"
+
+
+def _row(words: Iterable[str]) -> str:
+    return " ".join(words) + "\n"
+
+
+def _shown(name: str, values: Array) -> Array:
+    return 0.0 + (values if _angular(name) else np.asarray(to_unit(values, "mm"), dtype=float))
+
+
+def _inside(name: str, values: Array) -> Array:
+    return values if _angular(name) else np.asarray(from_unit(values, "mm"), dtype=float)
+
+
+def _angular(name: str) -> bool:
+    return not name.startswith("P") and parse_error_name(name).angular
+
+
+_HOLDS = "every error motion as a table over its axis, and every location error: the control knows the chain{}."
+_BOTH = "; what two axes do together as a table of the later one over both"
+_APART = "; and what each axis is apart between its directions"
+_RECORDS = 1000
+"""Points of an axis that a table of the kernel may have; four an interval are rarely more than a hundred."""
+_REMEDY = "give the files that the kernel loads: ISG_CSV, and leadscrew lists (kw.ssfk)"
+_FILE = "volcomp.csv"
+_MULTIPLE = (1e-6, float(np.radians(1e-4)))
+"""The grid of positions, m and rad: the decimals that are written."""
+
+
+class Isg(Exporter):
+    """ISG_CSV, the list file, and leadscrew tables of axes with a reversal."""
+
+    left_out = "the reversal of straightness and of angles, and the orientation of the tool."
+
+    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
+        """Return the files; raises TableError."""
+        machine, found = estimate.machine, self._errors(estimate, options)
+        halves = options.old.within().under_tables(apart(estimate, options), machine, _RECORDS, even=True)
+        lists = leadscrew_files(machine, halves, options)
+        listed = list_file(machine, options, _FILE)
+        files = {_FILE: write_csv(found, machine), "volcomp.lis": listed, **lists}
+        apart_by = [(t.axis, 0.5 * list_unit(machine.axis(t.axis).unit) + 1e-12) for t in halves]
+        steps = summed([*((axis.name, 1e-8) for axis in machine.axes if not axis.rotary), *apart_by])
+        notes = _notes(machine, found, options.flip) + _leadscrew_notes(lists)
+        holds = _HOLDS.format(_BOTH * any(curve.over for curve in found.values()) + (_APART if lists else ""))
+        held = self.held(Written(files, steps, notes), machine, options)
+        wanted = sum_of(tip_control(estimate.model, found), table_control(machine, halves))
+        return Draft(files, held, wanted, steps, halves, holds, self.left_out, notes, tried=False)
+
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+        """Return what the kernel makes of files of either kind; raises TableError.
+
+        The list file says where the others are and nothing else. Where the tool and rotary axes lie is no compensation.
+        """
+        errors, lookups = dict[str, SampledError](), list[Lookup]()
+        for file in files:
+            try:
+                if "kw.ssfk." in file.text:
+                    lookups += read_list(file.text, machine)
+                elif "file_format[0]" not in file.text:
+                    errors |= {n: e for n, e in read_csv(file.text, machine).items() if not n.startswith("P")}
+            except (TableError, ValueError, LookupError) as fault:
+                what = fault.what if isinstance(fault, TableError) else "this is no table of the ISG kernel"
+                raise TableError(what, _REMEDY, file.name) from None
+        if not errors and not lookups:
+            raise TableError("no error and no leadscrew table is in these files", _REMEDY, files[0].name)
+        return Loaded(tuple(lookups), errors=errors)
+
+    def _errors(self, estimate: Estimate, options: ExportOptions) -> dict[str, SampledError]:
+        """Return what the files are to hold, that of the old ones added; raises TableError."""
+        grids = {
+            k: points(estimate.model, k, options.spacing, _RECORDS, _MULTIPLE[axis.rotary])
+            for k, axis in enumerate(estimate.machine.axes)
+        }
+        found = curves(estimate, grids, together=True)
+        _refuse_names(found)
+        if not found:
+            raise TableError("there is no deviation that these files could hold", "take readings first")
+        return together(anchored(estimate.model, found), options.old.errors) | nominal(estimate.machine)
+
+
+def apart(estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
+    """Return what each direction of an axis is off by beside the mean of both, for axes with a reversal."""
+    tables = axis_tables(estimate, options.spacing, _RECORDS, _MULTIPLE)
+    halves = (replace(t, forward=(t.forward - t.reverse) / 2, reverse=(t.reverse - t.forward) / 2) for t in tables)
+    units = {axis.name: list_unit(axis.unit) for axis in estimate.machine.axes}
+    return tuple(half for half in halves if np.max(np.abs(half.forward)) >= units[half.axis] / 2)
+
+
+def leadscrew_files(machine: Machine, halves: Sequence[CompensationTable], options: ExportOptions) -> dict[str, str]:
+    """Return the bilateral tables by the names of their files."""
+    numbers = options.numbered(machine)
+    return {
+        f"ssfk_{half.axis}.lis": write_list(half, numbers[half.axis], machine.axis(half.axis).cyclic) for half in halves
+    }
+
+
+def nominal(machine: Machine) -> dict[str, SampledError]:
+    """Return what the kernel has to know of the chain: where the tool is at zero, and where rotary axes lie."""
+    places = {"P0{}": (0.0, 0.0, -machine.tool)}
+    places |= {"P{}" + axis.name: axis.origin for axis in machine.axes if axis.rotary}
+    return {
+        name.format(direction): SampledError(np.zeros(1), np.array([value]))
+        for name, place in places.items()
+        for direction, value in zip("XYZ", place, strict=True)
+    }
+
+
+def _refuse_names(found: Mapping[str, SampledError]) -> None:
+    for name in found:
+        if not NAMES.fullmatch(name):
+            remedy = "it has axes X Y Z A B C only"
+            raise TableError("{name} is not an error that the ISG kernel knows", remedy, name=name)
+
+
+def _notes(machine: Machine, found: Mapping[str, SampledError], flip: bool) -> tuple[str, ...]:
+    records = sum(curve.values.size for curve in found.values())
+    negated = " The list file negates them, as --flip asks." if flip else ""
+    return (
+        f"Put volcomp.lis and {_FILE} where the start-up list names them: vol_comp[0].file_name volcomp.lis and "
+        f"vol_comp[0].max_records {records} or more.",
+        "In the NC program: #VOLCOMP OFF [ID0], #VOLCOMP [ID0 UPDATE], #VOLCOMP ON [ID0].",
+        "Errors say what the moving component does in machine directions, also where it carries the workpiece; "
+        "rotations turn about the axis frames of axiscal's conventions: that of a linear axis is at the origin of the "
+        f"machine when all axes are at zero. Check one point with a dial gauge; use --flip if it goes wrong.{negated}",
+        f"The chain {machine.chain} has to be the control's own. P0X to P0Z give the tool at zero, PXA and so on where "
+        "rotary axes lie, both from the machine's origin.",
+        "The kernel corrects the position of the tool, not its orientation.",
+    )
+
+
+def _leadscrew_notes(lists: Mapping[str, str]) -> tuple[str, ...]:
+    if not lists:
+        return ()
+    return (
+        f"{', '.join(lists)}: bilateral leadscrew tables (kw.ssfk) that hold what the directions are apart, half to "
+        "each side, beside the volumetric compensation, which has no direction. Give each as the compensation value "
+        "list of its axis, set lr_param.ssfk 1, and leave no backlash compensation active on these axes.",
+        "Their values are actual position less setpoint, 0.1 um and 1e-4 deg (TF5200); the kernel takes them away, and "
+        "--flip leaves them as they are.",
+    )

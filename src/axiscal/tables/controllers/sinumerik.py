@@ -1,0 +1,328 @@
+"""All tables for a SINUMERIK 840D sl, ONE or 828D.
+
+`$AA_ENC_COMP` has no direction: it holds the mean of both. Two `$AN_CEC` tables, one for each direction, hold the
+difference to it; their input is their output. CEC tables with another input hold straightness, sag and squareness.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from axiscal.estimation.machine_estimate import Estimate
+from axiscal.exceptions import TableError
+from axiscal.machine.description import Machine
+from axiscal.numerics import Array
+from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import TableFormat, Written
+from axiscal.tables.loaded import Loaded, Lookup
+from axiscal.tables.offer import Draft
+from axiscal.tables.old_files import OldFile
+from axiscal.tables.table import CompensationTable
+from axiscal.units import from_unit, to_unit
+
+_PLAIN = re.compile(r"^\s*N\d+\s+")
+_VALUE = re.compile(r"\$A([AN])_(ENC_COMP|CEC)(?:_([A-Z_]+))?\[(\d+)(?:,(\w+))?(?:,(\w+))?\]\s*=\s*\(?([^)\s;]+)\)?")
+
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,2})?", re.ASCII)
+_MOST_POINTS = 100_000
+"""Of a table; controls hold a few thousand."""
+
+
+def read(
+    texts: Iterable[str], names: Mapping[str, str], machine: Machine, flip: bool = False, encoder: int | None = None
+) -> list[Lookup]:
+    """Return what a SINUMERIK makes of the files, by its manuals: one assignment after the other.
+
+    flip : CEC values are added as they are, instead of taken away as encoder compensation is
+    encoder : 0 or 1, the measuring system that is looked at; None for the one that there is
+    Raises TableError for a line that is none, for tables that are not whole, and for one that is multiplied by another.
+    """
+    own = {f"{name}1": name for name in names} | {name: name for name in names}
+    axes = own | {identifier: name for name, identifier in names.items()}
+    tables: dict[tuple[str, ...], dict[str, str]] = {}
+    for text in texts:
+        for line in (_PLAIN.sub("", each.split(";")[0]).strip() for each in text.splitlines()):
+            if not line or line.startswith(("%_N_", "CHANDATA(")) or line in ("M17", "M30"):
+                continue
+            found = _VALUE.fullmatch(line)
+            if found is None:
+                remedy = "this is a defect of axiscal"
+                raise TableError("SINUMERIK would not understand {text!r}", remedy, text=line[:60])
+            _, kind, key, first, second, third, value = found.groups()
+            if kind == "ENC_COMP" and encoder not in (None, int(first)):
+                continue
+            place = (kind, first) if kind == "CEC" else (kind, first, (third or second or ""))
+            index = key or f"#{second}"
+            tables.setdefault(place, {})[index] = value
+    lookups = (_understood(place, values, axes, machine, flip) for place, values in tables.items())
+    return [lookup for lookup in lookups if lookup is not None]
+
+
+def _understood(
+    place: tuple[str, ...], values: Mapping[str, str], axes: Mapping[str, str], machine: Machine, flip: bool
+) -> Lookup | None:
+    """Return a table, None for one that is not in use: without a step, or for axes that the machine has not."""
+    enc = place[0] == "ENC_COMP"
+    over, moved = (axes.get(name) for name in ((place[2],) * 2 if enc else _ends(values)))
+    low, high, step = (_number(values.get(key, "0")) for key in ("MIN", "MAX", "STEP"))
+    if over is None or moved is None or step <= 0:
+        return None
+    count = (high - low) / step + 1
+    if count > _MOST_POINTS:
+        remedy = "write a larger STEP"
+        raise TableError("the table of {moved} has {count:g} points between its ends", remedy, moved=moved, count=count)
+    if int(values.get("MULT_BY_TABLE", "0")):
+        what = "a CEC table of {axis} is multiplied by another one"
+        raise TableError(what, "leave MULT_BY_TABLE at 0", axis=moved)
+    entries = [_number(values.get(f"#{i}", "0")) for i in range(round(count))]
+    if abs(count - round(count)) > 1e-6 or _number(values.get(f"#{round(count)}", "0")):
+        remedy = "this is a defect of axiscal"
+        raise TableError("the table of {moved} has {count:g} points between its ends", remedy, moved=moved, count=count)
+    units = [machine.axis(name).unit for name in (over, moved)]
+    positions: Array = from_unit(np.array([low + step * i for i in range(len(entries))]), units[0])
+    sign = 1.0 if flip and not enc else -1.0
+    added: Array = sign * from_unit(np.array(entries), units[1])
+    return Lookup(moved, over, positions, added, 0 if enc else int(values.get("DIRECTION", "0")))
+
+
+def _number(text: str) -> float:
+    """Return a finite number; raises TableError."""
+    if not _NUMBER.fullmatch(text):
+        raise TableError("{text!r} is no number", "write digits with a decimal point", text=text[:40])
+    return float(text)
+
+
+def _ends(values: Mapping[str, str]) -> tuple[str, str]:
+    """Return the axis that is looked up and the one that is moved."""
+    return values.get("INPUT_AXIS", ""), values.get("OUTPUT_AXIS", "")
+
+
+TABLES = 128
+"""By SIEMENS' manual: CEC tables that a control holds."""
+POINTS = 2000
+"""Points that MD18342 allows for a CEC table."""
+ENC, CEC = "AX_EEC.INI", "NC_CEC.INI"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class TableBlock:
+    """One CEC table: values (n,) m or rad, taken away after moving in a direction, 0 for both."""
+
+    table: CompensationTable
+    values: Array
+    direction: int
+
+    @property
+    def size(self) -> float:
+        """The most that it adds to an axis, m or rad."""
+        return float(np.max(np.abs(self.values)))
+
+    @property
+    def slope(self) -> float:
+        """How fast that changes at most along the axis that is looked up."""
+        return float(np.max(np.abs(np.diff(self.values) / np.diff(self.table.positions))))
+
+
+def blocks_of(own: Sequence[CompensationTable], over: Sequence[CompensationTable]) -> tuple[TableBlock, ...]:
+    """Return the CEC tables, in the order of their numbers; raises TableError for more than there can be."""
+    apart = [block for table in own for block in _directions(table)]
+    blocks = (*apart, *(TableBlock(table, table.forward, 0) for table in over))
+    if len(blocks) > TABLES:
+        remedy = "leave axes out of the description"
+        raise TableError("{count} CEC tables are needed, {most} fit", remedy, count=len(blocks), most=TABLES)
+    for block in blocks:
+        if len(block.values) > POINTS:
+            what = "the CEC table of {axis} has {count} points, MD18342 allows {most}"
+            remedy = "export without --on-top-of, or give coarser tables to it"
+            raise TableError(what, remedy, axis=block.table.axis, count=len(block.values), most=POINTS)
+    return blocks
+
+
+def write(
+    own: Sequence[CompensationTable],
+    blocks: Sequence[TableBlock],
+    names: Mapping[str, str],
+    cec_sign: float = 1.0,
+    encoder: int = 0,
+) -> dict[str, str]:
+    """Return the files by name.  names : machine axis identifiers; encoder : 0 or 1, index of the measuring system."""
+    enc = "".join(_enc_text(table, names[table.axis], encoder) for table in own)
+    files = {ENC: f"%_N_AX_EEC_INI\nCHANDATA(1)\n{enc}M17\n"} if enc else {}
+    cec = "".join(_cec_text(number, block, cec_sign, names) for number, block in enumerate(blocks))
+    return files | ({CEC: f"%_N_NC_CEC_INI\nCHANDATA(1)\n{cec}M17\n"} if cec else {})
+
+
+def _directions(table: CompensationTable) -> list[TableBlock]:
+    half = (table.forward - table.reverse) / 2
+    seen = np.round(np.asarray(to_unit(half, _unit(table))), 6)
+    return [] if not np.any(seen) else [TableBlock(table, half, 1), TableBlock(table, -half, -1)]
+
+
+def _enc_text(table: CompensationTable, name: str, encoder: int) -> str:
+    values = np.asarray(to_unit((table.forward + table.reverse) / 2, _unit(table)))
+    lines = [f"$AA_ENC_COMP[{encoder},{i},{name}]={value:.6f}" for i, value in enumerate(np.round(values, 6) + 0.0)]
+    lines += [f"$AA_ENC_COMP_{key}[{encoder},{name}]={value}" for key, value in _span(table)]
+    return "\n".join(lines) + "\n"
+
+
+def _cec_text(number: int, block: TableBlock, sign: float, names: Mapping[str, str]) -> str:
+    table = block.table
+    shown = np.asarray(to_unit(sign * block.values, _unit(table)))
+    lines = [f"$AN_CEC[{number},{i}]={value:.6f}" for i, value in enumerate(np.round(shown, 6) + 0.0)]
+    lines.append(f"$AN_CEC_INPUT_AXIS[{number}]=({names[table.over]})")
+    lines.append(f"$AN_CEC_OUTPUT_AXIS[{number}]=({names[table.axis]})")
+    *span, modulo = _span(table)
+    lines += [f"$AN_CEC_{key}[{number}]={value}" for key, value in span]
+    lines += [f"$AN_CEC_DIRECTION[{number}]={block.direction}", f"$AN_CEC_MULT_BY_TABLE[{number}]=0"]
+    lines.append(f"$AN_CEC_{modulo[0]}[{number}]={modulo[1]}")
+    return "\n".join(lines) + "\n"
+
+
+def _span(table: CompensationTable) -> list[tuple[str, str]]:
+    shown = np.round(np.asarray(to_unit(table.positions, table.unit)), 3) + 0.0
+    step = np.round(shown[1] - shown[0], 3)
+    if np.max(np.abs(np.diff(shown) - step)) > 2e-3 * len(shown):
+        remedy = "SINUMERIK has one distance for a table"
+        raise TableError("the points of {axis} are not evenly spaced", remedy, axis=table.axis)
+    modulo = int(table.rotary and abs(shown[-1] - shown[0] - 360) < 1e-6)
+    last = shown[0] + step * (len(shown) - 1)
+    return [("STEP", f"{step:.3f}"), ("MIN", f"{shown[0]:.3f}"), ("MAX", f"{last:.3f}"), ("IS_MODULO", str(modulo))]
+
+
+def _unit(table: CompensationTable) -> str:
+    return "deg" if table.rotary else "mm"
+
+
+_ROUNDING = 1e-6
+"""Of the last decimal of a limit: what lies over it through rounding alone raises it by no digit."""
+_SMALL = (8, 200)
+"""Tables, and points of each, that an 828D has."""
+
+_STEP = 1e-6
+"""The grid of positions, m: the decimals that are written."""
+
+
+class Sinumerik(TableFormat):
+    """Encoder compensation and CEC tables."""
+
+    holds = (
+        "encoder compensation for every axis (the mean of both directions), and CEC tables for what the directions are "
+        "apart, for straightness, sag and squareness."
+    )
+    left_out = "errors that depend on two axes at once, the orientation of the tool, and the reversal of straightness."
+    points = 200  # what an 828D holds for an axis
+    on_top = POINTS
+    grid = (_STEP, float(np.radians(1e-3)))
+
+    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
+        """Return the files with their tables; raises TableError."""
+        if options.unit != "mm":
+            what = "tables for SINUMERIK are written in mm and deg"
+            raise TableError(what, "leave --unit out, and load them in metric")
+        return super().make(estimate, options)
+
+    def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
+        """Return the files that are needed."""
+        names, encoder = _names(machine, options), options.encoder - 1
+        own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
+        blocks = blocks_of(own, over)
+        files = write(own, blocks, names, -1.0 if options.flip else 1.0, encoder)
+        steps = {axis.name: float(from_unit(4e-6, axis.unit)) for axis in machine.axes}
+        return Written(files, steps, notes(own, blocks, names, encoder))
+
+    def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
+        """Return what tables did of the chosen measuring system; raises TableError."""
+        names, lookups = _names(machine, options), []
+        for file in files:
+            try:
+                lookups += read([file.text], names, machine, options.flip, options.encoder - 1)
+            except TableError as fault:
+                remedy = "give AX_EEC.INI and NC_CEC.INI as the control saved them"
+                raise TableError(fault.what, remedy, file.name) from None
+        return Loaded(tuple(lookups))
+
+
+def _names(machine: Machine, options: ExportOptions) -> dict[str, str]:
+    """Return the machine axis identifier of each axis: AX1, AX2, …; raises TableError as `numbered`."""
+    return {name: f"AX{number}" for name, number in options.numbered(machine).items()}
+
+
+def notes(
+    own: Sequence[CompensationTable], blocks: Sequence[TableBlock], names: Mapping[str, str], encoder: int
+) -> tuple[str, ...]:
+    """Return the sentences; arguments as for `write`."""
+    sizes = ", ".join(f"[{encoder},{names[table.axis]}] {len(table.positions)}" for table in own)
+    memory = (
+        f"Before loading: MD38000 MM_ENC_COMP_MAX_POINTS must be at least {sizes}; setting it clears the memory: save "
+        "it first.",
+        f"ENC_COMP is for measuring system {encoder + 1} of each axis (index {encoder}), the one that was active while "
+        "measuring; --measuring-system chooses the other.",
+        "To load ENC_COMP: MD32700 ENC_COMP_ENABLE = 0, load, set it to 1, NCK reset, and reference the axis.",
+        "ENC_COMP: a positive value moves the axis in its negative direction (Siemens).",
+    )
+    return (memory if own else ()) + (_cec(blocks, names) if blocks else ()) + _modulo(own, names)
+
+
+def _cec(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> tuple[str, ...]:
+    counts = [len(block.table.positions) for block in blocks]
+    points = ", ".join(f"[{number}] {count}" for number, count in enumerate(counts))
+    over = len(blocks) > _SMALL[0] or max(counts) > _SMALL[1]
+    small = (f"An 828D has {_SMALL[0]} tables of {_SMALL[1]} points: {CEC} does not fit there.",) if over else ()
+    return (
+        f"Before loading {CEC}: MD18342 MM_CEC_MAX_POINTS must be at least {points}; setting it clears the memory.",
+        *small,
+        "To load CEC: MD32710 CEC_ENABLE = 0, load, set it to 1 and SD41300 CEC_TABLE_ENABLE = 1 for each table. CEC "
+        "is a licensed option.",
+        f"MD32720 CEC_MAX_SUM limits what all CEC tables of an axis add: it must be above {_sums(blocks, names)}.",
+        "MD32730 CEC_MAX_VELO limits how fast that changes, in per cent of MD32000 of the axis: it must be above "
+        f"{_slopes(blocks, names)}. A reversal is spread over the time that this allows.",
+        "CEC: no Siemens text that we know states the sign; here it is that of ENC_COMP. Check one point with a dial "
+        "gauge, and export with --flip if the axis goes the wrong way.",
+    )
+
+
+def _by_axis(blocks: Sequence[TableBlock], sizes: Sequence[float]) -> dict[str, float]:
+    """Return the sum over the tables of each axis that act at once: those of the two directions do not."""
+    found: dict[str, float] = {}
+    for direction in (1, -1):
+        one: dict[str, float] = {}
+        for block, size in zip(blocks, sizes, strict=True):
+            if block.direction in (0, direction):
+                one[block.table.axis] = one.get(block.table.axis, 0.0) + size
+        found |= {axis: max(size, found.get(axis, 0.0)) for axis, size in one.items()}
+    return found
+
+
+def _sums(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> str:
+    sums = _by_axis(blocks, [block.size for block in blocks])
+    units = {block.table.axis: "deg" if block.table.rotary else "mm" for block in blocks}
+    shown = {axis: _above(to_unit(size, units[axis]), 4) for axis, size in sums.items()}
+    return ", ".join(f"{size} {units[axis]} ({names[axis]})" for axis, size in shown.items())
+
+
+def _slopes(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> str:
+    steepest = [block.slope for block in blocks]
+    return ", ".join(
+        f"{_above(100 * slope, 3)} % ({names[axis]})" for axis, slope in _by_axis(blocks, steepest).items()
+    )
+
+
+def _above(value: float, decimals: int) -> str:
+    """Return the least positive number of `decimals` decimals that is not below a value: a limit to set."""
+    last = 10**decimals
+    return f"{max(1, math.ceil(value * last - _ROUNDING)) / last:.{decimals}f}"
+
+
+def _modulo(own: Sequence[CompensationTable], names: Mapping[str, str]) -> tuple[str, ...]:
+    turning = [names[t.axis] for t in own if t.rotary and abs(np.ptp(t.positions) - 2 * np.pi) < 1e-9]
+    if not turning:
+        return ()
+    return (
+        f"The tables of {', '.join(turning)} have IS_MODULO = 1: they repeat after each turn, whether MD30310 "
+        "ROT_IS_MODULO lets the axis count on or not.",
+    )
