@@ -73,7 +73,8 @@ def test_a_place_that_cannot_be_read_is_left_out() -> None:
 
 def test_of_few_readings_corners_come_first_and_then_the_middle() -> None:
     poses = plane_start(_case(), (), 5).poses
-    np.testing.assert_allclose(poses, [[0, 0], [0.2, 0.3], [0, 0.3], [0.2, 0], [0.1, 0.16]])
+    expected = np.array([[0, 0], [0.2, 0.3], [0, 0.3], [0.2, 0], [0.1, 0.16]])
+    np.testing.assert_allclose(poses, expected)
     assert len(plane_start(_case(), (), 8)) == 8
 
 

@@ -240,6 +240,9 @@ _USAGE = (
     later("Invalid value: {why}"),
     later("Input should be a valid integer, unable to parse string as an integer"),
     later("Input should be a valid number, unable to parse string as a number"),
+    later("Input should be greater than or equal to {what}"),
+    later("Input should be greater than {what}"),
+    later("Input should be less than or equal to {what}"),
 )
 """What typer says of a wrong command line; anything else stays English."""
 
@@ -251,7 +254,7 @@ def _refused(wrong: Any) -> int:
         wrong.show()
     else:
         path = "axiscal" if wrong.ctx is None else wrong.ctx.command_path
-        complain(said("{wrong}. See: {command} -h", wrong=_in_words(text).rstrip("."), command=path))
+        complain(said("{wrong}. See `{command} -h`", wrong=_in_words(text).rstrip("."), command=path))
     return int(wrong.exit_code)
 
 

@@ -11,6 +11,8 @@ from typing import TextIO
 
 WIDTH = 100
 """Columns; a matter of taste."""
+_KEPT = "\ufdd0"
+"""Stands for a space at which no line is to end: a character that no text has."""
 _STEERING = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 """Characters that a terminal obeys rather than shows, all but tab and new line, and halves of characters."""
 
@@ -32,11 +34,10 @@ def rewrite(text: str) -> None:
 
 
 def complain(text: str) -> None:
-    """Write one paragraph to stderr: what went wrong, where, and what to do."""
-    one_line = " ".join(text.split())
-    _write(
-        sys.stderr, textwrap.fill(f"axiscal: {one_line}", WIDTH, break_long_words=False, break_on_hyphens=False) + "\n"
-    )
+    """Write one paragraph to stderr: what went wrong, where, and what to do.  No line ends within a `command`."""
+    one_line = re.sub("`[^`]+`", lambda command: command[0].replace(" ", _KEPT), " ".join(text.split()))
+    filled = textwrap.fill(f"axiscal: {one_line}", WIDTH, break_long_words=False, break_on_hyphens=False)
+    _write(sys.stderr, filled.replace(_KEPT, " ") + "\n")
 
 
 def say_document(document: Mapping[str, object]) -> None:
