@@ -73,7 +73,7 @@ def helping_words(found: Helping) -> str:
     names = joined([f'"{name}"' for name in found.setups])
     if found.measured:
         names = said("the temperature (to {size})", size=said_quantity(MEASURED_TEMPERATURE.size, "K"))
-    text = "With {names} as well it is reached: {readings} readings in {minutes} min."
+    text = "With {names} as well, {readings} readings reach it in {minutes} min."
     if not found.readings:
         text = "With {names} as well it can be reached."
     elif not found.reached:
