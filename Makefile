@@ -54,10 +54,9 @@ test check: .venv/dev.stamp
 	$(BIN)/lint-imports
 	$(BIN)/pytest -n 3 --dist loadfile -m "not long"
 
-# The controls that lie beside the checkout are tried as well, in an environment of their own. LinuxCNC comes first: its
-# machines move in their own time, and leave the processor to the others.
+# The controls that lie beside the checkout are tried as well, in an environment of their own.
 test-long: .venv/dev.stamp $(if $(wildcard $(CONTROLS)),.venv-controls/stamp)
-	AXISCAL_HYPOTHESIS=long $(BIN)/pytest -n 5 --dist loadfile --no-loadscope-reorder -m "long or hypothesis" tests/linuxcnc tests
+	AXISCAL_HYPOTHESIS=long $(BIN)/pytest -n 5 --dist loadfile --no-loadscope-reorder -m "long or hypothesis" tests
 
 # Whole rooms where their tests take seconds, else the files that do.
 QUICK := description docs/test_constants.py docs/test_house.py docs/test_shapes.py document errors/test_gauge.py \

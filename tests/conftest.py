@@ -41,6 +41,11 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
         yield running
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with LinuxCNC: its machines move in their own time, and leave the processor to the other workers."""
+    items.sort(key=lambda item: "linuxcnc" not in item.path.parts)
+
+
 def _skipped(config: pytest.Config) -> list[str]:
     """Return one line per skipped test; empty in the workers of a distributed run."""
     reporter = config.pluginmanager.get_plugin("terminalreporter")
