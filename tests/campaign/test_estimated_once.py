@@ -119,6 +119,7 @@ def test_each_answer_is_found_once_for_the_same_readings(record: Path, monkeypat
             campaign.reached()
 
 
+@pytest.mark.long
 def test_what_a_campaign_goes_on_by_is_kept_until_it_is_read_again(
     record: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -61,6 +61,7 @@ def rows(of: Case, places: tuple[Place, ...]) -> dict[str, KnownRow]:
     return {row.row.name: row for row in known_rows(of, of.knowledge.read(taken), taken)}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("aligned", "times"), [("false", 1.2), ("true", 1.15)])
 def test_twelve_readings_planned_for_squareness_know_it_better(aligned: str, times: float) -> None:
     """Against those planned for the volume; aligned, the squareness is most of what is left of that."""
@@ -105,6 +106,7 @@ def test_a_plan_for_limits_has_as_many_readings_as_reach_them() -> None:
     assert len(planned(replace_readings(tight, 7))) == 7
 
 
+@pytest.mark.long
 def test_a_row_that_these_set_ups_cannot_make_known_is_named_before_the_first_reading() -> None:
     of = dial('wants = ["squareness XY 30 urad", "straightness X in Y 5 um"]')
     (square, _) = rows(of, ()).values()

@@ -32,6 +32,7 @@ def test_a_case_is_a_function_of_itself(tmp_path: Path, monkeypatch: pytest.Monk
     assert all(found["readings"] == 6 for found in first)
 
 
+@pytest.mark.long
 def test_every_variant_measures_the_same_machines(tmp_path: Path) -> None:
     cases = _cases(tmp_path)
     poses = np.linspace(0.0, 0.4, 9)[:, None]
@@ -61,6 +62,7 @@ def test_readings_are_what_the_machine_does_within_their_noise(tmp_path: Path) -
     assert left - truth.offsets["laser"]["zero"] == pytest.approx(np.zeros(len(left)), abs=6 * noise + 1e-5)
 
 
+@pytest.mark.long
 def test_a_budget_is_kept_and_one_that_is_too_short_is_said(tmp_path: Path) -> None:
     case = _cases(tmp_path)[0]
     within = outcome(replace(case, variant=replace(case.variant, stop=Stop(budget=700.0))))

@@ -155,6 +155,7 @@ def _record(folder: Path) -> Path:
     return path
 
 
+@pytest.mark.long
 def test_status_and_finish_show_it_and_its_commands_work(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record = _record(tmp_path)
     assert run(["status", str(record)]) == 0
