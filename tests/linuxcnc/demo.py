@@ -14,7 +14,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
@@ -149,15 +149,15 @@ def _verified(
             messages.extend(machine.errors)
         return deviation
 
-    def tried(offered: Export) -> Left:
+    def judged(offered: Export, found: Array) -> Left:
         foretold = left_by(estimate.machine, estimate.deviation, offered.control, poses, approaches)
-        found = seen(offered)
         return Left(size(found), float(np.hypot(size(foretold), std)), size(found - foretold))
 
-    before = size(seen(None))
-    tables, *whole = (tried(offered) for offered in offers)
+    with ThreadPoolExecutor() as side_by_side:  # each LinuxCNC moves in its own time
+        bare, *corrected = side_by_side.map(seen, [None, *offers])
+    tables, *whole = (judged(offered, found) for offered, found in zip(offers, corrected, strict=True))
     left = tables.after, tables.expected, tables.missed
-    return Loop(readings, before, *left, std, whole[0] if whole else None, tuple(messages))
+    return Loop(readings, size(bare), *left, std, whole[0] if whole else None, tuple(messages))
 
 
 def _positions(estimate: Estimate, sample: Array | None) -> tuple[Array, Array]:
