@@ -93,8 +93,8 @@ def _said(target: Target, known: Estimation) -> str | None:
 def _spent(target: Target, known: Estimation, volume: Sequence[_Standing]) -> list[_Standing]:
     """Return the accuracies of which readings have taken away what they can, with what they leave at least.
 
-    A floor counts with the size that is surely there; as stated once a few readings have checked the sizes, where it is
-    clearly above its limit. One that is above what is left already is none of this machine.
+    A floor counts with the size that is surely there. As stated it counts once a few readings have checked the sizes,
+    if it is clearly above its limit. A floor above what is left already counts no more.
     """
     surely = 1.0 if known.posterior is None else known.posterior.surely
     sizes = {} if known.posterior is None else known.posterior.sizes

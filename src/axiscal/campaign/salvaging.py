@@ -1,7 +1,5 @@
 """A new record of what stands whole in a damaged one. Nothing is guessed: what cannot be known is named.
 
-The whole entries of a damaged record, and the missing ones.
-
 An entry is whole if its own sum is right and its place is certain. A chain of SHA-256 must lead to it from the
 beginning of the record, or from it to a mark of the end. Its number follows. Whole lines between two damages whose
 place no chain shows may be those of another file, so they are named and left out.
