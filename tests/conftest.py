@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -44,6 +45,12 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with LinuxCNC: its machines move in their own time, and leave the processor to the other workers."""
     items.sort(key=lambda item: "linuxcnc" not in item.path.parts)
+
+
+def pytest_collection_finish() -> None:
+    """Leave what was loaded to itself: the collector would walk through all tests of the suite again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 def _skipped(config: pytest.Config) -> list[str]:

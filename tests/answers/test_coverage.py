@@ -12,6 +12,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
+from tests.generators.texts import artefact_text, campaign_text, setup_text
 
 MACHINE = """
 chain = "w-b-X-Y-t"
@@ -28,39 +29,35 @@ EYY = { std = "5 um", rest = "0.2 um" }
 ECX = { std = "10 urad" }
 C0Y = { std = "40 urad" }
 """
-CAMPAIGN = """machine = "m"
-usual = "off"
-sure = "exactly"
-[target]
-readings = 30
-wants = ["positioning X", "backlash X", "straightness X in Y", "straightness Y in X", "squareness XY"]
-[[artefacts]]
-name = "square"
-turned = "1 mrad"
-[[setups]]
-name = "laser along X"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-approach = "both"
-drift = "0 um/h"
-[[setups]]
-name = "leg along x"
-instrument = "straightedge"
-artefact = "square"
-type_b = { square = "0 urad" }
-direction = "y"
-moves = ["X"]
-drift = "0 um/h"
-[[setups]]
-name = "leg along y"
-instrument = "straightedge"
-artefact = "square"
-type_b = { square = "0 urad" }
-direction = "x"
-moves = ["Y"]
-drift = "0 um/h"
-"""
+CAMPAIGN = campaign_text(
+    "m",
+    artefact_text("square", turned="1 mrad"),
+    setup_text("laser along X", "interferometer", direction="x", moves=["X"], approach="both", drift="0 um/h"),
+    setup_text(
+        "leg along x",
+        "straightedge",
+        artefact="square",
+        type_b={"square": "0 urad"},
+        direction="y",
+        moves=["X"],
+        drift="0 um/h",
+    ),
+    setup_text(
+        "leg along y",
+        "straightedge",
+        artefact="square",
+        type_b={"square": "0 urad"},
+        direction="x",
+        moves=["Y"],
+        drift="0 um/h",
+    ),
+    target={
+        "readings": 30,
+        "wants": ["positioning X", "backlash X", "straightness X in Y", "straightness Y in X", "squareness XY"],
+    },
+    usual="off",
+    sure="exactly",
+)
 CASE = Case(campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m"))
 MACHINES = 30
 

@@ -22,15 +22,9 @@ from axiscal.record.accepted import Accepted
 from axiscal.record.copies import heritage_text, write_copy
 from axiscal.record.store import Record
 from tests.generators.sisters import read_on, slide, write_record
+from tests.generators.texts import setup_text
 
-SECOND = """[[setups]]
-name = "dial"
-instrument = "indicator"
-direction = "x"
-moves = ["X"]
-approach = "both"
-noise = "1.5 um"
-"""
+SECOND = setup_text("dial", "indicator", direction="x", moves=["X"], approach="both", noise="1.5 um")
 
 
 @pytest.fixture

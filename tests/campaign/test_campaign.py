@@ -24,16 +24,9 @@ from axiscal.exceptions import AxiscalError, ReadingError, RecordError, SourceEr
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import Asked, Gap, Recorded
+from tests.generators.texts import machine_text
 
-MACHINE = """
-chain = "w-X'-Y'-b-t"
-[axes.X]
-travel = ["0 mm", "600 mm"]
-[axes.Y]
-travel = ["0 mm", "400 mm"]
-[errors]
-EXX_reversal = { std = "20 um" }
-"""
+MACHINE = machine_text("w-X'-Y'-b-t", {"X": (0, 600), "Y": (0, 400)}, {"EXX_reversal": "20 um"})
 TEXT = """
 machine = "m.toml"
 usual = "off"

@@ -33,6 +33,7 @@ from axiscal.planning.promise import WantedAccuracy
 from axiscal.present.plan_answer import reach_answer
 from axiscal.present.plan_words import reach_text
 from tests.generators.laser_axis import CASE, closed, machine, read
+from tests.generators.texts import campaign_text, setup_text
 
 POSITIONING, BACKLASH = RowName("positioning", ("X",)), RowName("backlash", ("X",))
 HIDDEN = """
@@ -45,20 +46,11 @@ travel = ["0 mm", "1 m"]
 EXX = { std = "3 um", knots = 9 }
 EYX = { std = "3 um", knots = 5 }
 """
-TEXT = """
-machine = "m.toml"
-[target]
-rms = "RMS"
-readings = 40
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-approach = "+"
-noise = "0.5 um"
-drift = "0 um/h"
-"""
+TEXT = campaign_text(
+    "m.toml",
+    setup_text("laser", "interferometer", direction="x", moves=["X"], approach="+", noise="0.5 um", drift="0 um/h"),
+    target={"rms": "RMS", "readings": 40},
+)
 
 
 @pytest.fixture(scope="module")

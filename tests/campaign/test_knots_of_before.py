@@ -21,21 +21,16 @@ from axiscal.record.copies import heritage_text
 from axiscal.record.events import Created
 from axiscal.record.payload import decode, encode
 from axiscal.record.store import Record
-from tests.generators.texts import machine_text
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
 MACHINE = machine_text("w-b-X-t", {"X": (0, 600)}, {"EXX": "20 um"}).replace("knots = 5, ", "")
-CAMPAIGN = """machine = "machine.toml"
-usual = "off"
-sure = "exactly"
-[target]
-readings = 9
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-noise = "0.5 um"
-"""
+CAMPAIGN = campaign_text(
+    "machine.toml",
+    setup_text("laser", "interferometer", direction="x", moves=["X"], noise="0.5 um"),
+    target={"readings": 9},
+    usual="off",
+    sure="exactly",
+)
 READINGS = tuple(
     Reading("laser", (x,), (1,), value)
     for x, value in ((0.0, 0.0), (0.07, 9e-6), (0.21, -4e-6), (0.28, 2e-6), (0.45, 11e-6), (0.6, 3e-6))

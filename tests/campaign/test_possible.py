@@ -14,18 +14,12 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.record.events import Asked, Event, Planned, Recorded
 from axiscal.record.store import Record
-from tests.generators.texts import machine_text
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
 MACHINE = machine_text("w-X'-b-Y-t", {"X": (0, 300), "Y": (0, 200)}, {"EXX": "20 um"})
-CAMPAIGN = """machine = "machine.toml"
-[target]
-readings = 5
-[[setups]]
-name = "along x"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-"""
+CAMPAIGN = campaign_text(
+    "machine.toml", setup_text("along x", "interferometer", direction="x", moves=["X"]), target={"readings": 5}
+)
 
 
 def begun(path: Path) -> Campaign:

@@ -20,6 +20,7 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked, foreseen
 from axiscal.planning.proposal import Thoroughness, proposed
 from axiscal.record.events import Asked
+from tests.generators.texts import setup_text
 
 LEAST = 0.99
 """Share of the campaigns with a target that can be reached which end with it."""
@@ -135,11 +136,6 @@ def _laser(axis: str, rng: np.random.Generator) -> str:
     )
 
 
-_BALL_BAR = """[[setups]]
-name = "bar"
-instrument = "ballbar"
-length = "80 mm"
-station = ["100 mm", "100 mm", "0 mm"]
-plane = "xy"
-approach = "both"
-"""
+_BALL_BAR = setup_text(
+    "bar", "ballbar", length="80 mm", station=["100 mm", "100 mm", "0 mm"], plane="xy", approach="both"
+)

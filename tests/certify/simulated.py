@@ -20,6 +20,7 @@ from axiscal.ports.linuxcnc.lab.configuration import files
 from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.programs import dialect, programs
 from tests.certify.gcode import plan_on, random_machine, setups_of
+from tests.generators.texts import campaign_text, setup_text
 
 PROGRAMS = 8
 """For each machine: one LinuxCNC runs them one after the other."""
@@ -178,16 +179,10 @@ chain = "w-Y'-X'-b-Z-t"
 [tool]
 length = "80 mm"
 """
-_BAR = """
-machine = "machine.toml"
-[[setups]]
-name = "bar"
-instrument = "ballbar"
-length = "{} mm"
-station = ["{} mm", "{} mm", "{} mm"]
-plane = "{}"
-approach = "both"
-"""
+_BAR = campaign_text(
+    "machine.toml",
+    setup_text("bar", "ballbar", length="{} mm", station=["{} mm", "{} mm", "{} mm"], plane="{}", approach="both"),
+)
 
 
 def _bar(rng: np.random.Generator) -> Simulated | None:

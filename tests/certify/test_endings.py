@@ -1,10 +1,10 @@
-"""How one random campaign ends, as `make certify PART=endings` asks it of many."""
+"""How a few random campaigns end, and what they say first, as `make certify` asks it of many."""
 
 from __future__ import annotations
 
 import pytest
 
-from tests.certify import endings
+from tests.certify import endings, first_lines
 
 
 @pytest.mark.long
@@ -29,3 +29,10 @@ def test_ten_readings_more_do_not_bring_what_no_reading_can() -> None:
     assert found is not None
     assert "cannot be reached: endless readings would leave" in found.because
     assert not found.refuted
+
+
+@pytest.mark.parametrize("seed", [0, 2, 3, 87])
+def test_the_first_line_is_borne_out_by_the_truth(seed: int) -> None:
+    found = first_lines.told(seed)
+    assert found.verdict == found.kind
+    assert found.right, found.line

@@ -25,32 +25,18 @@ from axiscal.numerics import Array
 from axiscal.present.summarising import Extras, summarise
 from axiscal.record.accepted import Accepted
 from axiscal.record.copies import heritage_text
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
-MACHINE = """chain = "w-b-X-Y-t"
-[axes.X]
-travel = ["0 mm", "500 mm"]
-[axes.Y]
-travel = ["0 mm", "500 mm"]
-[errors]
-EXX = { std = "20 um", length = "150 mm" }
-EYY = { std = "2 um", length = "150 mm" }
-"""
-CAMPAIGN = """machine = "m"
-usual = "off"
-sure = "exactly"
-[target]
-readings = 99
-"""
+MACHINE = machine_text(
+    "w-b-X-Y-t",
+    {"X": (0, 500), "Y": (0, 500)},
+    {"EXX": 'std = "20 um", length = "150 mm"', "EYY": 'std = "2 um", length = "150 mm"'},
+)
+CAMPAIGN = campaign_text("m", target={"readings": 99}, usual="off", sure="exactly")
 NAMES = {"X": "x", "X again": "x", "Y": "y"}
-SETUP = """[[setups]]
-name = "{name}"
-instrument = "interferometer"
-direction = "{axis}"
-moves = ["{moves}"]
-noise = "0.5 um"
-approach = "both"
-drift = "0"
-"""
+SETUP = setup_text(
+    "{name}", "interferometer", direction="{axis}", moves=["{moves}"], noise="0.5 um", approach="both", drift="0"
+)
 COUNT = 12
 SETUPS = "".join(SETUP.format(name=name, axis=axis, moves=axis.upper()) for name, axis in NAMES.items())
 DESCRIBED = campaign_from_texts(CAMPAIGN + SETUPS, "c.toml", MACHINE, "m")

@@ -10,25 +10,15 @@ import numpy as np
 import pytest
 
 from axiscal.cli import app
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
-CAMPAIGN = """machine = "m.toml"
-[target]
-readings = 40
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-noise = "0.5 um"
-approach = "both"
-"""
+CAMPAIGN = campaign_text(
+    "m.toml",
+    setup_text("laser", "interferometer", direction="x", noise="0.5 um", approach="both"),
+    target={"readings": 40},
+)
 NARROW = f'usual = "off"\nsure = "exactly"\n{CAMPAIGN}drift = "0"\n'
-MACHINE = """
-chain = "w-b-X-t"
-[axes.X]
-travel = ["0 mm", "1000 mm"]
-[errors]
-EXX = { std = "10 um", length = "200 mm", knots = 21 }
-"""
+MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "10 um", length = "200 mm", knots = 21'})
 SCATTERED = 3 * np.random.default_rng(1).choice([-1.0, 1.0], 40)
 """um, six times the noise: more than a model allows that learns nothing, and less than another unit would make."""
 

@@ -123,8 +123,7 @@ def test_a_file_in_the_wrong_unit_is_refused_at_its_first_line(
     assert not (tmp_path / "d").exists()
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_a_prior_that_is_three_times_too_small_is_no_reason_to_refuse(seed: int, tmp_path: Path) -> None:
-    table = _table(tmp_path, seed, "value_um", 3.0)
+def test_a_prior_that_is_three_times_too_small_is_no_reason_to_refuse(tmp_path: Path) -> None:
+    table = _table(tmp_path, 0, "value_um", 3.0)
     assert run(["estimate", str(tmp_path / "c.toml"), str(table), "--out", str(tmp_path / "d")]) == 0
     assert json.loads((tmp_path / "d" / "result.json").read_text())["readings"] == 20

@@ -10,18 +10,14 @@ import pytest
 
 from axiscal.cli.app import run
 from tests.generators.begun import begun
-from tests.generators.texts import machine_text
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
-CAMPAIGN = """machine = "machine.toml"
-compensation_active = false
-[target]
-readings = 5
-[[setups]]
-name = "along x"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-"""
+CAMPAIGN = campaign_text(
+    "machine.toml",
+    setup_text("along x", "interferometer", direction="x", moves=["X"]),
+    target={"readings": 5},
+    compensation_active=False,
+)
 
 
 @pytest.fixture

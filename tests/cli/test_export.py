@@ -35,7 +35,7 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "out" / "campaign.axiscal"
 
 
-@pytest.mark.parametrize("controller", sorted(set(CONTROLLERS) - {"fanuc", "heidenhain"}))
+@pytest.mark.parametrize("controller", ["csv", "klipper", "linuxcnc", "sinumerik"])
 def test_files_are_written_with_a_note(
     record: Path, controller: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

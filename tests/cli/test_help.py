@@ -1,16 +1,19 @@
-"""`axiscal --help`: ten commands, the others in groups, each in a line; the names of before there were groups work."""
+"""`axiscal --help`: ten commands, others in groups, each in a line with an example; what Tab offers."""
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
 import typer.main
 
 from axiscal.cli.app import app
+from tests.docs.cli import PAGE, reference
 from tests.docs.test_commands_on_pages import taken
 
 TEN = ["init", "plan", "measure", "serve", "finish", "export", "verify", "report", "demo", "fleet"]
@@ -75,3 +78,42 @@ def test_help_loads_no_command(words: list[str]) -> None:
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert "Commands:" in run.stdout
     assert run.stderr.strip() == ""
+
+
+SECTIONS = reference().split("\n## ")[1:]
+
+
+def test_the_page_is_the_help() -> None:
+    assert PAGE.read_text(encoding="utf-8") == reference(), "make it anew: python -m tests.docs.cli"
+
+
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.splitlines()[0])
+def test_every_command_has_help_with_an_example(section: str) -> None:
+    name = section.splitlines()[0]
+    groups = [title.splitlines()[0] for title in SECTIONS if title.startswith(f"{name} ")]
+    assert groups or re.search(rf"^```text\n(.*\n)*{name}( |$)", section, re.MULTILINE)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("axiscal mea", ["measure"]),
+        ("axiscal measure --la", ["--language"]),
+        ("axiscal measure m", ["mill.axiscal"]),
+        ("axiscal status ", ["lathe.axiscal", "mill.axiscal"]),
+        ("axiscal machine ", ["list", "show", "check"]),
+    ],
+)
+def test_it_completes(tmp_path: Path, typed: str, offered: list[str]) -> None:
+    for name in ("lathe.axiscal", "mill.axiscal", "notes.txt"):
+        (tmp_path / name).touch()
+    asking = {"_AXISCAL_COMPLETE": "complete_bash", "COMP_WORDS": typed, "COMP_CWORD": str(len(typed.split(" ")) - 1)}
+    done = subprocess.run(
+        [sys.executable, "-m", "axiscal.cli"],
+        cwd=tmp_path,
+        env={**os.environ, **asking},
+        capture_output=True,
+        text=True,
+    )
+    assert (done.returncode, done.stdout.split(), done.stderr) == (0, offered, "")

@@ -1,10 +1,11 @@
-"""`axiscal plan`: the document outsiders rely on, its bound, the programs, and what is refused."""
+"""`axiscal plan`: the document outsiders rely on, its bound, programs, refusals; `next` asks what it printed."""
 
 from __future__ import annotations
 
 import json
 import re
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
@@ -15,28 +16,16 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Thoroughness, proposed
+from tests.generators.texts import FOUR_READINGS, campaign_text, machine_text, setup_text
 
-MACHINE = """
-chain = "w-b-X-t"
-[axes.X]
-travel = ["0 mm", "10 mm"]
-[errors]
-EXX = { std = "1 mm", knots = 7 }
-"""
-CAMPAIGN = """
-machine = "machine.toml"
-usual = "off"
-sure = "exactly"
-[target]
-readings = 7
-criterion = "joint"
-[[setups]]
-name = "dial"
-instrument = "indicator"
-direction = "x"
-noise = "0.1 mm"
-unknowns = {}
-"""
+MACHINE = machine_text("w-b-X-t", {"X": (0, 10)}, {"EXX": 'std = "1 mm", knots = 7'})
+CAMPAIGN = campaign_text(
+    "machine.toml",
+    setup_text("dial", "indicator", direction="x", noise="0.1 mm", unknowns={}),
+    target={"readings": 7, "criterion": "joint"},
+    usual="off",
+    sure="exactly",
+)
 
 
 @pytest.fixture
@@ -305,3 +294,34 @@ def test_a_picture_of_another_kind_is_refused(campaign: Path, capsys: pytest.Cap
     assert run(["plan", str(campaign), "--picture", str(campaign.parent / "where.html")]) == 1
     assert "--picture draws an SVG file, and where.html is none" in capsys.readouterr().err
     assert not (campaign.parent / "where.html").exists()
+
+
+MILL = (Path(__file__).parents[1] / "golden" / "campaigns" / "mill" / "campaign.toml").read_text()
+DRIFT = campaign_text(
+    "one-axis",
+    setup_text("laser", "interferometer", direction="x", approach="both", reading_time="8 min", drift="6 um/h"),
+    target={"readings": 4},
+)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("text", [MILL, FOUR_READINGS, DRIFT], ids=["mill", "four readings", "drift"])
+def test_places_are_asked_in_the_order_in_which_they_are_printed(
+    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("campaign.toml").write_text(text)
+
+    def said(*words: str) -> Any:
+        assert run(words) == 0
+        return json.loads(capsys.readouterr().out)
+
+    planned = said("plan", "campaign.toml", "--json")["points"]
+    assert len(planned) >= 3
+    said("start", "campaign.toml", "--json")
+    for point in planned:
+        question = said("next", "campaign.axiscal", "--json")["question"]
+        assert [question[key] for key in ("setup", "position", "approach")] == [
+            point[key] for key in ("setup", "position", "approach")
+        ]
+        said("record", "campaign.axiscal", "0 um", "--json")

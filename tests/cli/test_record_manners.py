@@ -11,31 +11,26 @@ import pytest
 from axiscal.campaign import campaign as running
 from axiscal.cli.app import run
 from tests.generators.begun import begun
-from tests.generators.texts import machine_text
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
 MACHINE = machine_text("w-X'-b-Y-t", {"X": (0, 300), "Y": (0, 200)}, {"EXX EYY": "20 um", "EXX_reversal": "6 um"})
-CAMPAIGN = """machine = "machine.toml"
-usual = "off"
-sure = "exactly"
-compensation_active = false
-[target]
-budget = "100 min"
-[[setups]]
-name = "along x"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-approach = "both"
-setup_time = "30 min"
-reading_time = "2 min"
-[[setups]]
-name = "along y"
-instrument = "interferometer"
-direction = "y"
-moves = ["Y"]
-setup_time = "30 min"
-reading_time = "2 min"
-"""
+CAMPAIGN = campaign_text(
+    "machine.toml",
+    setup_text(
+        "along x",
+        "interferometer",
+        direction="x",
+        moves=["X"],
+        approach="both",
+        setup_time="30 min",
+        reading_time="2 min",
+    ),
+    setup_text("along y", "interferometer", direction="y", moves=["Y"], setup_time="30 min", reading_time="2 min"),
+    target={"budget": "100 min"},
+    usual="off",
+    sure="exactly",
+    compensation_active=False,
+)
 
 
 @pytest.fixture

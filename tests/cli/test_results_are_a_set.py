@@ -16,18 +16,14 @@ from axiscal.cli.app import run
 from axiscal.document import durable
 from axiscal.present import delivery
 from tests.generators.begun import begun
-from tests.generators.texts import machine_text
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
-CAMPAIGN = """machine = "machine.toml"
-compensation_active = false
-[target]
-readings = 4
-[[setups]]
-name = "along x"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-"""
+CAMPAIGN = campaign_text(
+    "machine.toml",
+    setup_text("along x", "interferometer", direction="x", moves=["X"]),
+    target={"readings": 4},
+    compensation_active=False,
+)
 READINGS = "setup,X_mm,approach,value_um\nalong x,10,X+,1.5\nalong x,200,X+,2.5\n"
 FILES = {
     "machine.toml": machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"}),

@@ -12,6 +12,7 @@ from axiscal.cli.app import run
 from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
 from axiscal.machine.description import builtin_names, load_machine, machine_from_text
 from axiscal.machine.questions import questions
+from tests.generators.texts import campaign_text, setup_text
 
 GOOD = """chain = "w-X'-b-Y-t"
 [tool]
@@ -25,29 +26,19 @@ travel = ["0 mm", "200 mm"]
 EXX = { std = "20 um" }
 EYY = { std = "20 um" }
 """
-CAMPAIGN = """machine = "machine.toml"
-compensation_active = false
-[target]
-readings = 5
-[[setups]]
-name = "x"
-instrument = "probe"
-direction = "x"
-[[setups]]
-name = "y"
-instrument = "probe"
-direction = "y"
-"""
-LASER = """machine = "machine.toml"
-compensation_active = false
-[target]
-readings = 5
-[[setups]]
-name = "x"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-"""
+CAMPAIGN = campaign_text(
+    "machine.toml",
+    setup_text("x", "probe", direction="x"),
+    setup_text("y", "probe", direction="y"),
+    target={"readings": 5},
+    compensation_active=False,
+)
+LASER = campaign_text(
+    "machine.toml",
+    setup_text("x", "interferometer", direction="x", moves=["X"]),
+    target={"readings": 5},
+    compensation_active=False,
+)
 
 
 def lines_of(text: str) -> list[int]:

@@ -12,21 +12,15 @@ from hypothesis import strategies as st
 
 from axiscal.description.campaign import campaign_from_texts, read_campaign
 from axiscal.exceptions import DescriptionError, InputError, UnitError
+from tests.generators.texts import machine_text
 
-MACHINE = """\
-name = "Small mill"
-chain = "w-C'-X'-b-Z-t"
-[tool]
-length = "100 mm"
-[axes.C]
-travel = ["0 deg", "360 deg"]
-[axes.X]
-travel = ["0 mm", "600 mm"]
-[axes.Z]
-travel = ["50 mm", "400 mm"]
-[errors]
-EXX = { std = "10 um" }
-"""
+MACHINE = machine_text(
+    "w-C'-X'-b-Z-t",
+    {"C": (0, 360), "X": (0, 600), "Z": (50, 400)},
+    {"EXX": 'std = "10 um"'},
+    tool=100,
+    name="Small mill",
+)
 
 GOOD = """\
 machine = "machine.toml"

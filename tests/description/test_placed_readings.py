@@ -14,20 +14,11 @@ from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.readers.csv_readings import RawReading
+from tests.generators.texts import setup_text
 
-MILL = """
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-park = { Y = "250 mm", Z = "100 mm" }
-[[setups]]
-name = "dial"
-instrument = "straightedge"
-direction = "y"
-moves = ["X"]
-"""
+MILL = setup_text(
+    "laser", "interferometer", direction="x", moves=["X"], park={"Y": "250 mm", "Z": "100 mm"}
+) + setup_text("dial", "straightedge", direction="y", moves=["X"])
 LEVELS = "".join(
     f'[[setups]]\nname = "level {k}"\ninstrument = "level"\ndirection = "y"\nmoves = ["X"]\n{base}\n'
     for k, base in enumerate(("", 'base = "100 mm"'))
@@ -41,12 +32,7 @@ artefact = "balls"
 instrument = "rtest"
 name = "nest"
 """
-LINE = """
-[[setups]]
-name = "diagonal"
-instrument = "interferometer"
-along = [["100 mm", "100 mm", "50 mm"], ["300 mm", "300 mm", "200 mm"]]
-"""
+LINE = setup_text("diagonal", "interferometer", along=[["100 mm", "100 mm", "50 mm"], ["300 mm", "300 mm", "200 mm"]])
 
 
 def described(text: str, machine: str = "three-axis-mill") -> CampaignDescription:

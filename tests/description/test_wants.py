@@ -1,4 +1,4 @@
-"""Rows that a target asks for: what is understood, and what is refused with its line."""
+"""Rows that a target asks for: what is understood, refused with its line, or described and read by nobody."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.description.target import Target, rows_of
 from axiscal.exceptions import InputError
@@ -92,3 +93,21 @@ def test_what_is_wrong_is_refused_at_its_line(text: str, what: str, remedy: str)
 def test_a_row_is_asked_for_once() -> None:
     with pytest.raises(InputError, match="twice"):
         _target('wants = ["backlash X", "backlash X 2 um"]')
+
+
+BALL = '[[artefacts]]\nname = "{}"\nballs = {{ one = ["{} mm", "0 mm", "0 mm"] }}\n'
+TOUCHED = '[[setups]]\nname = "touched"\ninstrument = "sphere"\nartefact = "left"\n'
+
+
+def said_of(*names: str) -> str | None:
+    balls = "".join(BALL.format(name, 50 * number) for number, name in enumerate(names, start=1))
+    return unused_artefacts(f'machine = "dmu60"\n{balls}{TOUCHED}')
+
+
+def test_an_artefact_that_nobody_reads_is_named() -> None:
+    assert said_of("left") is None
+    said = said_of("left", "right")
+    assert said is not None
+    assert '"right"' in said
+    assert '"left"' not in said
+    assert "artefact = " in said

@@ -15,23 +15,17 @@ from axiscal.machine import load_machine
 from axiscal.tables.registry import CONTROLLERS, exporter
 from axiscal.tables.round_trip import drawn_and_known, round_trip
 from tests.docs.howtos import DOCS, files
+from tests.generators.texts import campaign_text, setup_text
 
 PAGE = DOCS / "howto" / "a-port-of-your-own.md"
-CAMPAIGN = """
-machine = "one-axis"
-usual = "off"
-sure = "exactly"
-compensation_active = false
-[target]
-readings = 12
-[[setups]]
-name = "x"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-approach = "both"
-unknowns = { zero = "100 um" }
-"""
+CAMPAIGN = campaign_text(
+    "one-axis",
+    setup_text("x", "interferometer", direction="x", moves=["X"], approach="both", unknowns={"zero": "100 um"}),
+    target={"readings": 12},
+    usual="off",
+    sure="exactly",
+    compensation_active=False,
+)
 
 
 def installed(folder: Path, text: dict[str, str]) -> None:

@@ -18,17 +18,9 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from tests.generators.texts import machine_text
 
-_HEAD = """name = "two axes"
-chain = "w-X'-Y'-b-Z-t"
-[axes.X]
-travel = ["0 mm", "500 mm"]
-[axes.Y]
-travel = ["0 mm", "400 mm"]
-[axes.Z]
-travel = ["0 mm", "300 mm"]
-[errors]
-"""
+_HEAD = machine_text("w-X'-Y'-b-Z-t", {"X": (0, 500), "Y": (0, 400), "Z": (0, 300)}, {}, name="two axes")
 
 
 def _machine(entries: str) -> Machine:

@@ -13,26 +13,17 @@ from axiscal.estimation.estimate import concluded
 from axiscal.exceptions import InputError
 from axiscal.machine.description import machine_from_text
 from axiscal.measurement.reading import Reading
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
-_MACHINE = """chain = "w-b-X-t"
-[axes.X]
-travel = ["0 mm", "600 mm"]
-[errors]
-EXX = { std = "8 um", length = "200 mm" }
-"""
+_MACHINE = machine_text("w-b-X-t", {"X": (0, 600)}, {"EXX": 'std = "8 um", length = "200 mm"'})
 _PITCH = 'EXX_pitch = { std = "5 um", period = "50 mm", harmonics = 2 }\n'
 _STEP = 'EXX_step = { std = "6 um", at = ["200 mm", "400 mm"] }\n'
-_CAMPAIGN = """machine = "m"
-usual = "off"
-[target]
-readings = 14
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-noise = "0.5 um"
-unknowns = {}
-"""
+_CAMPAIGN = campaign_text(
+    "m",
+    setup_text("laser", "interferometer", direction="x", noise="0.5 um", unknowns={}),
+    target={"readings": 14},
+    usual="off",
+)
 
 
 def _case(errors: str, machine: str = _MACHINE) -> Case:

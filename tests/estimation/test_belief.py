@@ -1,4 +1,4 @@
-"""The belief against 80 digits, reference data, and what it promises: any order, frozen, never a silent fault."""
+"""The belief against 80 digits, NIST's data, and what it promises: any order, frozen, never a silent fault."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from axiscal.estimation.belief import Belief, Innovations
 from axiscal.exceptions import CovarianceError, ShapeError
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline, even_knots
+from tests.certify import least_squares, models
 from tests.certify.belief import CASES, LIMITS, exact, judged
 
 mpmath = pytest.importorskip("mpmath")  # untyped: Any
@@ -283,3 +284,17 @@ def test_other_bad_input_ends_in_a_failure_of_ours() -> None:
     for variances in ([-1.0], [np.nan], 1.0, [[1.0]]):
         with pytest.raises(ShapeError):
             belief.extended(variances)
+
+
+@pytest.mark.parametrize("name", least_squares.DIGITS)
+def test_a_reference_regression_keeps_the_digits_asked_for(name: str) -> None:
+    coefficients, deviations = least_squares.digits(name)
+    assert coefficients >= least_squares.DIGITS[name]
+    assert deviations >= least_squares.DIGITS[name]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_random_model_agrees_with_ball_arithmetic(seed: int) -> None:
+    """500 of them: `make certify PART=models`."""
+    pytest.importorskip("flint")
+    assert models.error(models.random_model(np.random.default_rng(seed))) < models.LIMIT

@@ -10,19 +10,13 @@ from axiscal.estimation.accuracy.criterion import Root, joint_root
 from axiscal.estimation.belief import Belief
 from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array
+from tests.generators.texts import machine_text
 
-MACHINE = """
-chain = "w-X'-b-Z-C-t"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Z]
-travel = ["0 mm", "400 mm"]
-[axes.C]
-travel = ["0 deg", "90 deg"]
-[errors]
-EXX = { std = "10 um", knots = 5, length = "150 mm" }
-EBX = { std = "20 urad", knots = 4, length = "200 mm" }
-"""
+MACHINE = machine_text(
+    "w-X'-b-Z-C-t",
+    {"X": (0, 300), "Z": (0, 400), "C": (0, 90)},
+    {"EXX": 'std = "10 um", knots = 5, length = "150 mm"', "EBX": 'std = "20 urad", knots = 4, length = "200 mm"'},
+)
 
 
 def _covariance(size: int, seed: int) -> Array:

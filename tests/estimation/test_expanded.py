@@ -20,6 +20,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
 DRAWS = 1_000_000
 SPECTRA = [(1.0, 1.0, 1.0), (1.0, 0.0, 0.0), (4.0, 1.0, 0.1), (1.0, 0.9, 0.01), (9.0, 4.0, 4.0)]
@@ -100,35 +101,25 @@ def test_the_worst_place_is_the_one_of_the_largest_u_and_a_factor_is_u_over_rms(
     assert found.factor(0.0) == 1.96
 
 
-MACHINE = """
-chain = "w-X'-b-Z-t"
-[tool]
-length = "100 mm"
-[axes.X]
-travel = ["0 mm", "600 mm"]
-[axes.Z]
-travel = ["0 mm", "400 mm"]
-[errors]
-EXX = { std = "10 um", knots = 9, length = "150 mm", rest = "2 um" }
-EXX_reversal = { std = "3 um" }
-EZX = { std = "6 um", knots = 9, length = "150 mm" }
-EBX = { std = "20 urad", knots = 7, length = "200 mm" }
-"""
-CAMPAIGN = """
-machine = "machine.toml"
-usual = "off"
-[target]
-readings = 12
-aligned = false
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-park = { Z = "100 mm" }
-approach = "both"
-noise = "0.5 um"
-"""
+MACHINE = machine_text(
+    "w-X'-b-Z-t",
+    {"X": (0, 600), "Z": (0, 400)},
+    {
+        "EXX": 'std = "10 um", knots = 9, length = "150 mm", rest = "2 um"',
+        "EXX_reversal": "3 um",
+        "EZX": 'std = "6 um", knots = 9, length = "150 mm"',
+        "EBX": 'std = "20 urad", knots = 7, length = "200 mm"',
+    },
+    tool=100,
+)
+CAMPAIGN = campaign_text(
+    "machine.toml",
+    setup_text(
+        "laser", "interferometer", direction="x", moves=["X"], park={"Z": "100 mm"}, approach="both", noise="0.5 um"
+    ),
+    target={"readings": 12, "aligned": False},
+    usual="off",
+)
 
 
 def _case(folder: Path) -> Case:

@@ -13,35 +13,25 @@ from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick, attainabl
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
 from axiscal.numerics import Array
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
-MACHINE = """
-chain = "w-X'-b-Z-t"
-[tool]
-length = "100 mm"
-[axes.X]
-travel = ["0 mm", "600 mm"]
-[axes.Z]
-travel = ["0 mm", "400 mm"]
-[errors]
-EXX = { std = "10 um", knots = 4, length = "150 mm", rest = "2 um" }
-EXX_reversal = { std = "3 um" }
-EZX = { std = "6 um", knots = 4, length = "150 mm", rest = "1 um" }
-EBX = { std = "20 urad", knots = 4, length = "200 mm" }
-"""
-CAMPAIGN = """
-machine = "machine.toml"
-usual = "off"
-[target]
-readings = 12
-aligned = false
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-approach = "both"
-unknowns = { zero = "1 mm" }
-"""
+MACHINE = machine_text(
+    "w-X'-b-Z-t",
+    {"X": (0, 600), "Z": (0, 400)},
+    {
+        "EXX": 'std = "10 um", knots = 4, length = "150 mm", rest = "2 um"',
+        "EXX_reversal": "3 um",
+        "EZX": 'std = "6 um", knots = 4, length = "150 mm", rest = "1 um"',
+        "EBX": 'std = "20 urad", knots = 4, length = "200 mm"',
+    },
+    tool=100,
+)
+CAMPAIGN = campaign_text(
+    "machine.toml",
+    setup_text("laser", "interferometer", direction="x", moves=["X"], approach="both", unknowns={"zero": "1 mm"}),
+    target={"readings": 12, "aligned": False},
+    usual="off",
+)
 CASE = Case(campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m"))
 ALL: Counted = (True, True, True)
 WAYS = [

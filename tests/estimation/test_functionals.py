@@ -15,15 +15,9 @@ from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
+from tests.generators.texts import setup_text
 
-SETUPS = """
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-park = { Y = "200 mm", Z = "150 mm" }
-"""
+SETUPS = setup_text("laser", "interferometer", direction="x", moves=["X"], park={"Y": "200 mm", "Z": "150 mm"})
 MILL = "three-axis-mill"
 
 
@@ -100,14 +94,9 @@ def test_angles_are_rotations_less_their_mean(name: str, about: int) -> None:
     np.testing.assert_allclose(functional.of(turned), turned[:, about] - turned[:, about].mean(), atol=1e-15)
 
 
-FIVE = """
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-park = { Y = "0 mm", Z = "250 mm", B = "0 deg", C = "0 deg" }
-"""
+FIVE = setup_text(
+    "laser", "interferometer", direction="x", moves=["X"], park={"Y": "0 mm", "Z": "250 mm", "B": "0 deg", "C": "0 deg"}
+)
 
 
 def test_a_shifted_rotary_axis_is_found_where_it_is_and_a_leaning_one_by_how_much() -> None:

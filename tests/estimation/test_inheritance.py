@@ -1,19 +1,33 @@
-"""Last year's campaign as this year's prior, and the curves that have changed since."""
+"""Last year's campaign as this year's prior: beliefs carried over, curves that have changed, words on sisters."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import read_campaign
+from axiscal.errors.model import ErrorModel
+from axiscal.estimation.agreement_words import farthest, membership_words
+from axiscal.estimation.belief import Belief
+from axiscal.estimation.case import Rival
+from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimation import Estimation, printed
 from axiscal.estimation.inheritance import changes
+from axiscal.estimation.membership import Membership
+from axiscal.estimation.promise.problem import Inherited
+from axiscal.estimation.type_prior import carried_over
 from axiscal.exceptions import DescriptionError, RecordError
+from axiscal.machine import machine_from_text
 from axiscal.measurement.reading import Reading
+from axiscal.numerics import Array
 from axiscal.present.findings import findings
+from tests.generators.laser_axis import CASE, machine, read
 
 SETUP = '[[setups]]\nname = "laser"\ninstrument = "interferometer"\ndirection = "x"\n'
 POSITIONS = np.linspace(0.02, 0.98, 15)
@@ -109,3 +123,144 @@ def test_an_inherited_prior_stays_where_noises_and_rests_are_learnt(tmp_path: Pa
     widths = [np.linalg.norm(each.knowledge.belief.factor[curve.columns]) for each in (stated, learnt)]
     assert widths[1] > widths[0]
     assert any(finding.text.startswith("laser, noise: ") for finding in findings(learnt))
+
+
+TEXT = """
+chain = "w-b-X-t"
+[axes.X]
+travel = ["0 mm", "400 mm"]
+[errors]
+EXX = {{ std = "10 um", length = "150 mm", knots = {knots}, rest = "{rest}" }}
+"""
+PITCH = 'EBX = {{ std = "{std}", length = "150 mm", knots = 4 }}\n'
+
+
+def model(knots: int, more: str = "", rest: str = "0.5 um") -> ErrorModel:
+    """Return the errors of one axis."""
+    return ErrorModel(machine_from_text(TEXT.format(knots=knots, rest=rest) + more))
+
+
+def curve(errors: ErrorModel, name: str, unknowns: Array, at: Array) -> Array:
+    """Return a curve at positions."""
+    function = errors.names[name]
+    return np.asarray(function.basis.rows(at) @ unknowns[function.columns], dtype=float)
+
+
+AT = np.linspace(0.0, 0.4, 33)
+
+
+def test_the_same_description_takes_over_every_unknown_as_it_is() -> None:
+    errors, rng = model(6), np.random.default_rng(1)
+    across = carried_over(errors, errors)
+    assert across.matrix == pytest.approx(np.eye(errors.size), abs=1e-12)
+    assert across.rests == pytest.approx((0.5e-6) ** 2, abs=0)
+    assert across.known == {"EXX"}
+    assert across.beyond().shape[1] == 0
+    root = rng.standard_normal((errors.size, errors.size))
+    found = across.prior(root[0], root @ root.T, np.eye(errors.size))
+    assert found.mean == pytest.approx(root[0])
+    assert found.covariance == pytest.approx(root @ root.T + np.eye(errors.size))
+
+
+@pytest.mark.parametrize(("before", "today"), [(9, 5), (5, 9)])
+def test_at_the_knots_of_today_the_curve_is_the_one_of_before(before: int, today: int) -> None:
+    """Its rest is that of before; an error that is new is as stated and of nothing else."""
+    old, new = model(before, rest="2 um"), model(today, PITCH.format(std="3 urad"))
+    across, unknowns = carried_over(old, new), np.random.default_rng(2).standard_normal(old.size)
+    knots, columns = new.names["EXX"].basis.control_positions, new.names["EXX"].columns
+    taken = across.matrix @ unknowns
+    assert taken[columns] == pytest.approx(curve(old, "EXX", unknowns, knots))
+    assert not taken[new.names["EBX"].columns].any()
+    assert across.rests[columns] == pytest.approx((2e-6) ** 2, abs=0)
+    assert not across.rests[new.names["EBX"].columns].any()
+    assert across.known == {"EXX"}
+    found = across.prior(unknowns, np.eye(old.size), np.zeros((new.size, new.size)))
+    own = new.names["EBX"].columns
+    assert found.covariance[own, own] == pytest.approx(new.prior_covariance()[own, own], abs=1e-20)
+    assert not found.covariance[own, columns].any()
+
+
+def test_what_finer_knots_hold_beyond_those_of_before_is_the_part_that_they_cannot_reach() -> None:
+    old, new = model(4), model(9, PITCH.format(std="3 urad"))
+    across = carried_over(old, new)
+    columns, beyond = new.names["EXX"].columns, across.beyond()
+    held = across.matrix[columns]
+    left = np.eye(9) - held @ np.linalg.inv(held.T @ held) @ held.T
+    prior = new.prior_covariance()[columns, columns]
+    expected = np.zeros((new.size, new.size))
+    expected[columns, columns] = left @ prior @ left.T
+    assert np.abs(beyond @ beyond.T - expected).max() < 1e-10 * prior.max()
+    assert np.abs(held.T @ beyond[columns]).max() < 1e-9 * np.sqrt(prior.max())
+    assert np.trace(expected) > 1e-3 * np.trace(prior)
+    assert carried_over(new, old).beyond().shape[1] == 0
+
+
+def test_bands_are_those_of_the_posterior_and_wider_where_readings_disagree() -> None:
+    known = concluded(CASE, read(machine(2), 12))
+    found = known.posterior
+    assert found is not None
+    assert printed(known.knowledge, None) is known.knowledge
+    for c2, times in ((1.0, 1.0), (4.0, 4.0)):
+        agreed = replace(found.agreement, c2=c2)
+        wide = printed(known.knowledge, replace(found, agreement=agreed))
+        belief, size = wide.belief, len(found.mean)
+        assert belief.mean == pytest.approx(found.mean)
+        assert belief.covariance == pytest.approx(times * found.covariance, abs=1e-9 * float(found.covariance.max()))
+        assert size == wide.observation.errors.size + len(wide.observation.unknowns)
+        assert not wide.observation.cells
+
+
+def sister(chance: float, count: int, away: float = 0.0, told: float = 0.49) -> Estimation:
+    """Return an estimation of a machine that is a sister with a chance.
+
+    away : of its EXX, in standard deviations of its sisters; told : what is left of their variance
+    """
+    errors = model(4, PITCH.format(std="3 urad"))
+    covariance = np.diag(np.full(errors.size, 4e-12))
+    mean, now = np.full(errors.size, 1e-6), covariance.copy()
+    own = errors.names["EXX"].columns
+    now[own, own] *= told
+    mean[own.start + 1] += away * 2e-6
+    beside = np.full(errors.size, 1e-6)
+    beside[errors.names["EBX"].columns] += 50e-6  # far off, and not told
+    mean[errors.names["EBX"].columns] = beside[errors.names["EBX"].columns]
+    like, strange = (Inherited(np.full(errors.size, at), covariance) for at in (1e-6, 80e-6))
+    rivals = Rival("like its sisters", 0.9, like), Rival("as stated", 0.1, strange)
+    belief = Belief(mean, now)
+    member = Membership(rivals, np.array([0.7 * chance, 0.3 * chance, 1 - chance]), count, belief)
+    known = SimpleNamespace(
+        membership=member,
+        case=SimpleNamespace(errors=errors),
+        printed=SimpleNamespace(belief=belief),
+    )
+    return cast("Estimation", known)
+
+
+@pytest.mark.parametrize(
+    ("known", "words"),
+    [
+        (sister(0.9, 0), ""),
+        (sister(0.9, 1), "the first reading fits the sisters (P = 0.9)"),
+        (sister(0.9, 2), "readings up to 2 fit the sisters (P = 0.9)"),
+        (sister(0.5, 7), "readings up to 7 fit the sisters (P = 0.5)"),
+        (sister(0.49, 7), "this machine is not like its sisters (P = 0.49)"),
+        (sister(0.01, 7, 2.49), "this machine is not like its sisters (P = 0.01)"),
+        (
+            sister(0.01, 7, -2.51),
+            "this machine is not like its sisters (P = 0.01): EXX is 2.5 of their standard deviations away",
+        ),
+        (sister(0.01, 7, 9.0, told=0.51), "this machine is not like its sisters (P = 0.01)"),
+    ],
+)
+def test_what_is_said_of_a_machine_with_sisters(known: Estimation, words: str) -> None:
+    assert membership_words(known) == words
+
+
+def test_the_error_that_is_least_like_is_named_in_standard_deviations_of_the_sisters() -> None:
+    found = farthest(sister(0.1, 3, 4.0))
+    assert found is not None
+    assert found.name == "EXX"
+    assert found.away == pytest.approx(4.0)
+    assert sister(0.8, 3).membership is not None
+    alone = cast("Estimation", SimpleNamespace(membership=None))
+    assert (farthest(alone), membership_words(alone)) == (None, "")

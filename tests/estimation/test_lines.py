@@ -20,15 +20,10 @@ from axiscal.estimation.functionals.known import KnownRow, _turned, known_row, k
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from tests.generators.laser_axis import CASE, machine, read
+from tests.generators.texts import setup_text
 
 HEAD = 'machine = "m"\n[target]\nreadings = 5\n'
-LASER = """[[setups]]
-name = "{name}"
-instrument = "{instrument}"
-direction = "{direction}"
-moves = ["{moves}"]
-approach = "both"
-"""
+LASER = setup_text("{name}", "{instrument}", direction="{direction}", moves=["{moves}"], approach="both")
 
 
 @cache

@@ -20,16 +20,11 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.present.curves import curves
 from axiscal.present.findings import findings
+from tests.generators.texts import campaign_text, setup_text
 
-CAMPAIGN = """machine = "one-axis"
-[target]
-readings = 40
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-approach = "both"
-"""
+CAMPAIGN = campaign_text(
+    "one-axis", setup_text("laser", "interferometer", direction="x", approach="both"), target={"readings": 40}
+)
 
 
 def _description(head: str = "") -> CampaignDescription:

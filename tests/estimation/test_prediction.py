@@ -1,4 +1,4 @@
-"""Predictions of the tool point: drawn machines, the ends of each travel, and what a pose leaves out."""
+"""Predictions of the tool point and of one error: drawn machines, the ends of each travel, what is left out."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import deviation_of
+from axiscal.errors.volume import deviation_of, whole_travel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.machine_estimate import Estimate
 from axiscal.estimation.prediction import predict_poses, tcp_prediction
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine, machine_from_text
@@ -132,3 +133,33 @@ def test_an_end_of_the_travel_is_within_it_up_to_rounding(at: float, allowed: bo
 def test_an_axis_that_the_machine_has_not_is_named_with_its_line(pose: Any) -> None:
     with pytest.raises(ReadingError, match=r'line 4.*no axis "Y".*Its axes are X, C'):
         predict_poses(known().estimation(), [pose], FILE)
+
+
+def test_the_band_of_a_curve_is_the_scatter_of_machines_drawn_from_the_belief() -> None:
+    model, rng = ErrorModel(load_machine("one-axis")), np.random.default_rng(1)
+    root = 1e-6 * rng.standard_normal((model.size, model.size))
+    belief = Belief(1e-6 * rng.standard_normal(model.size), root @ root.T)
+    function, at = model.names["EXX"], np.array([0.0, 0.13, 0.512, 1.0])
+    found = Estimate(model, belief, whole_travel(model)).curve("EXX", at)
+    drawn = belief.sample(rng, 100_000)[:, function.columns] @ function.basis.rows(at).T
+    drawn += function.rest * rng.standard_normal(drawn.shape)
+    assert function.rest > 0
+    np.testing.assert_allclose(found.std, drawn.std(axis=0), rtol=0.01)
+    np.testing.assert_array_less(np.abs(found.mean - drawn.mean(axis=0)), 5 * found.std / np.sqrt(len(drawn)))
+
+
+def test_what_readings_say_of_a_rest_is_in_the_deviation_of_its_cell_alone() -> None:
+    model = ErrorModel(load_machine("one-axis"))
+    index = list(model.terms).index(model.names["EXX"])
+    cells = np.zeros(model.terms[index].cell_count)
+    belief = Belief(np.zeros(model.size), np.zeros((model.size, model.size)))
+    low, high = whole_travel(model)[0]
+    poses = np.linspace(low, high, 101)[:, None]
+    found = model.terms[index].cells(poses[:, 0])
+    inside = found == found[30]
+    cells[found[30]] = 3e-6
+    assert 0 < inside.sum() < len(poses)
+    known = Estimate(model, belief, whole_travel(model), rests={index: cells})
+    expected = np.where(inside[:, None], 3e-6 * model.levers(poses)[index], 0.0)
+    np.testing.assert_allclose(known.deviation(poses, np.ones_like(poses)), expected, rtol=0, atol=1e-15)
+    assert np.abs(expected).max() == 3e-6

@@ -32,6 +32,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of
 from axiscal.numerics import Array
 from axiscal.units import to_unit
+from tests.generators.texts import setup_text
 
 AXIS = """name = "one"
 chain = "w-b-X-t"
@@ -42,13 +43,7 @@ travel = ["0 mm", "1000 mm"]
 [errors]
 EXX = { std = "30 um", knots = 7, length = "300 mm", smoothness = 2.5 }
 """
-LASER = """[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-noise = "0.3 um"
-drift = "0 um/h"
-"""
+LASER = setup_text("laser", "interferometer", direction="x", noise="0.3 um", drift="0 um/h")
 PPM = 1e-6
 NOBODY = Sizes(())
 """No size is learnt."""

@@ -1,4 +1,4 @@
-"""The estimate of all readings at once against plain conditioning, and the history of a campaign with bad ones."""
+"""The estimate of all readings against plain conditioning: in parts, repeated, used again, with bad ones."""
 
 from __future__ import annotations
 
@@ -7,10 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import axiscal as ac
+from axiscal.errors.volume import volume_moments, whole_travel
+from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.case import Case
-from axiscal.estimation.estimate import concluded
+from axiscal.estimation.estimate import concluded, estimated
 from axiscal.estimation.estimation import path
 from axiscal.estimation.intervals import Fitted
+from axiscal.estimation.promise.agreement import NOTHING_READ
+from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen, visited_by
 from axiscal.numerics import Array
@@ -51,3 +56,63 @@ def test_the_history_ends_where_the_estimate_does() -> None:
     assert moments[5].accuracy.rms == pytest.approx(moments[4].accuracy.rms, rel=1e-9)
     assert moments[-1].accuracy == known.accuracy
     assert moments[-1].seconds == pytest.approx(known.timed.seconds)
+
+
+def test_nothing_read_is_the_prior() -> None:
+    case = mixed()
+    for known in (estimated(case, ()), concluded(case, ())):
+        assert (known.readings, known.outliers, known.posterior) == ((), (), None)
+        assert known.agreement == NOTHING_READ
+        np.testing.assert_array_equal(known.knowledge.belief.covariance, case.prior.covariance)
+        assert known.accuracy == case.yardstick.measure(case.prior)
+
+
+def test_the_end_says_what_was_known_before_it() -> None:
+    case = mixed()
+    readings = drawn(case, 16)
+    readings[9] = replace(readings[9], value=readings[9].value + 200e-6)
+    known = estimated(case, readings)
+    assert concluded(case, readings, known) is known
+    assert concluded(case, readings).accuracy == known.accuracy
+    assert [doubt.reading for doubt in known.outliers] == [9]
+
+
+NOISE, REST = 0.3e-6, 0.3e-6
+"""Of one reading, and of EXX of the built-in machine of one axis: what no spline follows."""
+
+
+def laser() -> ac.Observation:
+    """Return a laser on one axis that is always come to from below."""
+    setup = ac.Setup("laser", "interferometer", (1.0, 0.0, 0.0), (0,), (0.5,), NOISE, (), 600.0, 1.0, 3.0, (0.0,), "+")
+    return ac.Observation(ac.ErrorModel(ac.load_machine("one-axis")), (setup,))
+
+
+@pytest.mark.parametrize("one_by_one", [True, False])
+def test_reading_one_place_400_times_leaves_the_rest(one_by_one: bool) -> None:
+    """The spline there is known as by one reading whose noise is the rest, and a twentieth of the instrument's."""
+    observation = laser()
+    knowledge, errors = ac.Knowledge.before(observation), observation.errors
+    root = Root.of_gram(volume_moments(errors, whole_travel(errors)).gram)
+    step = ac.best_step(knowledge, root, spread(errors.machine, observation.setups, 200))
+    row = errors.rows(step.pose[None], step.approach[None])[0, 0]
+    prior = float(row @ errors.prior_covariance() @ row)
+    if one_by_one:
+        for _ in range(400):
+            knowledge = knowledge.read([step.reading(observation)])
+    else:
+        knowledge = knowledge.read([step.reading(observation)] * 400)
+    std = float(np.linalg.norm(row @ knowledge.belief.factor[: errors.size]))
+    assert std == pytest.approx((1 / prior + 1 / (REST**2 + NOISE**2 / 400)) ** -0.5, rel=1e-6)
+    assert f"{std * 1e6:.3f}" == "0.300"
+
+
+def test_readings_in_two_parts_are_readings_at_once() -> None:
+    """Cells, drifts and three values at once; what was known before stays as it was."""
+    case = mixed()
+    readings, before = drawn(case, 12), ac.Knowledge.before(case.observation)
+    at_once, in_parts = before.read(readings), before.read(readings[:5]).read(readings[5:])
+    assert at_once.observation.cells == in_parts.observation.cells
+    spread = np.sqrt(np.diag(at_once.belief.covariance))
+    np.testing.assert_array_less(np.abs(at_once.belief.mean - in_parts.belief.mean), 1e-8 * spread)
+    assert before.observation is case.observation
+    assert before.read([]).belief.size == case.observation.size

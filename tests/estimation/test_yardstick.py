@@ -1,7 +1,9 @@
-"""The figures of a campaign against samples of its belief, and where readings came from other sides than allowed."""
+"""The figures of a campaign against samples of its belief, from any side, and found once for cases that share."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,15 +14,13 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Reading
+from axiscal.numerics.remembered import Memo
+from axiscal.present.demo.five_axis import description
+from tests.generators.texts import machine_text
 
-MACHINE = """
-chain = "w-b-X-t"
-[axes.X]
-travel = ["0 mm", "700 mm"]
-[errors]
-EXX = { std = "10 um", knots = 13, length = "150 mm" }
-EXX_reversal = { std = "3 um" }
-"""
+MACHINE = machine_text(
+    "w-b-X-t", {"X": (0, 700)}, {"EXX": 'std = "10 um", knots = 13, length = "150 mm"', "EXX_reversal": "3 um"}
+)
 CAMPAIGN = """
 machine = "machine.toml"
 usual = "off"
@@ -88,3 +88,49 @@ def test_a_reversal_that_one_side_cannot_show_is_counted_but_does_not_stall(tmp_
     assert not figures.meets(0.9 * figures.floor, None)
     assert figures._replace(rms=1.09 * figures.floor).meets(0.9 * figures.floor, None)
     assert known.case.yardstick.unseen_rms == pytest.approx(1.5e-6, rel=0.05)
+
+
+_STATED = Case(description())
+_POINT = 1e-6 * np.random.default_rng(3).standard_normal(_STATED.errors.size + len(_STATED.observation.unknowns))
+
+
+def _elsewhere(case: Case) -> Case:
+    """Return the case about another machine, with the ball bar where that has it."""
+    return case.linear_about(_POINT)
+
+
+def _bent(case: Case) -> Case:
+    return case.linear_about(_POINT, bent=True)
+
+
+def _rougher(case: Case) -> Case:
+    return case.rescaled({("rest", "EXX"): 5.0, ("std", "EXX"): 2.0, ("noise", case.description.setups[0].name): 3.0})
+
+
+def _from_both_sides(case: Case) -> Case:
+    quiet = tuple(replace(setup, approach="+") for setup in case.description.setups)
+    there = replace(case, description=replace(case.description, setups=quiet))
+    assert there.yardstick.unseen.shape == case.yardstick.unseen.shape
+    return replace(there, both=frozenset([quiet[0].name]))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("made", [_elsewhere, _bent, _rougher, _from_both_sides])
+def test_it_is_what_a_case_by_itself_finds(made: Callable[[Case], Case]) -> None:
+    case = made(_STATED)
+    alone = replace(case, yardsticks=Memo(), volumes=Memo())
+    one, other = case.yardstick, alone.yardstick
+    np.testing.assert_array_equal(one.unseen, other.unseen)
+    np.testing.assert_array_equal(one.root.matrix, other.root.matrix)
+    assert one.measure(case.prior) == pytest.approx(other.measure(alone.prior), rel=1e-14)
+    assert one.zeroed == other.zeroed
+    assert one.moments.rest == pytest.approx(other.moments.rest, rel=1e-14)
+
+
+@pytest.mark.long
+def test_cases_that_differ_only_in_where_readings_are_linear_share_one() -> None:
+    mill = Case(replace(_STATED.description, setups=_STATED.description.setups[:1]))
+    assert mill.linear_about(_POINT).yardstick is mill.yardstick
+    assert _bent(mill).yardstick is not mill.yardstick
+    assert _elsewhere(_STATED).yardstick.moments is _STATED.yardstick.moments
+    assert _rougher(_STATED).yardstick.moments.gram is _STATED.yardstick.moments.gram

@@ -23,29 +23,22 @@ from axiscal.tables.effect import Control
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.registry import export
 from tests.evaluation.said import said_of
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
-MACHINE = """name = "one"
-chain = "w-b-X-t"
-[tool]
-length = "0 mm"
-[axes.X]
-travel = ["-200 mm", "500 mm"]
-[errors]
-EXX = { std = "20 um", knots = 15, length = "300 mm" }
-EBX = { std = "1 urad", knots = 3 }
-"""
-CAMPAIGN = """machine = "m.toml"
-usual = "off"
-sure = "exactly"
-[target]
-readings = 20
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "-x"
-noise = "0.5 um"
-unknowns = { zero = "1 mm" }
-"""
+MACHINE = machine_text(
+    "w-b-X-t",
+    {"X": (-200, 500)},
+    {"EXX": 'std = "20 um", knots = 15, length = "300 mm"', "EBX": 'std = "1 urad", knots = 3'},
+    tool=0,
+    name="one",
+)
+CAMPAIGN = campaign_text(
+    "m.toml",
+    setup_text("laser", "interferometer", direction="-x", noise="0.5 um", unknowns={"zero": "1 mm"}),
+    target={"readings": 20},
+    usual="off",
+    sure="exactly",
+)
 NOISE, TOLERANCE = 0.5e-6, 6e-6
 PLACES = np.linspace(-0.18, 0.48, 12)
 TRAVELLED = PLACES - 0.15

@@ -9,22 +9,14 @@ from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
+from tests.generators.texts import campaign_text, setup_text
 
-CAMPAIGN = """machine = "three-axis-mill"
-[target]
-readings = 1
-[[setups]]
-name = "probe"
-instrument = "probe"
-direction = "x"
-approach = "both"
-[[setups]]
-name = "nest"
-instrument = "rtest"
-station = ["0 mm", "0 mm", "-300 mm"]
-approach = "both"
-drift = "3 um/h"
-"""
+CAMPAIGN = campaign_text(
+    "three-axis-mill",
+    setup_text("probe", "probe", direction="x", approach="both"),
+    setup_text("nest", "rtest", station=["0 mm", "0 mm", "-300 mm"], approach="both", drift="3 um/h"),
+    target={"readings": 1},
+)
 
 
 def mixed(first_line: str = "") -> Case:

@@ -12,15 +12,13 @@ from axiscal.estimation.case import Case
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
+from tests.generators.texts import machine_text
 
-MACHINE = """
-chain = "w-b-X-t"
-[axes.X]
-travel = ["0 mm", "1000 mm"]
-[errors]
-EXX = { std = "10 um", length = "200 mm", knots = 21, rest = "0.3 um" }
-EXX_reversal = { std = "3 um" }
-"""
+MACHINE = machine_text(
+    "w-b-X-t",
+    {"X": (0, 1000)},
+    {"EXX": 'std = "10 um", length = "200 mm", knots = 21, rest = "0.3 um"', "EXX_reversal": "3 um"},
+)
 CAMPAIGN = """machine = "m"
 [target]
 rms = "3 um"

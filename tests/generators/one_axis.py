@@ -8,14 +8,9 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
+from tests.generators.texts import machine_text
 
-MACHINE = """
-chain = "w-b-X-t"
-[axes.X]
-travel = ["0 mm", "1000 mm"]
-[errors]
-EXX = { std = "10 um", length = "200 mm" }
-"""
+MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "10 um", length = "200 mm"'})
 
 
 def observed(setup: str, machine: str = MACHINE) -> Observation:

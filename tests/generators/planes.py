@@ -8,24 +8,20 @@ from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline, Spline
+from tests.generators.texts import machine_text
 
-BED = """
-chain = "w-Y'-b-Z-X-t"
-[tool]
-length = "40 mm"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Y]
-travel = ["-50 mm", "150 mm"]
-[axes.Z]
-travel = ["0 mm", "100 mm"]
-[errors]
-EZX = { std = "60 um", knots = 7, length = "100 mm", rest = "3 um" }
-EZY = { std = "50 um", knots = 5, length = "100 mm" }
-EAX = { std = "100 urad", knots = 4, length = "100 mm" }
-EZXY = { std = "40 um", knots = [6, 5], length = ["70 mm", "40 mm"], rest = "2 um" }
-EAYZ = { std = "40 urad", knots = [4, 5], length = "60 mm" }
-"""
+BED = machine_text(
+    "w-Y'-b-Z-X-t",
+    {"X": (0, 300), "Y": (-50, 150), "Z": (0, 100)},
+    {
+        "EZX": 'std = "60 um", knots = 7, length = "100 mm", rest = "3 um"',
+        "EZY": 'std = "50 um", knots = 5, length = "100 mm"',
+        "EAX": 'std = "100 urad", knots = 4, length = "100 mm"',
+        "EZXY": 'std = "40 um", knots = [6, 5], length = ["70 mm", "40 mm"], rest = "2 um"',
+        "EAYZ": 'std = "40 urad", knots = [4, 5], length = "60 mm"',
+    },
+    tool=40,
+)
 TABLE = """
 chain = "w-C'-b-X-Z-t"
 [tool]

@@ -20,15 +20,11 @@ from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from tests.generators.campaigns import CAMPAIGN as TWO_SETUPS
 from tests.generators.planes import warped
+from tests.generators.texts import machine_text
 
-AXIS = """
-chain = "w-b-X-t"
-[axes.X]
-travel = ["0 mm", "1000 mm"]
-[errors]
-EXX = { std = "10 um", length = "200 mm", knots = 11 }
-EXX_reversal = { std = "3 um" }
-"""
+AXIS = machine_text(
+    "w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "10 um", length = "200 mm", knots = 11', "EXX_reversal": "3 um"}
+)
 _HEAD = 'machine = "m"\nusual = "off"\n[target]\nreadings = 1\n'
 _SETUP = '[[setups]]\nname = "it"\napproach = "both"\nnoise = "0.5 um"\n'
 _LASER = 'instrument = "interferometer"\ndirection = "x"\nunknowns = { zero = "1 mm" }\n'

@@ -2,40 +2,46 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 
-FOUR_READINGS = """\
-machine = "one-axis"
-[target]
-readings = 4
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-approach = "both"
-noise = "0.5 um"
-"""
-"""A campaign of four readings on the built-in machine of one axis."""
+Said = str | bool | float | list["Said"] | Mapping[str, "Said"]
+"""What a key of a description may be."""
 
-TWO_SPHERES = """\
-machine = "dmu60"
-[target]
-readings = 5
-part = { radius = "200 mm", z = ["-100 mm", "100 mm"], B = ["-30 deg", "100 deg"] }
-[[artefacts]]
-name = "two spheres"
-balls = { low = ["200 mm", "0 mm", "-80 mm"], high = ["-100 mm", "170 mm", "120 mm"] }
-[[setups]]
-name = "spheres, touched"
-instrument = "sphere"
-artefact = "two spheres"
-raster = { B = "15 deg", C = "15 deg" }
-approach = "both"
-"""
-"""A campaign of five readings on the built-in machine of five axes, of three numbers each."""
+
+def campaign_text(machine: str, *blocks: str, target: Mapping[str, Said] | None = None, **first: Said) -> str:
+    """Return the text of campaign.toml.
+
+    blocks : artefacts and set-ups, each as text; target : none if it only evaluates; first : further keys at the top
+    """
+    goal = "" if target is None else f"[target]\n{_keys(target)}"
+    return _keys({"machine": machine, **first}) + goal + "".join(blocks)
+
+
+def setup_text(name: str, instrument: str, **said: Said) -> str:
+    """Return a set-up of campaign.toml."""
+    return "[[setups]]\n" + _keys({"name": name, "instrument": instrument, **said})
+
+
+def artefact_text(name: str, **said: Said) -> str:
+    """Return an artefact of campaign.toml."""
+    return "[[artefacts]]\n" + _keys({"name": name, **said})
+
+
+def _keys(said: Mapping[str, Said]) -> str:
+    return "".join(f"{key} = {_toml(value)}\n" for key, value in said.items())
+
+
+def _toml(value: Said) -> str:
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{key} = {_toml(each)}' for key, each in value.items())} }}" if value else "{}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml, value))}]"
+    return json.dumps(value, ensure_ascii=False)
+
 
 Std = str | tuple[str, int, int]
-"""Of an error: its std, or also the knots and the length, mm or deg, of its curve."""
+"""Of an error: its std, or also knots and length, mm or deg, of its curve, or all that TOML says of it."""
 
 
 def machine_text(
@@ -65,9 +71,36 @@ def machine_text(
 
 
 def _prior(error: str, std: Std, curve: tuple[int, int]) -> str:
+    if isinstance(std, str) and "=" in std:
+        return std
     size, *own = (std,) if isinstance(std, str) else std
     if error.endswith("_reversal") or error[1] == "0":  # one value each
         return f'std = "{size}"'
     knots, length = own or curve
     unit = "deg" if error[2] in "ABC" else "mm"
     return f'std = "{size}", knots = {knots}, length = "{length} {unit}"'
+
+
+FOUR_READINGS = campaign_text(
+    "one-axis",
+    setup_text("laser", "interferometer", direction="x", approach="both", noise="0.5 um"),
+    target={"readings": 4},
+)
+"""A campaign of four readings on the built-in machine of one axis."""
+
+TWO_SPHERES = campaign_text(
+    "dmu60",
+    artefact_text("two spheres", balls={"low": ["200 mm", "0 mm", "-80 mm"], "high": ["-100 mm", "170 mm", "120 mm"]}),
+    setup_text(
+        "spheres, touched",
+        "sphere",
+        artefact="two spheres",
+        raster={"B": "15 deg", "C": "15 deg"},
+        approach="both",
+    ),
+    target={
+        "readings": 5,
+        "part": {"radius": "200 mm", "z": ["-100 mm", "100 mm"], "B": ["-30 deg", "100 deg"]},
+    },
+)
+"""A campaign of five readings on the built-in machine of five axes, of three numbers each."""

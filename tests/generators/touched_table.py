@@ -12,6 +12,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.place import Place
 from axiscal.numerics import Array
+from tests.generators.texts import artefact_text, campaign_text, setup_text
 
 MACHINE = """
 name = "table"
@@ -40,25 +41,17 @@ Z0A = { std = "60 um" }
 X0C = { std = "60 um" }
 Y0C = { std = "60 um" }
 """
-CAMPAIGN = """
-machine = "machine.toml"
-
-[target]
-readings = 8
-
-[[artefacts]]
-name = "spheres"
-balls = { near = ["60 mm", "-20 mm", "-90 mm"], far = ["-50 mm", "40 mm", "-70 mm"] }
-placed = "50 um"
-diameter = "25 mm"
-
-[[setups]]
-name = "spheres, touched"
-instrument = "sphere"
-artefact = "spheres"
-settle = "0 s"
-noise = "1 um"
-"""
+CAMPAIGN = campaign_text(
+    "machine.toml",
+    artefact_text(
+        "spheres",
+        balls={"near": ["60 mm", "-20 mm", "-90 mm"], "far": ["-50 mm", "40 mm", "-70 mm"]},
+        placed="50 um",
+        diameter="25 mm",
+    ),
+    setup_text("spheres, touched", "sphere", artefact="spheres", settle="0 s", noise="1 um"),
+    target={"readings": 8},
+)
 RADIUS = 15.5
 """mm, of sphere and stylus."""
 OFF = {"Y0A": 31.0, "Z0A": -18.0, "X0C": 12.0, "Y0C": -25.0}

@@ -9,6 +9,7 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.ports.linuxcnc.lab import available
+from tests.generators.texts import campaign_text, setup_text
 
 pytestmark = [
     pytest.mark.linuxcnc,
@@ -16,15 +17,9 @@ pytestmark = [
     pytest.mark.skipif(not available(), reason="Debian package linuxcnc-uspace is not installed"),
 ]
 
-CAMPAIGN = """machine = "one-axis"
-[target]
-readings = 6
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-approach = "both"
-"""
+CAMPAIGN = campaign_text(
+    "one-axis", setup_text("laser", "interferometer", direction="x", approach="both"), target={"readings": 6}
+)
 
 
 def result(folder: Path) -> dict[str, object]:
@@ -32,14 +27,9 @@ def result(folder: Path) -> dict[str, object]:
     return found
 
 
-THREE_VALUES = """machine = "three-axis-mill"
-[target]
-readings = 6
-[[setups]]
-name = "afar"
-instrument = "tracker"
-station = ["300 mm", "-900 mm", "0 mm"]
-"""
+THREE_VALUES = campaign_text(
+    "three-axis-mill", setup_text("afar", "tracker", station=["300 mm", "-900 mm", "0 mm"]), target={"readings": 6}
+)
 
 
 @pytest.mark.parametrize("campaign", [CAMPAIGN, THREE_VALUES], ids=["laser", "tracker"])

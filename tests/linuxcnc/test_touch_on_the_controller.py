@@ -16,6 +16,7 @@ from axiscal.measurement.place import Place
 from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available
 from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.programs import Program, dialect, programs
+from tests.generators.texts import artefact_text, campaign_text, setup_text
 from tests.linuxcnc import tilting_table
 from tests.linuxcnc.test_direction import machine
 
@@ -26,18 +27,11 @@ pytestmark = [
 ]
 
 BALL = (60.0, -20.0, -60.0)
-CAMPAIGN = """
-machine = "machine.toml"
-[[artefacts]]
-name = "ball"
-balls = { one = ["60 mm", "-20 mm", "-60 mm"] }
-[[setups]]
-name = "nest"
-instrument = "rtest"
-artefact = "ball"
-approach = "both"
-stroke = "5 mm"
-"""
+CAMPAIGN = campaign_text(
+    "machine.toml",
+    artefact_text("ball", balls={"one": ["60 mm", "-20 mm", "-60 mm"]}),
+    setup_text("nest", "rtest", artefact="ball", approach="both", stroke="5 mm"),
+)
 SWITCHED = {"M428": ["M68 E3 Q1", "M66 E0 L0"], "M429": ["M68 E3 Q0", "M66 E0 L0"]}
 """What the remapped words do in LinuxCNC's own configurations."""
 

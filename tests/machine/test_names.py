@@ -1,11 +1,14 @@
-"""ISO 230-1 names and the spellings that stand for them."""
+"""Names and chains in the manner of ISO 230-1 and ISO 10791-6, errors of two axes, and what is refused."""
 
 from __future__ import annotations
 
 import pytest
 
-from axiscal.exceptions import DescriptionError
+from axiscal.exceptions import ChainError, DescriptionError, InputError
+from axiscal.machine import machine_from_text
+from axiscal.machine.description import parse_chain
 from axiscal.machine.names import ErrorName, Kind, parse_error_name
+from axiscal.machine.questions import questions
 
 NAMES: list[tuple[str, str, str, Kind, int]] = [
     ("EXX", "EXX", "X", "motion", 0),
@@ -70,3 +73,122 @@ def test_what_is_no_name_is_refused(text: str, fragment: str) -> None:
         parse_error_name(text)
     assert fragment in str(failure.value)
     assert (text if len(text) < 50 and text.isprintable() else "EXX") in failure.value.what
+
+
+CHAINS: list[tuple[str, list[str]]] = [
+    ("w-b-X-t", ["X"]),
+    ("w-X'-b-t", ["X'"]),
+    ("w-X'-Y'-b-Z-t", ["X'", "Y'", "Z"]),
+    ("w-C'-B'-b-Y-X-Z-t", ["C'", "B'", "Y", "X", "Z"]),
+    ("w-C'-A'-X'-b-Y-Z-(C)-t", ["C'", "A'", "X'", "Y", "Z"]),
+    ("[w C' A' X' b Y Z (C) t]", ["C'", "A'", "X'", "Y", "Z"]),
+    ("w-X’-b-Y-t", ["X'", "Y"]),
+    (" w - X' - b - Z - (C1) - t ", ["X'", "Z"]),
+    ("w-b-X-U-P-t", ["X", "U", "P"]),
+    ("w-b-X1-X2-t", ["X1", "X2"]),
+    ("w-A'-b-Z-Y-X-C-W-t", ["A'", "Z", "Y", "X", "C", "W"]),
+]
+
+
+@pytest.mark.parametrize(("text", "axes"), CHAINS)
+def test_the_axes_come_in_order_with_their_side(text: str, axes: list[str]) -> None:
+    assert [link.name + "'" * link.workpiece_side for link in parse_chain(text)] == axes
+
+
+@pytest.mark.parametrize(
+    ("text", "offender", "remedy"),
+    [
+        ("", '""', "Write the chain"),
+        ("X", '"X"', "Write the chain"),
+        ("X'-b-Z-t", "does not begin with w", "Write the chain"),
+        ("w-X'-b-Z", "does not end with t", "Write the chain"),
+        ("t-Z-b-X'-w", "does not begin with w", "Write the chain"),
+        ("w-X'-Z-t", "has no bed b", "Write the chain"),
+        ("w-X'-b-b-Z-t", "more than one bed", "Write the chain"),
+        ("w-b-t", "has 0 axes", "One to 6"),
+        ("w-b-X-Y-Z-U-V-W-A-t", "has 7 axes", "One to 6"),
+        ("w-X'-b-X-t", "X stands twice", "X2"),
+        ("w-b-Z-Y-Z-t", "Z stands twice", "Z2"),
+        ("w-X-b-Z-t", "X in the chain", "write X'"),
+        ("w-X'-b-Z'-t", "Z' in the chain", "write Z,"),
+        ("w-b-x-t", '"x"', "capitals: X"),
+        ("w-b-D-t", '"D"', "Axes are X Y Z"),
+        ("w-b-X0-t", '"X0"', "one digit"),
+        ("w-b-X12-t", '"X12"', "one digit"),
+        ("w-b-XY-t", '"XY"', "one digit"),
+        ("w-b--X-t", '""', "Axes are"),
+        ("w-(C')-b-X-t", '"(C\')"', "A spindle in parentheses stands behind b"),
+        ("w-b-(X)-t", '"(X)"', "Axes are"),
+        ("w-X''-b-t", "\"X''\"", "Axes are"),
+        ("w b X t", "does not begin", "Write the chain"),
+        ("w-b-X\x00-t", "X\\x00", "Axes are"),
+        ("w" + "-X" * 500, "1001 characters", "Write the chain"),
+    ],
+)
+def test_a_wrong_chain_is_refused_with_its_offender(text: str, offender: str, remedy: str) -> None:
+    with pytest.raises(ChainError) as failure:
+        parse_chain(text)
+    assert offender in failure.value.what
+    assert remedy in failure.value.remedy
+
+
+HEAD = (
+    'chain = "w-C\'-b-X-Y-t"\n[axes.X]\ntravel = ["0 mm", "300 mm"]\n[axes.Y]\ntravel = ["0 mm", "200 mm"]\n'
+    '[axes.C]\ntravel = ["0 deg", "360 deg"]\n[errors]\n'
+)
+
+
+def test_a_plane_says_its_knots_and_lengths_along_both_axes() -> None:
+    (plane,) = machine_from_text(
+        f'{HEAD}EZXY = {{ std = "10 um", knots = [9, 7], length = ["150 mm", "100 mm"], rest = "1 um" }}'
+    ).planes
+    assert (plane.name, plane.axes, plane.component, plane.std, plane.rest) == ("EZXY", ("X", "Y"), 2, 10e-6, 1e-6)
+    assert [(side.knots, side.length) for side in plane.sides] == [(9, 0.15), (7, 0.1)]
+
+
+def test_one_value_counts_along_both_axes_and_the_order_of_the_name_counts() -> None:
+    (plane,) = machine_from_text(f'{HEAD}EYCX = {{ band = "40 um", knots = 8 }}').planes
+    assert plane.axes == ("C", "X")
+    assert plane.std == pytest.approx(10e-6)
+    (other,) = machine_from_text(f'{HEAD}EYXC = {{ std = "1 um", length = ["100 mm", "60 deg"] }}').planes
+    assert [side.length for side in other.sides] == pytest.approx([0.1, 1.0471975512])
+
+
+def test_a_rest_alone_needs_no_size() -> None:
+    machine = machine_from_text(f'{HEAD}EZXY = {{ std = "0 um", knots = 5, rest = "2 um" }}')
+    assert (machine.planes[0].std, machine.planes[0].first_rest) == (0.0, 2e-6)
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        ('EZXZ = { std = "1 um" }', "no axis"),
+        ('EZXX = { std = "1 um" }', "named twice"),
+        ('EZXY = { std = "1 urad" }', "not a length"),
+        ('EAXY = { std = "1 um" }', "not an angle"),
+        ("EZXY = { knots = 5 }", "neither std nor band"),
+        ('EZXY = { std = "0 um" }', "zero"),
+        ('EZXY = { std = "1 um", knots = [5] }', "wrong number of entries"),
+        ('EZXY = { std = "1 um", knots = [5, "6"] }', "whole number"),
+        ('EZXY = { std = "1 um", knots = [5, 1] }', "not possible"),
+        ('EZXY = { std = "1 um", length = ["10 mm", 3] }', "no unit"),
+        ('EZXC = { std = "1 um", length = "10 mm" }', "not an angle"),
+        ('EZXY = { std = "1 um", knots = 9, spacing = "10 mm" }', "both knots and spacing"),
+        ('EZXY = { std = "1 um", knots = 50 }', "too many"),
+        ('EZXY = { std = "1 um", period = "5 mm" }', "period"),
+        ('EZXY = { std = "1 um" }\nEZYX = { std = "1 um" }', "there already in line 9"),
+        ('EZX = { std = "1 um", knots = [5, 6] }', "an error of one axis"),
+        ('EZX = { std = "1 um", length = ["5 mm", "6 mm"] }', "an error of one axis"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_its_line(entry: str, words: str) -> None:
+    with pytest.raises(InputError) as refused:
+        machine_from_text(HEAD + entry)
+    assert words in str(refused.value)
+    assert refused.value.line in (9, 10)
+
+
+def test_a_plane_of_millimetres_is_asked_about() -> None:
+    asked = questions(machine_from_text(f'{HEAD}EZXY = {{ std = "10 mm" }}\nEAXY = {{ std = "20 urad" }}'))
+    assert [text for text in asked if "EZXY" in text]
+    assert not [text for text in asked if "EAXY" in text]

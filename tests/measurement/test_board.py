@@ -21,6 +21,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.rigid import rotation
 from axiscal.record.accepted import put_right
 from axiscal.record.events import Mounted
+from tests.generators.texts import setup_text
 
 MACHINE = """
 chain = "w-b-X-Y-Z-t"
@@ -52,15 +53,9 @@ calibrated = "0.3 mm"
 diameter = "25 mm"
 turned = "5 mrad"
 """
-PLACEMENT = """
-[[setups]]
-name = "{number}"
-instrument = "sphere"
-artefact = "board"
-at = ["{x} mm", "{y} mm", "-220 mm"]
-turn = "{turn} deg"
-retract = "25 mm"
-"""
+PLACEMENT = setup_text(
+    "{number}", "sphere", artefact="board", at=["{x} mm", "{y} mm", "-220 mm"], turn="{turn} deg", retract="25 mm"
+)
 NOISE, HEIGHT, TOOL = 1.5e-6, -0.22, 0.08
 ROUNDS = 3
 

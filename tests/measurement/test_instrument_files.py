@@ -12,6 +12,7 @@ from axiscal.description.placed_readings import placed_readings
 from axiscal.evaluation import evaluate, read_iso230
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.files import read_any
+from tests.generators.texts import machine_text
 
 RTL = """HEADER::
 File type  : rtl
@@ -66,15 +67,11 @@ kinematics: corexy
 #*# min_y = 20.0
 #*# max_y = 50.0
 """
-BED = """chain = "w-b-X-Y-t"
-[axes.X]
-travel = ["0 mm", "100 mm"]
-[axes.Y]
-travel = ["0 mm", "100 mm"]
-[errors]
-EZX = { std = "50 um", length = "50 mm" }
-EXX = { std = "10 um", length = "50 mm" }
-"""
+BED = machine_text(
+    "w-b-X-Y-t",
+    {"X": (0, 100), "Y": (0, 100)},
+    {"EZX": 'std = "50 um", length = "50 mm"', "EXX": 'std = "10 um", length = "50 mm"'},
+)
 
 
 def _campaign(*setups: str) -> CampaignDescription:

@@ -1,4 +1,4 @@
-"""Rows of many readings at once, of set-ups mixed as they come, against those of each reading alone."""
+"""Rows of many readings at once, of mixed set-ups, against those of each reading alone; places in words."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Reading, place_text, reading_text
 from axiscal.measurement.reading_rows import places_of, rows_at, seen, times_of, visited_by
 from tests.generators.campaigns import drawn, mixed
+from tests.planning.test_out_and_back import one_axis
 
 
 def _readings(count: int = 40) -> list[Reading]:
@@ -68,3 +69,11 @@ def test_no_readings_have_no_rows() -> None:
     assert nothing.rows.shape == (0, observation.size)
     assert len(nothing.variances) == len(nothing.values) == len(nothing.reading) == 0
     assert visited_by(observation, []) is observation
+
+
+def test_a_sentence_names_a_place_to_the_micrometre_and_an_answer_to_where_it_is_all_of_it() -> None:
+    case, _ = one_axis()
+    axes, setup = case.description.machine.axes, case.description.setups[0]
+    reading = Reading(setup.name, (0.123456789,), (1,), 0.0)
+    assert reading_text(axes, setup, reading, 6).endswith("at X = 123.457 mm")
+    assert place_text(axes, reading.pose) == "X = 123.456789 mm"

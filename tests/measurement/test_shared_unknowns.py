@@ -18,6 +18,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from tests.generators.kinematics import stem, tip
+from tests.generators.texts import setup_text
 
 DMU = load_machine("dmu60")
 SPHERES = """
@@ -29,13 +30,7 @@ balls.third = ["-100 mm", "-170 mm", "20 mm"]
 """
 TOUCHED = '[[setups]]\nname = "touched"\ninstrument = "sphere"\nartefact = "spheres"\napproach = "both"\n'
 NEST = '[[setups]]\nname = "nest"\ninstrument = "rtest"\nartefact = "spheres"\nball = "low"\n'
-BAR = """[[setups]]
-name = "bar {0}"
-instrument = "ballbar"
-length = "150 mm"
-plane = "{0}"
-station = ["0 mm", "0 mm", "100 mm"]
-"""
+BAR = setup_text("bar {0}", "ballbar", length="150 mm", plane="{0}", station=["0 mm", "0 mm", "100 mm"])
 
 
 def described(text: str) -> CampaignDescription:

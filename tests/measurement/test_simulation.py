@@ -1,7 +1,8 @@
-"""Virtual machines: they scatter as the prior says, and the estimate's ± holds on them."""
+"""Virtual machines scatter as the prior says, the estimate's ± holds on them, and displays move in steps."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,13 +11,14 @@ from scipy.stats import binom, chi2
 
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.belief import Belief
-from axiscal.exceptions import ReadingError
+from axiscal.exceptions import InputError, ReadingError
 from axiscal.machine import Machine, load_machine
 from axiscal.measurement.readers.truth_curves import TruthCurve
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from tests.generators.machines import random_machine, random_poses
+from tests.generators.one_axis import observed
 
 MACHINES = 200
 
@@ -148,3 +150,25 @@ def test_the_plus_minus_holds_on_virtual_machines(name: str, readings: int) -> N
     assert gain @ values == pytest.approx(wanted @ belief.update(rows, values, noise**2).mean, abs=1e-12)
     assert 5e-4 < chi2.cdf(sum(nees), 12 * MACHINES) < 1 - 5e-4
     assert binom.ppf(5e-4, MACHINES, 0.95) <= inside <= binom.ppf(1 - 5e-4, MACHINES, 0.95)
+
+
+def test_what_a_display_rounds_off_counts_at_once() -> None:
+    (setup,) = observed('noise = "1 um"\nresolution = "5 um"').setups
+    assert setup.noise == pytest.approx(math.sqrt(1e-12 + 25e-12 / 12))
+    assert setup.scatter == pytest.approx(1e-6)
+    (bare,) = observed('noise = "1 um"').setups
+    assert (bare.noise, bare.scatter, bare.resolution) == (1e-6, 1e-6, 0.0)
+
+
+def test_a_simulated_display_shows_whole_steps() -> None:
+    observation = observed('resolution = "5 um"\nunknowns = {}')
+    machine, rng = Simulator(observation.machine, observation.setups).drawn(1), np.random.default_rng(0)
+    shown = np.array([machine.read(observation.setups[0], (x,), (1,), rng) for x in np.linspace(0, 1, 20)])
+    assert np.ptp(shown) > 5e-6
+    assert np.round(shown / 5e-6) * 5e-6 == pytest.approx(shown, abs=1e-15)
+
+
+@pytest.mark.parametrize("text", ["0 um", "-1 um", "1 s", "fine"])
+def test_a_step_that_is_none_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match="um"):
+        observed(f'resolution = "{text}"')

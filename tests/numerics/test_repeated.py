@@ -1,4 +1,4 @@
-"""What repeats and what steps, against sines, quadrature and the cyclic spline of one period."""
+"""What repeats, steps or tilts, against sines, quadrature and the cyclic spline of one period."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 from axiscal.numerics import Array
+from axiscal.numerics.cubic import CyclicSpline
 from axiscal.numerics.repeated import Repeated, Segments
 
 
@@ -48,3 +49,12 @@ def test_levels_are_passed_at_their_joints() -> None:
     assert spline.rows([0.0, 0.27, 0.3, 0.5, 0.9]) == pytest.approx(
         np.array([[1, 0, 0], [1, 0, 0], [0.5, 0.5, 0], [0, 1, 0], [0, 0, 1]]), abs=1e-12
     )
+
+
+@pytest.mark.parametrize(("points", "expected"), [(2, 0.70), (3, 0.063), (4, 0.0125), (5, 0.0040)])
+def test_two_control_points_miss_most_of_a_tilt(points: int, expected: float) -> None:
+    turn = np.linspace(0, 2 * np.pi, 720, endpoint=False)
+    rows = CyclicSpline(np.linspace(0, 2 * np.pi, points + 1)).rows(turn)
+    waves = np.cos(turn[:, None] - np.linspace(0, 2 * np.pi, 36, endpoint=False))
+    left = waves - rows @ np.linalg.lstsq(rows, waves, rcond=None)[0]
+    assert np.sqrt(np.mean(left**2) / np.mean(waves**2)) == pytest.approx(expected, rel=0.03)

@@ -1,12 +1,14 @@
-"""Turns and cross products against scipy's and numpy's."""
+"""Turns, cross products and products of low rank against scipy's and numpy's."""
 
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 from axiscal.numerics.from_scipy import sparse_product
 from axiscal.numerics.rigid import cross, turned_about
+from axiscal.planning.gains.covariance import take_off
 
 
 def test_turns_about_one_direction_are_those_of_their_rotation_vectors() -> None:
@@ -33,3 +35,15 @@ def test_a_product_of_few_entries_is_that_of_the_whole_matrix() -> None:
     right = rng.normal(size=(5, 4))
     found = sparse_product(whole[rows, columns], rows, first, 9)(right)
     np.testing.assert_allclose(found, whole @ right, atol=1e-14)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (3, 40_000), (700, 90)])
+@pytest.mark.parametrize("in_place", [True, False])
+def test_a_product_is_taken_off_block_by_block(shape: tuple[int, int], in_place: bool) -> None:
+    rng = np.random.default_rng(0)
+    table, left, right = rng.normal(size=shape), rng.normal(size=(shape[0], 3)), rng.normal(size=(3, shape[1]))
+    expected, before = table - left @ right, table.copy()
+    into = table if in_place else np.full_like(table, np.nan)
+    take_off(table, left, right, into)
+    np.testing.assert_allclose(into, expected, rtol=1e-12, atol=1e-12)
+    assert in_place or np.array_equal(table, before)

@@ -1,4 +1,4 @@
-"""The next measurement: the paper's sequence, lines against a plain twin, and no better reading in a dense lattice."""
+"""The next measurement: published sequences, lines against a plain twin, no better reading in a dense lattice."""
 
 from __future__ import annotations
 
@@ -8,13 +8,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from axiscal.errors.volume import volume_moments, whole_travel
+from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
+from axiscal.measurement.candidates import spread
+from axiscal.measurement.reading import Reading
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.step.best_step import best_step
 from axiscal.planning.step.climb import Climb
 from axiscal.planning.step.starts_stacked import Pairs, adds_up
+from tests.certify.machines import random_case, shortfall
 from tests.generators.designs import levered, random_poses, read, splines
+from tests.generators.one_axis import MACHINE, observed
 
 POSITIONS = (5.8730, 2.3144, 8.7285, 4.1742, 1.3682, 0.0, 10.0, 7.0444, 3.1836, 5.0)
 VALUES = (6.86244, 5.29228, 3.73376, 2.21355, 1.07741, 0.62000, 0.19634, 0.09769, 0.07641, 0.06404)
@@ -61,15 +67,10 @@ def test_nowhere_along_an_axis_is_there_a_better_reading(setup: int, axis: int) 
         assert along[-1] == pytest.approx(gain, rel=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, 1, 53, 63, 70, 88, 96, 139, 153, 238])
 def test_no_pose_of_a_dense_lattice_gains_more(seed: int) -> None:
-    generator = np.random.default_rng(seed)
-    asked = read(levered(1500), generator, 8)
-    step = best_step(Knowledge(asked.observation, asked.belief), asked.root, asked.lattice)
-    scorer = Scorer.of(asked.observation, asked.belief, asked.root)
-    for setup in (0, 1):
-        poses, approaches = random_poses(asked, generator, 20000)
-        assert scorer.at(setup, poses, approaches).max() <= step.gain * (1 + 1e-9)
+    """On random machines; `make certify` asks it of many."""
+    assert shortfall(random_case(np.random.default_rng(seed)), 40_000) <= 1e-9
 
 
 def test_a_raster_is_kept_and_the_better_side_chosen() -> None:
@@ -109,3 +110,19 @@ def test_gains_are_the_fall_of_the_criterion() -> None:
     after: Belief = asked.belief.update(seen.rows, 0.0, seen.variances)
     fall = asked.root.value(asked.belief.factor) - asked.root.value(after.factor)
     assert float(scorer.at(1, pose, approach)[0]) == pytest.approx(fall, rel=1e-8)
+
+
+_PITCH = 'EXX_pitch = { std = "4 um", period = "90 mm", harmonics = 2 }\n'
+_SHAPES = _PITCH + 'EXX_step = { std = "6 um", at = ["500 mm"] }\n'
+
+
+@pytest.mark.parametrize("count", [0, 3, 8])
+def test_no_position_of_twenty_thousand_gains_more(count: int) -> None:
+    observation = observed('noise = "0.5 um"', MACHINE + _SHAPES)
+    places = np.random.default_rng(count).uniform(0, 1, count)
+    known = Knowledge.before(observation).read([Reading("it", (float(x),), (1,), 0.0) for x in places])
+    errors = observation.errors
+    root = Root.of_gram(volume_moments(errors, whole_travel(errors)).gram)
+    step = best_step(known, root, spread(errors.machine, observation.setups, 400))
+    scorer, at = Scorer.of(known.observation, known.belief, root), np.linspace(0, 1, 20_001)[:, None]
+    assert step.gain >= float(np.max(scorer.at(0, at, np.ones_like(at)))) * (1 - 1e-9)

@@ -1,19 +1,26 @@
-"""What proves a bound: valid for any matrix and any plan, and the known bounds where it must be them."""
+"""What proves a bound: valid for any matrix and any plan, with zeros of set-ups and weights of all candidates."""
 
 from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axiscal.planning.bound.certificate import Dual, rank_bound
+from axiscal.measurement.setup import Unknown
+from axiscal.planning.bound import relaxation
+from axiscal.planning.bound.certificate import Dual, groups, rank_bound, zeros_each, zeros_of
 from axiscal.planning.bound.lower_bound import lower_bound
-from axiscal.planning.bound.relaxation import Relaxation
+from axiscal.planning.bound.relaxation import Relaxation, optimal_weights, turns
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
-from axiscal.planning.plan.task import Task
-from tests.generators.designs import levered, splines
+from axiscal.planning.plan.plan import make_plan
+from axiscal.planning.plan.task import Limits, Task
+from tests.generators.designs import levered, problem, splines
 
 
 def spent(asked: Task, dual: Dual, readings: int) -> float:
@@ -92,3 +99,135 @@ def test_one_reading_is_bounded_by_the_best_one() -> None:
         < lower_bound(pool, asked.state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), 1.0).value
         <= best
     )
+
+
+def test_turns_end_at_the_optimum_of_the_second_derivatives() -> None:
+    asked, limit = splines(2, 7, 0.1, 60), 9.0
+    state = asked.state
+    rows, variances, owner = state.rows(asked.lattice)
+    along = rows / np.sqrt(variances)[:, None] @ state.factor
+    count = len(asked.lattice)
+    costs = np.linspace(1.0, 2.0, count)
+    even = np.full(count, limit / costs.sum())
+    best = optimal_weights(along, owner, state.weighted, even, costs, limit, 1e-9)
+    found = list(islice(turns(state, along, owner, even, costs, limit), 400))
+    assert all(turn.weights @ costs == pytest.approx(limit) for turn in found)
+    optimum = next(turns(state, along, owner, best, costs, limit)).dual.value
+    assert optimum * (1 - 1e-9) <= found[-1].dual.value <= optimum * 1.002
+    assert found[-1].dual.value - optimum < 0.1 * (found[0].dual.value - optimum)
+
+
+@pytest.mark.parametrize("given", [True, False])
+def test_bounds_from_weights_of_all_hold_and_are_hardly_looser(given: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked, readings = levered(300), 12
+    pool, state = Pool(asked.observation, asked.lattice), asked.state
+    plan = make_plan(asked, Limits(readings=readings), bounded=False, patience=0.0)
+    places = plan.places if given else pool.lattice.within(slice(0, 0))
+    costs = np.ones(len(pool) + len(places))
+    asked_of = pool, state, places, costs, float(readings)
+    closely = lower_bound(*asked_of).value
+    monkeypatch.setattr(relaxation, "_DEAR", 20)  # far sooner than in use
+    found = lower_bound(*asked_of).value
+    assert 0 < found <= plan.value
+    assert closely - found < 0.15 * (plan.value - closely)
+
+
+def test_candidates_that_may_want_weight_get_it_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = levered(300)
+    pool, state = Pool(asked.observation, asked.lattice), asked.state
+    places = pool.lattice.within(np.arange(0, len(pool), 25))
+    sought = Relaxation(pool, state, places, np.ones(len(pool) + len(places)), 12.0)
+    slopes = sought.slopes(sought.solved())
+    monkeypatch.setattr(relaxation, "_MOST", 30)
+    turn = next(sought.over_all(slopes))
+    assert len(np.unique(sought.support)) == len(sought.support) == len(turn.slopes) <= len(places) + 30
+    np.testing.assert_allclose(turn.slopes, sought.slopes(turn.dual)[sought.support], rtol=1e-6)
+
+
+@pytest.mark.parametrize("seen", [(1e2, 1e2), (1e3, 1e3), (1e4, 1e3), (1e5, 1e5)])
+def test_readings_that_say_the_same_share_their_weight(seen: tuple[float, float]) -> None:
+    """Two set-ups at one place, and a third reading that begins with hardly any weight.
+
+    J = 1/(1 + a² (x₁ + x₂)) + 1/(1 + b² x₃) is least where a/(1 + a² (x₁ + x₂)) = b/(1 + b² x₃).
+    """
+    a, b = seen
+    along, limit = np.array([[a, 0.0], [a, 0.0], [0.0, b]]), 9.0
+    begun = np.array([4.4955, 4.4955, 0.009])
+    found = optimal_weights(along, np.arange(3), np.eye(2), begun, np.ones(3), limit, 1e-6)
+    third = (b * (1 + a**2 * limit) - a) / (a * b * (a + b))
+    assert found.sum() == pytest.approx(limit)
+    assert found[2] == pytest.approx(third, rel=1e-3)
+
+
+def with_zeros(std: float, candidates: int, instrument: str = "indicator") -> Task:
+    """Return the table under two slides with zeros of a standard deviation."""
+    asked = levered(candidates)
+    names = ("zero_x", "zero_y", "zero_z") if instrument == "rtest" else ("zero",)
+    first, second = asked.observation.setups
+    first = replace(first, instrument=instrument, unknowns=tuple(Unknown(name, std) for name in names))
+    second = replace(second, unknowns=(Unknown("zero", 2 * std),))
+    return problem(asked.observation.machine, (first, second), candidates)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("std", [1e-6, 3e-5, 1e-3])
+@pytest.mark.parametrize("instrument", ["indicator", "rtest"])
+@pytest.mark.parametrize("readings", [1, 2, 3])
+def test_no_plan_of_all_that_there_are_is_below(std: float, instrument: str, readings: int) -> None:
+    asked = with_zeros(std, 16, instrument)
+    pool, state = Pool(asked.observation, asked.lattice), asked.state
+    bound = lower_bound(pool, state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), float(readings)).value
+    plans = itertools.combinations_with_replacement(range(len(pool)), readings)
+    best = min(state.after_readings(pool.lattice.within(np.array(plan))).value for plan in plans)
+    assert 0 < bound <= best * (1 + 1e-12)
+
+
+def test_a_first_reading_tells_little_but_its_zero() -> None:
+    asked = with_zeros(1e-3, 100)
+    pool = Pool(asked.observation, asked.lattice)
+    best = asked.state.value - float(Scores(pool, asked.state).gains.max())
+    bound = lower_bound(pool, asked.state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), 1.0).value
+    assert 0.999 * best < bound <= best
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(-6.0, -3.0), st.integers(2, 6))
+def test_any_matrix_with_zeros_bounds_every_plan_that_mounts_both(seed: int, wide: float, readings: int) -> None:
+    generator = np.random.default_rng(seed)
+    asked = with_zeros(10**wide, 24)
+    state, pool = asked.state, Pool(asked.observation, asked.lattice)
+    target = state.weighted
+    noise = np.abs(target).mean() * generator.normal(size=target.shape) * generator.uniform(0, 0.3)
+    dual = Dual(state, generator.uniform(0, 1) * target + noise)
+    spent = readings * float((pool.squares(state.observation, dual.reach) / pool.noise).max())
+    floor = dual.floor(spent, readings, zeros_of(zeros_each(state, pool.lattice), (0, 1)))
+    ways = [np.flatnonzero(pool.lattice.setups == setup) for setup in (0, 1)]
+    for _ in range(10):
+        each = [generator.choice(ways[0]), generator.choice(ways[1])]
+        chosen = np.concatenate([each, generator.integers(len(pool), size=readings - 2)])
+        assert floor <= state.after_readings(pool.lattice.within(chosen)).value * (1 + 1e-9)
+
+
+def test_which_zeros_count() -> None:
+    asked = with_zeros(1e-4, 30, "rtest")
+    state, lattice = asked.state, asked.lattice
+    both = zeros_of(zeros_each(state, lattice), (0, 1))
+    assert both is not None
+    assert len(both.columns) == 4
+    one = zeros_of(zeros_each(state, lattice), (1,))
+    assert one is not None
+    assert one.stiffness > both.stiffness
+    size = asked.observation.errors.size
+    np.testing.assert_array_equal(np.sort(both.columns), np.arange(size, size + 4))
+
+
+def test_a_zero_that_is_known_with_other_things_does_not_count() -> None:
+    asked = with_zeros(1e-4, 30)
+    state = asked.state
+    place = Pool(asked.observation, asked.lattice).lattice.at(3)
+    assert zeros_of(zeros_each(state.after_readings(place), asked.lattice), (int(place.setups[0]),)) is None
+
+
+def test_sets_of_set_ups() -> None:
+    assert groups(np.array([0, 0, 2]), 5) == [(0, 2), (0,), (2,)]
+    assert groups(np.array([0, 1, 2]), 1) == [(0,), (1,), (2,)]
+    assert groups(np.arange(4), 9) == []

@@ -24,25 +24,16 @@ from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.proposal import proposed
 from tests.generators.designs import levered, problem, random_poses, splines
 from tests.generators.kinematics import in_travel, tip
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
-TABLE = """name = "table"
-chain = "w-C'-b-t"
-[axes.C]
-travel = ["0 deg", "360 deg"]
-[errors]
-ECC = { std = "20 urad", knots = 8, length = "90 deg" }
-"""
-ALONE = """machine = "m.toml"
-[target]
-rms = "2 um"
-[[setups]]
-name = "table"
-instrument = "autocollimator"
-direction = "z"
-moves = ["C"]
-noise = "0.5 urad"
-unknowns = { zero = "100 urad" }
-"""
+TABLE = machine_text(
+    "w-C'-b-t", {"C": (0, 360)}, {"ECC": 'std = "20 urad", knots = 8, length = "90 deg"'}, name="table"
+)
+ALONE = campaign_text(
+    "m.toml",
+    setup_text("table", "autocollimator", direction="z", moves=["C"], noise="0.5 urad", unknowns={"zero": "100 urad"}),
+    target={"rms": "2 um"},
+)
 
 
 def drawn(asked: Task, seed: int, count: int) -> Places:

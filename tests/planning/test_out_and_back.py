@@ -23,17 +23,13 @@ from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.renewal import renewed
 from axiscal.planning.plan.task import Limits, Task
 from tests.generators.designs import levered
+from tests.generators.texts import campaign_text, setup_text
 
-CAMPAIGN = """machine = "one-axis"
-[target]
-readings = 20
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-noise = "0.5 um"
-approach = "{approach}"
-"""
+CAMPAIGN = campaign_text(
+    "one-axis",
+    setup_text("laser", "interferometer", direction="x", noise="0.5 um", approach="{approach}"),
+    target={"readings": 20},
+)
 DRIFT = 20e-6
 NEEDED = 15.365
 """λ of a χ² of one degree that is seen with 90 % at a false alarm of 0.05/6 (scipy agrees below)."""

@@ -20,36 +20,22 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Thoroughness, proposed
 from axiscal.present.demo.five_axis import description
 from tests.generators.kinematics import in_travel, stem, tip
+from tests.generators.texts import artefact_text, campaign_text, setup_text
 
 CENTRE = np.array([0.0, 0.0, 0.1])
-NEST = """
-machine = "dmu60"
-[[artefacts]]
-name = "ball"
-balls = { low = ["200 mm", "0 mm", "-80 mm"] }
-[[setups]]
-name = "nest"
-instrument = "rtest"
-artefact = "ball"
-approach = "both"
-"""
-BAR = """
-machine = "dmu60"
-[[setups]]
-name = "bar"
-instrument = "ballbar"
-length = "150 mm"
-station = ["0 mm", "0 mm", "100 mm"]
-plane = "zx"
-approach = "both"
-"""
-DIAGONAL = """
-machine = "dmu60"
-[[setups]]
-name = "diagonal"
-instrument = "interferometer"
-along = [["-200 mm", "-200 mm", "0 mm"], ["200 mm", "200 mm", "300 mm"]]
-"""
+NEST = campaign_text(
+    "dmu60",
+    artefact_text("ball", balls={"low": ["200 mm", "0 mm", "-80 mm"]}),
+    setup_text("nest", "rtest", artefact="ball", approach="both"),
+)
+BAR = campaign_text(
+    "dmu60",
+    setup_text("bar", "ballbar", length="150 mm", station=["0 mm", "0 mm", "100 mm"], plane="zx", approach="both"),
+)
+DIAGONAL = campaign_text(
+    "dmu60",
+    setup_text("diagonal", "interferometer", along=[["-200 mm", "-200 mm", "0 mm"], ["200 mm", "200 mm", "300 mm"]]),
+)
 
 COARSE = 'raster = { B = "30 deg", C = "30 deg" }\n'
 SIDES = {size: list(product((1, -1), repeat=size)) for size in (1, 2)}

@@ -1,4 +1,4 @@
-"""Gains of a lattice kept up to date, against gains computed anew."""
+"""Gains of a lattice and accuracies of a plan kept up to date, against those computed anew."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from axiscal.measurement.place import Places
+from axiscal.planning.gains import covariance
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.gains.covariance import Covariance, RunningAccuracy, along
 from axiscal.planning.gains.gain import joint_gains
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Task
@@ -126,3 +127,25 @@ def test_gains_without_a_reading_are_those_of_what_is_known_without_it(asked: Ta
         found, anew = scores.scorer_without(change).gains(asked.lattice), scores.pool.scorer(state).gains(asked.lattice)
         np.testing.assert_allclose(found, anew, rtol=1e-8)
         scores.exchange(slot, slot)  # another state: what was found once does not hold any more
+
+
+@pytest.mark.parametrize("together", [7, 80])
+@pytest.mark.parametrize("asked", [splines(2, 5, 0.1, 200), levered(200), mixed(200)], ids=["sums", "levers", "mixed"])
+def test_the_figures_after_each_reading_are_those_of_readings_one_by_one(
+    asked: Task, together: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(covariance, "_TOGETHER", together)
+    chosen = np.random.default_rng(3).permutation(len(asked.lattice))[:20]
+    order, state = asked.lattice.within(np.concatenate([chosen, chosen[:3]])), asked.state
+    found, meter = list(along(state, asked.yardstick, order)), RunningAccuracy.of(asked.yardstick, state.factor)
+    assert len(found) == len(order)
+    for i, (value, accuracy) in enumerate(found):
+        state, change = state.entered(order.at(i))
+        meter = meter.after(change)
+        assert value == pytest.approx(state.value, rel=1e-8)
+        np.testing.assert_allclose(accuracy, meter.accuracy, rtol=1e-8)
+
+
+def test_of_no_reading_there_is_nothing_to_say() -> None:
+    asked = splines(1, 5, 0.1, 50)
+    assert not list(along(asked.state, asked.yardstick, asked.lattice.within(slice(0, 0))))

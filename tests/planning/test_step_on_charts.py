@@ -22,6 +22,7 @@ from axiscal.planning.step.best_step import best_of
 from axiscal.planning.step.climb import Climb
 from axiscal.planning.step.ground import places_along
 from tests.generators.kinematics import in_travel, tip
+from tests.generators.texts import campaign_text, setup_text
 
 BALL = np.array([0.2, 0.0, -0.08])
 AT_BALL = """
@@ -38,16 +39,10 @@ artefact = "ball"
 approach = "both"
 {keys}
 """
-BAR = """
-machine = "dmu60"
-[[setups]]
-name = "it"
-instrument = "ballbar"
-length = "150 mm"
-station = ["0 mm", "0 mm", "100 mm"]
-plane = "zx"
-approach = "both"
-"""
+BAR = campaign_text(
+    "dmu60",
+    setup_text("it", "ballbar", length="150 mm", station=["0 mm", "0 mm", "100 mm"], plane="zx", approach="both"),
+)
 CASES = {
     "one value": AT_BALL.format(instrument="probe", keys='direction = "y"'),
     "three values": AT_BALL.format(instrument="rtest", keys=""),

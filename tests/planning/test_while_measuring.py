@@ -19,31 +19,20 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.planning.next_readings import next_places, plan_basis, twice_rejected
 from axiscal.record.events import Asked, Planned
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
-TEXT = """
-machine = "one-axis"
-usual = "off"
-sure = "exactly"
-[target]
-readings = 16
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-noise = "0.5 um"
-approach = "both"
-"""
-MACHINE = """
-chain = "w-X'-Y'-b-t"
-[axes.X]
-travel = ["0 mm", "500 mm"]
-[axes.Y]
-travel = ["0 mm", "500 mm"]
-[errors]
-EXX = { std = "10 um", knots = 5 }
-EXX_reversal = { std = "3 um" }
-EXY = { std = "10 um", knots = 5 }
-"""
+TEXT = campaign_text(
+    "one-axis",
+    setup_text("laser", "interferometer", direction="x", noise="0.5 um", approach="both"),
+    target={"readings": 16},
+    usual="off",
+    sure="exactly",
+)
+MACHINE = machine_text(
+    "w-X'-Y'-b-t",
+    {"X": (0, 500), "Y": (0, 500)},
+    {"EXX": 'std = "10 um", knots = 5', "EXX_reversal": "3 um", "EXY": 'std = "10 um", knots = 5'},
+)
 OFF = 40e-6
 """How wrong a reading is that the others contradict."""
 

@@ -26,24 +26,13 @@ from axiscal.ports.fleet.due_dates import due_dates, titles
 from axiscal.ports.fleet.type_learning import learnt_type
 from axiscal.ports.fleet.worn_machine import Aging, Pair, Wearing, WornMachine, aging
 from tests.generators.sisters import read_on, shop, slide, write_record
+from tests.generators.texts import machine_text, setup_text
 
 DAY = date(2030, 1, 1)
-TWO_ERRORS = """name = "Slide"
-chain = "w-b-X-t"
-[axes.X]
-travel = ["0 mm", "500 mm"]
-[errors]
-EXX = { std = "20 um", knots = 7, length = "150 mm" }
-EYX = { std = "20 um", knots = 7, length = "150 mm" }
-"""
-SQUARE_SETUP = """[[setups]]
-name = "square"
-instrument = "indicator"
-direction = "y"
-moves = ["X"]
-approach = "both"
-noise = "0.5 um"
-"""
+TWO_ERRORS = machine_text(
+    "w-b-X-t", {"X": (0, 500)}, {"EXX EYX": 'std = "20 um", knots = 7, length = "150 mm"'}, name="Slide"
+)
+SQUARE_SETUP = setup_text("square", "indicator", direction="y", moves=["X"], approach="both", noise="0.5 um")
 
 
 def _known(rng: np.random.Generator, truth: Array, stated: Array) -> tuple[Inherited, DataEquation]:

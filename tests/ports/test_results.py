@@ -1,7 +1,8 @@
-"""The file of results: each case once, one head at a time, nothing of another study."""
+"""The file of results and their table: each case once, one head at a time, nothing of another study."""
 
 from __future__ import annotations
 
+import csv
 import errno
 import os
 from pathlib import Path
@@ -12,8 +13,10 @@ from hypothesis import strategies as st
 
 from axiscal.exceptions import StudyError
 from axiscal.ports.study import results as results_module
-from axiscal.ports.study.results import FILE, Results
+from axiscal.ports.study.results import FILE, Results, rows_of, write_table
 from axiscal.ports.study.study_case import Done
+from axiscal.ports.study.study_file import read_study
+from tests.ports.texts import STUDY, written
 
 ONE = {"axiscal": "1"}
 
@@ -147,3 +150,27 @@ def test_a_disk_that_is_full_is_said_and_nothing_half_is_believed(
         results.keep(KEPT["b"])
     with _opened(tmp_path, resume=True) as results:
         assert results.all() == {key: KEPT[key] for key in "ab"}
+
+
+TEXT = STUDY.replace("machines = 2", "machines = 4\nseed = 4")
+
+
+def test_rows_are_in_the_order_of_the_study(tmp_path: Path) -> None:
+    study = read_study(written(tmp_path, TEXT))
+    keys = [case.key for case in study.cases()]
+    found = {key: Done(key, {"U_um": 0.1 * n, "said": "drift"}) for n, key in enumerate(keys)}
+    rows = rows_of(study, dict(reversed(found.items())))
+    assert [row["U_um"] for row in rows] == [0.1 * n for n in range(8)]
+    assert [row["machine"] for row in rows] == [0, 1, 2, 3] * 2
+
+
+def test_the_table_holds_every_case_and_what_was_wrong(tmp_path: Path) -> None:
+    study = read_study(written(tmp_path, TEXT))
+    first, second, *_ = (case.key for case in study.cases())
+    found = {first: Done(first, {"U_um": 1.25, "said": ""}), second: Done(second, None, 'no "place", at all')}
+    path = write_table(tmp_path, rows_of(study, found))
+    assert path.name == "cases.csv"
+    rows = list(csv.DictReader(path.read_text().splitlines()))
+    assert (rows[0]["U_um"], rows[1]["U_um"]) == ("1.25", "")
+    assert [row["error"] for row in rows] == ["", 'no "place", at all']
+    assert rows[0]["setups"] == '["laser"]'

@@ -1,4 +1,4 @@
-"""What is left after a time, against ten thousand machines that are drawn one by one, by other means."""
+"""What is left after a time and what tables add, against machines drawn one by one, by other means."""
 
 from __future__ import annotations
 
@@ -10,13 +10,17 @@ from axiscal.estimation.data_equation import data_equation
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.type_prior import SisterRecord, TypePrior
-from axiscal.machine import machine_from_text
+from axiscal.machine import load_machine, machine_from_text
+from axiscal.machine.kinematics import frames, tool_motion
+from axiscal.measurement.instruments.kind import Actual
 from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import unique_root
 from axiscal.ports.fleet.rehearsal import measured
-from axiscal.ports.fleet.worn_machine import Aging, WornMachine
+from axiscal.ports.fleet.worn_machine import Aging, WornMachine, without_tables
+from tests.generators.texts import campaign_text, setup_text
 
 TABLE = """name = "Table"
 chain = "w-b-X-Y-t"
@@ -30,20 +34,13 @@ ECX = { std = "50 urad", knots = 5, length = "250 mm", rest = "1 urad" }
 EXY = { std = "3 um", knots = 5, length = "250 mm" }
 EXY_reversal = { std = "3 um" }
 """
-CAMPAIGN = """machine = "machine.toml"
-usual = "off"
-sure = "exactly"
-[target]
-rms = "5 um"
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-moves = ["X", "Y"]
-approach = "both"
-noise = "1 um"
-unknowns = {}
-"""
+CAMPAIGN = campaign_text(
+    "machine.toml",
+    setup_text("laser", "interferometer", direction="x", moves=["X", "Y"], approach="both", noise="1 um", unknowns={}),
+    target={"rms": "5 um"},
+    usual="off",
+    sure="exactly",
+)
 AXES = {"C0Y": "Y", "ECX": "X", "EXY": "Y", "EXY_reversal": "Y"}
 MACHINES, AT_ONCE = 10_000, 1000
 
@@ -136,3 +133,44 @@ def test_rms_is_that_of_machines_drawn_one_by_one(twin: Twin, renewed: str) -> N
         left = twin.left(_kept(twin, 2.0), renewed)
         squares.append(float(np.mean(left[evenly] ** 2)))
     np.testing.assert_allclose(machine.rms(2.0), np.sqrt(np.mean(squares)), rtol=0.012)
+
+
+SETUPS = {
+    "interferometer": ("one-axis", 'direction = "x"'),
+    "probe": ("dmu60", 'direction = [1, 2, -1]\nmoves = ["X", "Y", "Z", "B", "C"]'),
+    "level": ("dmu60", 'direction = "y"\nmoves = ["X", "Y", "Z", "B", "C"]'),
+    "sphere": ("dmu60", 'station = ["80 mm", "30 mm", "-150 mm"]'),
+    "tracker": ("three-axis-mill", 'station = ["-1500 mm", "900 mm", "200 mm"]\nmoves = ["X", "Y", "Z"]'),
+    "tracer": ("three-axis-mill", 'station = ["-300 mm", "-200 mm", "-100 mm"]\nmoves = ["X", "Y", "Z"]'),
+}
+
+
+@pytest.mark.parametrize("instrument", SETUPS)
+def test_what_is_taken_off_is_what_the_tables_add(instrument: str) -> None:
+    name, keys = SETUPS[instrument]
+    text = f'machine = "{name}"\n[target]\nreadings = 1\n[[setups]]\nname = "s"\ninstrument = "{instrument}"\n{keys}\n'
+    described = campaign_from_texts(text, "c.toml", load_machine(name).text, name)
+    machine, setups = described.machine, described.setups
+    virtual = Simulator(machine, setups).drawn(1)
+    rng, shown, tips = np.random.default_rng(5), list[Array](), list[Array]()
+    low, high = np.array([axis.travel for axis in machine.axes]).T
+    offset = 20e-6 * rng.standard_normal(len(low))
+
+    def control(poses: Array, approaches: Array) -> Array:
+        return np.where(approaches > 0, offset, -offset)
+
+    pose, approach = rng.uniform(low, high), rng.choice([-1.0, 1.0], len(low))
+    at, come = pose[None], approach[None]
+    own = virtual.model.compose(virtual.values(at), come)
+    for sent in (at, at + control(at, come)):
+        found, nominal = tool_motion(machine, sent, own), frames(machine, at)
+        turned = found.rotation[0] @ nominal.tool[0].T
+        turn = np.array([turned[2, 1], turned[0, 2], turned[1, 0]])
+        actual = Actual(found.translation - nominal.tcp, turn[None])
+        tips.append(found.translation)
+        shown.append(np.array(virtual.exactly(setups[0], at, actual, come)))
+    reading = Reading("s", tuple(pose), tuple(approach.astype(int).tolist()), shown[1][0], others=tuple(shown[1][1:]))
+    (bare,) = without_tables([reading], machine, setups, control)
+    assert np.max(np.abs(shown[1] - shown[0])) > 5e-7
+    moved = float(np.linalg.norm(tips[1] - tips[0]))
+    np.testing.assert_allclose(bare.values, shown[0], atol=0.005 * moved)  # a station is 5 mm of a metre off

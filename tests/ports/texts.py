@@ -4,25 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-CAMPAIGN = """machine = "one-axis"
-usual = "off"
-sure = "exactly"
-[target]
-rms = "3 um"
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-approach = "both"
-noise = "0.5 um"
-setup_time = "10 min"
-[[setups]]
-name = "dial"
-instrument = "indicator"
-direction = "x"
-moves = ["X"]
-approach = "both"
-"""
+from tests.generators.texts import campaign_text, setup_text
+
+CAMPAIGN = campaign_text(
+    "one-axis",
+    setup_text("laser", "interferometer", direction="x", approach="both", noise="0.5 um", setup_time="10 min"),
+    setup_text("dial", "indicator", direction="x", moves=["X"], approach="both"),
+    target={"rms": "3 um"},
+    usual="off",
+    sure="exactly",
+)
 STUDY = """[study]
 campaign = "campaign.toml"
 machines = 2

@@ -13,24 +13,15 @@ from axiscal.machine import load_machine
 from axiscal.measurement.setup import Setup
 from axiscal.present.guide.answers import Value, Word, answer
 from axiscal.present.guide.question import reads_text, sign_text, ways
+from tests.generators.texts import campaign_text, setup_text
 
-SETUPS = """
-machine = "three-axis-mill"
-[target]
-readings = 1
-[[setups]]
-name = "dial"
-instrument = "indicator"
-direction = "-y"
-[[setups]]
-name = "level"
-instrument = "level"
-direction = "x"
-[[setups]]
-name = "nest"
-instrument = "rtest"
-station = ["0 mm", "0 mm", "-300 mm"]
-"""
+SETUPS = campaign_text(
+    "three-axis-mill",
+    setup_text("dial", "indicator", direction="-y"),
+    setup_text("level", "level", direction="x"),
+    setup_text("nest", "rtest", station=["0 mm", "0 mm", "-300 mm"]),
+    target={"readings": 1},
+)
 
 
 def setup(name: str) -> Setup:

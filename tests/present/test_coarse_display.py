@@ -17,25 +17,16 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.present.doubled import coarse_displays, step_of
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
 NOISE = 0.5
 """um"""
-MACHINE = """
-chain = "w-b-X-t"
-[axes.X]
-travel = ["0 mm", "1000 mm"]
-[errors]
-EXX = { std = "20 um", length = "300 mm", knots = 9 }
-"""
-CAMPAIGN = """machine = "machine.toml"
-[target]
-readings = 20
-[[setups]]
-name = "laser along x"
-instrument = "interferometer"
-direction = "x"
-noise = "0.5 um"
-"""
+MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "20 um", length = "300 mm", knots = 9'})
+CAMPAIGN = campaign_text(
+    "machine.toml",
+    setup_text("laser along x", "interferometer", direction="x", noise="0.5 um"),
+    target={"readings": 20},
+)
 
 
 def curve(seed: int, count: int, size: float = 30.0) -> Array:

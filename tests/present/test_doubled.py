@@ -13,24 +13,13 @@ from axiscal.cli.app import app
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
 from axiscal.present.doubled import copies, repeated
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
 NOISE = 0.5e-6
-MACHINE = """
-chain = "w-b-X-t"
-[axes.X]
-travel = ["0 mm", "1000 mm"]
-[errors]
-EXX = { std = "10 um", length = "200 mm", knots = 9 }
-"""
-CAMPAIGN = """machine = "machine.toml"
-[target]
-readings = 20
-[[setups]]
-name = "laser"
-instrument = "interferometer"
-direction = "x"
-noise = "0.5 um"
-"""
+MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "10 um", length = "200 mm", knots = 9'})
+CAMPAIGN = campaign_text(
+    "machine.toml", setup_text("laser", "interferometer", direction="x", noise="0.5 um"), target={"readings": 20}
+)
 
 
 def taken(seed: int, count: int, decimals: int, noise: float = NOISE, runs: int = 1) -> list[Reading]:

@@ -1,38 +1,31 @@
-"""What a reading should show: against the conditional Gaussian written out, rests and noise included."""
+"""The words of a question and what a reading should show: against the conditional Gaussian written out."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
+from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
-from axiscal.present.guide.question import expectation
+from axiscal.present.guide.question import Question, expectation
+from axiscal.record.events import Asked
+from tests.generators.texts import FOUR_READINGS, campaign_text, machine_text, setup_text
 
-MACHINE = """
-chain = "w-b-X-t"
-[axes.X]
-travel = ["0 mm", "1000 mm"]
-[errors]
-EXX = { std = "10 um", length = "200 mm", rest = "2 um" }
-"""
-CAMPAIGN = """
-machine = "m"
-usual = "off"
-sure = "exactly"
-[target]
-readings = 9
-[[setups]]
-name = "dial"
-instrument = "indicator"
-direction = "x"
-noise = "1 um"
-drift = "0 um/h"
-unknowns = { zero = "50 um" }
-"""
+MACHINE = machine_text("w-b-X-t", {"X": (0, 1000)}, {"EXX": 'std = "10 um", length = "200 mm", rest = "2 um"'})
+CAMPAIGN = campaign_text(
+    "m",
+    setup_text("dial", "indicator", direction="x", noise="1 um", drift="0 um/h", unknowns={"zero": "50 um"}),
+    target={"readings": 9},
+    usual="off",
+    sure="exactly",
+)
 
 
 def case() -> Case:
@@ -60,3 +53,19 @@ def test_where_a_reading_was_taken_the_rest_of_the_cell_is_not_new() -> None:
     again = expectation(estimated(axis, [reading] * 50), reading.place)
     assert again.mean[0] == pytest.approx(3e-6, abs=0.05e-6)
     assert again.std[0] == pytest.approx(1e-6, rel=0.02)  # the noise alone: curve, rest and zero are in the mean
+
+
+def test_a_place_that_was_read_before_is_said_with_its_number(tmp_path: Path) -> None:
+    described = campaign_from_texts(FOUR_READINGS, "campaign.toml", load_machine("one-axis").text, "one-axis")
+    with Campaign.create(tmp_path / "mill.axiscal", described) as campaign:
+        first = campaign.next()
+        assert isinstance(first, Asked)
+        question = Question.of(campaign, first)
+        assert question.again == ""
+        known = expectation(campaign.estimate(), first.place)
+        assert question.surprise(known.mean - 3 * known.std) == pytest.approx(3.0)
+        campaign.record(1e-6)
+        assert "where reading 1 was taken" in Question.of(campaign, Asked(2, first.place)).again
+        other = campaign.next()
+        assert isinstance(other, Asked)
+        assert Question.of(campaign, other).again == ""

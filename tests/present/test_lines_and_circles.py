@@ -1,4 +1,4 @@
-"""Positioning from both directions and circles of a ball bar: numbers of the tests' own, drawn to scale."""
+"""Positioning and ball bar circles: numbers of the tests' own, drawn to scale, with the lines pictures keep."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
+from axiscal.present.drawing.strokes import Point, simplified
 from axiscal.present.drawn_by_standards import (
     BallBarCircle,
     ball_bar_circles,
@@ -26,18 +27,13 @@ from axiscal.present.figures import positioning_figure
 from axiscal.tables.effect import Control
 from tests.generators.kinematics import tip
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
+from tests.generators.texts import campaign_text, setup_text
 
-_BAR = """machine = "three-axis-mill"
-[target]
-readings = 40
-[[setups]]
-name = "bar"
-instrument = "ballbar"
-length = "150 mm"
-station = ["300 mm", "200 mm", "80 mm"]
-plane = "xy"
-approach = "both"
-"""
+_BAR = campaign_text(
+    "three-axis-mill",
+    setup_text("bar", "ballbar", length="150 mm", station=["300 mm", "200 mm", "80 mm"], plane="xy", approach="both"),
+    target={"readings": 40},
+)
 
 
 def _idle(poses: Array, approaches: Array) -> Array:
@@ -122,3 +118,39 @@ def test_a_circle_is_drawn_to_scale(size: float) -> None:
     words = {each.text for each in drawing.iter("text")}
     assert words == {"z", "x", f"one division: {division(circle):g} µm"}
     assert all(float(each.get("font-size", "0")) >= 14 for each in drawing.iter("text"))
+
+
+_SEEN = 0.12
+"""Pixels."""
+
+
+def _off(point: Point, start: Point, end: Point) -> float:
+    along, away = (end[0] - start[0], end[1] - start[1]), (point[0] - start[0], point[1] - start[1])
+    length = math.hypot(*along)
+    return abs(along[0] * away[1] - along[1] * away[0]) / length if length else math.hypot(*away)
+
+
+def _kept(points: list[Point], first: int, last: int) -> set[int]:
+    """Return which points between two that are kept are kept; of two as far off the later one goes first."""
+    each = [(_off(points[i], points[first], points[last]), i) for i in range(first + 1, last)]
+    if not each or max(each)[0] <= _SEEN:
+        return set()
+    far = max(each)[1]
+    return {far} | _kept(points, first, far) | _kept(points, far, last)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_points_that_are_kept_are_those_of_douglas_and_peucker(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    x = np.arange(120.0)
+    y = 50 + 20 * np.sin(x / (3 + seed)) + (seed % 3) * rng.random(120)
+    points = list(zip(x.tolist(), (np.round(y) if seed % 4 == 1 else y).tolist(), strict=True))
+    if seed % 4 == 2:
+        points += points[::-1]  # there and back: it ends where it began
+    kept = sorted({0, len(points) - 1} | _kept(points, 0, len(points) - 1))
+    assert simplified(points) == [points[i] for i in kept]
+
+
+def test_two_points_are_a_line_and_none_is_nothing() -> None:
+    assert simplified([(0.0, 0.0), (1.0, 2.0)]) == [(0.0, 0.0), (1.0, 2.0)]
+    assert simplified([]) == []

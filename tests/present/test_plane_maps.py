@@ -10,20 +10,17 @@ import pytest
 
 from axiscal.cli.app import run
 from tests.docs.result import Result
+from tests.generators.texts import machine_text
 
-MACHINE = """
-chain = "w-X'-Y'-b-Z-t"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Y]
-travel = ["0 mm", "200 mm"]
-[axes.Z]
-travel = ["0 mm", "100 mm"]
-[errors]
-EZX = { std = "30 um", length = "150 mm" }
-EZY = { std = "30 um", length = "100 mm" }
-EZXY = { std = "30 um", length = ["150 mm", "100 mm"], rest = "1 um" }
-"""
+MACHINE = machine_text(
+    "w-X'-Y'-b-Z-t",
+    {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)},
+    {
+        "EZX": 'std = "30 um", length = "150 mm"',
+        "EZY": 'std = "30 um", length = "100 mm"',
+        "EZXY": 'std = "30 um", length = ["150 mm", "100 mm"], rest = "1 um"',
+    },
+)
 BARE = """usual = "off"
 sure = "exactly"
 """

@@ -23,6 +23,7 @@ from axiscal.programs.steps import Arrival, Move
 from tests.generators.printed_machine import printed_machine
 from tests.generators.program_ways import Reader
 from tests.generators.said_places import Said
+from tests.generators.texts import machine_text
 from tests.generators.ways_said import WaysSaid
 
 TEXT = """
@@ -38,24 +39,13 @@ artefact = "ball"
 raster = {{ B = "15 deg", C = "15 deg" }}
 approach = "both"
 """
-SWIVEL = """
-name = "head that swivels"
-chain = "w-C'-b-X-Y-Z-B-t"
-[tool]
-length = "200 mm"
-[axes.X]
-travel = ["-500 mm", "500 mm"]
-[axes.Y]
-travel = ["-500 mm", "500 mm"]
-[axes.Z]
-travel = ["-400 mm", "600 mm"]
-[axes.B]
-travel = ["-100 deg", "100 deg"]
-[axes.C]
-travel = ["0 deg", "360 deg"]
-[errors]
-EXX = { std = "10 um" }
-"""
+SWIVEL = machine_text(
+    "w-C'-b-X-Y-Z-B-t",
+    {"X": (-500, 500), "Y": (-500, 500), "Z": (-400, 600), "B": (-100, 100), "C": (0, 360)},
+    {"EXX": 'std = "10 um"'},
+    tool=200,
+    name="head that swivels",
+)
 VICE = '{ x = ["-60 mm", "60 mm"], y = ["-60 mm", "60 mm"], z = ["-300 mm", "60 mm"] }'
 """Beside the ball, higher than it: a tool that is tilted away from the spindle's way up runs into it."""
 FAR = '{ z = ["-900 mm", "-800 mm"] }'

@@ -27,20 +27,13 @@ from axiscal.programs.scale import AxisScale
 from axiscal.programs.steps import groups
 from tests.generators.kinematics import in_travel, pose_with_tip, tip
 from tests.generators.program_ways import STEP, Reader
+from tests.generators.texts import artefact_text, campaign_text, setup_text
 
-NEST = """
-machine = "dmu60"
-[[artefacts]]
-name = "balls"
-balls = { low = ["200 mm", "0 mm", "-80 mm"], high = ["-100 mm", "170 mm", "120 mm"] }
-[[setups]]
-name = "nest"
-instrument = "rtest"
-artefact = "balls"
-ball = "low"
-raster = { B = "15 deg", C = "15 deg" }
-approach = "both"
-"""
+NEST = campaign_text(
+    "dmu60",
+    artefact_text("balls", balls={"low": ["200 mm", "0 mm", "-80 mm"], "high": ["-100 mm", "170 mm", "120 mm"]}),
+    setup_text("nest", "rtest", artefact="balls", ball="low", raster={"B": "15 deg", "C": "15 deg"}, approach="both"),
+)
 SPHERES = NEST.replace("rtest", "sphere").replace('ball = "low"\n', "")
 BAR = """
 machine = "{machine}"

@@ -41,7 +41,7 @@ STOPPING = pytest.mark.parametrize(
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     """A campaign with two readings."""
-    files = {"machine.toml": MACHINE, "campaign.toml": CAMPAIGN}
+    files = {"machine.toml": MACHINE, "campaign.toml": CAMPAIGN.replace("500", "5")}  # a plan of a moment
     at = ("--setup", "along x", "--at", "X=100mm")
     begin, given = ("start", "campaign.toml", "mill.axiscal"), ("record", "mill.axiscal", "1.5 um", *at)
     begun(tmp_path, files, begin, given, given)

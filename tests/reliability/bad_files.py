@@ -26,7 +26,7 @@ from axiscal.record.events import Created, Event, Recorded
 from axiscal.record.line_form import EventText
 from axiscal.record.payload import encode
 from axiscal.record.store import content_of
-from tests.generators.texts import machine_text
+from tests.generators.texts import campaign_text, machine_text, setup_text
 from tests.measurement.test_instrument_files import MAP, MESH, RTL
 from tests.measurement.test_level_survey import SURVEY
 from tests.measurement.test_readers import READINGS, TRUTH
@@ -35,18 +35,11 @@ from tests.reliability.trial import Trial, scratch
 
 SECONDS, MEGABYTES = 1.0, 200.0
 MACHINE = machine_text("w-X'-b-Y-t", {"X": (0, 300), "Y": (0, 200)}, {"EXX": "20 um", "EYX": "10 um"})
-CAMPAIGN = """machine = "machine.toml"
-[target]
-rms = "2 um"
-readings = 40
-[[setups]]
-name = "along x"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-park = { Y = "100 mm" }
-noise = "0.3 um"
-"""
+CAMPAIGN = campaign_text(
+    "machine.toml",
+    setup_text("along x", "interferometer", direction="x", moves=["X"], park={"Y": "100 mm"}, noise="0.3 um"),
+    target={"rms": "2 um", "readings": 40},
+)
 ISO = "target_mm,direction,run,deviation_um\n" + "".join(
     f"{target},{way},{run},{target / 100 + run}\n" for run in (1, 2, 3) for way in "+-" for target in (0, 100, 200)
 )

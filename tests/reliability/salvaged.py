@@ -25,21 +25,17 @@ from axiscal.present.demo import five_axis
 from axiscal.record.events import Asked, Event, Finished, Noted, Planned, Recorded, Skipped, Undone
 from axiscal.record.line_form import BLOCK, MARK, MARKS, START, EventText
 from axiscal.record.store import Record
-from tests.generators.texts import machine_text
+from tests.generators.texts import campaign_text, machine_text, setup_text
 from tests.reliability.trial import Trial, scratch
 
 SECTOR = 512
 MACHINE = machine_text("w-X'-b-t", {"X": (0, 300)}, {"EXX": "20 um"})
-CAMPAIGN = """machine = "machine.toml"
-compensation_active = false
-[target]
-readings = 500
-[[setups]]
-name = "along x"
-instrument = "interferometer"
-direction = "x"
-moves = ["X"]
-"""
+CAMPAIGN = campaign_text(
+    "machine.toml",
+    setup_text("along x", "interferometer", direction="x", moves=["X"]),
+    target={"readings": 500},
+    compensation_active=False,
+)
 
 
 class Line(NamedTuple):

@@ -41,7 +41,7 @@ def test_tests_of_a_module_are_those_of_its_room_and_those_that_name_it() -> Non
     tests = files_of_tests(PACKAGE / "numerics" / "cubic.py")
     assert {"tests/numerics/test_cubic.py"} <= set(tests)
     assert "tests/estimation/test_outliers.py" not in tests
-    assert "tests/estimation/test_believed.py" in files_of_tests(PACKAGE / "estimation" / "believed.py")
+    assert "tests/estimation/test_concluded.py" in files_of_tests(PACKAGE / "estimation" / "believed.py")
 
 
 def test_lines_of_a_change_are_those_of_its_statement() -> None:

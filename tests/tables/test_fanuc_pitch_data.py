@@ -18,6 +18,7 @@ from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.offer import Export, tried_out
 from axiscal.tables.old_files import OldFile
 from axiscal.tables.registry import export, exporter, loaded
+from tests.generators.texts import machine_text
 
 MACHINE = """name = "M"
 chain = "w-X'-b-Y-t"
@@ -136,19 +137,16 @@ def test_points_that_are_shared_or_too_few_are_refused(parameters: dict[str, str
         export(known(), "fanuc", ExportOptions(template=template(**parameters)))
 
 
-TURNING = """name = "T"
-chain = "w-C'-B'-b-X-t"
-[axes.C]
-travel = ["0 deg", "360 deg"]
-[axes.B]
-travel = ["-30 deg", "120 deg"]
-[axes.X]
-travel = ["0 mm", "200 mm"]
-[errors]
-EXX = { std = "10 um", knots = 9, length = "150 mm" }
-ECC = { std = "25 urad", knots = 7 }
-EBB = { std = "25 urad", knots = 4 }
-"""
+TURNING = machine_text(
+    "w-C'-B'-b-X-t",
+    {"C": (0, 360), "B": (-30, 120), "X": (0, 200)},
+    {
+        "EXX": 'std = "10 um", knots = 9, length = "150 mm"',
+        "ECC": 'std = "25 urad", knots = 7',
+        "EBB": 'std = "25 urad", knots = 4',
+    },
+    name="T",
+)
 
 
 def turning(**parameters: str) -> Export:

@@ -16,26 +16,21 @@ from axiscal.machine.description import machine_from_text
 from axiscal.tables.controllers.isg import read_list
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.registry import export
+from tests.generators.texts import machine_text
 
-MACHINE = """name = "M"
-chain = "w-C'-X'-b-Y-Z-t"
-[tool]
-length = "100 mm"
-[axes.X]
-travel = ["-50 mm", "350 mm"]
-[axes.Y]
-travel = ["0 mm", "300 mm"]
-[axes.Z]
-travel = ["-200 mm", "0 mm"]
-[axes.C]
-travel = ["0 deg", "360 deg"]
-[errors]
-EXX = { std = "10 um", knots = 7, length = "150 mm" }
-EXX_reversal = { std = "6 um", knots = 4 }
-EYY = { std = "10 um", knots = 7, length = "150 mm" }
-ECC = { std = "40 urad", knots = 9, length = "120 deg" }
-ECC_reversal = { std = "60 urad" }
-"""
+MACHINE = machine_text(
+    "w-C'-X'-b-Y-Z-t",
+    {"X": (-50, 350), "Y": (0, 300), "Z": (-200, 0), "C": (0, 360)},
+    {
+        "EXX": 'std = "10 um", knots = 7, length = "150 mm"',
+        "EXX_reversal": 'std = "6 um", knots = 4',
+        "EYY": 'std = "10 um", knots = 7, length = "150 mm"',
+        "ECC": 'std = "40 urad", knots = 9, length = "120 deg"',
+        "ECC_reversal": "60 urad",
+    },
+    tool=100,
+    name="M",
+)
 
 
 def known() -> Estimate:

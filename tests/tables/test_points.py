@@ -14,6 +14,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine import machine_from_text
 from axiscal.numerics import Array
 from axiscal.tables.sampling import closest, places, points
+from tests.generators.texts import machine_text
 
 
 def model(start: int, stop: int, knots: int = 4) -> ErrorModel:
@@ -85,13 +86,7 @@ def test_a_spacing_of_another_axis_changes_nothing_and_one_beyond_the_travel_is_
         points(errors, 0, 0.1, 3)
 
 
-TURN = """
-chain = "w-C'-b-t"
-[axes.C]
-travel = ["0 deg", "360 deg"]
-[errors]
-EXC = { std = "10 um", knots = 12 }
-"""
+TURN = machine_text("w-C'-b-t", {"C": (0, 360)}, {"EXC": 'std = "10 um", knots = 12'})
 
 
 @pytest.mark.parametrize(

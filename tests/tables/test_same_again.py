@@ -1,11 +1,15 @@
-"""What is read of a written file and written again is the same file, to the byte: nothing is lost, nothing drifts."""
+"""The table model, and files read and written again: the same to the byte, nothing is lost, nothing drifts."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from axiscal.exceptions import InputError, TableError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
@@ -146,3 +150,94 @@ def test_fanuc(stored: dict[tuple[int, int], int]) -> None:
     again = {(number, axis): int(value) for number, row in found.items() for axis, value in row.items()}
     assert {place: again[place] for place in stored} == stored
     assert replace_values(text, {place: again[place] for place in stored}, "saved") == text
+
+
+def table(**changes: Any) -> CompensationTable:
+    good: dict[str, Any] = {"axis": "X", "rotary": False, "positions": [0.0, 0.1, 0.3]} | {
+        "forward": [1e-6, 3e-6, -1e-6], "reverse": [0.0, 1e-6, -3e-6], "std": [1e-7] * 3
+    }  # fmt: skip
+    return CompensationTable(**(good | changes))
+
+
+def at(*positions: float) -> Array:
+    return np.array(positions)
+
+
+def test_deviation_is_linear_between_the_points_and_constant_outside() -> None:
+    assert table().deviation(at(-1, 0, 0.05, 0.2, 9), 1) == pytest.approx([1e-6, 1e-6, 2e-6, 1e-6, -1e-6])
+    assert table().deviation(at(-1, 0, 0.05, 0.2, 9), -1) == pytest.approx([0, 0, 5e-7, -1e-6, -3e-6])
+
+
+def test_a_table_keeps_its_own_numbers() -> None:
+    positions = at(0, 1, 2)
+    kept = table(positions=positions)
+    positions[0] = 9
+    assert kept.positions[0] == 0
+    with pytest.raises(ValueError, match="read-only"):
+        kept.positions[0] = 9
+
+
+def test_sizes_of_the_reversal_step() -> None:
+    assert table().reversal == pytest.approx((1e-6, 2e-6))
+    assert table(reverse=[2e-6, 1e-6, -1e-6]).reversal == pytest.approx((0, 2e-6))
+    assert table(reverse=[1e-6, 3e-6, -1e-6]).reversal == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"axis": "X\nG0"}, r"'X\\nG0' is not the name of an axis"),
+        ({"axis": "../X"}, "is not the name of an axis"),
+        ({"axis": ""}, "is not the name of an axis"),
+        ({"positions": [0.0, 0.1, 0.1]}, "do not increase"),
+        ({"positions": [0.0, 0.3, 0.1]}, "do not increase"),
+        ({"positions": [0.0, np.nan, 0.1]}, "positions of X is not finite"),
+        ({"forward": [0.0, np.inf, 0.1]}, "forward of X is not finite at 0.1 m"),
+        ({"std": [0.0, 1.0]}, r"std of shape \(2,\) for \(3,\) positions"),
+        ({"positions": [], "forward": [], "reverse": [], "std": []}, "one number for each position"),
+        ({"reverse": [[0.0, 1.0, 2.0]]}, "one number for each position"),
+    ],
+)
+def test_what_no_controller_could_hold_is_refused(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(TableError, match=message):
+        table(**changes)
+
+
+def test_csv_text() -> None:
+    assert plain_csv.text_of(table()).splitlines() == [
+        "axis,position_mm,forward_um,reverse_um,std_um",
+        "X,0.0000000,1.0000,0.0000,0.1000",
+        "X,100.0000000,3.0000,1.0000,0.1000",
+        "X,300.0000000,-1.0000,-3.0000,0.1000",
+    ]
+    assert plain_csv.text_of(table(axis="C", rotary=True)).startswith("axis,position_deg,forward_arcsec")
+
+
+@given(
+    st.lists(st.floats(-10, 10), min_size=1, max_size=20, unique_by=lambda x: round(x, 6)).map(sorted),
+    st.booleans(),
+    st.data(),
+)
+def test_csv_comes_back_as_written(positions: list[float], rotary: bool, data: st.DataObject) -> None:
+    values = st.lists(st.floats(-1e-3, 1e-3), min_size=len(positions), max_size=len(positions))
+    drawn = np.array(data.draw(values))
+    written = CompensationTable("C" if rotary else "X", rotary, np.array(positions), drawn, drawn, drawn)
+    back = plain_csv.parse(plain_csv.text_of(written))
+    assert (back.axis, back.rotary) == (written.axis, rotary)
+    assert back.positions == pytest.approx(written.positions, abs=1e-9)
+    for name in ("forward", "reverse", "std"):
+        assert getattr(back, name) == pytest.approx(getattr(written, name), abs=2.5e-10 if rotary else 0.6e-10)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("axis,position_mm,forward_um,reverse_um,std_um\nX,0,1,1,1\nY,1,1,1,1\n", "holds the axes X, Y"),
+        ("axis,position_deg,forward_um,reverse_um,std_um\nC,0,1,1,1\n", "mix lengths and angles"),
+        ("axis,position_mm,forward_um,reverse_um\nX,0,1,1\n", "no column 'std_mm'"),
+        ("axis,position_mm,forward_um,reverse_um,std_um\nX,0,1,1,nan\n", "'nan' is not finite"),
+    ],
+)
+def test_a_csv_table_that_is_none(text: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        plain_csv.parse(text)

@@ -1,4 +1,4 @@
-"""Tables from the belief: the line nearest to the mean deviation, with the right sign, on machines that really turn."""
+"""Tables from the belief: the line nearest to the mean deviation, with the right sign; repeats, steps and skew."""
 
 from __future__ import annotations
 
@@ -22,12 +22,15 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline
+from axiscal.tables import surface
 from axiscal.tables.conditional import from_the_other_side, mean_along
 from axiscal.tables.effect import Effect, effect_of_control, table_control
 from axiscal.tables.hats import Hats
 from axiscal.tables.sampling import axis_tables, closest, cross_tables, own_table, points
 from axiscal.tables.table import CompensationTable
+from axiscal.tables.volumetric import curves, tip_control
 from tests.generators.texts import Std, machine_text
+from tests.tables.test_refusals import THREE, read_of
 
 STRAIGHT: dict[str, Std] = {
     "EXX EYX EYY": "10 um",
@@ -328,3 +331,46 @@ def test_points_of_an_axis_that_turns_for_ever_divide_the_turn_evenly_in_what_is
     assert np.ptp(np.diff(at)) < 1e-12
     steps = np.diff(at) / grid
     assert steps == pytest.approx(np.round(steps), abs=1e-6)
+
+
+def test_a_skew_is_the_mean_of_both_directions(monkeypatch: pytest.MonkeyPatch) -> None:
+    at = np.linspace(0.0, 0.2, 9)
+    up, down = 3e-4 * at, 1e-4 * at + 5e-6
+
+    def tables(_: Estimate) -> tuple[CompensationTable, ...]:
+        return (CompensationTable("X", False, at, up, down, 0 * at, "Y"),)
+
+    monkeypatch.setattr(surface, "cross_tables", tables)
+    found = surface.skew_of(read_of(THREE))
+    assert found.seen == {"XY": pytest.approx(2e-4)}
+
+
+_MACHINE = machine_text(
+    "w-X'-b-Y-Z-t",
+    {"X": (0, 400), "Y": (0, 300), "Z": (0, 200)},
+    {
+        "EXX": 'std = "8 um", length = "200 mm"',
+        "EXX_reversal": "2 um",
+        "EXX_pitch": 'std = "4 um", period = "100 mm"',
+        "EXX_step": 'std = "3 um", at = ["250 mm"]',
+        "EYY_pitch": 'std = "4 um", period = "100 mm"',
+    },
+)
+
+
+def test_tables_by_name_take_the_whole_error_motion_away() -> None:
+    model = ErrorModel(machine_from_text(_MACHINE, "m"))
+    mean = model.prior_root() @ np.random.default_rng(2).standard_normal(model.size)
+    for function in model.functions:
+        if function.kind == "reversal":
+            mean[function.columns] = 0.0
+    box = tuple(axis.travel for axis in model.machine.axes)
+    estimate = Estimate(model, Belief(mean, 1e-18 * np.eye(model.size)), box)
+    found = curves(estimate, {k: np.linspace(*axis.travel, 801) for k, axis in enumerate(model.machine.axes)})
+    assert set(found) == {"EXX", "EYY"}
+    low, high = np.array(box).T
+    poses = np.random.default_rng(3).uniform(low, high, (50, 3))
+    poses = poses[np.abs(poses[:, 0] - 0.25) > 2e-3]
+    added = tip_control(model, found)(poses, np.ones_like(poses))
+    deviation = model.rows(poses, np.ones_like(poses)) @ mean
+    assert added == pytest.approx(-deviation, abs=5e-8)

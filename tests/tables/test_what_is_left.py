@@ -1,31 +1,40 @@
-"""What tables leave and are added to: planes, old points, means over a whole turn, and how long a reversal takes."""
+"""What tables leave, over the part as it is aligned, and are added to: planes, old points, turns, reversals."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
 import pytest
 
+from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import whole_travel
 from axiscal.estimation.belief import Belief
+from axiscal.estimation.estimate import estimated
+from axiscal.estimation.estimation import Estimation
+from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.machine import machine_from_text
+from axiscal.machine import load_machine, machine_from_text
 from axiscal.machine.kinematics import frames
+from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.volumetric_tables import reversal_times
+from axiscal.tables import registry
 from axiscal.tables.conditional import mean_along
 from axiscal.tables.controllers.fanuc import PitchParameters, _turn_notes
-from axiscal.tables.effect import planes_left
+from axiscal.tables.effect import CommandedMachine, effect_of_control, planes_left
+from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.loaded import Loaded, Lookup
 from axiscal.tables.offer import foreword, shifts
 from axiscal.tables.surface import Mesh
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.vcomp_applying import whole_control
 from tests.generators.planes import BED, TABLE
+from tests.generators.texts import TWO_SPHERES, machine_text
 from tests.tables.test_controllers import known
 from tests.tables.test_sampling import CHAINS, machine
 
@@ -85,22 +94,17 @@ def test_a_machine_without_such_an_error_has_nothing_of_it_left() -> None:
     assert planes_left(estimate, lambda at, sides: np.zeros_like(at), poses, poses) == ""
 
 
-HEAD = """
-chain = "w-b-X-Z-B-t"
-[tool]
-length = "80 mm"
-[axes.X]
-travel = ["0 mm", "300 mm"]
-[axes.Z]
-travel = ["0 mm", "200 mm"]
-[axes.B]
-travel = ["-90 deg", "270 deg"]
-[errors]
-EBX = { std = "60 urad", knots = 7, length = "100 mm" }
-EZX = { std = "60 um", knots = 5, length = "100 mm" }
-EBZ = { std = "60 urad", knots = 4, length = "100 mm" }
-EXB = { std = "20 um", knots = 9, length = "60 deg" }
-"""
+HEAD = machine_text(
+    "w-b-X-Z-B-t",
+    {"X": (0, 300), "Z": (0, 200), "B": (-90, 270)},
+    {
+        "EBX": 'std = "60 urad", knots = 7, length = "100 mm"',
+        "EZX": 'std = "60 um", knots = 5, length = "100 mm"',
+        "EBZ": 'std = "60 urad", knots = 4, length = "100 mm"',
+        "EXB": 'std = "20 um", knots = 9, length = "60 deg"',
+    },
+    tool=80,
+)
 
 
 @pytest.mark.parametrize("over", ["X", "Z"])
@@ -260,3 +264,66 @@ def test_fanucs_note_names_the_type_of_each_rotary_axis(rotary: bool, turn: bool
     notes = _turn_notes({"C": cast("PitchParameters", plan)})
     assert len(notes) == bool(says)
     assert all(note.startswith(says) for note in notes)
+
+
+@cache
+def unread() -> tuple[Estimation, Estimate]:
+    """Return a five-axis machine of which nothing was read, for a part on its table."""
+    machine = load_machine("dmu60").text
+    known = estimated(case_of(campaign_from_texts(TWO_SPHERES, "campaign.toml", machine, "dmu60")), ())
+    return known, known.estimate()
+
+
+def idle(poses: Array, approaches: Array) -> Array:
+    """Send the axes where they were told to go."""
+    return np.zeros_like(poses)
+
+
+def test_what_is_not_known_with_the_files_is_what_is_not_known_without_them() -> None:
+    known, estimate = unread()
+    factor = estimate.belief.factor
+    mean = np.random.default_rng(3).normal(size=factor.shape[1])
+    moved = replace(estimate, belief=Belief(factor @ mean, factor @ factor.T))
+    found = registry.export(moved, "linuxcnc-volumetric", ExportOptions())
+    assert found.unknown == pytest.approx(known.accuracy.rms, rel=0.03)
+    assert found.effect.after < 0.02 * found.effect.before
+    assert found.expected == pytest.approx(known.accuracy.rms, rel=0.03)
+
+
+def test_a_part_that_is_off_as_a_whole_is_aligned_and_not_in_error() -> None:
+    estimate = unread()[1]
+    assert estimate.sample is not None
+    poses = estimate.sample[:200]
+    turn, shift = np.array([2e-5, -1e-5, 3e-5]), np.array([1e-4, 2e-4, -3e-4])
+
+    def whole(at: Array, approaches: Array) -> Array:
+        off: Array = shift + np.cross(turn, frames(estimate.machine, at).tcp)
+        return off
+
+    as_box, as_part = (
+        effect_of_control(estimate.machine, whole, idle, poses, estimate.box, alignment)
+        for alignment in (None, estimate.alignment)
+    )
+    places = frames(estimate.machine, poses).tcp
+    turned = np.cross(turn, places - places.mean(axis=0))
+    assert as_box.before == pytest.approx(float(np.sqrt(np.mean(np.sum(turned**2, axis=1)))))
+    assert max(as_part) < 1e-12
+
+
+def test_an_instrument_that_knows_commands_sees_where_the_control_sent_the_axes() -> None:
+    """The control turns C a little too far and moves X: the tool is where the machine is there, from the command."""
+    estimate = unread()[1]
+    truth = Simulator(estimate.machine, ()).drawn(2)
+    names, rng = [axis.name for axis in estimate.machine.axes], np.random.default_rng(1)
+    further = np.array([{"C": 40e-6, "X": 3e-5}.get(name, 0.0) for name in names])
+    seen = CommandedMachine.corrected(truth, lambda poses, _: np.tile(further, (len(poses), 1)))
+    low, high = np.array([axis.travel for axis in estimate.machine.axes]).T
+    poses, ways = rng.uniform(low, high, (7, len(low))), rng.choice([-1.0, 1.0], (7, len(low)))
+    there, here = (frames(estimate.machine, each) for each in (poses + further, poses))
+    moved = truth.deviation(poses + further, ways) + there.tcp - here.tcp
+    np.testing.assert_allclose(seen.deviation(poses, ways), moved, atol=1e-15)
+    turn = there.tool @ here.tool.transpose(0, 2, 1)
+    turned = 0.5 * np.stack([turn[:, k - 1, k - 2] - turn[:, k - 2, k - 1] for k in range(3)], axis=1)
+    assert np.abs(turned).max() > 30e-6
+    found = seen.rotation(poses, ways) - truth.rotation(poses + further, ways)
+    np.testing.assert_allclose(found, turned, atol=1e-9)
