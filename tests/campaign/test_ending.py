@@ -70,6 +70,7 @@ def test_it_is_reached_by_the_figure_that_is_printed(gapped: Estimation, share: 
     target = asked(share * gapped.accuracy.rms)
     assert reaches(target, gapped) is reached
     assert standing(target, gapped) == ("rms target reached" if reached else None)
+    assert reaches(replace(target, rms=None), gapped) is None
 
 
 def test_it_is_not_reached_by_readings_that_contradict_each_other(gapped: Estimation) -> None:

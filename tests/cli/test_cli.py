@@ -93,13 +93,6 @@ def test_the_loop_with_a_person(axiscal: Command) -> None:
     assert axiscal("status", "results/campaign.axiscal", "--json").document["finished"] == "4 readings taken"
 
 
-def test_asking_again_gives_the_same_question(started: Command) -> None:
-    first = started("next", "m.axiscal")
-    assert first.status == 0
-    assert "Reading 1" in first.out
-    assert started("next", "m.axiscal").out == first.out
-
-
 @pytest.mark.parametrize(
     ("words", "value"),
     [

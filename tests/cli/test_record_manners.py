@@ -64,11 +64,6 @@ def test_what_is_misspelt_is_said_before_anything_is_estimated(
     assert "unit" in capsys.readouterr().err
 
 
-def test_who_begins_is_told_nothing_where_nothing_is_open(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert record.exists()
-    assert "Mind" not in capsys.readouterr().err
-
-
 def test_leaving_a_set_up_says_what_that_costs(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
     first = asked(record, capsys)
     run(["record", str(record), "1.0 um"])
