@@ -10,13 +10,17 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.first_campaign import first_campaign
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.functionals.known import KnownRow, known_rows
 from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.next_readings import next_places, rows_root
+from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.running_gains import Scores
+from axiscal.planning.next_readings import next_places, posed, rows_root
+from axiscal.planning.plan.greedy import openings
 from axiscal.present.plan_answer import reach_answer
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "howto" / "dial-and-square.md"
@@ -118,6 +122,34 @@ def test_a_row_that_these_set_ups_cannot_make_known_is_named_before_the_first_re
     assert missed.name == "squareness XY"
     assert missed.limit == pytest.approx(5.0)
     assert missed.floor == pytest.approx(1e6 * square.floor)
+
+
+def test_three_readings_open_a_square() -> None:
+    """Two zeros, and how the square lies turned: a single reading after these tells of the squareness."""
+    of = dial("readings = 12")
+    task = posed(of, of.knowledge)
+    scores = Scores(Pool(task.observation, task.lattice), task.state)
+    found = openings(scores, (0, 1), 12)
+    assert len(found) == 3
+    assert sum(scores.enter(index) for index in found) < 1e-4 * task.state.value
+    assert scores.gains.max() > 0.05 * task.state.value
+    assert openings(scores, (0, 1), 12) == []
+    assert openings(Scores(scores.pool, task.state), (0, 1), 2) == []
+
+
+@pytest.mark.long
+def test_a_first_campaign_with_squares_plans_every_squareness() -> None:
+    """As `init` writes it where every question is answered by Enter, but for the dial and the square."""
+    text = first_campaign(dial("readings = 12").description.machine, "three-axis-mill", ["dial", "square"], "")
+    of = case(text)
+    found = rows(of, planned(of))
+    names = [f"squareness {pair}" for pair in ("XY", "XZ", "YZ")]
+    assert set(names) <= set(found)
+    wanting = case(text.replace("[target]", f"[target]\nwants = {names}".replace("'", '"')))
+    wanted = rows(wanting, planned(wanting))
+    for name in names:
+        assert found[name].measured
+        assert found[name].known < 1.5 * wanted[name].known
 
 
 def replace_readings(of: Case, readings: int) -> Case:

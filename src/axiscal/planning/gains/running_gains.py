@@ -74,6 +74,16 @@ class Scores:
         self._leavings: Leavings | None = None
         self._bare: tuple[Covariance, Scorer] | None = None
 
+    def told(self, columns: NDArray[np.intp]) -> Array:
+        """Return the shares of their first variances that each candidate takes away from unknowns, summed, (M,).
+
+        columns : (k,) of the unknowns
+        """
+        first = np.sqrt(self.state.observation.prior_variances()[columns])[:, None]
+        scaled = self.state.factor @ (self.state.factor[columns[first[:, 0] > 0]] / first[first > 0][:, None]).T
+        seen = self.pool.products(self.state.observation, scaled)
+        return _gains(np.einsum("kim,kjm->ijm", seen, seen), self.below[:, :, : len(self.pool)])
+
     def fork(self) -> Self:
         """Return a copy that goes its own way."""
         other = copy.copy(self)

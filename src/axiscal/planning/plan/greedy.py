@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.place import Places
-from axiscal.measurement.setup import Setup
 from axiscal.numerics.remembered import remembered
 from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.gains.candidate_rows import Pool
@@ -31,8 +28,8 @@ _STALLED = 1e-7
 """Share of the first J: a reading that brings less is none."""
 
 Setups = tuple[int, ...]
-_FRESH = 0.99
-"""Share of a fresh reading's variance: where none is opened, it is one to rounding."""
+_TOLD = 0.5
+"""Of an unknown's variance: a reading that takes more of it away tells of little else."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -96,9 +93,9 @@ def _coarse(task: Task) -> tuple[Scores, RunningAccuracy]:
 
 
 def _grown(everything: Setups, key: Callable[[Setups], tuple[float, float]]) -> Setups:
-    key(everything)
-    best: Setups = min(((s,) for s in everything), key=key)
-    value = key(best)
+    begun = {setups: key(setups) for setups in [everything, *((s,) for s in everything)]}
+    best: Setups = min(begun, key=lambda s: begun[s])
+    value = begun[best]
     while True:
         more = [(*best, s) for s in everything if s not in best]
         fewer = [s for s in combinations(best, len(best) - 1) if s]
@@ -191,63 +188,23 @@ def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, 
     return allowed
 
 
-_PLACING = 4
-"""Balls of a plate that are read first: three say how it lies, and one more says something."""
-
-
-class _Group(NamedTuple):
-    """Candidates that find out the same thing first.  columns : of the unknowns that make it up"""
-
-    candidates: NDArray[np.intp]
-    columns: NDArray[np.intp]
-
-
 def openings(scores: Scores, setups: Sequence[int], readings: int) -> list[int]:
-    """Return one candidate for each set-up and ball that is not known yet, near home; none where these are too many.
+    """Return candidates that make known what set-ups leave open of themselves; none where these are too many.
 
-    The first reading of a ball tells little but where the ball is, and that of a set-up its zero: no gain would ever
-    open it.
+    The first reading of a set-up tells little but its zero, the next one on a square how that lies turned: no gain
+    would ever open them. One unknown alone is opened by any reading.
     readings : so many there may be at most
     """
-    groups = [group for setup in setups for group in _groups(scores, setup)]
-    if len(groups) == 1 or readings < len(groups):
+    columns = np.unique(np.concatenate([scores.state.observation.unknowns_of(setup) for setup in setups]))
+    if len(columns) < 2:
         return []
-    return [_near_home(scores, group) for group in groups if not _known(scores, group)]
-
-
-def _groups(scores: Scores, setup: int) -> Iterator[_Group]:
-    mounted, lattice = scores.state.observation.setups[setup], scores.pool.lattice
-    mine, columns = np.flatnonzero(lattice.setups == setup), scores.state.observation.unknowns_of(setup)
-    if mounted.artefact is None or len(mounted.balls) < 2:
-        if len(columns) and len(mine):
-            yield _Group(mine, columns)
-        return
-    at = mounted.artefact.nearest(frames(scores.state.observation.machine, lattice.poses[mine]).tcp, mounted.balls)
-    together = mounted.artefact.calibrated is not None
-    for ball in mounted.balls[:: max(1, len(mounted.balls) // _PLACING)] if together else mounted.balls:
-        own = "turn" if together else mounted.artefact.balls[ball].name
-        if np.any(at == ball):
-            yield _Group(mine[at == ball], columns[_of_ball(mounted, own)])
-
-
-def _of_ball(setup: Setup, ball: str) -> NDArray[np.bool_]:
-    return np.array([unknown.name.rpartition("_")[0] == ball for unknown in setup.unknowns])
-
-
-def _near_home(scores: Scores, group: _Group) -> int:
-    """Return the candidate nearest to where the axes are parked; on a chart linear axes follow, and do not count."""
-    lattice, observation = scores.pool.lattice, scores.state.observation
-    setup = observation.setups[int(lattice.setups[group.candidates[0]])]
-    axes = observation.machine.axes
-    counted = [k for k, axis in enumerate(axes) if setup.chart is None or axis.rotary]
-    spans = np.array([axes[k].length for k in counted])
-    away = (lattice.poses[group.candidates][:, counted] - np.array(setup.park)[counted]) / spans
-    return int(group.candidates[np.sum(away**2, axis=1).argmin()])
-
-
-def _known(scores: Scores, group: _Group) -> bool:
-    """Whether one of the unknowns is better known than when it was mounted."""
-    state = scores.state
-    variances = np.sum(state.factor[group.columns] ** 2, axis=1)
-    fresh = state.observation.prior_variances()[group.columns]
-    return bool(np.any(variances < _FRESH * fresh))
+    ahead, found, mine = scores.fork(), list[int](), np.isin(scores.pool.lattice.setups, setups)
+    while True:
+        told = np.where(mine, ahead.told(columns), -np.inf)
+        best = first_best(told, ALIKE)
+        if not told[best] > _TOLD:
+            return found
+        if len(found) == readings:
+            return []
+        ahead.enter(best)
+        found.append(best)
