@@ -35,7 +35,7 @@ from axiscal.estimation.case import Case
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.planning.next_readings import posed
-from axiscal.present.demo.five_axis import SEED, description, hidden_machine
+from axiscal.present.demo import SEED, description, hidden_machine
 from axiscal.record.events import Asked
 from benchmarks import bench_estimate
 

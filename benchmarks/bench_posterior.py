@@ -35,7 +35,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.present.demo.five_axis import measured_truth
+from axiscal.present.demo import measured_truth
 
 T = TypeVar("T")
 _SEED = 2005

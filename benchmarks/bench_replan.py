@@ -22,7 +22,7 @@ from axiscal.estimation.case import Case
 from axiscal.machine.motion import travel_seconds
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.next_readings import next_places
-from axiscal.present.demo.five_axis import SEED, description, hidden_machine
+from axiscal.present.demo import SEED, description, hidden_machine
 from axiscal.record.events import Asked
 
 

@@ -38,8 +38,7 @@ if TYPE_CHECKING:
     from axiscal.planning.step.best_step import best_step
     from axiscal.python.curve import Curve
     from axiscal.python.estimated import estimate
-    from axiscal.python.measured_case import Case
-    from axiscal.python.setup_keys import setup
+    from axiscal.python.measured_case import Case, setup
 
 __version__ = "0.1.0"
 
@@ -80,7 +79,7 @@ _HOMES = {
     "estimate": "python.estimated",
     "load_machine": "machine.description",
     "read_campaign": "description.campaign",
-    "setup": "python.setup_keys",
+    "setup": "python.measured_case",
 }
 
 

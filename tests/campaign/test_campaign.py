@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, Ended
-from axiscal.campaign.milestones import Milestone
+from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, Ended, Milestone
 from axiscal.campaign.sources import Answer, Request, Skip
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.case import Case

@@ -27,9 +27,9 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.functionals.known import known_rows
 from axiscal.estimation.promise.agreement import Explained
-from axiscal.planning.feasibility import reached_unread
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import WantedAccuracy
+from axiscal.planning.proposal import reached_unread
 from axiscal.present.plan_answer import reach_answer
 from axiscal.present.plan_words import reach_text
 from tests.generators.laser_axis import CASE, closed, machine, read

@@ -27,7 +27,7 @@ from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.planning.gains.gain import Scorer
 from axiscal.present.curves import constants, curves
-from axiscal.present.plane_summary import planes
+from axiscal.present.volume_error import planes
 from axiscal.units import from_unit
 
 CLAIMED, SLACK = 0.95, 0.015

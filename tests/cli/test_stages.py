@@ -9,7 +9,7 @@ import threading
 
 import pytest
 
-from axiscal.campaign.milestones import Milestone
+from axiscal.campaign.ending import Milestone
 from axiscal.cli import stages
 from axiscal.cli.progress import progress_line
 from axiscal.cli.stages import StageLine, stage_text

@@ -18,7 +18,7 @@ from axiscal.description.campaign import read_campaign
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.place import Place
-from axiscal.present.drawing.shown import paper_svg, picture_file
+from axiscal.present.drawing.svg_picture import paper_svg, picture_file
 from axiscal.present.found_and_left import found_and_left_drawing
 from axiscal.present.machine_drawing.setup_picture import plan_picture
 from axiscal.present.page import groups

@@ -24,7 +24,7 @@ from axiscal.campaign.ending import ENDINGS
 from axiscal.exceptions import InputError
 from axiscal.language.spoken import LANGUAGES
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.present.guide.answers import ACTIONS
+from axiscal.present.guide.question import ACTIONS
 
 SOURCES = Path(__file__).resolve().parents[2] / "src" / "axiscal"
 FOLDER = SOURCES / "language" / "translations"

@@ -37,11 +37,6 @@ CLASSES_THAT_MAY = {
 }
 FILES_THAT_MAY = {
     "campaign.py": "a campaign as it is described, and as it runs",
-    "dense.py": "the plain equations beside a fast path: of gains, and of the posterior",
-    **{
-        f"{control}.py": "one control: its tables, and its programs"
-        for control in ("fanuc", "heidenhain", "isg", "sinumerik")
-    },
 }
 PICKLES = {"pickle", "_pickle", "cloudpickle", "dill", "joblib", "shelve", "marshal"}
 """They make objects of what a file says, so that whoever writes the file says what is made."""

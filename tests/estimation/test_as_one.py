@@ -12,7 +12,7 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.accuracy.unseen import uniform_parts
 from axiscal.estimation.case import Case
 from axiscal.machine.kinematics import frames
-from axiscal.present.demo.five_axis import description
+from axiscal.present.demo import description
 
 SCALE = "cannot see the common scale of X, Y and Z: a bar of known length"
 LIES = "how the part lies"

@@ -15,7 +15,7 @@ from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.remembered import Memo
-from axiscal.present.demo.five_axis import description
+from axiscal.present.demo import description
 from tests.generators.texts import machine_text
 
 MACHINE = machine_text(

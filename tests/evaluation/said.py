@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from axiscal.evaluation.at_the_machine import Taken
-from axiscal.evaluation.judgement import Judgement
+from axiscal.evaluation.table_checks import Judgement
 from axiscal.present.check_answer import check_answer, check_details
 
 

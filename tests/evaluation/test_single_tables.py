@@ -15,8 +15,7 @@ from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.evaluation.at_the_machine import Taken
 from axiscal.evaluation.check import Check
-from axiscal.evaluation.judgement import Judgement
-from axiscal.evaluation.table_checks import parts_of, shares
+from axiscal.evaluation.table_checks import Judgement, parts_of, shares
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine

@@ -21,7 +21,8 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.check import tolerance_of
 from axiscal.evaluation.datums import GUARD
-from axiscal.evaluation.verification import judge, plan_check, verdict, with_displacements
+from axiscal.evaluation.table_checks import verdict
+from axiscal.evaluation.verification import judge, plan_check, with_displacements
 from axiscal.exceptions import ReadingError, TargetError
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading

@@ -14,7 +14,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.datums import datums_of
-from axiscal.evaluation.judgement import Judgement
+from axiscal.evaluation.table_checks import Judgement
 from axiscal.evaluation.verification import judge
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown

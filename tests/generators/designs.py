@@ -15,9 +15,8 @@ from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
-from axiscal.measurement.reading_rows import rows_at
+from axiscal.measurement.reading_rows import rows_at, visited
 from axiscal.measurement.setup import Approach, Setup, Unknown
-from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
 from axiscal.planning.plan.task import Task
 

@@ -13,7 +13,7 @@ from babel.messages.catalog import Message
 from axiscal.cli.app import run
 from axiscal.exceptions import Faults, InputError, ReadingError, RecordError
 from axiscal.language.spoken import LANGUAGES, counted, messages, said, speaking
-from axiscal.present.guide.answers import Value, Word, answer
+from axiscal.present.guide.question import Value, Word, answer
 from axiscal.present.whose_language import chosen
 from tests.docs import languages
 from tests.generators.begun import begun

@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.milestones import Milestone
+from axiscal.campaign.ending import Milestone
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.document.durable import write_whole
 from axiscal.estimation.case import Case

@@ -9,13 +9,13 @@ import pytest
 
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
+from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Unknown
-from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
-from axiscal.planning.gains import dense
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import ReadingColumns, Scores
 from axiscal.planning.plan.task import Task
+from tests.generators import dense_gains as dense
 from tests.generators.designs import levered, random_poses, read
 from tests.planning.test_three_values import mixed
 

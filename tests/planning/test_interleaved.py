@@ -11,8 +11,7 @@ from axiscal.estimation.promise.passing import passing_columns
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
-from axiscal.planning.plan.interleaved import interleaved
-from axiscal.planning.plan.order import in_order, seconds_along, seconds_each
+from axiscal.planning.plan.order import in_order, interleaved, seconds_along, seconds_each
 from axiscal.planning.plan.task import Limits, Task
 from tests.generators.designs import levered
 from tests.planning.test_out_and_back import apart, one_axis, planned

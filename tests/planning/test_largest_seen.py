@@ -15,9 +15,9 @@ from axiscal.measurement.candidates import MOST_TRIED, chart_candidates, spread
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
-from axiscal.planning.bound.prove import largest_seen, prove
+from axiscal.planning.bound.lower_bound import largest_seen, prove
 from axiscal.planning.next_readings import posed
-from axiscal.planning.step.smooth import regions
+from axiscal.planning.step.ground import regions
 
 BALLS = """
 [[artefacts]]

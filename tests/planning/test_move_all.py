@@ -19,7 +19,7 @@ from axiscal.measurement.setup import Unknown
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from axiscal.planning.gains.covariance import Covariance
-from axiscal.planning.plan.move_all import _free, _value, moved
+from axiscal.planning.plan.exchange import _free, _value, moved
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.proposal import proposed
 from tests.generators.designs import levered, problem, random_poses, splines

@@ -17,10 +17,8 @@ from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import posed
-from axiscal.planning.plan.interleaved import interleaved
-from axiscal.planning.plan.order import in_order, seconds_along, seconds_each
-from axiscal.planning.plan.plan import make_plan
-from axiscal.planning.plan.renewal import renewed
+from axiscal.planning.plan.order import in_order, interleaved, seconds_along, seconds_each
+from axiscal.planning.plan.plan import make_plan, renewed
 from axiscal.planning.plan.task import Limits, Task
 from tests.generators.designs import levered
 from tests.generators.texts import campaign_text, setup_text

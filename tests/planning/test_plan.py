@@ -18,7 +18,7 @@ from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, plai
 from axiscal.planning.plan.exchange import exchange
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task, clock
-from axiscal.present.demo import five_axis
+from axiscal.present.demo import description
 from tests.generators.designs import levered, problem, read, read_at, splines
 
 
@@ -40,7 +40,7 @@ def test_seven_readings_on_seven_knots_together() -> None:
 
 
 def test_plain_designs_that_are_one_are_tried_once() -> None:
-    asked, charted = splines(2, 5, 0.1, 100), posed(case := Case(five_axis.description()), case.knowledge)
+    asked, charted = splines(2, 5, 0.1, 100), posed(case := Case(description()), case.knowledge)
     assert [len(each) for each in plain_designs(asked, [(0, 6)])] == [6, 6]
     on_spheres = [(s, 4) for s, setup in enumerate(charted.observation.setups) if setup.chart is not None]
     (once,) = plain_designs(charted, on_spheres)

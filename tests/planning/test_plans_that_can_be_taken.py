@@ -18,7 +18,7 @@ from axiscal.numerics import Array
 from axiscal.planning.next_readings import next_places, placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Thoroughness, proposed
-from axiscal.present.demo.five_axis import description
+from axiscal.present.demo import description
 from tests.generators.kinematics import in_travel, stem, tip
 from tests.generators.texts import artefact_text, campaign_text, setup_text
 

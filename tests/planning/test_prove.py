@@ -14,12 +14,11 @@ from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.place import Places
 from axiscal.measurement.setup import Setup, Unknown
-from axiscal.planning.bound.lower_bound import lower_bound
-from axiscal.planning.bound.prove import _everywhere, prove
+from axiscal.planning.bound.lower_bound import _everywhere, lower_bound, prove
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
-from axiscal.planning.step.smooth import regions
+from axiscal.planning.step.ground import regions
 from tests.generators.designs import levered, problem, random_poses, splines
 
 
@@ -131,7 +130,7 @@ def test_four_axes_together_are_refused() -> None:
 def test_a_proof_that_closes_no_more_ends_with_the_gap_that_is_left() -> None:
     asked = plates()
     plan = make_plan(asked, Limits(readings=9), bounded=False)
-    with patch("axiscal.planning.bound.prove._everywhere", wraps=_everywhere) as rounds:
+    with patch("axiscal.planning.bound.lower_bound._everywhere", wraps=_everywhere) as rounds:
         proof = prove(asked.state, asked.lattice, plan.places, 1e-9)
     assert 1 < rounds.call_count < 40
     assert 1e-9 < proof.gap < 0.2

@@ -9,10 +9,10 @@ import pytest
 
 from axiscal.machine import Machine, machine_from_text
 from axiscal.measurement.place import Places
-from axiscal.planning.bound.prove import largest_seen, prove
+from axiscal.planning.bound.lower_bound import largest_seen, prove
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
-from axiscal.planning.step.smooth import regions
+from axiscal.planning.step.ground import regions
 from tests.generators.designs import problem, random_poses
 from tests.generators.planes import bed, probe, table, warped
 

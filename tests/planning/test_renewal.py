@@ -15,8 +15,7 @@ from axiscal.measurement.place import Place, Places
 from axiscal.measurement.reading import Reading
 from axiscal.planning.next_readings import next_places
 from axiscal.planning.plan.order import seconds_of
-from axiscal.planning.plan.plan import make_plan
-from axiscal.planning.plan.renewal import renewed
+from axiscal.planning.plan.plan import make_plan, renewed
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.promise import promised
 from axiscal.record.events import Asked, Gap

@@ -11,11 +11,10 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
+from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Unknown
-from axiscal.measurement.visits import visited
 from axiscal.numerics import Array
 from axiscal.planning.bound.lower_bound import lower_bound
-from axiscal.planning.gains import dense
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.gain import Scorer, joint_gains
 from axiscal.planning.gains.running_gains import Scores
@@ -23,6 +22,7 @@ from axiscal.planning.plan.exchange import exchange
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
 from axiscal.planning.step.best_step import best_step
+from tests.generators import dense_gains as dense
 from tests.generators.designs import levered, random_poses
 
 ZEROS = tuple(Unknown(f"zero_{axis}", 1e-4) for axis in "xyz")

@@ -11,8 +11,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import AxiscalError
 from axiscal.machine import load_machine
 from axiscal.measurement.setup import Setup
-from axiscal.present.guide.answers import Value, Word, answer
-from axiscal.present.guide.question import reads_text, sign_text, ways
+from axiscal.present.guide.question import Value, Word, answer, reads_text, sign_text, ways
 from tests.generators.texts import campaign_text, setup_text
 
 SETUPS = campaign_text(

@@ -15,8 +15,7 @@ import pytest
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.csv_readings import read_readings
 from axiscal.present.calibration_certificate import certificate
-from axiscal.present.data_files import readings_csv
-from axiscal.present.result_document import result_json
+from axiscal.present.result_document import readings_csv, result_json
 from axiscal.present.sentences import values_text
 from tests.present.test_page import HOSTILE, _with_every_text, five_axis_summary
 

@@ -13,7 +13,7 @@ from axiscal.evaluation import PositioningTest, evaluate
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.reading import Reading
 from axiscal.present.sentences import files_of_controls, left_out_words
-from axiscal.present.standard import iso230_blocks
+from axiscal.present.summarising import iso230_blocks
 from axiscal.present.summary import TableOffer
 from axiscal.present.volume_error import volume_error
 from axiscal.tables.effect import Control

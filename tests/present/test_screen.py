@@ -17,7 +17,7 @@ from axiscal.description.target import RowName, rows_of
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import load_machine
 from axiscal.measurement.reading import Reading
-from axiscal.present.guide.taking_back import contradictions
+from axiscal.present.guide.progress import contradictions
 from tests.generators.answers import aim, answer, answer_row
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, plus, read
 

@@ -21,7 +21,7 @@ from axiscal.exceptions import RecordError
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
-from axiscal.present.demo import five_axis
+from axiscal.present.demo import description
 from axiscal.record.events import Asked, Event, Finished, Noted, Planned, Recorded, Skipped, Undone
 from axiscal.record.line_form import BLOCK, MARK, MARKS, START, EventText
 from axiscal.record.store import Record
@@ -85,7 +85,7 @@ def lines_of(content: bytes) -> tuple[Line, ...]:
 def originals() -> tuple[Original, ...]:
     """Return records of a short and of a long description, of few and of many readings."""
     with scratch() as top:
-        small, large = campaign_from_texts(CAMPAIGN, "", MACHINE, ""), five_axis.description()
+        small, large = campaign_from_texts(CAMPAIGN, "", MACHINE, ""), description()
         return tuple(
             Original(first, _made(top / f"other{n}.axiscal", description, count, n + 100), lines_of(first))
             for n, (description, count) in enumerate(((small, 12), (small, 150), (large, 40)))

@@ -15,8 +15,8 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array
 from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.loaded import OldFile
 from axiscal.tables.offer import Export, tried_out
-from axiscal.tables.old_files import OldFile
 from axiscal.tables.registry import export, exporter, loaded
 from tests.generators.texts import machine_text
 

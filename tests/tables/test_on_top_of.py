@@ -20,9 +20,8 @@ from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array
 from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import Loaded, OldFile, read_old
 from axiscal.tables.offer import Export
-from axiscal.tables.old_files import OldFile, read_old
 from axiscal.tables.registry import CONTROLLERS, export, exporter, loaded
 from axiscal.tables.round_trip import round_trip
 from tests.generators.texts import machine_text

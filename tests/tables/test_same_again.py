@@ -20,8 +20,7 @@ from axiscal.tables.controllers.fanuc import read_records, replace_values
 from axiscal.tables.controllers.isg import read_list, write_list
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import Exporter
-from axiscal.tables.loaded import Loaded, both_ways
-from axiscal.tables.old_files import OldFile
+from axiscal.tables.loaded import Loaded, OldFile, both_ways
 from axiscal.tables.surface import Mesh, Skew
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.volumetric import SampledError

@@ -25,9 +25,8 @@ from axiscal.numerics.cubic import NaturalSpline
 from axiscal.tables import surface
 from axiscal.tables.conditional import from_the_other_side, mean_along
 from axiscal.tables.effect import Effect, effect_of_control, table_control
-from axiscal.tables.hats import Hats
 from axiscal.tables.sampling import axis_tables, closest, cross_tables, own_table, points
-from axiscal.tables.table import CompensationTable
+from axiscal.tables.table import CompensationTable, Hats
 from axiscal.tables.volumetric import curves, tip_control
 from tests.generators.texts import Std, machine_text
 from tests.tables.test_refusals import THREE, read_of

@@ -20,6 +20,8 @@ from axiscal.campaign.ending import (
     BUDGET,
     FUTILE,
     Ended,
+    Milestone,
+    Status,
     count_reached,
     out_of_reach,
     refuse_endless,
@@ -28,7 +30,6 @@ from axiscal.campaign.ending import (
     standing,
 )
 from axiscal.campaign.interrupt import noted_interrupts
-from axiscal.campaign.milestones import Milestone, Status
 from axiscal.campaign.possible import beginning_of, described, kept_text, refuse_of_branch, refuse_unreadable
 from axiscal.campaign.sources import Request, Skip, Source
 from axiscal.description.campaign import CampaignDescription

@@ -1,4 +1,7 @@
-"""When a campaign has come to its end: a target is reached, or none will be, or its source is given up."""
+"""When a campaign has come to its end: a target is reached, or none will be, or its source is given up.
+
+The status of a campaign, and the way there.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +17,44 @@ from axiscal.estimation.accuracy.expanded import expanded
 from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.functionals.known import known_rows
+from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.exceptions import RecordError, SourceError
 from axiscal.language.spoken import counted, said
+from axiscal.measurement.reading import Reading
 from axiscal.planning.enough import FEW
 from axiscal.planning.promise import WantedAccuracy, asked
+from axiscal.record.events import State
 from axiscal.units import to_unit
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """Where the campaign stands: seconds of machine time used, and why it would stop now, if it would.
+
+    agreement : whether the readings agree with each other
+    """
+
+    state: State
+    accuracy: Accuracy
+    seconds: float
+    reached: str | None
+    agreement: Agreement = NOTHING_READ
+
+
+@dataclass(frozen=True, slots=True)
+class Milestone:
+    """The last of so many readings taken (None: before the first), how well the machine was known, and the seconds."""
+
+    taken: int
+    reading: Reading | None
+    accuracy: Accuracy
+    seconds: float
+
+    @property
+    def number(self) -> int:
+        """The number of the reading, 0 before the first."""
+        return 0 if self.reading is None else self.reading.numbered(self.taken - 1)
+
 
 FUTILE = 50
 OUT_OF_REACH = f"target out of reach: the last {FUTILE} readings improved it by less than 1 %"

@@ -44,7 +44,7 @@ _STEP = {
     "next": "steps.next_reading",
     "record": "record",
     "undo": "steps.undo",
-    "accept": "accept",
+    "accept": "steps.accept",
     "note": "steps.note",
     "skip": "record.skip",
     "status": "status",
@@ -53,14 +53,21 @@ _STEP = {
 _DATA = {
     "estimate": "estimate",
     "iso230": "iso230",
-    "predict": "predict",
+    "predict": "estimate.predict",
     "copy": "records.copy_record",
     "sign": "records.sign",
     "salvage": "records.salvage",
     "schema": "init.schema",
     "reproduce": "reproduce",
 }
-_SHOP = {"bring": "folder.bring", "sync": "sync", "adopt": "adopt", "type": "type", "due": "due", "check": "check"}
+_SHOP = {
+    "bring": "folder.bring",
+    "sync": "sync",
+    "adopt": "adopt",
+    "type": "type",
+    "due": "folder.due",
+    "check": "check",
+}
 _GROUPS: Mapping[str, tuple[str, Mapping[str, str]]] = {
     "step": ("Take one step of a campaign per command, as scripts do.", _STEP),
     "data": ("Work on readings, records and poses in files.", _DATA),

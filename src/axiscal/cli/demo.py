@@ -12,7 +12,7 @@ from axiscal.cli.outputs import tell_details, written_screen
 from axiscal.cli.printing import say
 from axiscal.cli.progress import shown_progress
 from axiscal.estimation.case import Case
-from axiscal.present.demo.five_axis import description, run_demo
+from axiscal.present.demo import description, run_demo
 from axiscal.present.result_set import RECORD
 
 

@@ -25,8 +25,8 @@ from axiscal.present.findings import findings
 from axiscal.present.summarising import record_state
 from axiscal.tables import registry
 from axiscal.tables.export_options import ExportOptions, informed
+from axiscal.tables.loaded import read_old
 from axiscal.tables.offer import Export, effect_sentence
-from axiscal.tables.old_files import read_old
 from axiscal.units import parse_quantity, to_unit
 
 if TYPE_CHECKING:

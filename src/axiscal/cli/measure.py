@@ -19,10 +19,19 @@ from axiscal.cli.printing import ask, say
 from axiscal.cli.progress import tell_out_of_reach
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, said, speaking, spoken_now
-from axiscal.present.guide.answers import ACTIONS, Value, Word, action, answer
-from axiscal.present.guide.progress import Progress
-from axiscal.present.guide.question import SURPRISING, Question, coming_text, go_text, parked_text
-from axiscal.present.guide.taking_back import contradictions, doubted, others_doubted, take_back
+from axiscal.present.guide.progress import Progress, contradictions, doubted, others_doubted, take_back
+from axiscal.present.guide.question import (
+    ACTIONS,
+    SURPRISING,
+    Question,
+    Value,
+    Word,
+    action,
+    answer,
+    coming_text,
+    go_text,
+    parked_text,
+)
 from axiscal.present.result_set import RECORD
 from axiscal.present.summarising import Extras
 from axiscal.present.whose_language import chosen

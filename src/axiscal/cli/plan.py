@@ -20,11 +20,18 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import said
 from axiscal.planning.enough import few_more
-from axiscal.planning.feasibility import reached_unread, refuse_endless, refuse_out_of_reach
 from axiscal.planning.next_readings import CANDIDATES, placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import Thoroughness, proposed, proven, refuse_unless_provable
+from axiscal.planning.proposal import (
+    Thoroughness,
+    proposed,
+    proven,
+    reached_unread,
+    refuse_endless,
+    refuse_out_of_reach,
+    refuse_unless_provable,
+)
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 from axiscal.present.machine_drawing.setup_picture import plan_picture
 from axiscal.present.plan_answer import plan_answer

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.milestones import Milestone
+from axiscal.campaign.ending import Milestone
 from axiscal.cli.printing import rewrite, tell
 from axiscal.cli.texts import accuracy_text
 from axiscal.description.artefacts import unused_artefacts

@@ -25,9 +25,8 @@ from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading, place_text, reading_unit, shown_pose
 from axiscal.measurement.setup import Setup
-from axiscal.present.guide.answers import value_texts
-from axiscal.present.guide.question import asked_text
-from axiscal.present.guide.taking_back import contradictions, doubted, others_doubted
+from axiscal.present.guide.progress import contradictions, doubted, others_doubted
+from axiscal.present.guide.question import asked_text, value_texts
 from axiscal.units import format_quantity, parse_quantity, to_unit
 
 

@@ -14,8 +14,8 @@ from axiscal.description.target import Target
 from axiscal.estimation.agreement_words import agreement_document, agreement_words, change_words, membership_words
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.language.spoken import capital, decimals, said
+from axiscal.present.guide.progress import contradictions
 from axiscal.present.guide.question import asked_text
-from axiscal.present.guide.taking_back import contradictions
 from axiscal.present.plan_answer import coming_answer
 from axiscal.units import format_quantity, to_unit
 

@@ -1,4 +1,4 @@
-"""`axiscal step next`, `undo` and `note`."""
+"""`axiscal step next`, `undo`, `note` and `accept`."""
 
 from __future__ import annotations
 
@@ -6,12 +6,85 @@ from typing import Annotated
 
 import typer
 
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, OwnRecord, RecordFile
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.texts import next_text, question_document
-from axiscal.language.spoken import said
-from axiscal.present.guide.taking_back import take_back
+from axiscal.estimation.agreement_words import (
+    acceptance,
+    agreement_document,
+    agreement_words,
+    change_words,
+    mistake_words,
+)
+from axiscal.language.spoken import put, said
+from axiscal.present.guide.progress import take_back
+
+_MOST = 1e6
+"""Odds beyond which nobody reads the digits."""
+
+
+def accept(
+    record: RecordFile,
+    cause: Annotated[
+        str | None,
+        typer.Argument(metavar="CAUSE", help="jump, sign, unit, swapped or shifted; without it: what is named."),
+    ] = None,
+    setup: Annotated[str | None, typer.Option(metavar="NAME", help="Whose readings, where several are named.")] = None,
+    json: Json = False,
+) -> None:
+    """Accept a mistake that the readings name.
+
+    What follows sees the readings without it; undo takes it back. Readings that contradict each other name mistakes
+    that explain it at more than 20 : 1. Readings that come later are taken as they are read.
+
+    \b
+    Examples:
+      axiscal step accept mill.axiscal
+      axiscal step accept mill.axiscal jump
+    """
+    if cause is None:
+        with Campaign.open(record, write=False) as campaign:
+            document, lines = _named(campaign)
+    else:
+        with opened_to_write(record) as campaign:
+            document, lines = _accepted(campaign, cause, setup)
+    say_either(json, "axiscal-accept/1", document, lines)
+
+
+def _named(campaign: Campaign) -> tuple[dict[str, object], list[str]]:
+    """Return what the readings name, as a document and in words."""
+    known = campaign.estimate()
+    if not known.agreement.explained:
+        return {"agreement": agreement_document(known.agreement)}, [
+            put("{agreement}.", agreement=agreement_words(known, campaign.path))
+        ]
+    lines = []
+    for each in known.agreement.explained:
+        odds = f"{each.odds:.0f}" if each.odds < _MOST else said("more than a million")
+        words, change = mistake_words(each, known), change_words(acceptance(each, known))
+        lines += [
+            put("{mistake}, {odds} : 1: {words}.", mistake=each.mistake, odds=odds, words=words),
+            put("  {accepted}.", accepted=said("Accepted: {change}", change=change)),
+        ]
+    lines.append(said("Accept one: axiscal step accept {record} CAUSE", record=campaign.path))
+    return {"agreement": agreement_document(known.agreement)}, lines
+
+
+def _accepted(campaign: Campaign, cause: str, setup: str | None) -> tuple[dict[str, object], list[str]]:
+    """Accept a mistake, and return how the readings agreed before and agree now, as a document and in words."""
+    before = campaign.estimate()
+    change = change_words(campaign.accept(cause, setup))
+    now = campaign.estimate()
+    lines = [
+        said("Before: {agreement}.", agreement=agreement_words(before, campaign.path)),
+        put("{accepted}.", accepted=said("Accepted: {change}", change=change)),
+        said("Now: {agreement}.", agreement=agreement_words(now, campaign.path)),
+        said("Go on: axiscal step next {record}; take it back: axiscal step undo {record}", record=campaign.path),
+    ]
+    agreements = {"before": agreement_document(before.agreement), "agreement": agreement_document(now.agreement)}
+    return {"accepted": cause, "change": change, **agreements}, lines
 
 
 def next_reading(

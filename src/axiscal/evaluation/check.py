@@ -21,8 +21,7 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.at_the_machine import Sheet
 from axiscal.evaluation.datums import lines_shared
-from axiscal.evaluation.judgement import Judgement
-from axiscal.evaluation.table_checks import Part, needed, parts_of, taken_away
+from axiscal.evaluation.table_checks import Judgement, Part, needed, parts_of, taken_away
 from axiscal.evaluation.verification import (
     expected,
     judge,
@@ -39,7 +38,7 @@ from axiscal.measurement.readers.csv_readings import blank_sheet, read_readings
 from axiscal.measurement.reading import Reading, columns_of
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.planning.overrun import with_room
+from axiscal.planning.other_readings import with_room
 from axiscal.tables import registry
 from axiscal.tables.effect import CommandedMachine
 from axiscal.tables.export_options import ExportOptions

@@ -3,17 +3,21 @@
 The change of the readings from as found to as left is a sum over the tables, C = Σ s_k T_k + noise. Table k should take
 T_k away. Generalised least squares give s_k: 1 where the table works as exported, 0 where it is missing, −1 where its
 sign is wrong. A table counts as checked where s_k is known well enough to tell these apart.
+
+`Judgement` is what the readings of a check say of a compensated machine.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.evaluation.datums import GUARD, Datum
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
@@ -323,3 +327,72 @@ def _new(places: Places, known: Places) -> Places:
 
 def _key(places: Places, i: int) -> tuple[object, ...]:
     return int(places.setups[i]), tuple(np.round(places.poses[i], 9).tolist()), tuple(places.approaches[i].tolist())
+
+
+_UNLIKELY = 0.01
+HARDLY = 1e-4
+"""A change of the readings that is less likely than this is not the one that the tables make."""
+
+Verdict = Literal["pass", "fail", "undecided"]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Judgement:
+    """What as-found and as-left readings say; m.
+
+    found, left : (m,) deviations, one for each value of a reading, the datums of the set-ups taken off
+    std : (m,) of each, from the instrument and from what else is not known of its set-up
+    agrees : probability that as-left readings lie this far from what the estimate expects, if it is right
+    changed : probability that the tables change readings as little like they should as these, if they are loaded
+    share : by which multiple of what the tables take away the readings changed; None when that is nothing
+    lines : set-ups that are judged against their own line; strained : datums further off than stated
+    still : set-ups all of whose as-left readings show one and the same number
+    shares : how much of each table the readings show; idle : axes that were not moved through their volume, or along
+        which nothing was read
+    tools : set-ups that are judged with the tool where the readings put it
+    proved : what as-left deviations alone prove of the tolerance (ISO 14253-1), whatever the tables do
+    """
+
+    verdict: Verdict
+    tolerance: float
+    found: Array
+    left: Array
+    std: Array
+    agrees: float
+    changed: float
+    share: float | None
+    lines: tuple[str, ...]
+    strained: tuple[Datum, ...]
+    still: tuple[str, ...] = ()
+    shares: tuple[Share, ...] = ()
+    idle: tuple[str, ...] = ()
+    tools: tuple[str, ...] = ()
+    proved: Verdict = "undecided"
+
+    @property
+    def loaded(self) -> bool:
+        """Whether the readings changed as the tables make them."""
+        return self.changed >= HARDLY
+
+    @property
+    def faulty(self) -> tuple[Share, ...]:
+        """The tables that are missing, or loaded with the wrong sign."""
+        return tuple(share for share in self.shares if share.checked and not share.works)
+
+    @property
+    def unchecked(self) -> tuple[str, ...]:
+        """The tables of which the readings cannot tell whether they work."""
+        return tuple(share.name for share in self.shares if not share.checked)
+
+    @property
+    def believed(self) -> bool:
+        """Whether the readings agree with the estimate and its uncertainty."""
+        return self.agrees >= _UNLIKELY
+
+
+def verdict(deviations: Array, std: Array, tolerance: float) -> Verdict:
+    """Return what deviations with their standard deviations say of a tolerance (ISO 14253-1)."""
+    sizes = np.abs(deviations)
+    if np.all(sizes + GUARD * std <= tolerance):
+        return "pass"
+    return "fail" if np.any(sizes - GUARD * std > tolerance) else "undecided"

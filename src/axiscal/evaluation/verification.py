@@ -15,9 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.datums import GUARD, Datums, datums_of, fewest, is_zero, straightened
-from axiscal.evaluation.judgement import HARDLY, Judgement, Verdict
-from axiscal.evaluation.table_checks import Part, Share, idle_axes, shares, taken_away, without
+from axiscal.evaluation.datums import Datums, datums_of, fewest, is_zero, straightened
+from axiscal.evaluation.table_checks import (
+    HARDLY,
+    Judgement,
+    Part,
+    Share,
+    idle_axes,
+    shares,
+    taken_away,
+    verdict,
+    without,
+)
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import said
 from axiscal.measurement.instrument import INSTRUMENTS, model_of
@@ -311,14 +320,6 @@ class _Change(NamedTuple):
         weight = float(should @ should)
         share = float(change @ should) / weight if weight > _NOTHING**2 else None
         return cls(_likelihood(change - should, covariance), share)
-
-
-def verdict(deviations: Array, std: Array, tolerance: float) -> Verdict:
-    """Return what deviations with their standard deviations say of a tolerance (ISO 14253-1)."""
-    sizes = np.abs(deviations)
-    if np.all(sizes + GUARD * std <= tolerance):
-        return "pass"
-    return "fail" if np.any(sizes - GUARD * std > tolerance) else "undecided"
 
 
 def _seen(estimate: Estimate, setups: Sequence[Setup], places: Places, readings: Sequence[Reading]) -> _Seen:

@@ -52,16 +52,6 @@ def resampled(values: Array, count: int) -> Array:
     return again
 
 
-def evaluate(coefficients: Array, x: Array) -> Array:
-    """Return each series (b, n) at its own positions (b, k) by Clenshaw's rule: (b, k)."""
-    first = np.zeros_like(x)
-    second = np.zeros_like(x)
-    for c in coefficients.T[:0:-1, :, None]:
-        first, second = c + 2 * x * first - second, first
-    result: Array = coefficients[:, :1] + x * first - second
-    return result
-
-
 def roots(coefficients: Array) -> NDArray[np.complex128]:
     """Return the roots (b, n - 1) of each series (b, n), as the eigenvalues of its colleague matrix.
 

@@ -20,7 +20,7 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.overrun import with_rooms
+from axiscal.planning.other_readings import with_rooms
 from axiscal.planning.plan.greedy import Setups, chosen_setups, picked
 from axiscal.planning.plan.order import in_order
 from axiscal.planning.plan.plan import make_plan

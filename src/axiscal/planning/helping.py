@@ -17,7 +17,7 @@ from axiscal.language.spoken import joined, put, said
 from axiscal.measurement.setup import Setup
 from axiscal.planning.enough import enough, reached_by
 from axiscal.planning.next_readings import posed
-from axiscal.planning.overrun import with_rooms
+from axiscal.planning.other_readings import with_rooms
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import asked

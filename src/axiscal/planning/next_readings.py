@@ -31,11 +31,16 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.enough import AT_ONCE, enough, just_short, roughly, tightened
-from axiscal.planning.other_readings import EVERY, plane_start, planned_with_markers, with_both_sides, without_markers
-from axiscal.planning.overrun import with_rooms
+from axiscal.planning.other_readings import (
+    EVERY,
+    plane_start,
+    planned_with_markers,
+    with_both_sides,
+    with_rooms,
+    without_markers,
+)
 from axiscal.planning.plan.order import in_order, seconds_along
-from axiscal.planning.plan.plan import Plan, make_plan
-from axiscal.planning.plan.renewal import renewed
+from axiscal.planning.plan.plan import Plan, make_plan, renewed
 from axiscal.planning.plan.task import PATIENCE, Limits, Task
 from axiscal.record.events import Asked, Gap
 

@@ -1,22 +1,151 @@
-"""A whole plan from the beginning, and the proof of how good any other could be."""
+"""A whole plan from the beginning, and the proof of how good any other could be.
+
+Before the first reading it is tested whether the set-ups can reach the target at all.
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from axiscal.description.target import Target
+from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
 from axiscal.estimation.timed import timed
-from axiscal.exceptions import PlanError
+from axiscal.exceptions import PlanError, TargetError
+from axiscal.language.spoken import listed, said
 from axiscal.measurement.place import Place
+from axiscal.measurement.reading import reading_unit
 from axiscal.measurement.reading_rows import blank_readings
+from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.bound.prove import prove
-from axiscal.planning.enough import enough
-from axiscal.planning.gains.candidate_rows import MEMORY
+from axiscal.planning.bound.lower_bound import prove
+from axiscal.planning.bound.relaxation import Relaxation
+from axiscal.planning.enough import enough, reached
+from axiscal.planning.gains.candidate_rows import MEMORY, Pool
+from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import CANDIDATES, columns_of, first_places, planned_places, posed, until_reached
 from axiscal.planning.plan.plan import Plan, judged
 from axiscal.planning.plan.task import Limits, Task
-from axiscal.planning.step.smooth import regions
+from axiscal.planning.promise import asked, reachable_rms
+from axiscal.planning.step.ground import regions
+from axiscal.units import format_quantity, said_quantity, to_unit
+
+_NAMED = 3
+"""Sentences that are read; the others would repeat them."""
+_CANDIDATES = 1000
+"""Enough to say that a target needs too many readings, which a plan then says better."""
+_ROUNDS = 12
+"""Doublings of the readings, to the most that a plan has."""
+MOST = 1000
+"""Readings beyond which no plan is made."""
+MOST_CANDIDATES = 500_000
+_ABSURD = 100
+"""So many times more time than a plan can fill is a slip; any factor between that of a long day and a year would do."""
+_INSTANT = 1e-3
+"""Seconds of a reading that is said to take no time."""
+
+
+@one_thread()
+def refuse_out_of_reach(case: Case, limits: Limits) -> None:
+    """Raise TargetError for an RMS that these set-ups cannot bring, however often or MOST times read, and say why."""
+    if limits.rms is None:
+        return
+    floor = reachable_rms(case)
+    if floor > limits.rms:
+        target = replace(case.description.target, rms=limits.rms, worst=None, expanded=None)
+        what = "an RMS of {rms:.3g} um cannot be reached: {leaves}"
+        leaves = _leaves(limits.rms, floor)
+        raise TargetError(what, _what_helps(case, target), rms=to_unit(limits.rms, "um"), leaves=leaves)
+    if limits.readings is None and limits.budget is None:
+        _refuse_too_noisy(case, limits.rms)
+
+
+def _leaves(limit: float, floor: float) -> str:
+    """Say what endless readings would leave, with as many digits as tell it from the limit."""
+    digits = next((n for n in (3, 4, 5) if f"{floor:.{n}g}" != f"{limit:.{n}g}"), 6)
+    left, asked = (said_quantity(each, "um", digits) for each in (floor, limit))
+    return said("endless readings would leave {left} of the {asked} asked for", left=left, asked=asked)
+
+
+def refuse_endless(case: Case, limits: Limits, candidates: int) -> None:
+    """Raise PlanError for a plan of so many readings, or chosen from so many places, that nobody would see its end."""
+    if candidates > MOST_CANDIDATES:
+        what = "a choice among {count:,} places is not made: at most {most:,} are compared"
+        remedy = "Leave --candidates out: readings are brought to the best places between them anyway"
+        raise PlanError(what, remedy, count=candidates, most=MOST_CANDIDATES)
+    if (limits.readings or 0) > MOST:
+        what = "a plan of {count:,} readings is not made: at most {most:,} are chosen together"
+        remedy = "Ask for fewer, or for an accuracy with --target; a campaign goes on after its plan"
+        raise PlanError(what, remedy, count=limits.readings, most=MOST)
+    if limits.readings is None and limits.budget is not None and not limits.accurate:
+        shortest = min(reading_seconds(setup) for setup in case.description.setups)
+        if limits.budget > _ABSURD * MOST * max(shortest, _INSTANT):
+            hours = format_quantity(limits.budget, "h", 3)
+            what = "{hours} are time for {times} times the {most:,} readings that are chosen together at most"
+            remedy = "Say how many readings as well, with --readings, or give an accuracy with --target"
+            raise PlanError(what, remedy, hours=hours, times=_ABSURD, most=MOST)
+
+
+def reached_unread(case: Case, limits: Limits) -> str | None:
+    """Say that errors of the usual sizes are within what a few readings can be held to; None where they are not."""
+    if limits.rows or not (limits.accurate and len(case.sizes) and reached(case, limits, case.knowledge)):
+        return None
+    known = case.yardstick.measure(case.knowledge.belief)
+    met = known.rms <= (limits.rms or known.rms) and known.worst <= (limits.worst or known.worst)
+    unread = "errors of the sizes that are stated or usual meet the target unread: a few readings check their sizes"
+    hardly = "readings can take hardly anything away from errors of the stated or usual sizes: a few check these sizes"
+    return said(unread) if met else said(hardly)
+
+
+def _what_helps(case: Case, target: Target) -> str:
+    """Say which set-ups would help and how long they take, or what cannot be seen, or what the rests leave."""
+    rest = math.sqrt(case.yardstick.moments.rest)
+    if all(rest > each.limit for each in asked(target, case.yardstick)):
+        finer = "The rests of the errors alone make {rms:.3g} um: with finer knots they could be smaller"
+        surer = "The rests of the errors alone make {rms:.3g} um: with a smaller std they could be smaller"
+        return said(surer if case.description.usual else finer, rms=to_unit(rest, "um"))
+    hidden = listed(" ", [part.text for part in case.hidden[:_NAMED]])
+    found = helping_setups(case, target)
+    helps = said("Another set-up would help.") if found is None else helping_words(found)
+    return said("{helps} What cannot be seen: {hidden}", helps=helps, hidden=hidden)
+
+
+def _refuse_too_noisy(case: Case, target: float) -> None:
+    """Raise TargetError where not even the best weights of MOST readings, whatever is planned, bring the accuracy."""
+    yardstick = case.yardstick
+    asked = posed(case, case.knowledge, candidates=_CANDIDATES)
+    pool = Pool(asked.observation, asked.lattice)
+    state = Covariance.of(case.observation, case.prior, yardstick.root)
+    relaxation = Relaxation(pool, state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), float(MOST))
+    for _ in range(_ROUNDS):
+        dual = relaxation.solved()
+        slopes = relaxation.slopes(dual)
+        least = dual.whole - MOST * float(slopes.max())
+        if not _met(yardstick, target, least):
+            what = "an RMS of {rms:.3g} um is out of reach: {most:,} readings leave at least {left:.3g} um"
+            rms, left = (to_unit(each, "um") for each in (target, yardstick.rms_of(least)))
+            raise TargetError(what, _half_the_noise(case, relaxation), rms=rms, most=MOST, left=left)
+        if _met(yardstick, target, dual.value) or not relaxation.grow(slopes):
+            return
+
+
+def _met(yardstick: Yardstick, target: float, value: float) -> bool:
+    return Limits(rms=target).met(yardstick.figures(value, np.zeros(1)))
+
+
+def _half_the_noise(case: Case, relaxation: Relaxation) -> str:
+    """Say in which set-up half the noise would help most."""
+    setups, of = case.description.setups, relaxation.setups
+    left = [relaxation.value_if(np.where(of == index, 4.0, 1.0)) for index in range(len(setups))]
+    best = int(np.argmin(left))
+    noise = format_quantity(setups[best].noise / 2, reading_unit(setups[best]))
+    reached = to_unit(case.yardstick.rms_of(left[best]), "um")
+    what = 'With half the noise in "{setup}" ({noise}) it would be {reached:.3g} um; or ask for less'
+    return said(what, setup=setups[best].name, noise=noise, reached=reached)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,7 @@ from axiscal.answers.answer_words import VERDICTS, digits, row_name, wrapped
 from axiscal.evaluation.at_the_machine import Taken
 from axiscal.evaluation.check import Check
 from axiscal.evaluation.datums import GUARD
-from axiscal.evaluation.judgement import Judgement, Verdict
-from axiscal.evaluation.table_checks import WORKS, Share
+from axiscal.evaluation.table_checks import WORKS, Judgement, Share, Verdict
 from axiscal.language.spoken import counted, later, listed, put, said
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import approach_text, place_text, shown_pose
@@ -66,7 +65,7 @@ class SetupOff(AnswerDocument):
 
 
 class CheckAnswer(AnswerDocument):
-    """What a check says; fields as of `evaluation.judgement.Judgement`.
+    """What a check says; fields as of `evaluation.table_checks.Judgement`.
 
     decision : what the as-left readings prove of the tolerance, by ISO 14253-1; U_um : largest of theirs, k = 2
     person, source, in_force : as of `evaluation.at_the_machine.Taken`

@@ -17,8 +17,7 @@ from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import said, speaking
 from axiscal.language.stages import stage
 from axiscal.numerics.threads import one_thread
-from axiscal.present.data_files import READINGS, readings_csv
-from axiscal.present.result_document import result_json
+from axiscal.present.result_document import READINGS, readings_csv, result_json
 from axiscal.present.result_set import RECORD, result_set, write_manifest
 from axiscal.present.statement import NOT_KNOWN
 from axiscal.present.summarising import Extras, record_state, summarise

@@ -18,8 +18,8 @@ from markupsafe import Markup
 from axiscal.language.spoken import said
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import EYE, Arrow, Fit, Part, Solid, Stroke, Viewport, drawn, page, points_of
-from axiscal.present.drawing.shown import WIDTHS, Drawing
 from axiscal.present.drawing.strokes import short_number, text, wrapped
+from axiscal.present.drawing.svg_picture import WIDTHS, Drawing
 from axiscal.present.machine_drawing.machine_scene import machine_parts
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
 from axiscal.present.volume_error import MACHINES, BentVolume, sides_of

@@ -13,17 +13,16 @@ from axiscal.answers.digits import number, numbers
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.language.spoken import capital, joined, later, resaid, said
 from axiscal.present import figures, sentences
-from axiscal.present.data_files import listed
-from axiscal.present.drawing.shown import shown
-from axiscal.present.drawing.svg_picture import Figure
+from axiscal.present.drawing.svg_picture import Figure, shown
 from axiscal.present.drawn_by_standards import circle_picture
 from axiscal.present.figures import axis_style, band, finite_range, layout, line_trace
 from axiscal.present.found_and_left import found_and_left_shown
-from axiscal.present.plane_summary import PlaneSummary
+from axiscal.present.result_document import listed
 from axiscal.present.sentences import UNSAID, axis_unit, figure, files_of_controls, pairs, quantity, unit_text, words
 from axiscal.present.standalone import environment, inlined
 from axiscal.present.statement import answered, statement
 from axiscal.present.summary import CurvePoint, CurveSummary, HistoryRow, Summary
+from axiscal.present.volume_error import PlaneSummary
 
 FILTERS = {
     "figure": sentences.figure,

@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 from axiscal.exceptions import PrintingError
 from axiscal.language.spoken import resaid
-from axiscal.present.drawing.shown import alone, paper_svg
+from axiscal.present.drawing.svg_picture import alone, paper_svg
 from axiscal.present.drawn_by_standards import circle_picture
 from axiscal.present.found_and_left import found_and_left
 from axiscal.present.page import FILTERS, report_values

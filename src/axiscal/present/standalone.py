@@ -76,6 +76,6 @@ def _hash(script: str) -> str:
     return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
 
 
-def static_text(name: str, folder: str = "static") -> str:
+def static_text(name: str) -> str:
     """Return a text file of this package."""
-    return resources.files("axiscal.present").joinpath(folder, name).read_text(encoding="utf-8")
+    return resources.files("axiscal.present").joinpath("static", name).read_text(encoding="utf-8")

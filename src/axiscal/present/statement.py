@@ -16,10 +16,10 @@ from axiscal.estimation.case import Case
 from axiscal.language.spoken import counted, later, listed, put, said
 from axiscal.measurement.reading import reading_unit
 from axiscal.measurement.setup import SaidOfDrift, Setup
-from axiscal.present.plane_summary import PlaneSummary
 from axiscal.present.result_set import RECORD
 from axiscal.present.sentences import coordinate, figure, percent, quantity, spelt
 from axiscal.present.summary import BudgetRow, ConstantSummary, CurveSummary, Summary, Uncertainty
+from axiscal.present.volume_error import PlaneSummary
 from axiscal.units import said_quantity, to_unit
 
 _HOUR, _MANY = 3600.0, 3

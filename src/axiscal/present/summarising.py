@@ -1,12 +1,17 @@
-"""From a campaign to its summary, the base of `result.json` and the report."""
+"""From a campaign to its summary, the base of `result.json` and the report.
+
+ISO 230-2 as blocks of the report: a finished test, and readings of a campaign that happen to be one.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from hashlib import sha256
 from pathlib import Path
+
+import numpy as np
 
 from axiscal.answers.answer import ResultAnswer, TablesChecked
 from axiscal.answers.answer_of_campaign import agreement_of, answer_of
@@ -20,10 +25,11 @@ from axiscal.estimation.budget import BudgetShare, budget
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.estimation.type_prior import is_type_text
+from axiscal.evaluation import FIGURES, Positioning, PositioningTest, evaluate
 from axiscal.language.spoken import later, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.questions import questions, which_way
-from axiscal.measurement.instrument import values_of
+from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.reading import (
     Reading,
     approach_text,
@@ -35,12 +41,11 @@ from axiscal.measurement.reading import (
 )
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
+from axiscal.numerics import Array
 from axiscal.present.curves import constants, curves
 from axiscal.present.drawn_by_standards import ball_bar_circles, positioning_curves
 from axiscal.present.findings import findings, observability
-from axiscal.present.plane_summary import planes
 from axiscal.present.sentences import cause_words
-from axiscal.present.standard import iso230_blocks
 from axiscal.present.statement import conditions, counted_along
 from axiscal.present.summary import (
     BudgetRow,
@@ -54,9 +59,89 @@ from axiscal.present.summary import (
     TableOffer,
     Uncertainty,
 )
-from axiscal.present.volume_error import bent_volume, volume_error
+from axiscal.present.volume_error import bent_volume, planes, volume_error
 from axiscal.tables.offer import Export
 from axiscal.units import said_quantity, to_unit
+
+_FEWEST_TARGETS, _FEWEST_RUNS = 5, 2
+"""ISO 230-2 asks for five targets at least; a standard deviation needs two runs."""
+_SAME = 1e-6
+"""m or rad: targets nearer to each other are one."""
+_ALONG = 0.999
+"""Cosine of the angle between a set-up and the axis along which it is a test of positioning."""
+
+
+def iso230_blocks(
+    description: CampaignDescription, readings: Sequence[Reading], doubted: Collection[int] = ()
+) -> list[Iso230]:
+    """Return the figures of each axis whose readings in one set-up are a test after ISO 230-2.
+
+    doubted : readings, counted from 0, that were not believed: their runs are left out
+    """
+    blocks = []
+    for setup in description.setups:
+        mine = [(number, reading) for number, reading in enumerate(readings) if reading.setup == setup.name]
+        wrong = [reading.numbered(number) for number, reading in mine if number in doubted]
+        kept = [replace(reading, value=np.nan) if number in doubted else reading for number, reading in mine]
+        test = _test(description, setup, kept)
+        if test is not None:
+            axis = description.machine.axes[setup.moves[0]]
+            blocks.append(replace(iso230_block(axis.name, evaluate(test, setup.noise)), left_out=wrong))
+    return blocks
+
+
+def _test(description: CampaignDescription, setup: Setup, readings: Sequence[Reading]) -> PositioningTest | None:
+    """Return a set-up's readings as a test; None where they are none: each target as often from each side.
+
+    A reading of nan takes its run out, the n-th reading of every target from its side.
+    """
+    if not _positions(description, setup):
+        return None
+    axis = setup.moves[0]
+    found: dict[tuple[int, int], list[float]] = {}
+    for reading in readings:
+        target = round(reading.pose[axis] / _SAME)
+        found.setdefault((target, reading.approach[axis]), []).append(reading.value)
+    targets = sorted({target for target, _ in found})
+    sides = [_runs(found, targets, side) for side in (1, -1)]
+    if len(targets) < _FEWEST_TARGETS or any(side == 0 for _, side in found) or all(side is None for side in sides):
+        return None
+    if any(side is None and any(way == sign for _, way in found) for side, sign in zip(sides, (1, -1), strict=True)):
+        return None
+    positions = np.array(targets) * _SAME
+    return PositioningTest(positions, sides[0], sides[1], description.machine.axes[axis].rotary)
+
+
+def _runs(found: dict[tuple[int, int], list[float]], targets: Sequence[int], side: int) -> Array | None:
+    """Return the readings of one direction, (targets, runs); None where not every target was read as often."""
+    rows = [found.get((target, side), []) for target in targets]
+    if len({len(row) for row in rows}) > 1:
+        return None
+    whole = np.array(rows)[:, ~np.any(np.isnan(rows), axis=0)]
+    return whole if whole.shape[1] >= _FEWEST_RUNS else None
+
+
+def _positions(description: CampaignDescription, setup: Setup) -> bool:
+    """Whether a set-up reads the one axis that it moves along or about itself."""
+    if len(setup.moves) != 1 or setup.chart is not None:
+        return False
+    axis, name = description.machine.axes[setup.moves[0]], description.machine.axes[setup.moves[0]].name[0]
+    own = "ABC".index(name) if axis.rotary else "XYZ".index(name)
+    reads = "angle" if axis.rotary else "length"
+    return INSTRUMENTS[setup.instrument].reads == reads and abs(setup.direction[own]) > _ALONG
+
+
+def iso230_block(axis: str, found: Positioning) -> Iso230:
+    """Return the block of one axis."""
+    unit = "arcsec" if found.rotary else "um"
+    figures = {name: getattr(found, name) for name in FIGURES}
+    return Iso230(
+        axis=axis,
+        value_unit=unit,
+        figures={name: to_unit(value, unit) for name, value in figures.items() if value is not None},
+        uncertainties={name: to_unit(value, unit) for name, value in found.uncertainty.items()},
+    )
+
 
 _WORDS = {
     "set-up": later("Set-ups: zeros, slopes and places of the instruments, which are estimated along with the machine"),

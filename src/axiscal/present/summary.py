@@ -12,8 +12,7 @@ from dataclasses import dataclass, field
 from axiscal.answers.answer import NOTHING_READ, ReadingAgreement, ResultAnswer
 from axiscal.description.campaign import NOTHING_SAID, Particulars
 from axiscal.present.drawn_by_standards import BallBarCircle, PositioningCurve
-from axiscal.present.plane_summary import PlaneSummary
-from axiscal.present.volume_error import BentVolume, VolumeError
+from axiscal.present.volume_error import BentVolume, PlaneSummary, VolumeError
 
 Position = Mapping[str, float]
 """Axis name to coordinate, mm or deg."""

@@ -203,5 +203,5 @@ def dialect(controller: str) -> Dialect:
         remedy = meant(controller, known, quoted="{}")
         what = "{name} is not a controller that programs can be written for"
         raise ProgramError(what, remedy, name=shown(controller))
-    found: Dialect = ours(f"programs.dialects.{name}:{name.upper()}")
+    found: Dialect = ours(f"programs.dialects:{name.upper()}")
     return found

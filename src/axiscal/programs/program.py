@@ -21,10 +21,9 @@ from axiscal.measurement.charts.room import Room
 from axiscal.measurement.place import Place
 from axiscal.measurement.readers.touch_log import plan_code
 from axiscal.measurement.setup import Setup
-from axiscal.programs.cycles import SphereCycle
 from axiscal.programs.dialect import Dialect, filled, head
 from axiscal.programs.gliding import GENTLE, Driver, KeptOut, SlideDriver, TipDriver, refuse_kept_out
-from axiscal.programs.in_touch import InTouch, Ways
+from axiscal.programs.in_touch import InTouch, SphereCycle, Ways
 from axiscal.programs.listing import Listed, listing
 from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget, target
 from axiscal.programs.steps import (

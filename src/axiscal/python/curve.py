@@ -23,8 +23,8 @@ from axiscal.numerics import Array
 from axiscal.numerics.chebyshev import node_count
 from axiscal.numerics.cubic import NaturalSpline, Spline, even_knots
 from axiscal.numerics.exact_step import gain_forms, maximise_along
+from axiscal.python.measured_case import Quantity, si
 from axiscal.python.pictures import DrawnLine
-from axiscal.python.setup_keys import Quantity, si
 from axiscal.units import to_unit
 
 if TYPE_CHECKING:

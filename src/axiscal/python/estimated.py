@@ -26,9 +26,8 @@ from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.present.delivery import write_files
 from axiscal.python.curve import Curve
-from axiscal.python.measured_case import Case
+from axiscal.python.measured_case import Case, Quantity, si
 from axiscal.python.pictures import html_table
-from axiscal.python.setup_keys import Quantity, si
 from axiscal.tables import registry
 from axiscal.tables.export_options import ExportOptions
 from axiscal.units import to_unit

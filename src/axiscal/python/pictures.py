@@ -8,8 +8,7 @@ from html import escape
 from typing import NamedTuple
 
 from axiscal.numerics import Array
-from axiscal.present.drawing.shown import alone
-from axiscal.present.drawing.svg_picture import Figure, picture
+from axiscal.present.drawing.svg_picture import Figure, alone, picture
 from axiscal.present.figures import axis_style, band, layout
 from axiscal.present.plan_answer import PlanAnswer
 

@@ -17,9 +17,8 @@ from axiscal.exceptions import TableError
 from axiscal.language.spoken import later, listed, said
 from axiscal.machine.description import Machine
 from axiscal.tables.effect import added_by
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import Loaded, OldFile, read_old
 from axiscal.tables.offer import Draft
-from axiscal.tables.old_files import OldFile, read_old
 
 _KINDS = "a table, backlash, pitch or sag compensation, a bed mesh or skew correction"
 _BEGINNING = later(

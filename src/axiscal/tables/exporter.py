@@ -16,9 +16,8 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine.description import Machine
 from axiscal.tables.effect import Control, table_control
 from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.offer import Draft
-from axiscal.tables.old_files import OldFile
 from axiscal.tables.sampling import MOST_POINTS, Multiples, axis_tables, cross_tables
 from axiscal.tables.surface import Mesh, with_height
 from axiscal.tables.table import CompensationTable

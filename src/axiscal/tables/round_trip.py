@@ -15,8 +15,8 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import Exporter
+from axiscal.tables.loaded import OldFile
 from axiscal.tables.offer import Export, spread_poses, tried_out
-from axiscal.tables.old_files import OldFile
 
 _SURE = 1e-20
 """Variance of every control value of a machine that is known, m² or rad²."""

@@ -31,8 +31,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis
 from axiscal.numerics import Array
 from axiscal.tables.conditional import from_the_other_side, mean_along, turned
-from axiscal.tables.hats import Hats
-from axiscal.tables.table import CompensationTable
+from axiscal.tables.table import CompensationTable, Hats
 from axiscal.units import format_quantity
 
 _SAMPLES = 1025

@@ -16,8 +16,8 @@ from axiscal.measurement.readers.bed_map import Node
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import gauss
 from axiscal.tables.effect import Control
-from axiscal.tables.hats import Hats
 from axiscal.tables.sampling import cross_tables, hats_along, knots_of
+from axiscal.tables.table import Hats
 
 _GAUSS = 6
 """Points of Gauss: exact for degree 11, and the products of hats, cubics and levers have fewer."""

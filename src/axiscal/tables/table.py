@@ -1,4 +1,10 @@
-"""A deviation at chosen positions, as a controller's table holds it."""
+"""A deviation at chosen positions, as a controller's table holds it.
+
+Piecewise linear functions on given points, and the one nearest to a curve in the least-squares sense.
+
+A control that interpolates does not show the curve at the points but the line between them. Values taken from the
+curve itself lie on one side of every bend; the least-squares values spread what is left evenly to both sides.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +17,130 @@ from numpy.typing import NDArray
 from axiscal.exceptions import TableError
 from axiscal.machine.names import AXIS_NAME
 from axiscal.numerics import Array
+from axiscal.numerics.cubic import gauss
+from axiscal.numerics.from_scipy import sparse_product, three_diagonals
 from axiscal.units import format_quantity
+
+_CUBIC = np.linalg.pinv(np.vander(np.polynomial.legendre.leggauss(5)[0], 4, increasing=True))
+"""Mathematics: from the values at five points of Gauss to the cubic's coefficients."""
+_NODES = np.polynomial.legendre.leggauss(5)[0]
+"""Mathematics."""
+_OUTSIDE = 1e-6
+"""Weight of what lies outside, so that every hat has a value: small against 1, or it would pull at the inside."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Hats:
+    """Hat functions on `points`, with a quadrature that is exact for them times any spline on `knots`.
+
+    nodes : (5 n,) and weights, five in every stretch between two breaks, weighing little outside `bounds`
+    closed : the last point is the first one of the next turn
+    """
+
+    points: Array
+    nodes: Array
+    weights: Array
+    closed: bool
+
+    @classmethod
+    def on(cls, points: Array, knots: Array, bounds: tuple[float, float], closed: bool = False) -> Hats:
+        """Return the hats on points (n,) increasing; knots : where the curve has its breaks."""
+        breaks = np.unique(np.concatenate([points, knots, bounds]))
+        breaks = breaks[(breaks >= points[0]) & (breaks <= points[-1])]
+        breaks = breaks[np.r_[True, np.diff(breaks) > 1e-12 * (points[-1] - points[0])]]
+        nodes, weights = gauss(breaks, 5)
+        middle = nodes[:, 2]
+        inside = (middle > bounds[0]) & (middle < bounds[1])
+        share = np.where(inside, 1.0, _OUTSIDE if inside.any() else 1.0)
+        return cls(points, nodes.ravel(), (share[:, None] * weights).ravel(), closed)
+
+    def best(self, curve: Array) -> Array:
+        """Return the values at the points whose line is nearest to a curve, (points,) or (points, k).
+
+        curve : (nodes,) or (nodes, k), k of them at once
+        A hat meets its two neighbours only: the normal equations have three diagonals, and two corners where the last
+        point is the first one (Sherman and Morrison 1950).
+        """
+        index, share = self._between(self.nodes)
+        count, left = len(self.points), 1 - share
+        stored = np.stack([self.weights * left, self.weights * share], axis=1).ravel()
+        places, first = np.stack([index, index + 1], axis=1).ravel(), 2 * np.arange(len(share) + 1)
+        right = sparse_product(stored, places, first, count)(curve)
+        before, beside, after = np.zeros((3, count - 1))
+        for sums, each in ((before, left * left), (beside, left * share), (after, share * share)):
+            np.add.at(sums, index, self.weights * each)
+        if not self.closed:
+            return three_diagonals(np.append(before, 0.0) + np.append(0.0, after), beside, right)
+        right[0] += right[-1]
+        values = _around(before, beside, after, right[:-1])
+        return np.concatenate([values, values[:1]])
+
+    def carried(self, at: Array) -> Array:
+        """Return the map (len(at), nodes) from a curve at the nodes to it elsewhere: one cubic on every stretch."""
+        nodes = self.nodes.reshape(-1, 5)
+        half = (nodes[:, 4] - nodes[:, 0]) / (_NODES[4] - _NODES[0])
+        stretch = np.clip(np.searchsorted(nodes[:, 2] + half, at), 0, len(nodes) - 1)
+        share = (at - nodes[stretch, 2]) / half[stretch]
+        result = np.zeros((len(at), len(self.nodes)))
+        columns = 5 * stretch[:, None] + np.arange(5)
+        np.put_along_axis(result, columns, np.vander(share, 4, increasing=True) @ _CUBIC, axis=1)
+        return result
+
+    def departure(self, curve: Array, values: Array) -> float:
+        """Return the largest distance within the bounds between a piecewise cubic and the line through values.
+
+        curve : (nodes,) the cubic at the nodes; values : (points,)
+        On each stretch the difference is one cubic, known from its five nodes; it is largest at an end or where its
+        slope, a quadratic, vanishes.
+        """
+        within = self.weights.reshape(-1, 5)[:, 2]
+        apart = (curve - np.interp(self.nodes, self.points, values)).reshape(-1, 5)
+        kept = apart[within >= 0.5 * np.max(within) * _least(within)]
+        return float(np.max(np.abs(_extremes(kept @ _CUBIC.T))))
+
+    def at(self, place: float, values: Array) -> Array:
+        """Return what lines through values (points, …) are at a place."""
+        index, share = self._between(np.array([place]))
+        between: Array = (1 - share[0]) * values[index[0]] + share[0] * values[index[0] + 1]
+        return between
+
+    def _between(self, places: Array) -> tuple[NDArray[np.intp], Array]:
+        """Return between which point and the next one places lie, and the share of the way, (m,) each."""
+        index = np.clip(np.searchsorted(self.points, places, side="right") - 1, 0, len(self.points) - 2)
+        return index, (places - self.points[index]) / (self.points[index + 1] - self.points[index])
+
+
+def _around(before: Array, beside: Array, after: Array, right: Array) -> Array:
+    """Return the best values where the hat after the last stretch is the first one again, (n,) or (n, k).
+
+    before, beside, after : (n,) over each stretch the squares and the product of its hats; right : (n,) or (n, k)
+    What the last stretch ties together is one product of a vector with itself, and the rest has three diagonals.
+    """
+    own, tie = np.append(before[:-1], 0.0) + np.append(0.0, after[:-1]), np.zeros(len(before))
+    own[0] += after[-1] - beside[-1] ** 2 / before[-1]
+    tie[-1] += np.sqrt(before[-1])
+    tie[0] += beside[-1] / np.sqrt(before[-1])
+    values, turned = (three_diagonals(own, beside[:-1], each) for each in (right, tie))
+    found: Array = values - np.multiply.outer(turned, tie @ values / (1 + tie @ turned))
+    return found
+
+
+def _least(within: Array) -> float:
+    """Stretches outside the bounds weigh a millionth; anything above a thousandth of the widest is inside."""
+    return 1e-3 if np.min(within) < 1e-3 * np.max(within) else 0.0
+
+
+def _extremes(cubics: Array) -> Array:
+    """Return the values of cubics on [-1, 1] where they can be largest, (n, 4).  cubics : (n, 4), rising powers."""
+    a, b, c = cubics[:, 1], 2 * cubics[:, 2], 3 * cubics[:, 3]
+    root = np.sqrt(np.maximum(b * b - 4 * a * c, 0.0))
+    q = -(b + np.where(b < 0, -root, root)) / 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turns = np.stack([q / c, a / q], axis=1)
+    turns = np.where(np.isfinite(turns) & (np.abs(turns) <= 1), turns, 1.0)
+    at = np.hstack([turns, -np.ones((len(cubics), 1)), np.ones((len(cubics), 1))])
+    values: Array = np.einsum("nk,nmk->nm", cubics, at[:, :, None] ** np.arange(4))
+    return values
 
 
 @dataclass(frozen=True, slots=True, eq=False)

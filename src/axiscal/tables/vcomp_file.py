@@ -16,7 +16,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.numerics import Array
-from axiscal.tables.old_files import OldFile
+from axiscal.tables.loaded import OldFile
 from axiscal.tables.surface import Mesh
 from axiscal.tables.vcomp_applying import AXES, JOINTS, KNOTS, MOTIONS, VcompAxis, VcompFile, at_zero, fnv1a
 from axiscal.units import from_unit, to_unit

@@ -18,8 +18,8 @@ from axiscal.machine.entry import side_name
 from axiscal.machine.names import parse_error_name
 from axiscal.numerics import Array
 from axiscal.tables.effect import Control, by_linear_axes
-from axiscal.tables.hats import Hats
 from axiscal.tables.surface import Mesh
+from axiscal.tables.table import Hats
 
 _POINTS_PER_INTERVAL, _RECORDS = 4, 4000
 """Of a table over two axes: points as of one over one axis, as far as so many lines last."""

@@ -24,10 +24,8 @@ from axiscal.language.spoken import decimals, said, spoken_now
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading, reading_unit, shown_coordinate
 from axiscal.measurement.setup import Setup
-from axiscal.present.guide.answers import Value, answer
-from axiscal.present.guide.progress import Progress, due
-from axiscal.present.guide.question import SURPRISING, Question, asked_text
-from axiscal.present.guide.taking_back import contradictions, doubted, last_step, others_doubted, take_back
+from axiscal.present.guide.progress import Progress, contradictions, doubted, due, last_step, others_doubted, take_back
+from axiscal.present.guide.question import SURPRISING, Question, Value, answer, asked_text
 from axiscal.present.machine_drawing.setup_picture import setup_picture, setup_scene
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_text

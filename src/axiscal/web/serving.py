@@ -17,10 +17,9 @@ from fastapi.responses import FileResponse
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from axiscal.exceptions import InputError
-from axiscal.web.answering import ROOT, document, page_application, problem
 from axiscal.web.counter import Counter
 from axiscal.web.desk import Desk
-from axiscal.web.guard import Admission, Guard
+from axiscal.web.guard import ROOT, Admission, Guard, document, page_application, problem
 from axiscal.web.shapes import (
     CostQuery,
     CostShape,

@@ -48,7 +48,7 @@ def open_source(
     if kind in ("csv", "exec", "moonraker", "duet") and not rest.strip():
         raise _nothing_named(text, kind)
     if kind == "csv":
-        from axiscal.campaign.sources.csv import CsvSource
+        from axiscal.campaign.sources.source import CsvSource
 
         source = CsvSource(Path(rest))
         source.pass_over(taken)

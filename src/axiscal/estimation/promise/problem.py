@@ -23,8 +23,15 @@ from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.reading_rows import linear_values, numbers_of_setups, places_of, rows_at
-from axiscal.measurement.visits import cells_shown, visited, with_cells
+from axiscal.measurement.reading_rows import (
+    cells_shown,
+    linear_values,
+    numbers_of_setups,
+    places_of,
+    rows_at,
+    visited,
+    with_cells,
+)
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import lower_root, unique_root
 

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from axiscal.machine.kinematics import frames, tip_at
 from axiscal.measurement.charts.chart import Coordinate
-from axiscal.measurement.charts.crossings import crossings
-from axiscal.measurement.charts.room import Room, within_cone
+from axiscal.measurement.charts.room import Room, crossings, within_cone
 from axiscal.measurement.charts.swing import Swing
 from axiscal.measurement.charts.ways import SmoothChart
 from axiscal.numerics import Array

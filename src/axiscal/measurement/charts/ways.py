@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.machine.kinematics import Frames, frames, linear_axes
-from axiscal.measurement.charts.crossings import along_one
-from axiscal.measurement.charts.room import Room
+from axiscal.measurement.charts.room import Room, along_one
 from axiscal.measurement.charts.swing import Slides, Swing, Swinging, stem_rate
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered

@@ -2,25 +2,36 @@
 
 The weights of `relaxation` and the matrix of `dual` bound every plan whose costs sum to no more than a limit. The
 largest slope is looked for over the whole lattice.
+
+`prove` bounds J for readings anywhere, not only on a lattice. The matrix Z of `certificate` bounds every plan once Σ |Z
+b|² over its readings is bounded. Between knots |Z b(t)|² is a polynomial of where a reading is taken, along axes and
+charts alike (`ground`); boxes with its Bernstein coefficients enclose the largest (`largest_ratio`). The hills found on
+the way join the weighted plan, until no place is worth more than those that have weight. The rests of cells are taken
+as known: that can only lower the bound. In floating point, with a margin for rounding, without intervals.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.accuracy.criterion import Root
-from axiscal.measurement.observation import directions_of
+from axiscal.language.stages import stage
+from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Places
 from axiscal.numerics import Array
+from axiscal.numerics.bernstein import Forms, largest_ratio, patches
+from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.certificate import Dual, groups, rank_bound, zeros_each, zeros_of
 from axiscal.planning.bound.relaxation import Relaxation
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance
+from axiscal.planning.step.ground import Region, regions
 
 _ROUNDS = 60
 """Any round proves a bound, and rounds end where the gap is closed; this only ends what would go on."""
@@ -176,3 +187,164 @@ def most_numbers(state: Covariance, setups: Iterable[int], readings: int) -> int
     """Return how many numbers so many readings of some set-ups bring at most."""
     each = [len(directions_of(state.observation.setups[setup])) for setup in set(setups)]
     return readings * max(each, default=1)
+
+
+GAP = 1e-2
+_ROUNDS_OF_PROOF = 40
+"""Any round proves a bound, and rounds end where the gap is closed; this only ends what would go on."""
+_PATIENCE, _CLOSED = 4, 0.9
+"""The search ends where so many rounds leave more than this share of the gap open: more would not close it."""
+_GONE = 1e-5
+"""A weight of this share is none; it can enter again."""
+_NOTHING = 1e-9
+"""Share of the largest singular value: its square is rounding."""
+_HIGH, _TRIED = 0.8, 200
+"""Hills are climbed from nodes of at least this share of the level, so many at most; the bound is the same."""
+_FINER, _FINEST = 3.0, 8
+"""Hills are climbed on grids of three by three, each so much finer: in the end to a thousandth of a box."""
+_ADDED = 24
+"""Places that enter at once: more make fewer, longer rounds to the same weights."""
+_NEAR = 0.01
+"""Shares of the travel: places nearer than this enter one after the other."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Proof:
+    """A bound on J for readings anywhere in the travels, and the share of it at which closing the gap stopped."""
+
+    bound: Bound
+    gap: float
+
+
+@one_thread()
+@stage("the proof")
+def prove(
+    state: Covariance,
+    lattice: Places,
+    places: Places,
+    gap: float = GAP,
+) -> Proof:
+    """Return the bound for as many readings as a plan has of all set-ups of a lattice, wherever they are taken.
+
+    state : before the first; lattice : candidates to begin with; places : a good plan; gap : share of J to stop at
+    Raises PlanError where readings of a set-up cannot be cut into boxes.
+    """
+    setups, count = [int(s) for s in np.unique(lattice.setups)], len(places)
+    everywhere = [(setup, region) for setup in setups for region in regions(state.observation, setup)]
+    if not count:
+        return Proof(Bound(state.value, True), 0.0)
+    best, closed, reached, numbers = 0.0, 0.0, np.inf, most_numbers(state, setups, count)
+    open_ones: list[float] = []
+    lattice = _begun(state, lattice, places)
+    for _ in range(_ROUNDS_OF_PROOF):
+        relaxation = _everywhere(state, lattice, count)
+        dual = relaxation.solved()
+        level = float(relaxation.slopes(dual) @ relaxation.weights) / count
+        kept = relaxation.pool.lattice.within(relaxation.weights > _GONE * count)
+        found = [_largest(dual, setup, region, level, gap) for setup, region in everywhere]
+        spent = count * max(each.upper for each in found)
+        best = max(best, dual.floor(spent, numbers))
+        closed, reached = max(closed, dual.whole - spent), min(reached, dual.value)
+        left = reached / closed - 1 if closed > 0 else np.inf
+        steeper = Places.joined([each.places for each in found])
+        open_ones.append(left)
+        if left <= gap or not len(steeper) or _stalled(open_ones):
+            break
+        lattice = Places.joined([kept, steeper])
+    return Proof(Bound(best, True), max(left, 0.0))
+
+
+def _stalled(open_ones: list[float]) -> bool:
+    """Whether the last rounds have hardly closed anything.  open_ones : of each round, the share of J that is open"""
+    return len(open_ones) > _PATIENCE and open_ones[-1] > _CLOSED * open_ones[-1 - _PATIENCE]
+
+
+def _begun(state: Covariance, lattice: Places, places: Places) -> Places:
+    """Return the candidates that have weight where only those of a lattice, and a plan, may be taken."""
+    pool, count = Pool(state.observation, lattice), len(places)
+    relaxation = Relaxation(pool, state, places, np.ones(len(pool) + count), float(count), rests=False)
+    for _ in settling(relaxation):
+        pass
+    return relaxation.weighty
+
+
+def _everywhere(state: Covariance, lattice: Places, count: int) -> Relaxation:
+    pool = Pool(state.observation, lattice)
+    relaxation = Relaxation(pool, state, lattice.within(slice(0, 0)), np.ones(len(lattice)), float(count), rests=False)
+    relaxation.begin_everywhere()
+    return relaxation
+
+
+class Largest(NamedTuple):
+    """No |g reach|² is above upper; places : hills of it above a level, the highest first."""
+
+    upper: float
+    places: Places
+
+
+def _largest(dual: Dual, setup: int, region: Region, level: float, gap: float) -> Largest:
+    """Enclose the largest |Z b|² of a set-up over a region, and find where it is large."""
+    observation = dual.state.observation
+    return largest_seen(observation, setup, region, dual.reach / observation.setups[setup].noise, level, gap)
+
+
+def largest_seen(
+    observation: Observation, setup: int, region: Region, reach: Array, level: float, gap: float
+) -> Largest:
+    """Enclose the largest |g reach|² of readings of a set-up over a region, all their numbers together.
+
+    reach : (n, w); level, gap : what is not above the level by a quarter of the gap is not followed
+    """
+    forms = _forms(observation, setup, region, _short(reach))
+    whole = patches(forms, region.low, region.high, region.degree)
+    order = np.argsort(-whole.ratios, kind="stable")[:_TRIED]
+    order = order[whole.ratios[order] > _HIGH * level]
+    tops, lengths = _climbed(forms, whole.places[order], whole.low[order], whole.high[order])
+    known = max(level, float(lengths.max(initial=0.0)))
+    found = largest_ratio(whole, known, max(gap, known / level - 1) / 4)
+    if found.lower > known:
+        tops, lengths = np.vstack([tops, found.place]), np.append(lengths, found.lower)
+    highest = np.argsort(-lengths, kind="stable")[: int(np.sum(lengths > level * (1 + gap / 8)))]
+    poses, approaches = region.readings(tops)
+    spans = np.array([axis.length for axis in observation.machine.axes])
+    chosen = _apart(np.hstack([poses / spans, approaches]), highest)
+    return Largest(found.upper, Places.of_setup(setup, poses[chosen], approaches[chosen]))
+
+
+def _short(reach: Array) -> Array:
+    """Return a matrix (n, r) along which all rows are as long to rounding, with no more columns than it takes."""
+    turned, sizes, _ = np.linalg.svd(reach, full_matrices=False)
+    kept = sizes > _NOTHING * sizes[0]
+    short: Array = turned[:, kept] * sizes[kept]
+    return short
+
+
+def _forms(observation: Observation, setup: int, region: Region, reach: Array) -> Forms:
+    """Return |g reach|², over one, as a function of places (m, size)."""
+
+    def forms(places: Array) -> tuple[Array, Array]:
+        seen = observation.numbers(setup, *region.readings(places)).rows
+        return np.sum((seen @ reach) ** 2, axis=(1, 2)), np.ones(len(places))
+
+    return forms
+
+
+def _climbed(forms: Forms, places: Array, low: Array, high: Array) -> tuple[Array, Array]:
+    """Return the hills of boxes near places (m, size), and how high they are, (m,).  low, high : (m, size) of boxes"""
+    moves = np.array(list(product((0.0, -1.0, 1.0), repeat=places.shape[1])))
+    step = (high - low) / 2
+    for _ in range(_FINEST):
+        step = step / _FINER
+        tried = np.clip(places[:, None] + moves * step[:, None], low[:, None], high[:, None])
+        best = forms(tried.reshape(-1, places.shape[1]))[0].reshape(len(places), len(moves)).argmax(axis=1)
+        places = tried[np.arange(len(places)), best]
+    return places, forms(places)[0]
+
+
+def _apart(places: Array, order: NDArray[np.intp]) -> list[int]:
+    """Return a few places in order that are no neighbours of each other.  places : (m, k) in shares of the travel"""
+    chosen: list[int] = []
+    for i in order.tolist():
+        if len(chosen) < _ADDED and np.all(np.abs(places[chosen] - places[i]).max(axis=1, initial=0.0) > _NEAR):
+            chosen.append(i)
+    return chosen

@@ -15,8 +15,7 @@ from axiscal.measurement.cells import RestEffects, add_rests
 from axiscal.measurement.drift import Course
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.place import Places
-from axiscal.measurement.reading_rows import numbers_of_setups
-from axiscal.measurement.visits import cells_shown, with_cells
+from axiscal.measurement.reading_rows import cells_shown, numbers_of_setups, with_cells
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import sparse_product
 from axiscal.numerics.remembered import remembered

@@ -24,8 +24,7 @@ from axiscal.numerics.threads import one_thread
 from axiscal.numerics.ties import TIE, first_best
 from axiscal.planning.gains.gain import Scorer, joint_gains
 from axiscal.planning.step.climb import Climb
-from axiscal.planning.step.ground import sides
-from axiscal.planning.step.smooth import Region, regions
+from axiscal.planning.step.ground import Region, regions, sides
 from axiscal.planning.step.starts_stacked import adds_up, dense_starts, starts
 
 _APART = 0.12

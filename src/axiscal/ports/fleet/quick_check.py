@@ -38,7 +38,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_tail, solution
 from axiscal.numerics.gaussian import lower_root
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.overrun import with_rooms
+from axiscal.planning.other_readings import with_rooms
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.ports.fleet.due_dates import again, case_again

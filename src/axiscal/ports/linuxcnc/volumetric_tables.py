@@ -22,9 +22,8 @@ from axiscal.ports.linuxcnc.patching import FILE, HAL_FILE, STATEMENT, hal_text
 from axiscal.tables import vcomp_file
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import Exporter, Written
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.offer import Draft, spread_poses
-from axiscal.tables.old_files import OldFile
 from axiscal.tables.vcomp_applying import VcompFile, component_control, whole_control
 from axiscal.units import format_quantity
 

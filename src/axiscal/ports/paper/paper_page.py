@@ -12,8 +12,7 @@ from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
 from axiscal.ports.paper.stack import SHOWN_SINGLE, SHOWN_STACKED, SIMULATED, UNIT, Experiment, GreedyPlan, Simulated
-from axiscal.present.drawing.shown import shown
-from axiscal.present.drawing.svg_picture import Figure
+from axiscal.present.drawing.svg_picture import Figure, shown
 from axiscal.present.figures import axis_style, band, layout
 from axiscal.present.standalone import page_of
 

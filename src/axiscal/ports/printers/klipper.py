@@ -25,9 +25,8 @@ from axiscal.ports.printers.contents import TRIED, content_of, in_words
 from axiscal.tables import vcomp_file
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import Exporter, MapFormat, Written
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.offer import Draft, spread_poses
-from axiscal.tables.old_files import OldFile
 from axiscal.tables.surface import Mesh, Skew, mesh_control, mesh_of, mesh_of_nodes, plane_axes, sum_of
 from axiscal.tables.vcomp_applying import component_control, whole_control
 from axiscal.units import from_unit, to_unit

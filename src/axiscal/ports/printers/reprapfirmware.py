@@ -15,8 +15,7 @@ from axiscal.measurement.readers.text import TextFile
 from axiscal.ports.printers.contents import content_of, in_words, lookups, play_of
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import MapFormat, Written
-from axiscal.tables.loaded import Loaded
-from axiscal.tables.old_files import OldFile
+from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
 from axiscal.units import from_unit, to_unit
 

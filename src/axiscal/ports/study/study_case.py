@@ -38,7 +38,7 @@ from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import Memo
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.overrun import with_rooms
+from axiscal.planning.other_readings import with_rooms
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.present.findings import findings

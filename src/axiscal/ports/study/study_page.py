@@ -18,8 +18,7 @@ from axiscal.ports.study.comparing import (
 )
 from axiscal.ports.study.study_case import FIGURES, Done
 from axiscal.ports.study.study_file import Study
-from axiscal.present.drawing.shown import shown
-from axiscal.present.drawing.svg_picture import Figure
+from axiscal.present.drawing.svg_picture import Figure, shown
 from axiscal.present.figures import SYMBOLS, axis_style, colour, layout, line_trace
 from axiscal.present.sentences import figure, short
 from axiscal.present.standalone import page_of

@@ -1,1 +1,112 @@
-"""The whole job on a built-in five-axis machine whose hidden errors come from measured curves."""
+"""Plan, measure, estimate, stop, compensate and report, on a machine whose truth is known to the demo only.
+
+That truth is made of measured shapes on the axes of a machine, scaled to what its description expects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+
+from axiscal.answers.answer import TablesChecked
+from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.ending import Milestone, reaches
+from axiscal.campaign.sources.source import SimulatedSource
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.errors.model import ErrorFunction, ErrorModel
+from axiscal.estimation.case import Case
+from axiscal.evaluation.at_the_machine import Taken
+from axiscal.evaluation.check import Check
+from axiscal.machine import load_machine
+from axiscal.measurement.readers.truth_curves import TruthCurve
+from axiscal.measurement.simulation import Simulator, VirtualMachine
+from axiscal.numerics import Array
+from axiscal.present.check_answer import check_answer
+from axiscal.present.delivery import deliver
+from axiscal.present.summarising import Extras
+from axiscal.present.summary import Summary
+
+SEED = 2005
+"""Any seed: the demo is to be the same every time."""
+CONTROL = "linuxcnc-volumetric"
+"""The control whose tables are checked."""
+
+
+def description() -> CampaignDescription:
+    """Return the demo's campaign on the built-in five-axis machine."""
+    text = resources.files("axiscal.present.demo").joinpath("campaign.toml").read_text(encoding="utf-8")
+    return campaign_from_texts(text, "demo campaign.toml", load_machine("dmu60").text, "dmu60")
+
+
+def hidden_machine(case: Case) -> VirtualMachine:
+    """Return the machine with the measured curves, which the estimate never sees."""
+    simulator = Simulator(case.description.machine, case.description.setups)
+    return simulator.with_curves(measured_truth(case.errors, SEED), SEED)
+
+
+def run_demo(case: Case, out: Path, watch: Callable[[Milestone], None]) -> Summary:
+    """Run the campaign into a folder and return the words on its result.
+
+    watch : called with every reading.  Raises RecordError if there is a campaign already.
+    """
+    truth = hidden_machine(case)
+    with Campaign.create(out / "campaign.axiscal", case.description) as campaign:
+        campaign.run(SimulatedSource(truth, SEED), watch)
+        estimation = campaign.estimate(ended=True)
+        extras = Extras(truth=truth, checked=checked(campaign, truth))
+        return deliver(campaign, estimation, out, extras)
+
+
+def checked(campaign: Campaign, truth: VirtualMachine) -> TablesChecked | None:
+    """Return what twelve new places of the true machine show of the tables; None where the target is not reached."""
+    if not reaches(campaign.description.target, campaign.estimate(ended=True)):
+        return None
+    check = Check.of(campaign, CONTROL)
+    places = check.planned(tolerance=check.allowed(None))
+    judged = check.judged(check.read_on(truth, SEED, places), None)
+    return check_answer(judged, len(places), check.tables.U, Taken()).summary
+
+
+def measured_shapes() -> tuple[Array, ...]:
+    """Return the measured shapes of SOURCES.md: values at even places over a travel, RMS 1, no constant, no slope."""
+    text = resources.files("axiscal.present.demo").joinpath("shapes.csv").read_text(encoding="utf-8")
+    return tuple(np.array([float(v) for v in line.split(",")[1].split()]) for line in text.splitlines()[1:])
+
+
+def measured_truth(model: ErrorModel, seed: int) -> dict[str, TruthCurve]:
+    """Return a curve for every error of the model: a measured shape for a motion, a drawn value for a constant.
+
+    seed : of the constants, and of which shape goes where
+    """
+    rng = np.random.default_rng(seed)
+    shapes = measured_shapes()
+    order = rng.permutation(len(shapes))
+    curves, used = {}, 0
+    for function in model.functions:
+        if function.basis.size == 1:
+            value = np.sqrt(function.covariance[0, 0]) * rng.standard_normal()
+            curves[function.name] = TruthCurve(np.zeros(1), np.array([value]))
+            continue
+        lap, place = divmod(used, len(shapes))
+        shape = shapes[order[place]][:: -1 if lap else 1]
+        curves[function.name] = _on_axis(model, function, shape)
+        used += 1
+    return curves
+
+
+def _on_axis(model: ErrorModel, function: ErrorFunction, shape: Array) -> TruthCurve:
+    axis = model.machine.axes[function.axis]
+    even = np.linspace(0.0, 1.0, len(shape))
+    values = shape - (shape[0] + (shape[-1] - shape[0]) * even) if axis.cyclic else shape
+    values = values / np.sqrt(np.mean(values**2)) * _expected_bend(function)
+    return TruthCurve(np.linspace(*axis.travel, len(shape)), values)
+
+
+def _expected_bend(function: ErrorFunction) -> float:
+    """Return the RMS that the prior expects of a curve beyond its constant and slope, which the shapes do not have."""
+    straight = np.vander(np.linspace(-1.0, 1.0, function.basis.size), 2)
+    bend = np.eye(function.basis.size) - straight @ np.linalg.pinv(straight)
+    return float(np.sqrt(np.trace(bend @ function.covariance @ bend) / function.basis.size))

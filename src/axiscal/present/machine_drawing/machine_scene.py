@@ -1,4 +1,7 @@
-"""A machine as a scene: its chain by rules, and what its tool reaches."""
+"""A machine as a scene: its chain by rules, and what its tool reaches.
+
+What carries the tool: spindle and swivelling head, ram, carriages, and the wall, portal or frame that holds them.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,215 @@ from axiscal.present.machine_drawing.standing_machine import (
     under,
     up,
 )
-from axiscal.present.machine_drawing.tool_side import tool_side
+
+_SEEN_THROUGH = 0.55
+"""Opacity of a leg or post between the work and who looks; a matter of taste."""
+
+
+def tool_side(sizes: Measures) -> Iterator[Laid]:
+    """Yield the bed and the parts between it and the tool."""
+    room = sizes.room
+    linear = [k for k in room.tool if not room.machine.axes[k].rotary]
+    nose = float(room.tip[2]) + room.machine.tool
+    if room.machine.tool > 0:
+        yield room.spindle, cylinder(room.tip, room.tip * [1, 1, 0] + up(nose), 0.012 * sizes.spindle, "stone")
+    top, parts = head(sizes, nose)
+    yield from parts
+    level = [k for k in linear if room.way(k) < 2]
+    if sizes.framed:
+        yield from frame(sizes, level, top)
+    elif not room.work and len(level) > 1 and linear[:2] == level[:2] and room.way(level[0]) != room.way(level[1]):
+        yield from portal(sizes, linear, top)
+    else:
+        yield from _before_a_wall(sizes, linear, top)
+
+
+def _before_a_wall(sizes: Measures, linear: list[int], top: float) -> Iterator[Laid]:
+    """Yield carriages between a wall behind the work and the spindle.
+
+    The first one rides on top of the wall, or up and down its front; the others hang before it, one after another.
+    linear : from the bed to the tool; top : height at which the spindle is held
+    """
+    room, s, t = sizes.room, sizes.whole, sizes.spindle
+    x, y, _ = room.tip.tolist()
+    behind = any(room.way(k) == 1 and not room.machine.axes[k].rotary for k in room.work)
+    front = y + float(room.half[1]) * (2 if behind else 1) + sizes.pad + 0.08 * s
+    wide = float(room.half[0]) + sizes.pad
+    sideways = any(room.way(k) == 0 for k in linear)
+    rises = bool(linear) and room.way(linear[0]) == 2
+    ram = len(linear) > 1 and room.way(linear[-1]) == 2
+    beam = max(float(room.tip[2] + room.half[2]) + 0.1 * t, top - 0.15 * t) if ram else top + 0.04 * t
+    high = beam + 0.2 * t + 0.04 * s
+    carriages = linear[:-1] if ram else linear
+    before = front
+    for n, axis in enumerate(carriages):
+        near = y + sizes.ram + sizes.plate * (len(carriages) - n - 1)
+        last = n == len(carriages) - 1 and not ram
+        over = any(room.way(k) == 0 for k in linear[n + 1 :])
+        half = wide if over else 0.15 * s if n or not last else 0.1 * t
+        far = before if n or rises else front + 0.24 * s
+        y0 = y - sizes.ram if last and not rises else near
+        yield axis, box([x - half, y0, beam], [x + half, far, high], "head" if n == 0 else "table")
+        level = (beam + high) / 2
+        starts = ([x + half + 0.04 * s, near, level], [x + half, (near + far) / 2, level], [x - half, near, level])
+        if room.way(axis) < 2 or len(linear) > 1:
+            yield straight(sizes, axis, np.array(starts[room.way(axis)]))
+        before = near
+    yield from _spindle_box(sizes, linear, top, high + (float(room.half[2]) if ram else 0.0))
+    if not linear:
+        yield BED, box([x - 0.1 * t, y + sizes.ram, beam], [x + 0.1 * t, front, high], "head")
+    half = wide if sideways else 0.2 * s
+    ceiling = high + float(room.half[2]) + 0.05 * s if rises or not linear else beam
+    yield BED, box([x - half, front, sizes.floor], [x + half, front + 0.28 * s, ceiling], "head")
+    width = max(wide, half)
+    yield BED, box([x - width, y - float(room.half[1]) - 1.6 * sizes.pad, sizes.floor - 0.16 * s],
+                   [x + width, front + 0.3 * s, sizes.floor], "bed")  # fmt: skip
+
+
+def _spindle_box(sizes: Measures, linear: list[int], top: float, high: float) -> Iterator[Laid]:
+    """Yield what holds the spindle; with the arrow of an upright axis that carries it."""
+    room, a = sizes.room, sizes.ram
+    x, y, _ = room.tip.tolist()
+    part = linear[-1] if linear else BED
+    upright = bool(linear) and room.way(linear[-1]) == 2
+    if upright or not linear or room.way(linear[0]) == 2:
+        yield part, box([x - a, y - a, top], [x + a, y + a, max(high, top + 0.3 * sizes.spindle)], "table")
+    if upright:
+        yield straight(sizes, part, np.array([x + a, y - a, top + 0.14 * sizes.spindle]))
+
+
+def portal(sizes: Measures, linear: list[int], top: float) -> Iterator[Laid]:
+    """Yield a portal on two legs whose beam lies away from who looks, the carriages before it.
+
+    linear : axes from the bed to the tool; top : height at which the spindle is held
+    """
+    room, s, t = sizes.room, sizes.whole, sizes.spindle
+    first, second, *rest = linear
+    along, beam_way = np.eye(3)[room.way(first)], np.eye(3)[room.way(second)]
+    away = -along if room.way(first) == 0 else along  # from who looks
+    flat, a = room.tip * [1, 1, 0], sizes.ram
+    low = max(float(room.tip[2] + room.half[2]) + 0.06 * t, top - 0.1 * t) if rest else top
+    high = low + 0.16 * t + 0.05 * s
+    thick, reach = 0.06 * s + 0.04 * t, float(room.half @ beam_way) + 2.2 * sizes.pad
+    middle = flat + away * (a + sizes.plate + thick)
+    legs = 0.7 * thick * beam_way + thick * along
+    for side, end in across(reach * beam_way):
+        near = side < 0 if room.way(second) == 1 else side > 0
+        leg = box(middle + end - legs + up(sizes.floor), middle + end + legs + up(low), "head",
+                  _SEEN_THROUGH if near else 1.0)  # fmt: skip
+        yield first, leg
+    beam = (reach + 0.7 * thick) * beam_way + thick * along
+    yield first, box(middle - beam + up(low), middle + beam + up(high), "head")
+    carriage = 0.13 * t * beam_way
+    face = flat + away * a
+    yield (
+        second,
+        box(face - carriage + up(low - 0.04 * t), face + away * sizes.plate + carriage + up(high), "table"),
+    )
+    shown = middle - away * thick - (reach - 0.6 * sizes.pad) * beam_way * (1 if room.way(second) == 1 else -1)
+    yield straight(sizes, first, shown + up((sizes.floor + low) / 2))
+    yield straight(sizes, second, face + away * sizes.plate + (carriage + 0.09 * s * beam_way) + up((low + high) / 2))
+    for axis in rest:
+        square = a * (along + beam_way)
+        yield axis, box(flat - square + up(top), flat + square + up(high + float(room.half[2])), "table")
+        yield straight(sizes, axis, flat + a * np.array([1, -1, 0]) + up(top + 0.14 * t))
+    foot = (float(room.half @ along) + sizes.pad) * along + (reach + 1.5 * thick) * beam_way
+    back = away * (a + sizes.plate + 2.5 * thick)
+    corners = np.array([flat - foot, flat + foot, flat - foot + back, flat + foot + back])
+    yield (
+        BED,
+        box(corners.min(axis=0) + up(sizes.floor - 0.12 * s), corners.max(axis=0) + up(sizes.floor), "bed"),
+    )
+
+
+def frame(sizes: Measures, level: list[int], top: float) -> Iterator[Laid]:
+    """Yield four posts with two rails, a beam on them, and the carriage on the beam.
+
+    level : the axes of the gantry, the one on the rails first; top : height at which the nozzle is held
+    """
+    room, s = sizes.room, sizes.whole
+    first, second = level[:2]
+    along, beam_way = np.eye(3)[room.way(first)], np.eye(3)[room.way(second)]
+    flat, rail = room.tip * [1, 1, 0], 0.04 * s
+    ends = (room.half + 2 * sizes.pad) * [1, 1, 0]
+    foot = sizes.table - float(room.half[2]) - 0.17 * s
+    high = top + 0.02 * s
+    yield BED, box(flat - ends + up(foot - 0.05 * s), flat + ends + up(foot), "bed")
+    for x, y in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
+        corner = flat + ends * [x, y, 0]
+        inside = corner - rail * np.array([x, y, 0])
+        through = _SEEN_THROUGH if y < 0 else 1.0
+        yield BED, box(corner + up(foot), inside + up(high), "bed", through)
+    for side, end in across(ends * beam_way):
+        outer = flat + end
+        inner = outer - side * rail * beam_way
+        run = ends * along
+        yield BED, box(outer - run + up(high), inner + run + up(high + rail), "bed")
+    behind = along if room.way(first) == 1 else -along
+    near = flat + behind * 0.03 * s
+    cross = ends * beam_way
+    yield (
+        first,
+        box(near - cross + up(high + rail), near + behind * 0.05 * s + cross + up(high + 2.2 * rail), "head"),
+    )
+    half = 0.05 * s * (along + beam_way)
+    low = float(room.tip[2]) + room.machine.tool
+    yield second, box(flat - half + up(low), flat + half - behind * 0.02 * s + up(high + 2.6 * rail), "table")
+    yield straight(sizes, first, near + cross + behind * 0.12 * s + up(high + rail))
+    yield straight(sizes, second, near + 0.22 * s * beam_way + up(high + 1.6 * rail))
+
+
+def head(sizes: Measures, nose: float) -> tuple[float, list[Laid]]:
+    """Return the height at which spindle or head are held, m, and their parts.  nose : height of the spindle's end"""
+    room, t = sizes.room, sizes.spindle
+    rotary = [k for k in room.tool if room.machine.axes[k].rotary]
+    foot = room.tip * [1, 1, 0] + up(nose)
+    level = nose + 0.09 * t
+    parts: list[Laid] = [(room.spindle, cylinder(foot, foot + up(0.09 * t), 0.045 * t, "head"))]
+    for axis in reversed(rotary):
+        if room.way(axis) == 2:
+            level, more = _neck(sizes, axis, level)
+        else:  # a fork that holds the spindle on both sides
+            level, more = level_of(sizes, axis, level), list(_cheeks(sizes, axis, level))
+        parts += more
+    return level, parts
+
+
+def _neck(sizes: Measures, axis: int, level: float) -> tuple[float, list[Laid]]:
+    """Return the top of a head that turns about an upright axis, and its parts."""
+    t, foot = sizes.spindle, sizes.room.tip * [1, 1, 0] + up(level)
+    turned = cylinder(foot, foot + up(0.1 * t), 0.11 * t, "table")
+    return level + 0.1 * t, [(axis, turned), turning(sizes, axis, _on_line(sizes, axis, foot + up(0.05 * t)), 0.16 * t)]
+
+
+def level_of(sizes: Measures, axis: int, level: float) -> float:
+    """Return the top of a fork, m: above the line that it swivels about, and above the spindle."""
+    return max(float(sizes.room.line(axis)[2]), level) + 0.22 * sizes.spindle
+
+
+def _cheeks(sizes: Measures, axis: int, level: float) -> Iterator[Laid]:
+    room, t, base = sizes.room, sizes.spindle, under(sizes.room, axis)
+    along, line = np.eye(3)[room.way(axis)], room.line(axis)
+    top, middle = level_of(sizes, axis, level), room.tip * [1, 1, 0]
+    across_it = (1 - along) * [1, 1, 0]
+    wide = 0.07 * t * np.array([1.0, 1.0, 0.0])
+    yield axis, box(middle - wide + up(level), middle + wide + up(top - 0.09 * t), "table")
+    for side, end in across(0.075 * t * along):
+        inner, outer = middle + end - 0.065 * t * across_it, middle + end + side * 0.05 * t * along
+        low = min(float(line[2]), level) - 0.05 * t
+        yield base, box(inner + up(low), outer + 0.065 * t * across_it + up(top - 0.06 * t), "head")
+        if (room.way(axis) == 0) == (side > 0):
+            yield turning(sizes, axis, _on_line(sizes, axis, outer + side * 0.01 * t * along), 0.09 * t, 220.0)
+    cap = 0.125 * t * along + 0.065 * t * across_it
+    yield base, box(middle - cap + up(top - 0.06 * t), middle + cap + up(top), "head")
+
+
+def _on_line(sizes: Measures, axis: int, beside: Array) -> Array:
+    """Return the point on the line of an axis that lies beside another point, (3,) m."""
+    along = np.eye(3)[sizes.room.way(axis)]
+    point: Array = sizes.room.line(axis) * (1 - along) + beside * along
+    return point
+
 
 LEDGE = 0.34
 """How far the first carriage goes to the left of the tool, as a share of the largest side: a level fits on it."""

@@ -14,8 +14,8 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import RIGHT, Part, Stroke, Viewport, drawn
-from axiscal.present.drawing.shown import SCREENS, Drawing, picture_file
 from axiscal.present.drawing.strokes import text, wrapped
+from axiscal.present.drawing.svg_picture import SCREENS, Drawing, picture_file
 from axiscal.present.machine_drawing.instruments import MountedSetup, instrument_parts, owner_of, reading_parts
 from axiscal.present.machine_drawing.machine_scene import box_corners, edges, machine_parts, reached
 from axiscal.present.machine_drawing.standing_machine import Measures, StandingMachine, up

@@ -17,8 +17,7 @@ from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import TableFormat, Written
-from axiscal.tables.loaded import Loaded, Lookup
-from axiscal.tables.old_files import OldFile
+from axiscal.tables.loaded import Loaded, Lookup, OldFile
 from axiscal.tables.sampling import own_table
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity

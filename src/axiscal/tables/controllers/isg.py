@@ -29,9 +29,8 @@ from axiscal.numerics import Array
 from axiscal.tables.effect import table_control
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import Exporter, Written, summed
-from axiscal.tables.loaded import Loaded, Lookup
+from axiscal.tables.loaded import Loaded, Lookup, OldFile
 from axiscal.tables.offer import Draft
-from axiscal.tables.old_files import OldFile
 from axiscal.tables.sampling import axis_tables, points
 from axiscal.tables.surface import sum_of
 from axiscal.tables.table import CompensationTable

@@ -24,7 +24,7 @@ from axiscal.measurement.touched import all_round, cycle_of, read_as
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.live.connection import Connection
 from axiscal.ports.linuxcnc.live.in_force import InForce
-from axiscal.programs.cycles import SphereCycle
+from axiscal.programs.in_touch import SphereCycle
 from axiscal.programs.program import clearance_of
 from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget, exact, target
 from axiscal.programs.steps import Clearance, Group, Move, Step, Touched, cleared, groups, moves, to_the_start, way_to

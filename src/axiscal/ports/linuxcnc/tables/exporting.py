@@ -25,9 +25,8 @@ from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, correction
 from axiscal.tables.effect import Control
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import TableFormat, Written, summed
-from axiscal.tables.loaded import Loaded, Lookup, both_ways
+from axiscal.tables.loaded import Loaded, Lookup, OldFile, both_ways
 from axiscal.tables.offer import Draft
-from axiscal.tables.old_files import OldFile
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.surface import sum_of
 from axiscal.tables.table import CompensationTable

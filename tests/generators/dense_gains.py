@@ -16,8 +16,7 @@ import numpy as np
 
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.place import Places
-from axiscal.measurement.reading_rows import rows_at
-from axiscal.measurement.visits import visited
+from axiscal.measurement.reading_rows import rows_at, visited
 from axiscal.numerics import Array
 
 

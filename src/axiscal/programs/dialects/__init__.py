@@ -1,1 +1,0 @@
-"""One module per control; they do not know each other."""
