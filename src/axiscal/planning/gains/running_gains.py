@@ -75,10 +75,7 @@ class Scores:
         self._bare: tuple[Covariance, Scorer] | None = None
 
     def told(self, columns: NDArray[np.intp]) -> Array:
-        """Return the shares of their first variances that each candidate takes away from unknowns, summed, (M,).
-
-        columns : (k,) of the unknowns
-        """
+        """Return the shares of the first variances of unknowns that each candidate takes away, summed, (M,)."""
         first = np.sqrt(self.state.observation.prior_variances()[columns])[:, None]
         scaled = self.state.factor @ (self.state.factor[columns[first[:, 0] > 0]] / first[first > 0][:, None]).T
         seen = self.pool.products(self.state.observation, scaled)
