@@ -36,11 +36,3 @@ def test_the_first_line_is_borne_out_by_the_truth(seed: int) -> None:
     found = first_lines.told(seed)
     assert found.verdict == found.kind
     assert found.right, found.line
-
-
-@pytest.mark.long
-def test_a_floor_above_what_is_left_already_is_none() -> None:
-    """Sizes as learnt let endless readings leave 6.9 um where 21 readings leave 2.5 um; ten more reach the target."""
-    found = first_lines.told(9018)
-    assert found.verdict == "more"
-    assert found.right, found.line

@@ -67,9 +67,8 @@ def answer_of(
     anyway : rows are there although readings contradict each other
     """
     rows = answered(known, controls)
-    target, case = known.stated.description.target, known.case
-    both = zip(asked(target, case.yardstick_as_sized), asked(target, case.yardstick), strict=True)
-    volume = [aim_of_volume(sized, known_to(sized.name, known), stated.floor, 0.0) for sized, stated in both]
+    wanted = asked(known.stated.description.target, known.case.yardstick_as_sized)
+    volume = [aim_of_volume(each, known_to(each.name, known)) for each in wanted]
     lines = [aim_of(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
     coming = campaign.state.coming if campaign.state.finished is None else ()
     verdict = _verdict(known, volume, lines)
@@ -214,10 +213,9 @@ def _share(aim: Aim) -> float:
     return max((aim.now**2 - aim.floor**2) / (aim.limit**2 - aim.floor**2) - 1, 0.0)
 
 
-def aim_of_volume(wanted: WantedAccuracy, now: float, *others: float) -> Aim:
-    """Return an accuracy of the volume.  now : how well it is known, m; others : floors if its own is above that, m"""
-    counted = next((floor for floor in (wanted.floor, *others) if floor <= now), wanted.floor)
-    now, limit, floor = (to_unit(size, "um") for size in (now, wanted.limit, counted))
+def aim_of_volume(wanted: WantedAccuracy, now: float) -> Aim:
+    """Return an accuracy of the volume.  now : how well it is known, m"""
+    now, limit, floor = (to_unit(size, "um") for size in (now, wanted.limit, wanted.floor))
     return Aim(name=wanted.name, now=now, limit=limit, floor=floor, reachable=floor <= limit)
 
 
