@@ -118,7 +118,6 @@ Nothing but `axiscal verify` shows a turned sign of all readings. In the rows "l
 and [type B](../promise.md#what-no-reading-shows) counts; in the others instruments and temperatures are perfect.
 20 µm/m are 1.7 standard deviations of type B: a ratio near 1.7 is as promised.
 `make trust PART=attacks MACHINES={machines}` goes on where it stopped; `MINUTES=30` stops it.
-`ONLY="step; bump"` shows such rows and leaves the page as it is.
 
 | inside, ratio, above {far}, withheld | planned | even | random |
 |---|---|---|---|
@@ -161,7 +160,7 @@ spline (scipy) through the even grid; *worst*: of a type. (`make trust PART=beds
 
 _DEFAULTS = """
 ## Default sizes
-Each default of the model of what usually goes wrong, a third of it and three times as much, on the measured curves and
+Each default, a third of it and three times as much, on the measured curves and
 beds above, from even places. *Chosen*: the best for all machines but one, and for how many machines that is so. On the
 machine left out: *gain*, what the chosen one adds to the mean log density of the truth; *inside*, the share of the
 truth in the 95 % band. (`make trust PART=defaults`)
@@ -177,7 +176,7 @@ moves at most, in units of the printed σ: median and worst of {trials} machines
 
 - *Found*: the reading is taken out.
 - *From the right one*: beside the estimate with the right reading.
-- *Accepted*: worst where all readings are recorded with `--accept`.
+- *Accepted*: worst with `--accept`, and U withheld. A slip above 30 noises bends the curve.
 
 | error | found | from the right one: median | worst | at most σ/2 | accepted |
 |---|---|---|---|---|---|
@@ -187,6 +186,7 @@ moves at most, in units of the printed σ: median and worst of {trials} machines
 _TABLES = """
 ## Tables on measured curves
 {machines} mills whose error motions are measured curves of other machines, finer than the knots, or drawn; 60 readings.
+*Bare*: drawn, no size learnt.
 *U*: as README.txt beside the tables promises, the median. *Inside*: share of the volume. *Kept*: machines of which 95 %
 of the volume is inside. *Over U*: what 95 % keep. (`make trust PART=tables MACHINES={machines}`)
 
@@ -223,7 +223,7 @@ def _together(sizes: Sequence[float]) -> float:
 
 def _gross_row(moved: Moved) -> str:
     shifts = f"{moved.typical:.2f} σ | {moved.worst:.2f} σ | {moved.within:.0%}"
-    return f"| {moved.size * 1e6:g} µm | {moved.rejected:.0%} | {shifts} | {moved.naive:.3g} σ |"
+    return f"| {moved.size * 1e6:g} µm | {moved.rejected:.0%} | {shifts} | {moved.naive:.3g} σ, {moved.withheld:.0%} |"
 
 
 def _keeping(args: argparse.Namespace, part: str, *files: str) -> Keeping:

@@ -121,6 +121,7 @@ class Moved:
 
     worst : over all trials; typical : the median; rejected : share of the gross errors that were not believed
     naive : the worst shift when every reading is believed; within : share of the trials that move by at most σ/2
+    withheld : share of the trials of which U is withheld when every reading is believed
     """
 
     size: float
@@ -129,12 +130,14 @@ class Moved:
     rejected: float
     naive: float
     within: float
+    withheld: float
 
 
 def gross(size: float, trials: int, tried: Tried = one_by_one) -> Moved:
     """Return what one reading that is wrong by `size` (m) among 30 does to the curves of the one-axis machine."""
     found = list(tried(moved, [(size, seed) for seed in range(trials)]))
-    shifts, naive, rejected = (np.array([each[n] for each in found]) for n in ("shift", "naive", "found"))
+    names = "shift", "naive", "found", "withheld"
+    shifts, naive, rejected, withheld = (np.array([each[name] for each in found]) for name in names)
     return Moved(
         size=size,
         worst=float(shifts.max()),
@@ -142,13 +145,15 @@ def gross(size: float, trials: int, tried: Tried = one_by_one) -> Moved:
         rejected=float(rejected.mean()),
         naive=float(naive.max()),
         within=float(np.mean(shifts <= 0.5)),
+        withheld=float(withheld.mean()),
     )
 
 
 def moved(trial: Trial) -> dict[str, float]:
     """Return how far one bad reading moves the curves of one machine.  trial : its size, m, and the machine's seed
 
-    shift : beside the right reading; naive : where all are believed; found : 1 where it is not
+    shift : beside the right reading; naive : where all are believed, withheld : 1 where they then contradict
+    found : 1 where it is not believed
     """
     size, seed = trial
     problem, simulator = _drawn_from("one-axis", 1.0, "estimate")
@@ -156,10 +161,11 @@ def moved(trial: Trial) -> dict[str, float]:
     taken = read_evenly(problem, simulator.drawn(seed), rng, _AMONG)
     bad = int(rng.integers(_AMONG))
     wrong = [replace(r, value=r.value + size * (index == bad)) for index, r in enumerate(taken)]
-    judged = concluded(problem, wrong)
+    judged, believed = concluded(problem, wrong), concluded(problem, _vouched_for(wrong))
     return {
         "shift": _shift(concluded(problem, taken), judged),
-        "naive": _shift(*(concluded(problem, _vouched_for(each)) for each in (taken, wrong))),
+        "naive": _shift(concluded(problem, _vouched_for(taken)), believed),
+        "withheld": float(believed.agreement.withheld),
         "found": float(any(d.reading == bad for d in judged.outliers)),
     }
 
