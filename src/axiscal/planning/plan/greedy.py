@@ -66,7 +66,7 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
     def key(setups: Setups) -> tuple[float, float]:
         nonlocal longest
         bundle = _bundle(limits, times, setups)
-        trial = filled(base.fork(), meter, limits, times, setups, bundle, _TRIED, longest)
+        trial = filled(base.among(setups), meter, limits, times, setups, bundle, _TRIED, longest)
         if trial.met and limits.accurate:
             longest = min(longest, trial.seconds)
         return trial.key(limits)
