@@ -75,7 +75,7 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
         # few set-ups first: what takes longer than one that reaches the accuracy is given up at once
         sets = [s for count in range(1, len(everything) + 1) for s in combinations(everything, count)]
         return min(sets, key=key)
-    return _grown(everything, key)
+    return _grown(everything, _parts(task, everything), key)
 
 
 def within_reach(task: Task, limits: Limits) -> bool:
@@ -92,14 +92,21 @@ def _coarse(task: Task) -> tuple[Scores, RunningAccuracy]:
     return scores, RunningAccuracy.of(task.yardstick, scores.state.factor)
 
 
-def _grown(everything: Setups, key: Callable[[Setups], tuple[float, float]]) -> Setups:
-    begun = {setups: key(setups) for setups in [everything, *((s,) for s in everything)]}
-    best: Setups = min(begun, key=lambda s: begun[s])
-    value = begun[best]
+def _parts(task: Task, everything: Setups) -> list[Setups]:
+    """Return each set-up alone, and those together that share an unknown, as the legs of a square do."""
+    own = {setup: set(task.observation.unknowns_of(setup).tolist()) for setup in everything}
+    linked = {tuple(other for other in everything if own[setup] & own[other]) for setup in everything}
+    return sorted({(setup,) for setup in everything} | linked - {()})
+
+
+def _grown(everything: Setups, parts: Sequence[Setups], key: Callable[[Setups], tuple[float, float]]) -> Setups:
+    key(everything)
+    best = min(parts, key=key)
+    value = key(best)
     while True:
-        more = [(*best, s) for s in everything if s not in best]
+        more = [tuple(sorted({*best, *part})) for part in parts if not {*part} <= {*best}]
         fewer = [s for s in combinations(best, len(best) - 1) if s]
-        tried = {tuple(sorted(s)): key(tuple(sorted(s))) for s in [*more, *fewer]}
+        tried = {setups: key(setups) for setups in [*more, *fewer]}
         step = min(tried, key=lambda s: tried[s], default=best)
         if not tried or not tried[step] < value:
             return best
