@@ -29,7 +29,7 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(67_840, 50_000),
+    "lines of src": Budget(67_854, 50_000),
     "files of src": Budget(366, 340),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(41, 15),

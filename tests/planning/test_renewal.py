@@ -115,12 +115,13 @@ def test_what_came_to_be_too_much_is_left_out() -> None:
     assert len(renewed(after, Limits(readings=6), part(PLAN, 4))) == 6
     assert len(renewed(after, Limits(readings=12), part(PLAN, 4))) == 12
     known = after.yardstick.measure(taken(after, part(PLAN, 4)).belief)
-    enough = renewed(after, Limits(readings=10, rms=1.2 * known.rms), part(PLAN, 4))
-    assert len(enough) < 10
+    limits = Limits(readings=10, rms=1.2 * known.rms)
+    assert len(renewed(replace(after, here=None), limits, part(PLAN, 4))) < 10
+    assert way(after, renewed(after, limits, part(PLAN, 4))) < way(after, part(PLAN, 4))
 
 
 def test_what_may_yet_be_needed_stays_while_sizes_are_unsure() -> None:
-    after = taken(ASKED, part(PLAN, 0, 4))
+    after = replace(taken(ASKED, part(PLAN, 0, 4)), here=None)
     known = after.yardstick.measure(taken(after, part(PLAN, 4)).belief)
     limits = Limits(readings=10, rms=1.2 * known.rms)
     sure, unsure, less = (len(renewed(after, limits, part(PLAN, 4), 0.0, by)) for by in (1.0, 1.3, 1.1))
@@ -137,6 +138,19 @@ def test_a_target_beyond_many_readings_more_is_left_to_other_set_ups() -> None:
     assert len(renewed(two, Limits(rms=0.9 * of_one.rms), left)) == 0
     assert len(renewed(two, Limits(readings=9, rms=known.floor), left)) > 0  # which these do not bring within nine
     assert len(renewed(two, Limits(readings=9, rms=known.rms), left)) > 0
+
+
+def test_a_set_up_that_has_come_to_be_needless_is_not_mounted() -> None:
+    here = replace(ASKED, here=Places.one(0, np.array([0.5, 0.3, 0.2]), np.zeros(3)))
+    mine = ASKED.lattice.within(ASKED.lattice.setups == 0)
+    left = Places.joined([mine.within(slice(0, 4)), PLAN.within(PLAN.setups != 0)])
+    begun, alone = (here.yardstick.measure(taken(here, each).belief).rms for each in (left.within(slice(0, 4)), mine))
+    limits = Limits(rms=0.5 * (begun + alone))
+    rest = renewed(here, limits, left)
+    assert set(rest.setups) == {0}
+    assert way(here, rest) < way(here, left)
+    assert limits.met(here.yardstick.measure(taken(here, rest).belief))
+    assert set(renewed(here, Limits(rms=0.95 * alone), left).setups) != {0}
 
 
 @pytest.mark.parametrize("share", [0.6, 0.95, 1.3])

@@ -72,7 +72,7 @@ def renewed(
         exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS_OF_RENEWAL, Patience(patience))
         places = fitted(task, limits.times(1 / unsure), times, trial).scores.places
-    order = _ordered(task, limits, places, left, usual)
+    order = _ordered(task, limits, _needed(task, limits, times, places), left, usual)
     return replace(order, approaches=arriving(task, order))
 
 
@@ -82,6 +82,20 @@ def _ordered(task: Task, limits: Limits, places: Places, left: Places, usual: bo
     if same and (usual or seconds_along(task, left) <= seconds_along(task, order)):
         return left
     return interleaved(task, limits, order) if usual else order
+
+
+def _needed(task: Task, limits: Limits, times: Clock, places: Places) -> Places:
+    """Return a plan, or readings of the set-up that is mounted where these reach the accuracy in less time."""
+    here: Setups = () if task.here is None else (int(task.here.setups[0]),)
+    mine, lattice = np.isin(places.setups, here), task.lattice.within(np.isin(task.lattice.setups, here))
+    if not limits.accurate or not len(lattice) or mine.all():
+        return places
+    begun = places.within(mine)
+    scores = _begun(task, limits, times, Pool(task.observation, lattice, task.memory), here, begun).scores
+    meter = RunningAccuracy.of(task.yardstick, scores.state.factor)
+    spent, longest = (seconds_along(task, in_order(task, each)) for each in (begun, places))
+    alone = filled(scores, meter, replace(limits, budget=None), times, here, 1, _MOST, longest, begun=spent)
+    return scores.places if alone.met else places
 
 
 def _mountable(limits: Limits, times: Clock, left: Places) -> Places:
