@@ -129,12 +129,12 @@ def test_three_readings_open_a_square() -> None:
     of = dial("readings = 12")
     task = posed(of, of.knowledge)
     scores = Scores(Pool(task.observation, task.lattice), task.state)
-    found = openings(scores, (0, 1), 12)
+    opened, found = openings(scores, (0, 1), 12)
     assert len(found) == 3
-    assert sum(scores.enter(index) for index in found) < 1e-4 * task.state.value
-    assert scores.gains.max() > 0.05 * task.state.value
-    assert openings(scores, (0, 1), 12) == []
-    assert openings(Scores(scores.pool, task.state), (0, 1), 2) == []
+    assert task.state.value - opened.state.value < 1e-4 * task.state.value
+    assert opened.gains.max() > 0.05 * task.state.value
+    assert openings(opened, (0, 1), 12)[1] == []
+    assert openings(scores, (0, 1), 2) == (scores, [])
 
 
 @pytest.mark.long

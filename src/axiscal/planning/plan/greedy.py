@@ -13,7 +13,7 @@ from axiscal.measurement.place import Places
 from axiscal.numerics.remembered import remembered
 from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import RunningAccuracy
+from axiscal.planning.gains.covariance import LowRank, RunningAccuracy
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Clock, Limits, Task, clock
 
@@ -147,9 +147,9 @@ def filled(
     of = scores.pool.lattice.setups
     spent = float(times.mounting[list(setups)].sum()) if begun is None else begun
     cost, allowed = bundle * times.reading[of], np.isin(of, setups)
-    for index in openings(scores, setups, limits.readings or _MOST) if begun is None else ():
-        scores.enter(index, bundle=bundle)
-        meter, spent = _after(meter, scores, limits), spent + float(cost[index])
+    scores, opened = openings(scores, setups, limits.readings or _MOST, bundle) if begun is None else (scores, [])
+    for index, change in opened:
+        meter, spent = _after(meter, change, limits), spent + float(cost[index])
     start = scores.state.value
     picks = 0
     while not (met := limits.accurate and limits.met(meter.accuracy)) and bundle * len(scores.places) < (
@@ -164,7 +164,7 @@ def filled(
         rate = np.where(open_to, scores.gains / (cost if limits.timed else 1.0), -np.inf)
         best = first_best(rate, ALIKE)
         gain = scores.enter(best, bundle=bundle)
-        meter, spent = _after(meter, scores, limits), spent + float(cost[best])
+        meter, spent = _after(meter, scores.last, limits), spent + float(cost[best])
         if gain < _STALLED * start and limits.readings is None and limits.budget is None:
             break
     return Trial(scores, setups, spent, met)
@@ -177,9 +177,9 @@ def picked(task: Task, limits: Limits, setups: Setups) -> Places:
     return filled(Scores(pool, task.state), meter, limits, clock(task), setups).scores.places
 
 
-def _after(meter: RunningAccuracy, scores: Scores, limits: Limits) -> RunningAccuracy:
-    """Return the accuracy after the last reading, or the given one where the limits have no target accuracy."""
-    return meter.after(scores.last) if limits.accurate else meter
+def _after(meter: RunningAccuracy, change: LowRank, limits: Limits) -> RunningAccuracy:
+    """Return the accuracy after a reading, or the given one where the limits have no target accuracy."""
+    return meter.after(change) if limits.accurate else meter
 
 
 def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, int], NDArray[np.bool_]]:
@@ -195,23 +195,25 @@ def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, 
     return allowed
 
 
-def openings(scores: Scores, setups: Sequence[int], readings: int) -> list[int]:
-    """Return candidates that make known what set-ups leave open of themselves; none where these are too many.
+def openings(
+    scores: Scores, setups: Sequence[int], readings: int, bundle: int = 1
+) -> tuple[Scores, list[tuple[int, LowRank]]]:
+    """Return the gains after readings that make known what set-ups leave open of themselves, and their changes.
 
     The first reading of a set-up tells little but its zero, the next one on a square how that lies turned: no gain
     would ever open them. One unknown alone is opened by any reading.
-    readings : so many there may be at most
+    readings : so many there may be at most; where more are needed there are none; bundle : how often each is read
     """
     columns = np.unique(np.concatenate([scores.state.observation.unknowns_of(setup) for setup in setups]))
     if len(columns) < 2:
-        return []
-    ahead, found, mine = scores.fork(), list[int](), np.isin(scores.pool.lattice.setups, setups)
+        return scores, []
+    ahead, found = scores.fork(), list[tuple[int, LowRank]]()
     while True:
-        told = np.where(mine, ahead.told(columns), -np.inf)
+        told = ahead.told(columns)
         best = first_best(told, ALIKE)
         if not told[best] > _TOLD:
-            return found
+            return ahead, found
         if len(found) == readings:
-            return []
-        ahead.enter(best)
-        found.append(best)
+            return scores, []
+        ahead.enter(best, bundle)
+        found.append((best, ahead.last))

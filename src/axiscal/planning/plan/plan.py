@@ -4,14 +4,12 @@
     plan.places.poses[0], plan.accuracy.rms, plan.seconds, plan.ratio
 
 Exchange chooses the readings together. It improves a greedy, a space-filling, an evenly spaced and the best random
-design; the best result is the plan. So no plan is worse than one of these. While measuring, `renewed` plans the
-rest.
+design; the best result is the plan. So no plan is worse than one of these.
 
-The rest of a plan, renewed while measuring: from the readings that are still open, by what exchanges still help.
-
-Readings of linear instruments sharpen a belief by their places, not by their values. So the rest of a plan is still the
-plan, as long as each reading is accepted at its planned place. Otherwise the search here begins with it, so that the
-renewed plan is no worse than the old one, and little has to be looked at.
+While measuring, `renewed` plans the rest: from the readings that are still open, by what exchanges still help. Readings
+of linear instruments sharpen a belief by their places, not by their values. So the rest of a plan is still the plan, as
+long as each reading is accepted at its planned place. Otherwise the search here begins with it, so that the renewed
+plan is no worse than the old one, and little has to be looked at.
 """
 
 from __future__ import annotations
