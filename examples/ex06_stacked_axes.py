@@ -11,7 +11,7 @@ from axiscal.ports.paper.stack import greedy, three_joints
 def main() -> dict[str, object]:
     """Return what 19 readings do to J and to the height."""
     stack = three_joints()
-    plan = greedy(stack, stack.joint, 22)
+    plan = greedy(stack, 22)
     height = [variance**0.5 for variance in plan.height_variances]
     single = [(variance / stack.length) ** 0.5 for variance in plan.overall_variances]
     readings = list(range(len(height)))

@@ -18,15 +18,12 @@ from hypothesis import strategies as st
 from axiscal.campaign.sources import Answer, Request, Skip, Source, open_source
 from axiscal.campaign.sources import exec as exec_source
 from axiscal.campaign.sources.exec import ExecSource
-from axiscal.cli.app import run
 from axiscal.exceptions import InputError, ReadingError, SourceError
 from axiscal.machine import Axis
-from axiscal.machine.description import Machine, load_machine, machine_from_text
+from axiscal.machine.description import Machine, load_machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
-from axiscal.ports.linuxcnc.lab import session
-from axiscal.ports.linuxcnc.linuxcnc_source import LinuxcncMachine
 from tests.generators.texts import campaign_text, setup_text
 
 AXES = (Axis.named("X", True, (0.0, 0.6)), Axis.named("C", True, (0.0, math.tau)))
@@ -389,27 +386,7 @@ def test_whatever_number_a_table_holds_is_answered(value: float, unit: str) -> N
 CAMPAIGN = campaign_text("one-axis", setup_text("laser", "interferometer", direction="x"), target={"readings": 3})
 
 
-@pytest.mark.long
-def test_without_linuxcnc_it_says_what_to_install(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(session, "available", lambda: False)
-    (tmp_path / "c.toml").write_text(CAMPAIGN)
-    assert run(["run", str(tmp_path / "c.toml"), "--source", "linuxcnc:1", "--out", str(tmp_path / "out")]) == 1
-    said = " ".join(capsys.readouterr().err.split())
-    assert "LinuxCNC is not installed here. Install the Debian package linuxcnc-uspace" in said
-    assert "0 readings are kept" in said
-
-
-@pytest.mark.parametrize("text", ["linuxcnc:", "linuxcnc:x", "linuxcnc:-1", "linuxcnc:1.5"])
+@pytest.mark.parametrize("text", ["sim:", "sim:x", "sim:-1", "sim:1.5"])
 def test_a_seed_is_a_whole_number(text: str) -> None:
-    with pytest.raises(SourceError, match=r"is not a seed.*linuxcnc:7"):
+    with pytest.raises(SourceError, match=r"is not a seed.*sim:7"):
         open_source(text, Simulator(load_machine("one-axis"), ()))
-
-
-def test_axes_that_linuxcnc_has_not_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    text = 'name = "m"\nchain = "w-b-X-X2-t"\n[tool]\nlength = "1 mm"\n[axes.X]\ntravel = ["0 mm", "1 mm"]\n'
-    machine = machine_from_text(text + '[axes.X2]\ntravel = ["0 mm", "1 mm"]\n[errors]\nEXX = { std = "1 um" }\n')
-    monkeypatch.setattr(session, "available", lambda: True)
-    with pytest.raises(SourceError, match="LinuxCNC has no axis X2"):
-        LinuxcncMachine(Simulator(machine, ()).drawn(0))

@@ -14,11 +14,11 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.lab import Joint, Settings
-from axiscal.ports.linuxcnc.linuxcnc_source import LinuxcncMachine
 from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.units import to_unit
 from tests.linuxcnc.probing import Probe, ball
 from tests.linuxcnc.spheres import TouchedSpheres
+from tests.linuxcnc.virtual import LinuxcncMachine
 
 _SWING = 390.0
 """mm or deg that joints of a machine in TCP mode travel further than others."""

@@ -22,8 +22,8 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.measurement.touched import centred
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available, can_load
-from axiscal.ports.linuxcnc.linuxcnc_source import LinuxcncMachine
-from axiscal.ports.linuxcnc.tables import offer, pivots
+from axiscal.ports.linuxcnc.tables import pivots
+from axiscal.ports.linuxcnc.tables.writer import write
 from axiscal.tables.effect import left_by, table_control
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.registry import export
@@ -31,6 +31,7 @@ from axiscal.tables.table import CompensationTable
 from tests.linuxcnc.built import Build, BuiltMachine
 from tests.linuxcnc.demo import EXAMPLES, FOLDER, MACHINES, Loop, close_loop, description
 from tests.linuxcnc.probing import Probe, Touch, ball, cycle, placed, touched
+from tests.linuxcnc.virtual import LinuxcncMachine
 
 pytestmark = [
     pytest.mark.linuxcnc,
@@ -102,7 +103,7 @@ def test_tables_with_the_wrong_sign_make_it_worse() -> None:
     poses, approaches = spread(estimate)
     tables = export(estimate, "linuxcnc", ExportOptions())
     wrong = [flipped(t) for t in tables.tables]
-    text = {f"{t.axis}.comp": offer(t) for t in wrong if t.over == t.axis}
+    text = {f"{t.axis}.comp": write(t, "deg" if t.rotary else "mm") for t in wrong if t.over == t.axis}
     with LinuxcncMachine(truth, text) as control:
         left = control.seen.deviation(poses, approaches)
     found = truth.deviation(poses, approaches)

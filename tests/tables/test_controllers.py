@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from typing import get_args
@@ -22,19 +23,20 @@ from axiscal.machine.description import Machine, load_machine, machine_from_text
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.tables import pivots
-from axiscal.ports.linuxcnc.tables.cross import Hal
+from axiscal.ports.linuxcnc.tables import exporting, pivots, writer
+from axiscal.ports.linuxcnc.tables.cross import Wiring
 from axiscal.ports.printers import contents, klipper
 from axiscal.tables.controllers import heidenhain, isg, sinumerik
 from axiscal.tables.controllers.fanuc import PitchParameters, increments
 from axiscal.tables.effect import Effect, effect_of_control, rms, tour
 from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.offer import Draft, tried_out
+from axiscal.tables.offer import Draft, spread_poses, tried_out
 from axiscal.tables.registry import CONTROLLERS, export, exporter
 from axiscal.tables.sampling import axis_tables
 from axiscal.tables.surface import Skew
 from axiscal.tables.table import CompensationTable
 from tests.generators.texts import machine_text
+from tests.tables import linuxcnc_model
 
 TOOTHED = machine_text(
     "w-X'-b-Y-Z-t",
@@ -429,9 +431,35 @@ def test_marlin_has_no_backlash_that_runs_ahead() -> None:
     assert all(value > 0 for value in play.values())
 
 
-def test_hal_refuses_what_it_does_not_know() -> None:
-    with pytest.raises(TableError, match="line 2: HAL does not know 'addf nothing servo-thread'"):
-        Hal.load("loadrt sum2 names=a\naddf nothing servo-thread\n")
+@pytest.mark.parametrize("numbers", [{}, {"X": (0,), "Y": (1, 2), "Z": (3,)}])
+def test_motion_and_hal_do_what_linuxcnc_files_say(numbers: dict[str, tuple[int, ...]]) -> None:
+    """Read alone they move axes as the model of LinuxCNC does, slopes of 32 bits and the wiring of HAL included."""
+    estimate, options = known("small")[0], ExportOptions(numbers=numbers)
+    made, machine = exporter("linuxcnc").make(estimate, options), estimate.machine
+    wiring = Wiring(options.joints(machine), {axis.name: axis.speed for axis in machine.axes})
+    poses, ways = spread_poses(estimate)
+    apart = np.abs(linuxcnc_model.control(machine, made.files, wiring)(poses, ways) - made.control(poses, ways))
+    assert np.max(apart) < 1e-9
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda text: "# made by us\n" + text,
+        lambda text: text.replace("\n", "\n\n", 1),
+        lambda text: text.replace(".", ","),
+        lambda text: "".join(f"{a} {c} {b}\n" for a, b, c in map(str.split, text.splitlines())),
+        lambda text: re.sub(r"(\d\d)$", "99", text, count=1, flags=re.MULTILINE),
+        lambda text: re.sub(r"\S+$", "nan", text, count=1, flags=re.MULTILINE),
+        lambda text: re.sub(r"\S+$", "inf", text, count=1, flags=re.MULTILINE),
+    ],
+)
+def test_a_table_that_linuxcnc_reads_differently_is_refused(
+    change: Callable[[str], str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(exporting, "write", lambda table, unit: change(writer.write(table, unit)))
+    with pytest.raises(TableError, match=r"more or less than they should|reads no row|too large for a machine"):
+        export(known("small")[0], "linuxcnc", ExportOptions())
 
 
 @pytest.mark.parametrize(("way", "sign"), [("iso", -1), ("reversed", 1)])

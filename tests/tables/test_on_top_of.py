@@ -376,7 +376,7 @@ def test_what_is_written_is_read_back_as_an_old_compensation(controller: str) ->
 
 
 def test_the_harness_sees_a_reader_that_reads_something_else(monkeypatch: pytest.MonkeyPatch) -> None:
-    control = exporter("linuxcnc")
+    control = exporter("marlin")
     monkeypatch.setattr(type(control), "load", lambda *_: Loaded())
     with pytest.raises(TableError, match="Let load read all that write writes"):
         round_trip(control, known())

@@ -72,7 +72,6 @@ def test_linuxcnc_table(table: CompensationTable, inch: bool) -> None:
     unit = "deg" if table.rotary else "in" if inch else "mm"
     text = writer.write(table, unit)
     kept = writer.parse(text)
-    assert (kept.errors, kept.unread) == ((), None)
     at, forward, reverse = (from_unit(column, unit) for column in (kept.nominal, -kept.forward, -kept.reverse))
     assert writer.write(CompensationTable(table.axis, table.rotary, at, forward, reverse, table.std), unit) == text
 

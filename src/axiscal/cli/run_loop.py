@@ -32,7 +32,7 @@ def run_loop(
         str,
         typer.Option(
             metavar="SOURCE",
-            help="sim, sim:SEED, truth:FILE.csv, csv:FILE, exec:COMMAND, moonraker:HOST, duet:HOST, linuxcnc or "
+            help="sim, sim:SEED, truth:FILE.csv, csv:FILE, exec:COMMAND, moonraker:HOST, duet:HOST or "
             "linuxcnc-live:HOST.",
         ),
     ],

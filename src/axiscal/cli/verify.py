@@ -65,7 +65,7 @@ def verify(
         str | None,
         typer.Option(
             metavar="SOURCE",
-            help="Read without a person: sim:SEED, truth:FILE, linuxcnc:SEED; or by linuxcnc-live:HOST or "
+            help="Read without a person: sim:SEED, truth:FILE; or by linuxcnc-live:HOST or "
             "moonraker:HOST into FOUND and LEFT.",
         ),
     ] = None,
@@ -88,7 +88,7 @@ def verify(
     Examples:
       axiscal verify mill.axiscal --points 12 --plan check.csv
       axiscal verify mill.axiscal --found found.csv --left left.csv --tolerance "5 um"
-      axiscal verify mill.axiscal --source linuxcnc:7 --to linuxcnc
+      axiscal verify mill.axiscal --source sim:7 --to linuxcnc
       axiscal verify mill.axiscal --to linuxcnc-volumetric --source linuxcnc-live --found found.csv --left left.csv
     """
 

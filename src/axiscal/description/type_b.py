@@ -89,13 +89,9 @@ class TypeB:
     least: float = 0.0
     of_values: bool = False
 
-    def size_of(self, read: Read) -> float:
-        """Return the size, as stated or by default."""
-        return dict(read.setup.stated).get(self.name, self.size + self.longer * (read.setup.length or 0.0))
-
     def column(self, read: Read) -> Array:
         """Return what one standard deviation does to each number, (k, r), m or rad."""
-        size = self.size_of(read)
+        size = dict(read.setup.stated).get(self.name, self.size + self.longer * (read.setup.length or 0.0))
         shown = _STDS[self.distribution] * self.effect(read, size)
         highest, lowest = shown.max(axis=1, initial=0.0), shown.min(axis=1, initial=0.0)
         apart = float(np.max(highest - lowest))

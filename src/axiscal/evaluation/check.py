@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources import Answer, Request, Source, moved, virtual_machine
+from axiscal.campaign.sources import Answer, Request, Source, virtual_machine
+from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
@@ -168,19 +169,16 @@ class Check:
         return [before[of == i] for i in each], [after[of == i] for i in each]
 
     def asked(self, source: str, places: Places) -> FoundAndLeft:
-        """Return what a virtual machine shows there; raises SourceError, InputError, ControlError."""
+        """Return what a virtual machine shows there; raises SourceError, InputError."""
         simulator = Simulator(self.description.machine, self.description.setups)
-        return self.read_on(*virtual_machine(source, simulator), places, source.partition(":")[0])
+        return self.read_on(*virtual_machine(source, simulator), places)
 
-    def read_on(self, truth: VirtualMachine, seed: int, places: Places, kind: str = "sim") -> FoundAndLeft:
-        """Return what a given virtual machine shows there.  kind : linuxcnc where that moves it, with the tables"""
-        wanted, tables = requests(self.description, places), self.tables
-        found = moved(kind, truth, seed)
-        if kind == "linuxcnc":
-            left = moved(kind, truth, seed, tables.files)
-        else:
-            left = moved(kind, CommandedMachine.corrected(truth, tables.control), seed)
-        first, second = (_taken(source, wanted, n) for source, n in zip((found, left), _FIRST, strict=True))
+    def read_on(self, truth: VirtualMachine, seed: int, places: Places) -> FoundAndLeft:
+        """Return what a given virtual machine shows there."""
+        wanted = requests(self.description, places)
+        machines = truth, CommandedMachine.corrected(truth, self.tables.control)
+        sources = (SimulatedSource(machine, seed) for machine in machines)
+        first, second = (_taken(source, wanted, n) for source, n in zip(sources, _FIRST, strict=True))
         return first, second
 
     def sheets(self, places: Places, found: Path, left: Path) -> tuple[Sheet, Sheet]:

@@ -1,12 +1,10 @@
 """Where readings come from.
 
-`sim[:SEED]`, `truth:FILE`, `csv:FILE`, `exec:COMMAND`, `linuxcnc[:SEED|:FILE]`,
-`linuxcnc-live[:HOST]`, `moonraker:HOST`, `duet:HOST`.
+`sim[:SEED]`, `truth:FILE`, `csv:FILE`, `exec:COMMAND`, `linuxcnc-live[:HOST]`, `moonraker:HOST`, `duet:HOST`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,11 +15,9 @@ from axiscal.exceptions import SourceError
 if TYPE_CHECKING:
     from axiscal.measurement.simulation import Simulator, VirtualMachine
 
-__all__ = ["Answer", "Request", "Skip", "Source", "moved", "open_source", "virtual_machine"]
+__all__ = ["Answer", "Request", "Skip", "Source", "open_source", "virtual_machine"]
 
-STARTED = "ports.linuxcnc.linuxcnc_source:LinuxcncSource"
-"""What moves a virtual machine by a LinuxCNC that is started for it."""
-VIRTUAL = "sim", "truth", "linuxcnc"
+VIRTUAL = "sim", "truth"
 """Kinds of virtual machines."""
 TRUTH_SEED = 0
 """Seed of the noise and of the set-ups' unknowns on a machine whose errors are given."""
@@ -40,7 +36,9 @@ def open_source(
     """
     kind, _, rest = text.partition(":")
     if kind in VIRTUAL:
-        return moved(kind, *virtual_machine(text, simulator))
+        from axiscal.campaign.sources.source import SimulatedSource
+
+        return SimulatedSource(*virtual_machine(text, simulator))
     if kind == "linuxcnc-live":
         in_force = ours("ports.linuxcnc.live:InForce")(active)
         live: Source = ours("ports.linuxcnc.live:attached_to")(rest, simulator.machine, in_force)
@@ -67,45 +65,33 @@ def open_source(
 
 
 _KINDS = (
-    "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND, linuxcnc:SEED with LinuxCNC, "
-    "linuxcnc-live:HOST with one that runs, and moonraker:HOST and duet:HOST with a printer"
+    "Sources are sim, sim:SEED, truth:FILE.csv, csv:FILE and exec:COMMAND, linuxcnc-live:HOST with a LinuxCNC that "
+    "runs, and moonraker:HOST and duet:HOST with a printer"
 )
 
 
 def virtual_machine(text: str, simulator: Simulator) -> tuple[VirtualMachine, int]:
-    """Return the machine of `sim[:SEED]`, `truth:FILE` or `linuxcnc[:SEED|:FILE]`, and the seed of its noise.
+    """Return the machine of `sim[:SEED]` or `truth:FILE`, and the seed of its noise.
 
     Raises SourceError for anything else, InputError for a file that cannot be used.
     """
     kind, colon, rest = text.partition(":")
     if kind not in VIRTUAL:
         what = "'{kind}' cannot be asked without a person and with tables"
-        raise SourceError(what, "Take sim:SEED, truth:FILE.csv or linuxcnc:SEED", kind=kind[:40])
-    if kind == "truth" and not rest.strip():
-        raise _nothing_named(text, kind)
-    if kind == "truth" or (kind == "linuxcnc" and rest.endswith(".csv")):
+        raise SourceError(what, "Take sim:SEED or truth:FILE.csv", kind=kind[:40])
+    if kind == "truth":
+        if not rest.strip():
+            raise _nothing_named(text, kind)
         return simulator.from_curves(Path(rest), TRUTH_SEED), TRUTH_SEED
-    seed = _seed(rest, kind) if colon else 0
+    seed = _seed(rest) if colon else 0
     return simulator.drawn(seed), seed
-
-
-def moved(kind: str, machine: VirtualMachine, seed: int, files: Mapping[str, str] | None = None) -> Source:
-    """Return a virtual machine as a source: moved by itself, or by a LinuxCNC that loads files."""
-    from axiscal.campaign.sources.source import SimulatedSource
-
-    if kind != "linuxcnc":
-        return SimulatedSource(machine, seed)
-    source: Source = ours(STARTED)(machine, lambda seen: SimulatedSource(seen, seed), files)
-    return source
 
 
 def _nothing_named(text: str, kind: str) -> SourceError:
     return SourceError("the source '{text}' names nothing after '{kind}:'", _KINDS, text=text, kind=kind)
 
 
-def _seed(text: str, kind: str) -> int:
+def _seed(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) <= 18):
-        raise SourceError(
-            "'{text}' is not a seed", "Write a whole number from 0, as in {kind}:7", text=text[:40], kind=kind
-        )
+        raise SourceError("'{text}' is not a seed", "Write a whole number from 0, as in sim:7", text=text[:40])
     return int(text)

@@ -61,7 +61,7 @@ def read_any(path: str | Path) -> tuple[RawReading, ...]:
     file = read_text(path)
     if renishaw.is_rtl(file):
         return of_positioning(renishaw.rtl_positioning(file))
-    if is_survey(file):
+    if file.lines[0].strip().lower() == SURVEY_MARK:
         return survey_readings(file)
     if bed_map.is_height_map(file) or bed_map.is_mesh(file):
         nodes = bed_map.height_map(file) if bed_map.is_height_map(file) else bed_map.mesh(file)
@@ -97,11 +97,6 @@ class _Head:
     setup: str = ""
     base: float | None = None
     division: float | None = None
-
-
-def is_survey(file: TextFile) -> bool:
-    """Return whether the file says that it is a level survey."""
-    return file.lines[0].strip().lower() == SURVEY_MARK
 
 
 def survey_readings(file: TextFile) -> tuple[RawReading, ...]:

@@ -275,17 +275,12 @@ def hal_text(joints: Sequence[int]) -> str:
         "net vc-on motion.motion-enabled => axiscal-vcomp.powered",
     ]
     for joint in sorted(joints):
-        lines += joint_lines(joint)
+        lines += [
+            f"net vc-pos-{joint} joint.{joint}.pos-cmd => axiscal-vcomp.pos-{joint}",
+            f"net vc-mot-{joint} joint.{joint}.motor-pos-cmd => axiscal-vcomp.motor-{joint}",
+            f"net vc-drv-{joint} axiscal-vcomp.drive-{joint}",
+            f"net vc-enc-{joint} axiscal-vcomp.encoder-{joint}",
+            f"net vc-fb-{joint} axiscal-vcomp.feedback-{joint} => joint.{joint}.motor-pos-fb",
+            f"net vc-bl-{joint} joint.{joint}.backlash-corr => axiscal-vcomp.backlash-{joint}",
+        ]
     return "\n".join(lines) + "\n" + SWITCHES
-
-
-def joint_lines(joint: int) -> list[str]:
-    """Return the lines of one joint; the ends at the drive, vc-drv-N and vc-enc-N, are left open."""
-    return [
-        f"net vc-pos-{joint} joint.{joint}.pos-cmd => axiscal-vcomp.pos-{joint}",
-        f"net vc-mot-{joint} joint.{joint}.motor-pos-cmd => axiscal-vcomp.motor-{joint}",
-        f"net vc-drv-{joint} axiscal-vcomp.drive-{joint}",
-        f"net vc-enc-{joint} axiscal-vcomp.encoder-{joint}",
-        f"net vc-fb-{joint} axiscal-vcomp.feedback-{joint} => joint.{joint}.motor-pos-fb",
-        f"net vc-bl-{joint} joint.{joint}.backlash-corr => axiscal-vcomp.backlash-{joint}",
-    ]

@@ -122,52 +122,6 @@ def _points(x: Sequence[float], y: Sequence[float], name: str, colour: str, mode
     return {**_scatter(x, y, mode), **style}
 
 
-def both_criteria(experiment: Experiment) -> list[Figure]:
-    """Return what the paper does not draw: how well one joint, and the height, are known under both criteria."""
-    joint, volume = experiment.stacked, experiment.stacked_volume
-    length, left = joint.stack.length, joint.stack.variance_left
-    one_joint = [[(value / length) ** 0.5 for value in plan.overall_variances] for plan in (joint, volume)]
-    height = [[value**0.5 for value in plan.height_variances] for plan in (joint, volume)]
-    floor = {"type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": (left / length) ** 0.5}
-    floor |= {"y1": floor["y0"], "line": {"color": "var(--soft)", "width": 1.2, "dash": "dash"}}
-    return [
-        _pair(one_joint, "one joint: standard deviation, RMS", [floor]),
-        _pair(height, "height: standard deviation, RMS", []),
-    ]
-
-
-def _pair(lines: list[list[float]], title: str, shapes: list[Figure]) -> Figure:
-    steps = list(range(len(lines[0])))
-    traces = [
-        _points(steps, lines[0], "chosen under joint", "var(--truth)", "lines", width=2.6),
-        _points(steps, lines[1], "chosen under volume", "var(--accent)", "markers"),
-    ]
-    y = axis_style(title, type="log", range=[-2.05, 0.35])
-    drawn = layout(axis_style("readings", dtick=3), y, 330, margin={**_MARGIN, "l": 54})
-    return {"data": traces, "layout": {**drawn, "shapes": [*shapes, {**_KNEE, "x0": 19, "x1": 19}]}}
-
-
-def confounded(experiment: Experiment, readings: int) -> list[Figure]:
-    """Return one joint and the height while all joints move together, after the same readings."""
-    plan, shown = experiment.stacked, experiment.machine
-    belief, functions = shown.beliefs[readings], plan.stack.errors.functions
-    travel = plan.stack.machine.axes[0].travel
-    t = np.linspace(*travel, _POINTS)
-    height = plan.stack.rows(np.tile(t[:, None], len(functions)))
-    one = np.zeros_like(height)
-    one[:, functions[0].columns] = height[:, functions[0].columns]
-    return [
-        _bare(t, belief, one, shown.truth, "S₁(t)", "t"),
-        _bare(t, belief, height, shown.truth, "S₁(t) + S₂(t) + S₃(t)", "t, all joints"),
-    ]
-
-
-def _bare(t: Array, belief: Belief, rows: Array, truth: Array, title: str, x: str) -> Figure:
-    real = _line(t, rows @ truth, "var(--truth)", width=2.2, name="real")
-    drawn = layout(axis_style(x, dtick=2), axis_style(title, range=[-4.6, 4.6], dtick=2), 300, margin=_MARGIN)
-    return {"data": [*_estimate(t, belief, rows), real], "layout": drawn}
-
-
 def render(experiment: Experiment) -> str:
     """Return the page as self-contained HTML."""
     values = {
@@ -175,16 +129,10 @@ def render(experiment: Experiment) -> str:
         "single": list(zip(SHOWN_SINGLE, single_spline(experiment), strict=True)),
         "decrease": [decrease(experiment, logarithmic=logarithmic) for logarithmic in (False, True)],
         "stacked": list(zip(SHOWN_STACKED, stacked(experiment), strict=True)),
-        "both": both_criteria(experiment),
-        "confounded": confounded(experiment, SHOWN_STACKED[-1]),
         "simulated": SIMULATED,
         "variances": experiment.single.overall_variances,
         "stacked_variances": experiment.stacked.overall_variances,
         "heights": [value**0.5 for value in experiment.stacked.height_variances],
-        "left": experiment.stacked.stack.variance_left,
-        "joint_left": (experiment.stacked.stack.variance_left / experiment.stacked.stack.length) ** 0.5,
-        "excess": experiment.lattice_excess,
-        "lattices": experiment.lattice_sizes,
         "last": SHOWN_STACKED[-1],
         "rows": list(enumerate(experiment.single.overall_variances)),
         "positions": experiment.single.positions[:, 0].tolist(),

@@ -42,8 +42,6 @@ SIMULATED = 2000
 """Splines drawn at random: their mean error is known to a few percent."""
 _SEED = 1
 """Any seed: the page is to be the same every time."""
-_LATTICE_SINGLE, _LATTICE_STACKED = 10_001, 41
-"""Points with which the exact step is compared, a side."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -61,11 +59,10 @@ class Simulated:
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """The single spline, and the stacked machine under the paper's criterion and under `volume`."""
+    """The single spline and the stacked machine, under the paper's criterion."""
 
     single: GreedyPlan
     stacked: GreedyPlan
-    stacked_volume: GreedyPlan
 
     @cached_property
     def spline(self) -> Simulated:
@@ -88,30 +85,11 @@ class Experiment:
         truths = self.single.stack.prior.sample(np.random.default_rng(0), SIMULATED)
         return np.array([self.single.squared_errors(truth, seed) for seed, truth in enumerate(truths)])
 
-    @cached_property
-    def lattice_excess(self) -> tuple[float, float]:
-        """The most by which a point of a fine lattice beats a reading chosen; one joint, three joints."""
-        single, stacked = (
-            plan.lattice_excess(points)
-            for plan, points in ((self.single, _LATTICE_SINGLE), (self.stacked, _LATTICE_STACKED))
-        )
-        return float(single.max()), float(stacked.max())
-
-    @property
-    def lattice_sizes(self) -> tuple[int, int]:
-        """How many points these lattices have."""
-        return _LATTICE_SINGLE, _LATTICE_STACKED**3
-
 
 @stage("the readings of the paper's figures")
 def run() -> Experiment:
     """Return the experiment with its readings chosen."""
-    one, three = one_joint(), three_joints()
-    return Experiment(
-        greedy(one, one.joint, SINGLE_READINGS),
-        greedy(three, three.joint, STACKED_READINGS),
-        greedy(three, three.volume, STACKED_READINGS),
-    )
+    return Experiment(greedy(one_joint(), SINGLE_READINGS), greedy(three_joints(), STACKED_READINGS))
 
 
 def document(experiment: Experiment) -> dict[str, object]:
@@ -126,18 +104,19 @@ def document(experiment: Experiment) -> dict[str, object]:
             "mean_squared_error_std": (errors.std(axis=0, ddof=1) / np.sqrt(len(errors))).tolist(),
             "simulated_splines": len(errors),
         },
-        "stacked": {**_sequence(stacked), "J_no_reading_takes_away": stacked.stack.variance_left},
-        "stacked_volume": _sequence(experiment.stacked_volume),
-        "best_lattice_point_over_chosen": {
-            "single_spline": experiment.lattice_excess[0],
-            "stacked": experiment.lattice_excess[1],
+        "stacked": {
+            "positions": stacked.positions.tolist(),
+            "J": stacked.overall_variances,
+            "height_variance": stacked.height_variances,
+            "J_no_reading_takes_away": stacked.stack.variance_left,
         },
     }
 
 
 def table(experiment: Experiment) -> str:
     """Return the same as a table for people."""
-    single, stacked, volume = experiment.single, experiment.stacked, experiment.stacked_volume
+    single, stacked = experiment.single, experiment.stacked
+    heights = [value**0.5 for value in stacked.height_variances]
     mean = experiment.squared_errors.mean(axis=0)
     lines = [
         "One spline, 7 control points, variance of a reading 0.01 (figures 4 and 5)",
@@ -150,11 +129,12 @@ def table(experiment: Experiment) -> str:
         ),
         "",
         "Three stacked joints, variance of a reading 0.0001 (figures 6 and 7)",
-        f"{'':7} {'chosen under joint, the criterion of the paper':<39}   {'chosen under volume'}",
-        f"{'reading':>7} {'joints at':>20} {'J':>9} {'height':>8}   {'joints at':>20} {'J':>9} {'height':>8}",
+        f"{'reading':>7} {'joints at':>20} {'J':>9} {'height':>8}",
         *(
-            f"{k:7d} {at:>20} {a:9.5f} {b:8.5f}   {also:>20} {c:9.5f} {d:8.5f}"
-            for k, (at, a, b, also, c, d) in enumerate(zip(*_columns(stacked), *_columns(volume), strict=True))
+            f"{k:7d} {at:>20} {value:9.5f} {height:8.5f}"
+            for k, (at, value, height) in enumerate(
+                zip(_texts(stacked), stacked.overall_variances, heights, strict=True)
+            )
         ),
         "",
         f"J keeps {stacked.stack.variance_left:.5f}: two combinations of the three constants show in no reading.",
@@ -163,20 +143,8 @@ def table(experiment: Experiment) -> str:
     return "\n".join(lines)
 
 
-def _columns(plan: GreedyPlan) -> tuple[list[str], list[float], list[float]]:
-    return _texts(plan), plan.overall_variances, [v**0.5 for v in plan.height_variances]
-
-
 def _texts(plan: GreedyPlan) -> list[str]:
     return ["–", *(" ".join(f"{x:.4f}"[:6] for x in position) for position in plan.positions)]
-
-
-def _sequence(plan: GreedyPlan) -> dict[str, object]:
-    return {
-        "positions": plan.positions.tolist(),
-        "J": plan.overall_variances,
-        "height_variance": plan.height_variances,
-    }
 
 
 def _simulated(plan: GreedyPlan, seed: int) -> Simulated:
@@ -257,10 +225,6 @@ class Stack:
         """Return what readings at poses would see.  poses : (m, q) m; returns (m, size)."""
         return self.observation.rows(0, poses, np.ones_like(poses)).rows
 
-    def overall_variance(self, belief: Belief) -> float:
-        """Return the paper's J (B&H eq. 26, 36), in its units: variance times length."""
-        return self.joint.value(belief.factor) / UNIT**3
-
     def height_variance(self, belief: Belief) -> float:
         """Return the mean variance of the height over the travel, paper units."""
         return self.volume.value(belief.factor) / UNIT**2
@@ -296,8 +260,8 @@ class GreedyPlan:
 
     @property
     def overall_variances(self) -> list[float]:
-        """J before the first reading and after each."""
-        return [self.stack.overall_variance(belief) for belief in self.beliefs]
+        """The paper's J (B&H eq. 26, 36), before the first reading and after each."""
+        return [self.stack.joint.value(belief.factor) / UNIT**3 for belief in self.beliefs]
 
     @property
     def height_variances(self) -> list[float]:
@@ -326,19 +290,6 @@ class GreedyPlan:
         squares: Array = np.sum((errors @ self.stack.joint.matrix.T) ** 2, axis=1) / UNIT**3
         return squares
 
-    def lattice_excess(self, points: int) -> Array:
-        """Return by how much the best of an even lattice gains more than each reading chosen, relative to it: (m,).
-
-        points : of the lattice along each joint; negative where the reading chosen is better
-        """
-        along = [np.linspace(*axis.travel, points) for axis in self.stack.machine.axes]
-        rows = self.stack.rows(np.stack([g.ravel() for g in np.meshgrid(*along, indexing="ij")], axis=1))
-        excess = [
-            np.max(_gains(before, rows, self.stack)) / _gains(before, row[None], self.stack)[0] - 1
-            for before, row in zip(self.beliefs, self.rows, strict=False)
-        ]
-        return np.array(excess)
-
 
 def one_joint() -> Stack:
     """Return the paper's single spline: seven control points on 0 to 10, readings of variance 0.01."""
@@ -350,19 +301,11 @@ def three_joints() -> Stack:
     return Stack(load_machine("paper-three-stacked"), std=0.01)
 
 
-def greedy(stack: Stack, root: Root, count: int) -> GreedyPlan:
+def greedy(stack: Stack, count: int) -> GreedyPlan:
     """Return so many readings, each chosen to make tr(VᵀV C) least (B&H eq. 27, 37)."""
     steps, beliefs = [], [stack.prior]
     for _ in range(count):
-        step = best_step(Knowledge(stack.observation, beliefs[-1]), root, stack.candidates)
+        step = best_step(Knowledge(stack.observation, beliefs[-1]), stack.joint, stack.candidates)
         steps.append(step)
         beliefs.append(beliefs[-1].update(step.row, 0.0, step.variance))
     return GreedyPlan(stack, np.array([s.pose for s in steps]), np.array([s.row for s in steps]), tuple(beliefs))
-
-
-def _gains(belief: Belief, rows: Array, stack: Stack) -> Array:
-    """Return ΔJ of readings under the paper's criterion."""
-    along = rows @ belief.factor
-    reach = along @ stack.joint.of(belief.factor).T
-    gains: Array = np.sum(reach**2, axis=1) / (stack.setup.noise**2 + np.sum(along**2, axis=1))
-    return gains

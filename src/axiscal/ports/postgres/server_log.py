@@ -148,7 +148,7 @@ class ServerLog(EventLog):
         except RecordError:  # it may follow what has been written since
             return None
         try:
-            if not insert_at_once(self._database, self.entry.id, known, texts):
+            if not self._database.at_once(_INSERT, **_inserted(self.entry.id, known, texts)):
                 return None
         except OvertakenError:
             return None
@@ -262,11 +262,6 @@ def insert(database: Database, campaign: str, last: int, texts: Sequence[Chained
     """Add events behind the last one of a campaign, within a transaction."""
     if texts:
         database.rows(_INSERT, **_inserted(campaign, last, texts))
-
-
-def insert_at_once(database: Database, campaign: str, last: int, texts: Sequence[ChainedText]) -> bool:
-    """Do the same in one transaction if the connection is ready, and return whether; as `Database.at_once`."""
-    return database.at_once(_INSERT, **_inserted(campaign, last, texts))
 
 
 def _inserted(campaign: str, last: int, texts: Sequence[ChainedText]) -> dict[str, object]:

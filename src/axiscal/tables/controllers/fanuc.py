@@ -81,14 +81,9 @@ class PitchParameters:
         return self.reference - self.begin
 
     @property
-    def detection(self) -> float:
-        """The detection unit, m or rad."""
-        return DETECTION[self.rotary]
-
-    @property
     def step(self) -> float:
         """The motion that an entry of 1 makes, m or rad."""
-        return self.magnification * self.detection
+        return self.magnification * DETECTION[self.rotary]
 
     @property
     def numbers(self) -> range:

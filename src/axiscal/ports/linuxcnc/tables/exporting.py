@@ -20,9 +20,7 @@ from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import cross, pivots
-from axiscal.ports.linuxcnc.tables.cross import Hal
-from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, correction, notes, offer, parse, resolution
-from axiscal.tables.effect import Control
+from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, notes, parse, resolution, write
 from axiscal.tables.export_options import ExportOptions
 from axiscal.tables.exporter import TableFormat, Written, summed
 from axiscal.tables.loaded import Loaded, Lookup, OldFile, both_ways
@@ -30,7 +28,7 @@ from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table
 from axiscal.tables.surface import sum_of
 from axiscal.tables.table import CompensationTable
-from axiscal.units import from_unit, to_unit
+from axiscal.units import from_unit
 
 _CURVE = re.compile(r"setp\s+\S*?\b([a-z][0-9]?)-([a-z][0-9]?)\.([xy])-val-(\d+)\s+(\S+)")
 
@@ -89,28 +87,20 @@ class Linuxcnc(TableFormat):
         return (*own, *(t.averaged() for t in across))  # a lincurve has no direction
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
-        """Return the files, each table tried on what LinuxCNC makes of it."""
-        wiring = _wiring(machine, options)
+        """Return the files."""
+        wiring = cross.Wiring(options.joints(machine), {axis.name: axis.speed for axis in machine.axes}, options.unit)
         own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
         files, said = dict[str, str](), dict[str, None]()
         for table in own:
             axis, unit = machine.axis(table.axis), _unit(table, options)
-            files[f"{table.axis}.comp"] = offer(table, unit)
+            files[f"{table.axis}.comp"] = write(table, unit)
             said |= dict.fromkeys(notes(table, unit, wiring.joints[table.axis], axis.acceleration))
         files |= {_HAL_FILE: cross.write(over, wiring)} if over else {}
         return Written(files, _resolution(own, over, options), (*said, *_hal_notes(machine, over)))
 
-    def held(self, written: Written, machine: Machine, options: ExportOptions) -> Control:
-        """Return what LinuxCNC does with the files once all joints are homed, by a model of it and of its HAL."""
-        return control(machine, written.files, _wiring(machine, options))
-
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what files did, by what they say alone; raises TableError."""
         return Loaded(tuple(loaded(files, machine, options)))
-
-
-def _wiring(machine: Machine, options: ExportOptions) -> cross.Wiring:
-    return cross.Wiring(options.joints(machine), {axis.name: axis.speed for axis in machine.axes}, options.unit)
 
 
 def _pivots(estimate: Estimate) -> pivots.Pivots:
@@ -130,49 +120,6 @@ def _without(estimate: Estimate, names: Sequence[str]) -> Estimate:
         if name in estimate.model.names:
             mean[estimate.model.names[name].columns] = 0.0
     return replace(estimate, belief=Belief(mean, estimate.belief.covariance, estimate.belief.degrees))
-
-
-def control(machine: Machine, files: Mapping[str, str], wiring: cross.Wiring) -> Control:
-    """Return what LinuxCNC does with the files once all joints are homed."""
-    own = {axis.name: parse(files[f"{axis.name}.comp"]) for axis in machine.axes if f"{axis.name}.comp" in files}
-    hal = Hal.load(files.get(_HAL_FILE, ""))
-    units = ["deg" if axis.rotary else wiring.unit for axis in machine.axes]
-
-    def added(poses: Array, approaches: Array) -> Array:
-        shown = np.stack([to_unit(column, u) for column, u in zip(poses.T, units, strict=True)], axis=1)
-        motors = np.stack([_motor(own.get(a.name), shown[:, k], approaches[:, k]) for k, a in enumerate(machine.axes)])
-        driven = _through(hal, machine, wiring, shown.T, motors)
-        return np.stack([from_unit(t - s, u) for t, s, u in zip(driven, shown.T, units, strict=True)], axis=1)
-
-    return added
-
-
-def _motor(table: LinuxcncTable | None, shown: Array, approach: Array) -> Array:
-    if table is None:
-        return shown
-    sides = [correction(table, shown, side) for side in (1, -1)]
-    return shown + np.where(approach > 0, *sides)
-
-
-def _through(hal: Hal, machine: Machine, wiring: cross.Wiring, shown: Array, motors: Array) -> Array:
-    """Return where the drives are sent, (q, m), after HAL has added its part.
-
-    Raises TableError when the joints of one axis would not go together.
-    """
-    given: dict[str, Array] = {"motion.is-all-homed": np.ones(1)}
-    for k, axis in enumerate(machine.axes):
-        for joint in wiring.joints[axis.name]:
-            given |= {f"joint.{joint}.pos-cmd": shown[k], f"joint.{joint}.motor-pos-cmd": motors[k]}
-    signals = hal.run(given)
-    driven = np.empty_like(motors)
-    for k, axis in enumerate(machine.axes):
-        labels = wiring.labels(axis.name).values()
-        each = np.stack([signals.get(f"axiscal-{label}-motor", motors[k]) for label in labels])
-        if not np.all(each == each[0]):
-            remedy = "this is a defect of axiscal"
-            raise TableError("the joints of {axis} would not go together", remedy, axis=axis.name)
-        driven[k] = each[0]
-    return driven
 
 
 def _unit(table: CompensationTable, options: ExportOptions) -> str:

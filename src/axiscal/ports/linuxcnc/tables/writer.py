@@ -1,8 +1,6 @@
 """A `COMP_FILE` of Type 0: rows `nominal actual_forward actual_reverse` in machine units.
 
-How LinuxCNC itself reads a `COMP_FILE`, and what it then adds to the command.
-
-A model of three functions, which checks nothing that LinuxCNC does not check:
+How it reads, which checks nothing that LinuxCNC does not check:
 
 - usrmotLoadComp: fgets of 254 bytes, sscanf "%lf %lf %lf"; the first line that does not match ends the file
 - EMCMOT_SET_JOINT_COMP: rows must increase, 256 of them
@@ -19,7 +17,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from axiscal.exceptions import TableError
-from axiscal.language.spoken import either_of
 from axiscal.numerics import Array
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity, from_unit, to_unit
@@ -41,59 +38,36 @@ class LinuxcncTable:
     """A file as LinuxCNC keeps it, in machine units.
 
     nominal : (n,); forward, reverse : (n,) trims, nominal minus actual, that are added to the command
-    errors : what it reports to the operator; unread : the line at which it stopped in silence, None at the end
     """
 
     nominal: Array
     forward: Array
     reverse: Array
-    errors: tuple[str, ...]
-    unread: int | None
 
 
-def parse(text: str, joint: int = 0, file_type: int = 0) -> LinuxcncTable:
+def parse(text: str, file_type: int = 0) -> LinuxcncTable:
     """Read a file as LinuxCNC does; whatever the text is, LinuxCNC starts with some table, and so it is given here.
 
     file_type : COMP_FILE_TYPE; 0 holds actual positions, any other number the trims themselves
     """
     rows: list[tuple[float, float, float]] = []
-    errors: list[str] = []
-    unread = None
-    for line, chunk in _chunks(text.encode("utf-8", "surrogatepass")):
-        found = _TRIPLET.match(chunk)
-        if found is None:
-            unread = line
+    for chunk in _chunks(text.encode("utf-8", "surrogatepass")):
+        if (found := _TRIPLET.match(chunk)) is None:
             break
         nominal, forward, reverse = map(_number, found.groups())
-        if len(rows) >= ROWS:
-            errors.append(f"joint {joint}: too many compensation entries")
-        elif nominal <= (rows[-1][0] if rows else -np.finfo(np.float64).max):
-            errors.append(f"joint {joint}: compensation values must increase")
-        else:
+        if len(rows) < ROWS and nominal > (rows[-1][0] if rows else -np.finfo(np.float64).max):
             rows.append((nominal, forward, reverse) if file_type else (nominal, nominal - forward, nominal - reverse))
     columns = np.array(rows, dtype=np.float64).reshape(-1, 3).T
     with np.errstate(over="ignore"):
         trims = columns[1:].astype(np.float32).astype(np.float64)
-    return LinuxcncTable(columns[0], trims[0], trims[1], tuple(errors), unread)
+    return LinuxcncTable(columns[0], trims[0], trims[1])
 
 
-def correction(table: LinuxcncTable, position: Array, direction: int) -> Array:
-    """Return what is added to the command at joint positions (m,), moving in direction +1 or -1, machine units."""
-    trims = (table.forward if direction > 0 else table.reverse).astype(np.float32)
-    if trims.size == 0:
-        return np.zeros(np.shape(position))
-    slopes = np.append((np.diff(trims) / np.diff(table.nominal)).astype(np.float32), np.float32(0))
-    at = np.searchsorted(table.nominal, position, side="right") - 1
-    within = np.maximum(at, 0)
-    inside = trims[within] + slopes[within].astype(np.float64) * (position - table.nominal[within])
-    return np.where(at < 0, np.float64(trims[0]), inside)
-
-
-def _chunks(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """Yield line number and bytes of each fgets, cut at a zero byte as C strings are."""
-    for number, line in enumerate(re.findall(rb"[^\n]*\n|[^\n]+", data), 1):
+def _chunks(data: bytes) -> Iterator[bytes]:
+    """Yield the bytes of each fgets, cut at a zero byte as C strings are."""
+    for line in re.findall(rb"[^\n]*\n|[^\n]+", data):
         for start in range(0, len(line), _CHUNK):
-            yield number, line[start : start + _CHUNK].partition(b"\0")[0]
+            yield line[start : start + _CHUNK].partition(b"\0")[0]
 
 
 def _number(text: bytes) -> float:
@@ -115,9 +89,8 @@ STEEPEST = 0.5
 """Largest slope: LinuxCNC adds at most half of the axis' speed for the correction (control.c, compute_screw_comp)."""
 
 
-def write(table: CompensationTable, unit: str | None = None) -> str:
-    """Return the text; `unit` is the machine's, mm (default) or in, deg.  Raises TableError if it does not fit."""
-    unit = _machine_unit(table, unit)
+def write(table: CompensationTable, unit: str) -> str:
+    """Return the text; `unit` is the machine's, mm or in, deg.  Raises TableError if it does not fit."""
     _refuse_what_it_cannot_hold(table)
     nominal = to_unit(table.positions, unit)
     forward, reverse = (nominal + to_unit(side, unit) for side in (table.forward, table.reverse))
@@ -126,59 +99,10 @@ def write(table: CompensationTable, unit: str | None = None) -> str:
     return "".join("{:.6f} {:.6f} {:.6f}\n".format(*row) for row in columns.T)
 
 
-def verify(text: str, table: CompensationTable, unit: str | None = None) -> float:
-    """Return the largest error (m or rad) that LinuxCNC would leave of the table; raises TableError if it is too large.
-
-    Both are piecewise linear, so the largest difference is at a point of one of them, or just before it: LinuxCNC's
-    slopes have 32 bits and do not quite lead to the next point.
-    """
-    unit = _machine_unit(table, unit)
-    parsed = parse(text)
-    finite = bool(np.all(np.isfinite([parsed.nominal, parsed.forward, parsed.reverse])))
-    if parsed.errors or parsed.unread is not None or not finite or len(parsed.nominal) != len(table.positions):
-        what = "LinuxCNC would not read the table of {axis} as meant: it keeps {kept} of {count} rows"
-        what = "LinuxCNC would not read the table of {axis} as meant: {reason}" if parsed.errors else what
-        if not finite:
-            what = "LinuxCNC would not read the table of {axis} as meant: it holds numbers that are not finite"
-        kept, count, reason = len(parsed.nominal), len(table.positions), "; ".join(parsed.errors)
-        raise TableError(what, _REPORT, axis=table.axis, kept=kept, count=count, reason=reason)
-    points = np.union1d(parsed.nominal, to_unit(table.positions, unit))
-    points = np.r_[points, np.nextafter(points, -np.inf)]
-    worst = max(float(np.max(np.abs(_left(parsed, table, points, side, unit)))) for side in (1, -1))
-    if not worst <= resolution(table, unit):
-        what = "LinuxCNC would leave {left} of the deviation of {axis} with this file"
-        raise TableError(what, _REPORT, left=table.shown(worst), axis=table.axis)
-    return worst
-
-
-def offer(table: CompensationTable, unit: str | None = None) -> str:
-    """Return the text, read back and applied; raises TableError when it would not correct the axis."""
-    text = write(table, unit)
-    verify(text, table, unit)
-    return text
-
-
 def resolution(table: CompensationTable, unit: str) -> float:
     """Return what rounding may leave, m or rad: six decimals in both columns, trims kept in 32 bits."""
     largest = max(float(np.max(np.abs(table.forward))), float(np.max(np.abs(table.reverse))))
     return float(from_unit(2e-6, unit)) + 3e-7 * largest
-
-
-_REPORT = "do not load it: this is a defect of axiscal, please report it"
-
-
-def _machine_unit(table: CompensationTable, unit: str | None) -> str:
-    known = ("deg",) if table.rotary else ("mm", "in")
-    unit = unit or known[0]
-    if unit not in known:
-        what, remedy = "{axis} has no table in {unit!r}", "the unit of the machine can be {known}"
-        raise TableError(what, remedy, axis=table.axis, unit=unit, known=either_of(known))
-    return unit
-
-
-def _left(parsed: LinuxcncTable, table: CompensationTable, points: Array, side: int, unit: str) -> Array:
-    """Return the deviation plus its correction, m or rad (m,), at points in machine units."""
-    return table.deviation(from_unit(points, unit), side) + from_unit(correction(parsed, points, side), unit)
 
 
 def _refuse_what_it_cannot_hold(table: CompensationTable) -> None:

@@ -1,4 +1,4 @@
-"""`linuxcnc[:SEED|:FILE]`: a virtual machine that is moved by a real LinuxCNC.
+"""A virtual machine that is moved by a real LinuxCNC.
 
 LinuxCNC makes every move; where it sends the motors, the hidden errors of the virtual machine are added. Tables that
 are loaded into it act as they would on the shop floor.
@@ -7,18 +7,18 @@ are loaded into it act as they would on the shop floor.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Self
+from collections.abc import Mapping
+from typing import Self
 
-from axiscal.campaign.sources.source import Answer, Request, Skip, Source
+import numpy as np
+
 from axiscal.exceptions import ControlError, SourceError
+from axiscal.machine import Axis
+from axiscal.measurement.simulation import VirtualMachine
+from axiscal.numerics import Array
+from axiscal.ports.linuxcnc.lab import Joint, Session, Settings
+from axiscal.tables.effect import CommandedMachine
 from axiscal.units import to_unit
-
-if TYPE_CHECKING:
-    from axiscal.machine import Axis
-    from axiscal.measurement.simulation import VirtualMachine
-    from axiscal.numerics import Array
-    from axiscal.ports.linuxcnc.lab import Joint, Session, Settings
 
 _ORDER = "XYZABCUVW"
 _OVERRUN = 2.0
@@ -40,9 +40,6 @@ class LinuxcncMachine:
     """
 
     def __init__(self, truth: VirtualMachine, tables: Mapping[str, str] | None = None) -> None:
-        from axiscal.ports.linuxcnc.lab import Session
-        from axiscal.tables.effect import CommandedMachine
-
         self._machine = truth.model.machine
         self._axes = sorted(range(len(self._machine.axes)), key=lambda k: _ORDER.index(_letter(self._machine.axes[k])))
         settings = self._settings(tables or {})
@@ -56,8 +53,6 @@ class LinuxcncMachine:
 
         LinuxCNC is not moved where it stands already.
         """
-        import numpy as np
-
         last = self._last
         if last is not None and np.array_equal(poses, last[0]) and np.array_equal(approaches, last[1]):
             return last[2]
@@ -100,8 +95,6 @@ class LinuxcncMachine:
     @property
     def _overrun(self) -> Array:
         """How far before a target each axis is come from, (q,) m or rad."""
-        import numpy as np
-
         return np.array([_OVERRUN / to_unit(1.0, axis.unit) for axis in self._machine.axes])
 
     @property
@@ -111,8 +104,6 @@ class LinuxcncMachine:
 
     def _codes(self, pose: Array, signs: Array) -> list[str]:
         """Return a move beside the pose and one to it; axes without a direction come upwards."""
-        import numpy as np
-
         before = pose - np.where(signs == 0, 1.0, np.sign(signs)) * self._overrun
         return [self._code(at) for at in (before, pose)]
 
@@ -126,8 +117,6 @@ class LinuxcncMachine:
 
     def _joints(self, files: Mapping[str, str]) -> list[Joint]:
         """Return the joints in the order of their numbers, with their tables."""
-        from axiscal.ports.linuxcnc.lab import Joint
-
         found = []
         for axis in (self._machine.axes[k] for k in self._axes):
             low, high = (to_unit(end, axis.unit) for end in (min(axis.travel[0], 0.0), max(axis.travel[1], 0.0)))
@@ -136,37 +125,7 @@ class LinuxcncMachine:
 
     def _settings(self, files: Mapping[str, str]) -> Settings:
         """Return what LinuxCNC is given besides its joints."""
-        from axiscal.ports.linuxcnc.lab import Settings
-
         return Settings.loading(files)
-
-
-class LinuxcncSource:
-    """The machine as a source: LinuxCNC starts with the first reading.
-
-    simulated : makes the source that reads a virtual machine; tables : as of `LinuxcncMachine`
-    """
-
-    def __init__(
-        self,
-        truth: VirtualMachine,
-        simulated: Callable[[VirtualMachine], Source],
-        tables: Mapping[str, str] | None = None,
-    ) -> None:
-        self._truth, self._simulated, self._tables = truth, simulated, tables
-        self._running: tuple[LinuxcncMachine, Source] | None = None
-
-    def read(self, request: Request) -> Answer | Skip:
-        """Return the reading; raises ControlError."""
-        if self._running is None:
-            machine = LinuxcncMachine(self._truth, self._tables)
-            self._running = machine, self._simulated(machine.seen)
-        return self._running[1].read(request)
-
-    def close(self) -> None:
-        """Stop LinuxCNC; may be called twice."""
-        if self._running is not None:
-            self._running[0].close()
 
 
 def _letter(axis: Axis) -> str:
