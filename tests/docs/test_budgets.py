@@ -29,7 +29,7 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(67_305, 50_000),
+    "lines of src": Budget(66_742, 50_000),
     "files of src": Budget(365, 340),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(38, 15),

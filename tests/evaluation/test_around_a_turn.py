@@ -10,8 +10,8 @@ import pytest
 from scipy.optimize import minimize
 
 from axiscal.cli import app
-from axiscal.evaluation import circular, evaluate, read_iso230
-from axiscal.evaluation.circle import CircularTest
+from axiscal.evaluation.circle import CircularTest, circular
+from axiscal.evaluation.one_axis import evaluate, read_iso230
 from axiscal.exceptions import EvaluationError
 from axiscal.numerics import Array
 

@@ -55,7 +55,7 @@ def _laser() -> tuple[Case, list[Reading]]:
 def test_positioning_is_that_of_the_estimate_from_both_sides() -> None:
     case, readings = _laser()
     known = concluded(case, readings)
-    (curve,) = positioning_curves(case.description, readings, known)
+    (curve,) = positioning_curves(known)
     estimate, axis = known.estimate(), case.description.machine.axes[0]
     at = np.linspace(*axis.travel, len(curve.position))
     np.testing.assert_allclose(curve.position, 1e3 * at, atol=1e-9)
@@ -70,7 +70,7 @@ def test_positioning_is_that_of_the_estimate_from_both_sides() -> None:
 def test_tables_that_do_nothing_leave_the_positioning_that_was_found() -> None:
     case, readings = _laser()
     idle: Control = _idle
-    (curve,) = positioning_curves(case.description, readings, concluded(case, readings), "none", idle)
+    (curve,) = positioning_curves(concluded(case, readings), "none", idle)
     assert curve.left is not None
     np.testing.assert_allclose(curve.left, curve.found, atol=1e-9)
     lines = [trace for trace in positioning_figure(curve)["data"] if "line" in trace]
@@ -91,13 +91,13 @@ def test_a_circle_shows_the_readings_without_their_centre() -> None:
         Reading("bar", tuple(pose.tolist()), (1, 1, 1), float(v)) for pose, v in zip(poses, values, strict=True)
     ]
     known = concluded(case, readings)
-    (circle,) = ball_bar_circles(case.description, readings, known, "none", _idle)
+    (circle,) = ball_bar_circles(known, "none", _idle)
     assert circle.plane == "xy"
     np.testing.assert_allclose(circle.angle, np.degrees(angles), atol=1e-6)
     np.testing.assert_allclose(circle.read, 1e6 * oval, atol=1e-6)
     np.testing.assert_allclose(circle.left or (), circle.found, atol=1e-9)
-    assert ball_bar_circles(case.description, readings[:7], known) == []
-    assert ball_bar_circles(case.description, readings[:9], known) == []  # half a turn
+    assert ball_bar_circles(concluded(case, readings[:7])) == []
+    assert ball_bar_circles(concluded(case, readings[:9])) == []  # half a turn
 
 
 @pytest.mark.parametrize("size", [0.3, 7.0, 180.0])

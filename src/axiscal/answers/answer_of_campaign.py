@@ -74,7 +74,9 @@ def answer_of(
     verdict = _verdict(known, volume, lines)
     if verdict == "measured" and coming:
         verdict = "more"
-    more, minutes = (0, 0.0) if verdict != "more" else _planned(campaign) if coming else _more(known, volume, lines)
+    more, minutes = (0, 0.0) if verdict != "more" else _more(known, volume, lines)
+    if verdict == "more" and coming:
+        more, minutes = len(coming), to_unit(campaign.seconds(coming) - campaign.seconds(), "min")
     seconds = known.timed.seconds if campaign.state.clocked is None else campaign.state.clocked
     axes, withheld = known.stated.description.machine.axes, known.agreement.withheld and not anyway
     return ResultAnswer(
@@ -187,11 +189,6 @@ def unreachable(volume: Sequence[Aim], lines: Sequence[Aim]) -> list[Aim]:
     """Return what endless readings would not reach: of the volume the first, where none can be, and each such row."""
     hopeless = not any(aim.reached or aim.reachable for aim in volume)
     return [*(volume[:1] if hopeless else ()), *(aim for aim in lines if not aim.reachable)]
-
-
-def _planned(campaign: Campaign) -> tuple[int, float]:
-    """Return how many readings are planned yet, and their minutes."""
-    return len(campaign.state.coming), to_unit(campaign.seconds(campaign.state.coming) - campaign.seconds(), "min")
 
 
 def _more(known: Estimation, volume: Sequence[Aim], lines: Sequence[Aim]) -> tuple[int, float]:

@@ -21,7 +21,7 @@ from axiscal.description.campaign import stands_with_others
 from axiscal.document import shown
 from axiscal.exceptions import RecordError
 from axiscal.measurement.reading import Reading
-from axiscal.record.events import Mounted, State, fold
+from axiscal.record.events import Mounted, fold
 from axiscal.record.log import ChainedText, EventLog, campaign_of, shared_events
 
 _NOTE = "readings of the branch {branch} taken over, up to its event {last}"
@@ -68,7 +68,9 @@ def adopted(
     undone = {reading.number or 0 for reading in set(before.written) - set(now.written)}
     if shared == len(theirs):
         return Adopted(0, shared, ())
-    since = _taken_until(campaign.state, theirs) or shared
+    found = [(int(each["last"]), each["branch"]) for note in campaign.state.notes if (each := _NOTED.match(note.text))]
+    known = [last for last, name in found if 0 < last <= len(theirs) and theirs[last - 1].chain.startswith(name)]
+    since = max(known, default=None) or shared
     there = fold(branch.events()[:since])
     names = _names_here(campaign.state.mounted, now.mounted, mine[shared:], theirs[shared:])
     taken = _without(there.written, before.written)
@@ -143,13 +145,6 @@ def _not_among(readings: Iterable[Reading], here: Iterable[Reading]) -> tuple[Re
         else:
             found.append(reading)
     return tuple(found)
-
-
-def _taken_until(state: State, theirs: Sequence[ChainedText]) -> int | None:
-    """Return up to which of the events of a branch its readings were taken over; None where none were."""
-    found = [(int(each["last"]), each["branch"]) for note in state.notes if (each := _NOTED.match(note.text))]
-    known = [last for last, name in found if 0 < last <= len(theirs) and theirs[last - 1].chain.startswith(name)]
-    return max(known, default=None)
 
 
 def _refuse_shared(both: Iterable[str], path: Path) -> None:

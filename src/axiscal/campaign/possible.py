@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 import platform
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from axiscal import __version__
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
@@ -18,7 +17,7 @@ from axiscal.measurement.place import Place
 from axiscal.measurement.reading import LARGEST, Reading
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.accepted import Accepted
-from axiscal.record.events import Asked, Created, Event, Mounted, Planned, Recorded, Stored
+from axiscal.record.events import Asked, Created, Event, Mounted, Planned, Recorded
 from axiscal.record.log import EventLog
 from axiscal.record.store import restoring
 from axiscal.units import format_quantity
@@ -46,7 +45,12 @@ def described(record: EventLog) -> CampaignDescription:
     if created is None:
         raise RecordError("The record is empty", "Start a campaign with `axiscal step start`", record.path)
     description = created_description(created)
-    _refuse_impossible(record.events(), description, record.path)
+    possible = Possible.of(description)
+    for stored in record.events():
+        if fault := possible.fault(stored.event):
+            what = "The record is damaged: event {number} cannot be: {reason}"
+            raise RecordError(what, restoring(record.path), record.path, number=stored.number, reason=fault)
+        possible = possible.after(stored.event)
     return with_mounted(description, record.state().mounted)
 
 
@@ -123,15 +127,6 @@ def _refuse_other_count(setup: Setup, count: int) -> None:
     several = "Give one from each station in its order" if setup.stations else "Give the values along x, y and z"
     remedy = several if values > 1 else "Give one value"
     raise ReadingError(what, remedy, instrument=setup.instrument, values=values, count=count)
-
-
-def _refuse_impossible(events: Iterable[Stored], description: CampaignDescription, path: Path) -> None:
-    possible = Possible.of(description)
-    for stored in events:
-        if fault := possible.fault(stored.event):
-            what = "The record is damaged: event {number} cannot be: {reason}"
-            raise RecordError(what, restoring(path), path, number=stored.number, reason=fault)
-        possible = possible.after(stored.event)
 
 
 @dataclass(frozen=True, slots=True)

@@ -99,7 +99,7 @@ def _runs(content: bytes) -> list[_Run]:
         if line.chain in seen:  # a block that stands here twice
             continue
         seen.add(line.chain)
-        before = next((run for run in reversed(runs) if _follows(_last(run), line)), None)
+        before = next((run for run in reversed(runs) if chained(_last(run).chain, line.row) == line.chain), None)
         if before is not None:
             before[next(reversed(before)) + 1] = line
         elif _one_between(content, _last(latest), line):
@@ -114,10 +114,6 @@ def _runs(content: bytes) -> list[_Run]:
 
 def _last(run: _Run) -> WholeLine:
     return run[next(reversed(run))]
-
-
-def _follows(before: WholeLine, line: WholeLine) -> bool:
-    return chained(before.chain, line.row) == line.chain
 
 
 def _one_between(content: bytes, before: WholeLine, behind: WholeLine) -> bool:
@@ -220,7 +216,10 @@ def salvaged(path: Path, new: Path, beginning: EventText | None = None) -> Salva
     created = _created(entries, path)
     rows, left = _fitting(entries, created_description(created), path)
     missing = _missing_words(found, replaced)
-    note = Noted(_note(path, len(rows), missing, left))
+    said = [*missing, *left]
+    more = [f"and {len(said) - _MOST} more"] if len(said) > _MOST else []
+    listed = "; ".join([*said[:_MOST], *more]) or "nothing"
+    note = Noted(f"salvaged from {path.name}, {len(rows)} events, numbered anew. Missing: {listed}")
     with Record.made(new, [*rows, *rows_of([note])]) as record:
         return Salvaged(record.state(), len(rows), missing, left)
 
@@ -307,10 +306,3 @@ def _missing_words(found: Standing, replaced: bool) -> tuple[str, ...]:
     if not found.ends:
         words.append("both marks of its end: events behind the last one may be missing, too")
     return tuple(words)
-
-
-def _note(path: Path, entries: int, missing: tuple[str, ...], left: tuple[str, ...]) -> str:
-    said = [*missing, *left]
-    more = [f"and {len(said) - _MOST} more"] if len(said) > _MOST else []
-    listed = "; ".join([*said[:_MOST], *more]) or "nothing"
-    return f"salvaged from {path.name}, {entries} events, numbered anew. Missing: {listed}"

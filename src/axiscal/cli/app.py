@@ -11,7 +11,7 @@ import gc
 import os
 import re
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -78,49 +78,38 @@ _UNGROUPED = {**_STEP, **_DATA, **_SHOP}
 """The names that commands had before there were groups: they work, and no help lists them."""
 
 
-class _LazyGroup(TyperGroup):
+class AllCommands(TyperGroup):
     """Commands, each loaded from its file when it is called.
 
-    files : the file of each command
+    files : the file of each command; of the whole program ten that a calibration needs are listed, the others in groups
     """
 
-    def __init__(self, files: Mapping[str, str], **attributes: Any) -> None:
+    def __init__(self, files: Mapping[str, str] | None = None, **attributes: Any) -> None:
         super().__init__(**attributes)
-        self.files = files
-        self.commands = dict.fromkeys(files, TyperCommand("not loaded"))
-
-    def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a command by its name, loaded now; None if there is no such command."""
-        return _command(cmd_name, self.files[cmd_name]) if cmd_name in self.files else None
-
-    def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the list of commands into the help, each with the first sentence that its file says of it."""
-        _write(formatter, "Commands", _summaries(self.files))
-
-
-class AllCommands(_LazyGroup):
-    """The commands of all files: ten that a calibration needs, the others in groups."""
-
-    def __init__(self, **attributes: Any) -> None:
-        super().__init__({**_MAIN, **_MORE, **_UNGROUPED}, **attributes)
-        self.commands.update(dict.fromkeys(_GROUPS, TyperCommand("not loaded")))
+        self._whole, self.files = files is None, files or {**_MAIN, **_MORE, **_UNGROUPED}
+        names = [*self.files, *_GROUPS] if self._whole else self.files
+        self.commands = dict.fromkeys(names, TyperCommand("not loaded"))
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names that help and completion show."""
-        return [*_MAIN, *_GROUPS, *_MORE]
+        return [*_MAIN, *_GROUPS, *_MORE] if self._whole else list(self.files)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a command or group by its name, loaded now; None if there is no such command."""
-        if cmd_name not in _GROUPS:
-            return super().get_command(ctx, cmd_name)
-        text, files = _GROUPS[cmd_name]
-        return _LazyGroup(files, name=cmd_name, help=text, rich_markup_mode=None, no_args_is_help=True)
+        if self._whole and cmd_name in _GROUPS:
+            text, files = _GROUPS[cmd_name]
+            return AllCommands(files, name=cmd_name, help=text, rich_markup_mode=None, no_args_is_help=True)
+        return _command(cmd_name, self.files[cmd_name]) if cmd_name in self.files else None
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write both lists into the help, each command with the first sentence that its file says of it."""
-        _write(formatter, "Commands", _summaries(_MAIN))
-        groups = [(name, text) for name, (text, _) in _GROUPS.items()]
-        _write(formatter, "More commands, in groups", [*groups, *_summaries(_MORE)])
+        """Write the lists of commands into the help, each with the first sentence that its file says of it."""
+        lists = {"Commands": _summaries(_MAIN if self._whole else self.files)}
+        if self._whole:
+            groups = [(name, text) for name, (text, _) in _GROUPS.items()]
+            lists["More commands, in groups"] = [*groups, *_summaries(_MORE)]
+        for title, rows in lists.items():
+            with formatter.section(title):
+                formatter.write_dl(rows)
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was called; each is a door of planning or estimating."""
@@ -142,11 +131,6 @@ def _command(name: str, place: str) -> Any:
     alone = typer.Typer(rich_markup_mode=None, add_completion=False)
     alone.command(name)(getattr(module, function or file))
     return typer.main.get_command(alone)
-
-
-def _write(formatter: Any, title: str, rows: Iterable[tuple[str, str]]) -> None:
-    with formatter.section(title):
-        formatter.write_dl(list(rows))
 
 
 def _summaries(files: Mapping[str, str]) -> list[tuple[str, str]]:
@@ -198,7 +182,18 @@ def run(arguments: Sequence[str]) -> int:
     """Run one command in the language of the person, documents in English, and return the exit status."""
     try:
         with speaking("en" if "--json" in arguments else chosen(None)):
-            return _status_of(arguments)
+            try:
+                ended = app(args=[shielded(word) for word in arguments], prog_name="axiscal", standalone_mode=False)
+            except TyperException as wrong:
+                return _refused(wrong)
+            except typer.Abort:
+                complain(said("Nobody answered. Nothing that was recorded is lost; give the command again."))
+                return 1
+            except SystemExit as end:
+                ended = end.code
+            if ended == INTERRUPTED:
+                raise KeyboardInterrupt
+            return ended if isinstance(ended, int) else 0 if ended is None else 1
     except AxiscalError as failure:
         with suppress(InputError), speaking(chosen(None)):
             complain(str(failure))
@@ -218,21 +213,6 @@ def run(arguments: Sequence[str]) -> int:
             "Please report it with the output that AXISCAL_TRACEBACK=1 gives."
         )
     return 1
-
-
-def _status_of(arguments: Sequence[str]) -> int:
-    try:
-        ended = app(args=[shielded(word) for word in arguments], prog_name="axiscal", standalone_mode=False)
-    except TyperException as wrong:
-        return _refused(wrong)
-    except typer.Abort:
-        complain(said("Nobody answered. Nothing that was recorded is lost; give the command again."))
-        return 1
-    except SystemExit as end:
-        ended = end.code
-    if ended == INTERRUPTED:
-        raise KeyboardInterrupt
-    return ended if isinstance(ended, int) else 0 if ended is None else 1
 
 
 _USAGE = (

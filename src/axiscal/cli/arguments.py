@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from axiscal.exceptions import RecordError, TargetError
-from axiscal.units import parse_quantity
+from axiscal.units import Dimension, parse_quantity
 
 _COMPLETING = "_AXISCAL_COMPLETE"
 """Set by a shell that asks for completions."""
@@ -35,11 +35,11 @@ def records_here(incomplete: str) -> list[str]:
     return sorted(path.name for path in Path.cwd().glob("*.axiscal") if path.name.startswith(incomplete))
 
 
-def positive_length(text: str) -> float:
-    """Return an RMS that is to be kept, m; raises UnitError, TargetError."""
-    wanted = parse_quantity(text, "length")
+def above_zero(text: str, dimension: Dimension) -> float:
+    """Return an accuracy, m, or a time, s, that is to be kept; raises UnitError, TargetError."""
+    wanted = parse_quantity(text, dimension)
     if wanted <= 0:
-        raise TargetError('"{text}" is not above zero', "Give an RMS above zero", text=text)
+        raise TargetError('"{text}" is not above zero', "Give an accuracy or a time above zero", text=text)
     return wanted
 
 

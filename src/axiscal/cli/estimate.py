@@ -17,9 +17,9 @@ from axiscal.cli.printing import say_either
 from axiscal.cli.progress import tell_unasked
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
-from axiscal.estimation.prediction import PosePrediction, predict_poses
+from axiscal.estimation.prediction import predict_poses
 from axiscal.estimation.wrong_unit import refuse_implausible
-from axiscal.evaluation import evaluate, read_iso230
+from axiscal.evaluation.one_axis import evaluate, read_iso230
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.csv_table import read_poses
@@ -52,13 +52,9 @@ def predict(
         found = predict_poses(campaign.estimate(ended=True), wanted, poses)
     rows = [{"mean_um": each.mean_um, "std_um": each.std_um} for each in found]
     heads = f"{'pose':>5} {'x':>18} {'y':>18} {'z':>18}   um, mean and standard deviation"
-    cells = (" ".join(_cell(each, axis) for axis in range(3)) for each in found)
+    cells = (" ".join(f"{each.mean_um[axis]:9.3f} ± {each.std_um[axis]:6.3f}" for axis in range(3)) for each in found)
     lines = [heads, *(f"{number:5} {each}" for number, each in enumerate(cells, start=1))]
     say_either(json, "axiscal-predict/1", {"poses": rows}, lines)
-
-
-def _cell(found: PosePrediction, axis: int) -> str:
-    return f"{found.mean_um[axis]:9.3f} ± {found.std_um[axis]:6.3f}"
 
 
 def estimate(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -28,9 +28,6 @@ from axiscal.tables.export_options import ExportOptions, informed
 from axiscal.tables.loaded import read_old
 from axiscal.tables.offer import Export, effect_sentence
 from axiscal.units import parse_quantity, to_unit
-
-if TYPE_CHECKING:
-    from axiscal.ports.printers.printer_source import DuetLoader, MoonrakerLoader
 
 MOST_BYTES = 4_000_000
 """A template has some thousand bytes; whatever is far larger is another file."""
@@ -127,7 +124,11 @@ def export(
         pivots=pivots,
         encoder=measuring_system,
     )
-    loader = None if load is None else _loader(load, to)
+    loader = None
+    if load is not None:
+        from axiscal.ports.printers.printer_source import loader_at
+
+        loader = loader_at(load, to)
     options = replace(options, old_files=read_old(on_top_of or ()))
     with speaking("en"), Campaign.open(record, write=False) as campaign:  # README.txt is in English
         estimation = campaign.estimate(ended=True)
@@ -154,12 +155,6 @@ def export(
         say_document(_document(offered, out) | ({} if done is None else {"loaded": done}))
     elif done is not None:
         say(done)
-
-
-def _loader(printer: str, to: str) -> MoonrakerLoader | DuetLoader:
-    from axiscal.ports.printers.printer_source import loader_at
-
-    return loader_at(printer, to)
 
 
 def _offered(estimate: Estimate, to: str, options: ExportOptions, ini: Path | None) -> Export:

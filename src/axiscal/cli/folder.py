@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from axiscal.cli.arguments import Json, Records, positive_length
+from axiscal.cli.arguments import Json, Records, above_zero
 from axiscal.cli.printing import complain, say_either, tell
 from axiscal.cli.texts import count_text, micrometres
 from axiscal.exceptions import RecordError
@@ -43,7 +43,7 @@ def due(
       axiscal shop due records --target "4 um"
       axiscal shop due store: --tables sinumerik
     """
-    wanted = None if target is None else positive_length(target)
+    wanted = None if target is None else above_zero(target, "length")
     found = due_dates(records_of(folder), _day(today), wanted, tables)
     say_either(json, "axiscal-due/1", _document_of_due(found), _lines_of_due(found, tables))
 

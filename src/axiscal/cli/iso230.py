@@ -9,7 +9,8 @@ import typer
 
 from axiscal.cli.arguments import Json
 from axiscal.cli.printing import say, say_document
-from axiscal.evaluation import Positioning, figures_of
+from axiscal.evaluation.circle import figures_of
+from axiscal.evaluation.one_axis import Positioning
 from axiscal.language.spoken import decimals, later, said
 from axiscal.units import to_unit
 

@@ -72,7 +72,8 @@ class Prompt:
             return self._ended(asked)
         question = Question.of(self.campaign, asked)
         if question.setup != self.mounted:
-            say(mounting_text(question))
+            steps = [f"  {step.name:<9} {step.what}" for step in question.mounting]
+            say("\n".join([f'\n{said("Set-up")} "{question.setup}": {question.mount_sentence}.', *steps]))
             then = self._asked(said("Enter when it stands, or ? > "), question, standing=False)
             if then is not _Then.STANDS:
                 return then
@@ -232,12 +233,6 @@ def help_text() -> str:
         (pause, said("stop for now; axiscal measure goes on here")),
     )
     return "\n".join(f"  {typed:<18} {does}" for typed, does in rows)
-
-
-def mounting_text(question: Question) -> str:
-    """Return what to mount and the steps to do so."""
-    steps = [f"  {step.name:<9} {step.what}" for step in question.mounting]
-    return "\n".join([f'\n{said("Set-up")} "{question.setup}": {question.mount_sentence}.', *steps])
 
 
 def headline(campaign: Campaign, question: Question) -> str:

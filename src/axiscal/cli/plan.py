@@ -8,11 +8,11 @@ from typing import Annotated
 
 import typer
 
-from axiscal.cli.arguments import CampaignFile, Json
+from axiscal.cli.arguments import CampaignFile, Json, above_zero
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.progress import tell_mind
 from axiscal.description.artefacts import unused_artefacts
-from axiscal.description.campaign import CampaignDescription, as_exact
+from axiscal.description.campaign import CampaignDescription
 from axiscal.document.durable import write_whole
 from axiscal.estimation.accuracy.unseen import seen_as_one
 from axiscal.estimation.case import Case
@@ -21,7 +21,6 @@ from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import said
 from axiscal.planning.enough import few_more
 from axiscal.planning.next_readings import CANDIDATES, placed
-from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import (
     Thoroughness,
@@ -38,7 +37,6 @@ from axiscal.present.plan_answer import plan_answer
 from axiscal.present.plan_words import plan_list, plan_screen
 from axiscal.programs import write_programs
 from axiscal.programs.dialect import dialect
-from axiscal.units import Dimension, parse_quantity
 
 _GAP = 0.5
 """Percent; a proof that is tighter takes longer, and the bound that is printed holds at any."""
@@ -121,37 +119,24 @@ def plan(
         limits = few_more(limits)
     proposal = proposed(case, limits, how)
     if prove:
-        proposal = proven(case, proposal, how, _share(case, gap))
+        of_figure = 2 if case.description.target.criterion == "volume" else 1  # the RMS is the root of a J
+        proposal = proven(case, proposal, how, (_GAP if gap is None else gap) / 100 * of_figure)
     if picture is not None:
         title = said("Where {machine} is read", machine=case.description.machine.name)
         write_whole(picture, plan_picture(title, case.description, placed(case, proposal.plan)).encode())
     written = [] if picture is None else [str(picture)]
     if gcode is not None:
-        count = len(_programs(case, proposal.plan, gcode, out, log))
+        out.mkdir(parents=True, exist_ok=True)
+        machine, setups = case.description.machine, case.description.setups
+        count = len(write_programs(machine, setups, placed(case, proposal.plan), gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
-    certain = _certain(case, limits, how) if details else None
-    answer = plan_answer(case, proposal, limits, ends=ends, certain=certain)
+    answer = plan_answer(case, proposal, limits, ends=ends)
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
         return
     if details:
         say("\n".join([*plan_list(answer), *(f"Mind: {part.text}" for part in seen_as_one(case.yardstick))]))
     say(plan_screen(answer, str(campaign), written))
-
-
-def _certain(case: Case, limits: Limits, how: Thoroughness) -> Plan | None:
-    """Return the plan for the same accuracy if all that is stated were exact; None where there is none."""
-    if not limits.accurate:
-        return None
-    try:
-        return proposed(case_of(as_exact(case.description)), limits, how, bounded=False).plan
-    except PlanError:
-        return None
-
-
-def _share(case: Case, gap: float | None) -> float:
-    """Return percents of the figure that is printed as a share of J: the RMS is the root of one."""
-    return (_GAP if gap is None else gap) / 100 * (2 if case.description.target.criterion == "volume" else 1)
 
 
 def _aimed(
@@ -164,27 +149,14 @@ def _aimed(
         raise TargetError("nothing would ever end this plan", remedy)
     if target is None:
         return description
-    return replace(description, target=replace(own, rms=_above_zero(target, "length"), worst=None, expanded=None))
-
-
-def _above_zero(text: str, dimension: Dimension) -> float:
-    value = parse_quantity(text, dimension)
-    if value <= 0:
-        raise TargetError('"{text}" is not above zero', "Give an accuracy or a time above zero", text=text)
-    return value
+    return replace(description, target=replace(own, rms=above_zero(target, "length"), worst=None, expanded=None))
 
 
 def _limits(case: Case, readings: int | None, target: str | None, budget: str | None) -> Limits:
     own = case.description.target
     if readings is not None or budget is not None:  # so many readings, or so much time: as good as they can be
-        seconds = None if budget is None else _above_zero(budget, "time")
+        seconds = None if budget is None else above_zero(budget, "time")
         return Limits(readings, None if target is None else own.rms, None, seconds)
     if target is not None:  # an accuracy, within what the campaign allows
         return Limits(own.readings, own.rms, None, own.budget)
     return Limits.of(own)
-
-
-def _programs(case: Case, made: Plan, controller: str, out: Path, log: bool) -> list[Path]:
-    out.mkdir(parents=True, exist_ok=True)
-    machine, setups = case.description.machine, case.description.setups
-    return write_programs(machine, setups, placed(case, made), controller, out, log)

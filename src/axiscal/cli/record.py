@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import typer
 
@@ -82,10 +82,15 @@ def record(
     if at is None and (setup or approach):
         raise typer.BadParameter(said("--setup and --approach belong to --at"))
     with opened_to_write(record) as campaign:
-        typed = _understood(campaign, text, std, at, setup, approach)  # first: what is misspelt is said at once
+        # first: what is misspelt is said at once
+        place = typed_place(campaign, setup, at, approach) if at is not None else campaign.open_question().place
+        mounted = campaign.description.setup(place.setup)
+        dimension = INSTRUMENTS[mounted.instrument].reads
+        number, *others = (parse_quantity(part, dimension) for part in value_texts(text, mounted))
+        noise = None if std is None else parse_quantity(std, dimension)
         before = doubted(campaign)
-        left = _left(campaign, typed.place)
-        kept = campaign.record(typed.value, typed.std, typed.place, accepted=accept, others=typed.others)
+        left = _left(campaign, place)
+        kept = campaign.record(number, noise, place, accepted=accept, others=tuple(others))
         surprise, mind = _doubt(campaign)
         found = [mind, *others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else "", left]
         minded = [sentence for sentence in (*found, *contradictions(campaign)) if sentence]
@@ -183,25 +188,6 @@ def _assumed(campaign: Campaign, reading: Reading, approach: str | None) -> str:
         wider=said(wider, axes=joined(turned)) if turned else "",
         example=" ".join(f"{name}+" for name in silent),
     )
-
-
-class _Understood(NamedTuple):
-    """A reading as it was typed.  value, std : m or rad; others : along y and z, where it is read in space"""
-
-    place: Place
-    value: float
-    std: float | None
-    others: tuple[float, ...]
-
-
-def _understood(
-    campaign: Campaign, text: str, std: str | None, at: str | None, setup: str | None, approach: str | None
-) -> _Understood:
-    place = typed_place(campaign, setup, at, approach) if at is not None else campaign.open_question().place
-    mounted = campaign.description.setup(place.setup)
-    dimension = INSTRUMENTS[mounted.instrument].reads
-    value, *others = (parse_quantity(part, dimension) for part in value_texts(text, mounted))
-    return _Understood(place, value, None if std is None else parse_quantity(std, dimension), tuple(others))
 
 
 def _kept(campaign: Campaign, reading: Reading) -> str:

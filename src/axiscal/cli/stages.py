@@ -58,7 +58,8 @@ class StageLine:
             with speaking(self._language):  # of the thread that began
                 passed = put("{seconds:.0f}", seconds=now - self._start)
                 line = said("{stage}, {seconds} s so far", stage=stage_text(stage, now - since), seconds=passed)
-            self._rewrite(line)
+            self._line, before = line, self._line
+            rewrite(line.ljust(len(before)))
 
     def watch(self) -> None:
         """Look again and again, in a separate thread, until the end."""
@@ -70,10 +71,6 @@ class StageLine:
         self._done.set()
         with self._lock:
             self._wipe()
-
-    def _rewrite(self, line: str) -> None:
-        self._line, before = line, self._line
-        rewrite(line.ljust(len(before)))
 
     def _wipe(self) -> None:
         if self._line:
@@ -88,18 +85,13 @@ def stage_text(stage: Stage, seconds: float) -> str:
         return name
     text = said("{name}, {number} of {last}", name=name, number=stage.number, last=stage.of)
     if stage.number and stage.of > _COUNTED:
-        left = put("{seconds:.0f}", seconds=seconds_left(stage, seconds))
+        left = put("{seconds:.0f}", seconds=seconds * (stage.of - stage.number) / stage.number)
         return said("{text}, about {left} s left", text=text, left=left)
     return text
 
 
 _COUNTED = 12
 """More are things of one kind, which take alike; fewer are stages, which do not."""
-
-
-def seconds_left(stage: Stage, seconds: float) -> float:
-    """Return how long the rest takes if it goes on as it has."""
-    return seconds * (stage.of - stage.number) / stage.number
 
 
 @contextmanager

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -15,7 +13,6 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json
 from axiscal.cli.printing import say_either
 from axiscal.cli.progress import tell_out_of_reach, tell_unasked
-from axiscal.description.campaign import CampaignDescription
 from axiscal.language.spoken import counted, said
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
 
@@ -39,24 +36,17 @@ def start(
 
     description = campaign_with_sisters(campaign)
     path = record or Path(f"{campaign.stem}.axiscal")
-    with _begun(path, description) as opened:
-        tell_out_of_reach(opened)
-        tell_unasked(description)
-        planned = opened.prepared()
+    with Campaign.create(path, description) as opened:
+        try:
+            tell_out_of_reach(opened)
+            tell_unasked(description)
+            planned = opened.prepared()
+        except BaseException:  # nothing stays of a campaign that cannot be planned
+            path.unlink(missing_ok=True)  # on a server it stays: nothing is deleted there
+            raise
     setups = counted("{count} set-up", "{count} set-ups", len(description.setups))
     readings = counted("{count} reading", "{count} readings", len(planned))
     ready = "{record} is ready: {machine}, {setups}, {readings} planned."
     words = said(ready, record=path, machine=description.machine.name, setups=setups, readings=readings)
     coming = ending({said("Next"): [f"axiscal measure {shlex.quote(str(path))}"]})
     say_either(json, "axiscal-start/1", {"record": str(path)}, [words, *coming])
-
-
-@contextmanager
-def _begun(path: Path, description: CampaignDescription) -> Iterator[Campaign]:
-    """Yield a new campaign, of which nothing stays if it cannot be planned."""
-    with Campaign.create(path, description) as campaign:
-        try:
-            yield campaign
-        except BaseException:
-            path.unlink(missing_ok=True)  # on a server it stays: nothing is deleted there
-            raise

@@ -10,7 +10,6 @@ from axiscal.cli.arguments import Details, Json, OwnRecord
 from axiscal.cli.outputs import standing_screen
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.texts import accuracy_text, count_text, question_text, signed_text
-from axiscal.description.target import Target
 from axiscal.estimation.agreement_words import agreement_document, agreement_words, change_words, membership_words
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.language.spoken import capital, decimals, said
@@ -79,6 +78,9 @@ def _sisters(campaign: Campaign) -> str:
 def _document(campaign: Campaign) -> StatusAnswer:
     status = campaign.status()
     state = status.state
+    target = campaign.description.target
+    rms, worst = (None if value is None else to_unit(value, "um") for value in (target.rms, target.worst))
+    budget = None if target.budget is None else to_unit(target.budget, "min")
     return StatusAnswer(
         machine=campaign.description.machine.name,
         readings=len(state.readings),
@@ -87,7 +89,7 @@ def _document(campaign: Campaign) -> StatusAnswer:
         worst_um=to_unit(status.accuracy.worst, "um"),
         answer=standing_answer(campaign),
         planned=coming_answer(campaign),
-        target=_target(campaign.description.target),
+        target=StatusTarget(rms_um=rms, worst_um=worst, readings=target.readings, budget_min=budget),
         reached=status.reached,
         finished=state.finished,
         agreement=agreement_document(status.agreement),
@@ -102,9 +104,3 @@ def _document(campaign: Campaign) -> StatusAnswer:
             for gap in state.skipped
         ],
     )
-
-
-def _target(target: Target) -> StatusTarget:
-    rms, worst = (None if value is None else to_unit(value, "um") for value in (target.rms, target.worst))
-    budget = None if target.budget is None else to_unit(target.budget, "min")
-    return StatusTarget(rms_um=rms, worst_um=worst, readings=target.readings, budget_min=budget)

@@ -10,7 +10,7 @@ import typer
 from axiscal.cli.arguments import Json, own_record, records_here
 from axiscal.cli.printing import say_either
 from axiscal.cli.texts import count_text
-from axiscal.language.spoken import put, said
+from axiscal.language.spoken import later, put, said
 from axiscal.ports.postgres.database import Database, opened_database
 from axiscal.ports.postgres.server_log import entries, only_entry
 from axiscal.ports.postgres.syncing import Synced, synced
@@ -55,7 +55,14 @@ def sync(
     try:
         if prepared:
             new = prepare(database)
-            _tell_prepared(database.address.shown, new, json)
+            text = "{address} is a store now." if new else "{address} is a store already."
+            let_in = "Let people in: GRANT {write} TO anna; to read alone: GRANT {read} TO otto."
+            words = put(
+                "{state} {let_in}",
+                state=said(text, address=database.address.shown),
+                let_in=said(let_in, write=ROLES[1], read=ROLES[0]),
+            )
+            say_either(json, "axiscal-sync/1", {"store": database.address.shown, "prepared": new}, [words])
             return
         if aside is not None:
             _set_aside(database, aside, json)
@@ -72,15 +79,6 @@ def sync(
     )
     lines = [_words(path, found), *([back] if found.set_back else [])]
     say_either(json, "axiscal-sync/1", _document(path, found) | {"head": head}, lines)
-
-
-def _tell_prepared(address: str, new: bool, as_json: bool) -> None:
-    text = "{address} is a store now." if new else "{address} is a store already."
-    let_in = "Let people in: GRANT {write} TO anna; to read alone: GRANT {read} TO otto."
-    words = put(
-        "{state} {let_in}", state=said(text, address=address), let_in=said(let_in, write=ROLES[1], read=ROLES[0])
-    )
-    say_either(as_json, "axiscal-sync/1", {"store": address, "prepared": new}, [words])
 
 
 def _set_aside(database: Database, text: str, as_json: bool) -> None:
@@ -107,25 +105,17 @@ def _words(path: Path, found: Synced) -> str:
         name=found.campaign.name,
         event=found.shared + 1,
     )
-    match found.case:
-        case "new":
-            return said(
-                "{record}: new in the store as store:{name}, {sent}.", record=path, name=found.campaign.name, sent=sent
-            )
-        case "ahead":
-            return said("{record}: the store had less, and has {sent} more now.", record=path, sent=sent)
-        case "behind":
-            return said("{record}: the store had more; the record has {taken} more now.", record=path, taken=taken)
-        case "same":
-            return said("{record}: the store has the same.", record=path)
-        case "fork":
-            words = "{record}: it and the store have each gone on. Nothing is merged: {sent} are kept as {branch}."
-            return said(words, record=path, sent=sent, branch=branch)
-        case "fork again":
-            return said("{record}: the store has the same, as {branch}.", record=path, branch=branch)
-    if found.taken:
-        return said("{record}: the record has {taken} more now, of {branch}.", record=path, taken=taken, branch=branch)
-    return said("{record}: the store has {sent} more now, of {branch}.", record=path, sent=sent, branch=branch)
+    taking = later("{record}: the record has {taken} more now, of {branch}.")
+    sending = later("{record}: the store has {sent} more now, of {branch}.")
+    words = {
+        "new": later("{record}: new in the store as store:{name}, {sent}."),
+        "ahead": later("{record}: the store had less, and has {sent} more now."),
+        "behind": later("{record}: the store had more; the record has {taken} more now."),
+        "same": later("{record}: the store has the same."),
+        "fork": later("{record}: it and the store have each gone on. Nothing is merged: {sent} are kept as {branch}."),
+        "fork again": later("{record}: the store has the same, as {branch}."),
+    }.get(found.case, taking if found.taken else sending)
+    return said(words, record=path, name=found.campaign.name, sent=sent, taken=taken, branch=branch)
 
 
 def _document(path: Path, found: Synced) -> dict[str, object]:

@@ -134,7 +134,9 @@ def _wording(model: type[BaseModel], detail: ErrorDetails) -> tuple[str, str]:
         what = said('"{name}" is missing in {table}', name=name, table=table)
         return what, said("Add a line such as {name} = {example}", name=name, example=example)
     if kind == "extra_forbidden":
-        return said('unknown key "{key}" in {table}', key=dotted((name,)), table=table), _known_keys(model, keys)
+        known = list(_fields(_descend(model, keys[:-1])))
+        what = said('unknown key "{key}" in {table}', key=dotted((name,)), table=table)
+        return what, meant(str(keys[-1]), known, said("The keys here are {known}", known=", ".join(known)))
     context: dict[str, Any] = detail.get("ctx", {})
     if kind in ("unit", "fault"):
         return put("{keys}: {fault}", keys=dotted(keys), fault=context["what"]), context["remedy"]
@@ -172,12 +174,6 @@ _EXPECTED = {
 }
 
 
-def _known_keys(model: type[BaseModel], keys: tuple[str | int, ...]) -> str:
-    """Return a sentence with the nearest known key, or with all of them."""
-    known = list(_fields(_descend(model, keys[:-1])))
-    return meant(str(keys[-1]), known, said("The keys here are {known}", known=", ".join(known)))
-
-
 def _example(model: type[BaseModel], keys: tuple[str | int, ...]) -> str:
     """Return the example that the model gives for a key, as TOML; "…" where it gives none."""
     table = _descend(model, keys[:-1])
@@ -192,7 +188,8 @@ def _descend(annotation: Any, keys: tuple[str | int, ...]) -> Any:
             info = fields.get(str(key))
             annotation = info.annotation if info else None
         else:
-            annotation = _entry_type(annotation)
+            inner = get_args(_plain(annotation))
+            annotation = inner[1] if get_origin(_plain(annotation)) is dict else inner[0] if inner else None
     return _plain(annotation)
 
 
@@ -200,12 +197,6 @@ def _fields(annotation: Any) -> dict[str, FieldInfo]:
     """Return the fields of a model by the key they have in the file; nothing for other types."""
     fields: dict[str, FieldInfo] = getattr(_plain(annotation), "model_fields", {})
     return {str(info.alias or name): info for name, info in fields.items()}
-
-
-def _entry_type(annotation: Any) -> Any:
-    """Return the type of the entries of a list or the values of a table."""
-    inner = get_args(_plain(annotation))
-    return inner[1] if get_origin(_plain(annotation)) is dict else inner[0] if inner else None
 
 
 def _plain(annotation: Any) -> Any:

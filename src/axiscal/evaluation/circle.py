@@ -23,7 +23,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from axiscal.evaluation.one_axis import Positioning, arranged, evaluate
 from axiscal.exceptions import EvaluationError
@@ -84,9 +83,12 @@ def circle_of(table: CsvTable) -> CircularTest:
 
 def circular(test: CircularTest) -> CircleFigures:
     """Return G_plus (counter-clockwise), G_minus, G_b, F_max, F_min, D; raises EvaluationError for less than a turn."""
-    measured = _ways(test.directions)
+    ways = {"plus": test.directions > 0, "minus": test.directions < 0}
+    measured = {name: mine for name, mine in ways.items() if np.any(mine)}
     for name, mine in measured.items():
-        if not _covers_a_turn(test.angles[mine]):
+        around = np.sort(np.mod(test.angles[mine], 2 * np.pi))
+        gaps = np.diff(around, append=around[:1] + 2 * np.pi)
+        if len(around) < _AROUND or gaps.max() >= np.pi / 2:
             what = "the clockwise readings do not go all around"
             what = "the counter-clockwise readings do not go all around" if name == "plus" else what
             raise EvaluationError(what, "Give eight angles or more, no quarter of the turn without one", test.file)
@@ -100,12 +102,6 @@ def circular(test: CircularTest) -> CircleFigures:
     figures |= {"F_max": float(radial.max()), "F_min": float(radial.min())}
     missing = () if len(measured) == 2 else ("Only one direction was measured: G_b and D are not known.",)
     return CircleFigures(figures, whole.centre, missing)
-
-
-def _ways(directions: Array) -> dict[str, NDArray[np.bool_]]:
-    """Return which readings were taken one way and the other, without ways that none was taken on."""
-    ways = {"plus": directions > 0, "minus": directions < 0}
-    return {name: mine for name, mine in ways.items() if np.any(mine)}
 
 
 class _Centred(NamedTuple):
@@ -124,10 +120,3 @@ def _centred(angles: Array, deviations: Array) -> _Centred:
     columns = np.column_stack([np.ones_like(angles), np.cos(angles), np.sin(angles)])
     radius, a, b = np.linalg.lstsq(columns, deviations, rcond=None)[0].tolist()
     return _Centred(radius, (a, b), deviations - columns @ np.array([radius, a, b]))
-
-
-def _covers_a_turn(angles: Array) -> bool:
-    """Whether no gap between neighbouring angles is as large as a quarter of a turn."""
-    around = np.sort(np.mod(angles, 2 * np.pi))
-    gaps = np.diff(around, append=around[:1] + 2 * np.pi)
-    return bool(len(around) >= _AROUND and gaps.max() < np.pi / 2)

@@ -28,13 +28,19 @@ _UNKNOWN_COUNTRY = "ZZ"
 def certificate(summary: Summary) -> bytes:
     """Return the certificate as XML; raises SummaryError for a figure that is not finite, RecordError for a bad key."""
     templates, told = environment("axiscal.present"), summary.particulars
-    templates.filters |= {"plain": _plain, "si": _si, "figure": _figure, "half": lambda std: BAND * std}
+    templates.filters |= {
+        "plain": _plain,
+        "si": lambda unit: _plain(_UNITS.get(str(unit), str(unit))),
+        "figure": lambda value: f"{number(value, 'a figure of the certificate'):.6g}",
+        "half": lambda std: BAND * std,
+    }
     templates.globals |= {"unsaid": _UNSAID, "band": BAND, "level": LEVEL, "level_percent": f"{LEVEL:.0%}", "zip": zip}
+    known = "" if summary.record is None else summary.record.hash
     text = templates.get_template("certificate.xml").render(
         s=summary,
         told=told,
         country=told.country.upper() or _UNKNOWN_COUNTRY,
-        identifier=_identifier(summary),
+        identifier=" ".join(part for part in (summary.particulars.number, known) if part) or summary.title,
         measured=[row for row in summary.answer.rows if row.measured],
         whole="space" if summary.expanded.along == "xyz" else in_space(summary.expanded),
         curves=[*summary.curves, *summary.reversals],
@@ -48,17 +54,3 @@ def _plain(text: str) -> str:
     """Return text as the schema takes it: words with one space between them, no sign that XML cannot hold."""
     kept = "".join(each if each.isprintable() else " " for each in text)
     return " ".join(kept.encode("utf-8", "replace").decode("utf-8").split()) or _UNSAID
-
-
-def _si(unit: str) -> str:
-    return _plain(_UNITS.get(unit, unit))
-
-
-def _identifier(summary: Summary) -> str:
-    """Return the number of the report with the record's hash, or that alone: no other certificate has it."""
-    known = "" if summary.record is None else summary.record.hash
-    return " ".join(part for part in (summary.particulars.number, known) if part) or summary.title
-
-
-def _figure(value: float) -> str:
-    return f"{number(value, 'a figure of the certificate'):.6g}"

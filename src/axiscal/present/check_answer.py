@@ -13,7 +13,7 @@ from axiscal.answers.answer_words import VERDICTS, digits, row_name, wrapped
 from axiscal.evaluation.at_the_machine import Taken
 from axiscal.evaluation.check import Check
 from axiscal.evaluation.datums import GUARD
-from axiscal.evaluation.table_checks import WORKS, Judgement, Share, Verdict
+from axiscal.evaluation.table_checks import WORKS, Judgement, Verdict
 from axiscal.language.spoken import counted, later, listed, put, said
 from axiscal.measurement.place import Places
 from axiscal.measurement.reading import approach_text, place_text, shown_pose
@@ -148,21 +148,20 @@ def check_answer(judgement: Judgement, places: int, promised: float, taken: Take
         against_own_line=judgement.lines,
         against_own_tool=judgement.tools,
         set_up_still=judgement.still,
-        tables=[_share(share) for share in judgement.shares],
+        tables=[
+            TableShare(
+                table=share.name,
+                share=_or_none(share.value),
+                share_std=_or_none(share.std),
+                checked=share.checked,
+                works=share.works,
+                size=share.size,
+            )
+            for share in judgement.shares
+        ],
         not_checked=judgement.unchecked,
         axes_not_checked=judgement.idle,
         set_up_off=[SetupOff(setup=datum.setup, unknown=datum.unknown) for datum in judgement.strained],
-    )
-
-
-def _share(share: Share) -> TableShare:
-    return TableShare(
-        table=share.name,
-        share=_or_none(share.value),
-        share_std=_or_none(share.std),
-        checked=share.checked,
-        works=share.works,
-        size=share.size,
     )
 
 
@@ -259,24 +258,23 @@ def _unchecked(answer: CheckAnswer) -> list[str]:
 
 def check_details(answer: CheckAnswer) -> list[str]:
     """Return all that was judged in words, with what it proves and which files were in force."""
-    return [*_judged(answer), *_unchecked(answer), *_as_left(answer)]
-
-
-def _as_left(answer: CheckAnswer) -> list[str]:
-    """Say what the as-left readings prove, by whom they were read, and which files were in force."""
     names = ", ".join(f"{name} (SHA-256 {digest[:_DIGITS]})" for name, digest in answer.in_force.items())
     proved = (
         "By ISO 14253-1 as left: {decision}. A reading has U = {u:.3g} um (k = 2); U = {promised:.3g} um (95 %) is to "
         "be expected over the volume."
     )
     return [
-        said(proved, decision=said(_PROVED[answer.decision]), u=answer.U_um, promised=answer.expected_um),
-        said(
-            "Read by {person} from {source}. In force by the control: {names}.",
-            person=answer.person or said("nobody that is known"),
-            source=answer.source or said("files"),
-            names=names or said("not known"),
-        ),
+        *_judged(answer),
+        *_unchecked(answer),
+        *[
+            said(proved, decision=said(_PROVED[answer.decision]), u=answer.U_um, promised=answer.expected_um),
+            said(
+                "Read by {person} from {source}. In force by the control: {names}.",
+                person=answer.person or said("nobody that is known"),
+                source=answer.source or said("files"),
+                names=names or said("not known"),
+            ),
+        ],
     ]
 
 

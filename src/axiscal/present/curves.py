@@ -101,18 +101,17 @@ def constants(estimation: Estimation) -> list[ConstantSummary]:
 
 def _constant(known: Estimation, function: ErrorFunction) -> ConstantSummary:
     column, unit = function.columns.start, value_unit(function)
-    std = float(np.linalg.norm(known.printed.belief.factor[column]))
-    prior = float(np.sqrt(function.covariance[0, 0]))
+    found = _found(known, function.name, words(function.name), column, float(function.covariance[0, 0]) ** 0.5, unit)
     hidden = float(np.linalg.norm(known.case.yardstick.unseen[column]))
-    return ConstantSummary(
-        name=function.name,
-        words=words(function.name),
-        mean=to_unit(float(known.printed.belief.mean[column]), unit),
-        std=to_unit(std, unit),
-        prior_std=to_unit(prior, unit),
-        unit=unit,
-        seen=hidden**2 < _SEEN * prior**2,
-    )
+    return replace(found, seen=hidden**2 < _SEEN * float(function.covariance[0, 0]))
+
+
+def _found(known: Estimation, name: str, spoken: str, column: int, prior: float, unit: str) -> ConstantSummary:
+    """Return one number of the belief.  spoken : what it is; prior : its std before the first reading, m or rad"""
+    belief = known.printed.belief
+    sizes = float(belief.mean[column]), float(np.linalg.norm(belief.factor[column])), prior
+    mean, std, before = (to_unit(size, unit) for size in sizes)
+    return ConstantSummary(name, spoken, mean, std, before, unit)
 
 
 def _setup_unknowns(known: Estimation) -> list[ConstantSummary]:
@@ -120,17 +119,8 @@ def _setup_unknowns(known: Estimation) -> list[ConstantSummary]:
     for index, setup in enumerate(known.case.description.setups):
         columns = known.printed.observation.unknowns_of(index)
         for column, unknown in zip(columns, setup.unknowns, strict=True):
-            unit = known.case.unit_of(setup, unknown)
-            result.append(
-                ConstantSummary(
-                    name=f"{setup.name}: {unknown.name}",
-                    words=_unknown_words(unknown.name),
-                    mean=to_unit(float(known.printed.belief.mean[column]), unit),
-                    std=to_unit(float(np.linalg.norm(known.printed.belief.factor[column])), unit),
-                    prior_std=to_unit(unknown.std, unit),
-                    unit=unit,
-                )
-            )
+            name, unit = f"{setup.name}: {unknown.name}", known.case.unit_of(setup, unknown)
+            result.append(_found(known, name, _unknown_words(unknown.name), column, unknown.std, unit))
     return result
 
 
@@ -152,17 +142,9 @@ def _drifts(estimation: Estimation) -> list[ConstantSummary]:
         unit = reading_unit(setup)
         for number, path in enumerate(paths(estimation, setup)):
             name = f"{setup.name}: drift" + (f"_{value_names(setup)[number]}" if value_names(setup)[number] else "")
-            first, last = path.times[0], path.times[-1]
-            result.append(
-                ConstantSummary(
-                    name=name,
-                    words=said("how far its zero came in {time}", time=said_quantity(last - first, "min")),
-                    mean=to_unit(float(path.mean[-1]), unit),
-                    std=to_unit(float(path.std[-1]), unit),
-                    prior_std=to_unit(float(path.prior[-1]), unit),
-                    unit=unit,
-                )
-            )
+            spoken = said("how far its zero came in {time}", time=said_quantity(path.times[-1] - path.times[0], "min"))
+            mean, std, before = (to_unit(float(each[-1]), unit) for each in (path.mean, path.std, path.prior))
+            result.append(ConstantSummary(name, spoken, mean, std, before, unit))
     return result
 
 

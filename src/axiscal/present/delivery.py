@@ -97,24 +97,21 @@ def write_report(summary: Summary, path: Path, language: str | None = None) -> N
 
     language : that somebody wants the page or the PDF in; the certificate is in English
     """
-    with speaking("en" if path.suffix.lower() == ".xml" else language_of_report(summary.particulars, language)):
-        _write(summary, path)
+    kind = path.suffix.lower()
+    with speaking("en" if kind == ".xml" else language_of_report(summary.particulars, language)):
+        if kind == ".xml":
+            from axiscal.present.calibration_certificate import certificate
 
+            content = certificate(summary)
+        elif kind == ".pdf":
+            from axiscal.present.printed import pdf
 
-def _write(summary: Summary, path: Path) -> None:
-    if path.suffix.lower() == ".xml":
-        from axiscal.present.calibration_certificate import certificate
+            content = pdf(summary)
+        else:
+            from axiscal.present.page import render
 
-        write_whole(path, certificate(summary))
-        return
-    if path.suffix.lower() == ".pdf":
-        from axiscal.present.printed import pdf
-
-        write_whole(path, pdf(summary))
-        return
-    from axiscal.present.page import render
-
-    write_whole(path, render(summary).encode())
+            content = render(summary).encode()
+    write_whole(path, content)
 
 
 def _made(estimation: Estimation, controller: str, anyway: bool) -> Export | str:

@@ -209,11 +209,6 @@ def _within(gaps: Array, step: float, slack: float) -> float | None:
         low, high = max(low, (gap - 1) / count), min(high, (gap + 1) / count)
         if low > high:
             return None
-    return _shortest(low, high)
-
-
-def _shortest(low: float, high: float) -> float:
-    """Return the number within two others, in the middle, that has the fewest digits."""
     middle = (low + high) / 2
     rounded = (float(f"{middle:.{digits}g}") for digits in _DIGITS)
     return next((each for each in rounded if low <= each <= high), middle)

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.description.campaign import CampaignDescription
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import asked_rows
@@ -50,18 +49,15 @@ class PositioningCurve:
 
 
 def positioning_curves(
-    description: CampaignDescription,
-    readings: Sequence[Reading],
-    estimation: Estimation,
-    controller: str = "",
-    control: Control | None = None,
+    estimation: Estimation, controller: str = "", control: Control | None = None
 ) -> list[PositioningCurve]:
     """Return the positioning of every axis that was read along, or about, itself.
 
     control : what the tables of `controller` do, None where there are none
     """
     estimate, found = estimation.estimate(), list[PositioningCurve]()
-    for row in asked_rows(description, readings):
+    description = estimation.stated.description
+    for row in asked_rows(description, estimation.readings):
         if row.want.row.kind != "positioning" or row.map is None:
             continue
         (line,), axis = row.lines, description.machine.axes[row.lines[0].axis]
@@ -120,19 +116,15 @@ class BallBarCircle:
 
 
 def ball_bar_circles(
-    description: CampaignDescription,
-    readings: Sequence[Reading],
-    estimation: Estimation,
-    controller: str = "",
-    control: Control | None = None,
+    estimation: Estimation, controller: str = "", control: Control | None = None
 ) -> list[BallBarCircle]:
     """Return the circles of all ball-bar set-ups whose readings lie in a plane, and go round.
 
     control : what the tables of `controller` do, None where there are none
     """
-    kept = [reading for n, reading in enumerate(readings) if n not in estimation.left_out]
+    kept = [reading for n, reading in enumerate(estimation.readings) if n not in estimation.left_out]
     found = []
-    for setup in description.setups:
+    for setup in estimation.stated.description.setups:
         mine = [reading for reading in kept if reading.setup == setup.name]
         if setup.instrument == "ballbar" and len(setup.standing) == 1 and len(mine) >= _FEWEST:
             found += _circle(estimation, setup, mine, controller, control)

@@ -124,29 +124,23 @@ def _stated_drift(estimation: Estimation, setup: Setup) -> str:
             one = 'The zero of "{setup}" had moved by {size} after {time}; the estimate takes that off.'
             many = 'The zero along {way} of "{setup}" had moved by {size} after {time}; the estimate takes that off.'
             moved, spread = float(to_unit(far, unit)), float(to_unit(std, unit))
+            seconds = float(path.times[worst] - path.times[0])
             found.append(
                 said(
                     many if value_names(setup)[0] == "x" else one,
                     way=value_names(setup)[number],
                     setup=f"{setup.name} {number + 1}" if setup.stations else setup.name,
                     size=put("{moved:.2g} ± {spread:.2g} {unit}", moved=moved, spread=spread, unit=unit),
-                    time=_lasting(float(path.times[worst] - path.times[0])),
+                    time=said_quantity(seconds, "h" if seconds >= _AN_HOUR else "min", 2),
                 )
             )
             if abs(far) > _FAR * path.prior[worst]:
                 rate = abs(far) / max(float(path.times[worst] - path.times[0]), 60.0)
                 usual = "That is more than is usual: state drift = {rate}."
                 stated = "That is more than is stated: drift = {rate} would be."
-                found.append(said(usual if setup.drift_said == "usual" else stated, rate=_rate_text(rate, unit)))
+                written = f'"{to_unit(rate * _AN_HOUR, unit):.2g} {unit}/h"'
+                found.append(said(usual if setup.drift_said == "usual" else stated, rate=written))
     return listed(" ", found)
-
-
-def _lasting(seconds: float) -> str:
-    return said_quantity(seconds, "h" if seconds >= _AN_HOUR else "min", 2)
-
-
-def _rate_text(rate: float, unit: str) -> str:
-    return f'"{to_unit(rate * _AN_HOUR, unit):.2g} {unit}/h"'
 
 
 def _changes(estimation: Estimation) -> Iterator[Finding]:

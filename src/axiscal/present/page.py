@@ -182,20 +182,17 @@ def panel_figure(curve: CurveSummary, shared: list[float], height: int) -> Figur
         line_trace(positions, mean, "var(--accent)", 1.8),
         *_points(curve),
     ]
-    x = axis_style(f"{curve.axis}, {unit_text(curve.position_unit)}", range=_span(positions), nticks=6, **_turns(curve))
-    y = axis_style(unit_text(curve.value_unit), range=shared, nticks=6, zeroline=True, zerolinecolor="var(--rule)")
-    return {"data": traces, "layout": layout(x, y, height), "wide": height == _HEIGHT_ALONE}
-
-
-def _span(positions: list[float]) -> list[float]:
     low, high = min(positions, default=0.0), max(positions, default=1.0)
     pad = 0.02 * (high - low) or 1.0
-    return numbers([low - pad, high + pad], "range")
-
-
-def _turns(curve: CurveSummary) -> Figure:
     span = max(curve.position, default=0.0) - min(curve.position, default=0.0)
-    return {"dtick": 90} if axis_unit(curve.axis) == "deg" and 180 < span <= 540 else {}
+    x = axis_style(
+        f"{curve.axis}, {unit_text(curve.position_unit)}",
+        range=numbers([low - pad, high + pad], "range"),
+        nticks=6,
+        **{"dtick": 90} if axis_unit(curve.axis) == "deg" and 180 < span <= 540 else {},
+    )
+    y = axis_style(unit_text(curve.value_unit), range=shared, nticks=6, zeroline=True, zerolinecolor="var(--rule)")
+    return {"data": traces, "layout": layout(x, y, height), "wide": height == _HEIGHT_ALONE}
 
 
 def _truth(curve: CurveSummary) -> list[Figure]:
@@ -243,7 +240,12 @@ def _maps(plane: PlaneSummary, rows: Sequence[HistoryRow]) -> list[tuple[Figure,
     alone = [[plane.sign * value for value in row] for row in plane.mean]
     names = joined(plane.axes)
     whole = _map(plane, plane.whole_mean, _EITHER_WAY, both=True)
-    whole["data"].append(_places(plane, rows))
+    first, second = plane.axes
+    read = [row.position for row in rows if row.position and {first, second} <= set(row.position)]
+    at = {name: numbers([position[axis] for position in read], axis)
+          for name, axis in (("x", first), ("y", second))}  # fmt: skip
+    marker = {"size": 4, "color": "#1c1b18", "line": {"color": "#f4f1e8", "width": 0.8}}
+    whole["data"].append({"type": "scatter", "mode": "markers", **at, "marker": marker, "cliponaxis": False})
     return [
         (whole, said("The tool over {axes}, their curves included, {unit}; dots: readings", axes=names, unit=unit)),
         (_map(plane, bands, _WIDER, both=False), said("95 % of it: ± so many {unit}", unit=unit)),
@@ -269,13 +271,3 @@ def _map(plane: PlaneSummary, values: Grid, colours: Sequence[Sequence[object]],
     x, y = (axis_style(f"{axis}, {unit_text(unit)}", nticks=6, showgrid=False, range=[at[0], at[-1]])
             for axis, unit, at in zip(plane.axes, plane.position_unit, (first, second), strict=True))  # fmt: skip
     return {"data": [trace], "layout": layout(x, y, _MAP_HEIGHT, margin={"l": 46, "r": 8, "t": 8, "b": 42})}
-
-
-def _places(plane: PlaneSummary, rows: Sequence[HistoryRow]) -> Figure:
-    """Return the readings in whose set-up both axes have a position."""
-    first, second = plane.axes
-    read = [row.position for row in rows if row.position and {first, second} <= set(row.position)]
-    at = {name: numbers([position[axis] for position in read], axis)
-          for name, axis in (("x", first), ("y", second))}  # fmt: skip
-    marker = {"size": 4, "color": "#1c1b18", "line": {"color": "#f4f1e8", "width": 0.8}}
-    return {"type": "scatter", "mode": "markers", **at, "marker": marker, "cliponaxis": False}

@@ -69,12 +69,10 @@ class PlanAnswer(PlannedAnswer):
 
     `points`, `J`, `rms_um`, `worst_um` and `ratio` leave out what no reading shows, such as the error of a wavelength
     units : of the axes
-    certain_minutes : of a plan for the same target if all that is stated were exact, and nothing else went wrong
     ratio : of the mean variances that the two RMS figures are the roots of; of J where the criterion is another one
     """
 
     kind: Literal["axiscal-plan/1"] = Field("axiscal-plan/1", alias="schema")
-    certain_minutes: float | None = None
     criterion: str
     points: Sequence[PlanPoint]
     units: Mapping[str, str]
@@ -94,13 +92,8 @@ class PlanAnswer(PlannedAnswer):
 
 
 @one_thread()
-def plan_answer(
-    case: Case, proposal: Proposal, limits: Limits, *, ends: bool = True, certain: Plan | None = None
-) -> PlanAnswer:
-    """Return the document of a plan that was made within limits.
-
-    ends : whether the campaign says when it ends; certain : the plan if all that is stated were exact, if it was made
-    """
+def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = True) -> PlanAnswer:
+    """Return the document of a plan that was made within limits.  ends : whether the campaign says when it ends"""
     plan, places = proposal.plan, placed(case, proposal.plan)
     bound = bound_rms_um(case, plan)
     ratio = _ratio(plan, bound)
@@ -108,7 +101,6 @@ def plan_answer(
     answer = _planned(case, places, lambda count: plan.readings[count - 1].seconds if count else 0.0, limits, begin)
     return PlanAnswer(
         **dict(answer),
-        certain_minutes=None if certain is None else to_unit(certain.seconds, "min"),
         criterion=case.description.target.criterion,
         points=list(_points(case, places, plan)),
         units={axis.name: axis.unit for axis in case.description.machine.axes},

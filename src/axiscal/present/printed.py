@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from datetime import UTC, date, datetime
 from itertools import count
 from pathlib import Path
@@ -35,7 +34,8 @@ def pdf(summary: Summary) -> bytes:
     with TemporaryDirectory(prefix="axiscal-", ignore_cleanup_errors=True) as name:
         file = Path(name) / "report.typ"
         file.write_bytes(filled(summary, Path(name)).encode("utf-8", "replace"))
-        return _set(file, _moment(_day(summary)))
+        day = _day(summary)
+        return _set(file, int(datetime(day.year, day.month, day.day, tzinfo=UTC).timestamp()))
 
 
 def filled(summary: Summary, folder: Path) -> str:
@@ -77,25 +77,20 @@ def _set(template: Path, moment: int) -> bytes:
     """
     import typst
 
-    for system in (False, True):
-        with contextlib.suppress(typst.TypstError):
-            return _compiled(template, moment, system, "a-2b")
-    try:
-        return _compiled(template, moment, True, None)
-    except typst.TypstError as failure:
-        what = "report.pdf could not be set: {reason}"
-        remedy = "report.html beside it says the same; please report this defect of axiscal"
-        raise PrintingError(what, remedy, reason=str(failure).splitlines()[0][:200]) from None
-
-
-def _compiled(template: Path, moment: int, system: bool, standard: Literal["a-2b"] | None) -> bytes:
-    import typst
-
-    fonts = typst.Fonts(include_system_fonts=system)
-    compiler = typst.Compiler(str(template), root=str(template.parent), font_paths=fonts)
-    made = compiler.compile(pdf_standards=standard or [], timestamp=moment)
-    assert isinstance(made, bytes)  # one document, in one file
-    return made
+    reason = ""
+    tries: tuple[tuple[bool, Literal["a-2b"] | None], ...] = ((False, "a-2b"), (True, "a-2b"), (True, None))
+    for system, standard in tries:
+        fonts = typst.Fonts(include_system_fonts=system)
+        compiler = typst.Compiler(str(template), root=str(template.parent), font_paths=fonts)
+        try:
+            made = compiler.compile(pdf_standards=standard, timestamp=moment)
+            assert isinstance(made, bytes)  # one document, in one file
+            return made
+        except typst.TypstError as failure:
+            reason = str(failure).splitlines()[0][:200]
+    what = "report.pdf could not be set: {reason}"
+    remedy = "report.html beside it says the same; please report this defect of axiscal"
+    raise PrintingError(what, remedy, reason=reason)
 
 
 def _day(summary: Summary) -> date:
@@ -104,7 +99,3 @@ def _day(summary: Summary) -> date:
         return date.fromisoformat(summary.date[:10])
     except ValueError:
         return date(1970, 1, 1)
-
-
-def _moment(day: date) -> int:
-    return int(datetime(day.year, day.month, day.day, tzinfo=UTC).timestamp())

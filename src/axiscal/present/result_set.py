@@ -44,7 +44,7 @@ def result_set(folder: Path, manifest: str = MANIFEST, live: Path | None = None)
     staging = _beside(folder, live) if _holds_nothing_else(folder, manifest) else None
     whole = staging is not None
     if staging is None:
-        staging = _within(folder)
+        staging = folder / f".results.{os.getpid()}.new"
         staging.mkdir()
     try:
         yield staging
@@ -57,8 +57,11 @@ def result_set(folder: Path, manifest: str = MANIFEST, live: Path | None = None)
         raise
     if whole:
         _swap(staging, folder)
-    else:
-        _bring(staging, folder, manifest)
+        return
+    if (folder / manifest).exists():
+        os.replace(folder / manifest, staging / _BEFORE)
+        sync_folder(folder)
+    _go_on(staging, folder)
 
 
 def mend(folder: Path) -> None:
@@ -89,15 +92,11 @@ def write_manifest(
         "schema": _SCHEMA,
         "record": {"file": record.file, "event": record.event, "hash": record.hash},
         "versions": dict(sorted(versions.items())),
-        "files": {path.relative_to(folder).as_posix(): _hash(path) for path in files},
+        "files": {path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in files},
     }
     if (by := signature(document)) is not None:
         document["signed"] = by._asdict()
     written(folder / name, (json.dumps(document, indent=2, ensure_ascii=False) + "\n").encode())
-
-
-def _hash(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _holds_nothing_else(folder: Path, manifest: str) -> bool:
@@ -151,10 +150,6 @@ def _beside(folder: Path, live: Path | None) -> Path | None:
     return staging
 
 
-def _within(folder: Path) -> Path:
-    return folder / f".results.{os.getpid()}.new"
-
-
 def _swap(staging: Path, folder: Path) -> None:
     if not folder.exists():
         os.rename(staging, folder)
@@ -179,14 +174,6 @@ def _put_back(old: Path, folder: Path) -> None:
         shutil.rmtree(old)
     else:
         os.rename(old, folder)
-
-
-def _bring(staging: Path, folder: Path, manifest: str) -> None:
-    """Move a set that is whole into a folder that holds other things as well."""
-    if (folder / manifest).exists():
-        os.replace(folder / manifest, staging / _BEFORE)
-        sync_folder(folder)
-    _go_on(staging, folder)
 
 
 def _refuse_what_blocks(staging: Path, folder: Path) -> None:

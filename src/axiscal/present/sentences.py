@@ -7,6 +7,9 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from axiscal.description.campaign import Equipment
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.language.spoken import counted, decimals, joined, later, said
@@ -14,47 +17,27 @@ from axiscal.present.summary import ConstantSummary, CurveSummary, HistoryRow, I
 
 UNSAID = later("not stated")
 
-_WORDS = (
-    (
-        later("Tool point"),
-        later(
-            "where the tool cuts, relative to the workpiece. Errors and uncertainties are those of this point "
-            "over the volume that is stated."
-        ),
+_WORDS = {
+    later("Tool point"): later(
+        "where the tool cuts, relative to the workpiece. Errors and uncertainties are those of this point over the "
+        "volume that is stated."
     ),
-    (
-        later("U"),
-        later(
-            "expanded uncertainty: with 95 % the error that is left after correcting by the estimate is not "
-            "larger, over the volume. In space it is a length, along an axis a ±. k is U over the standard "
-            "uncertainty."
-        ),
+    later("U"): later(
+        "expanded uncertainty: with 95 % the error that is left after correcting by the estimate is not larger, over "
+        "the volume. In space it is a length, along an axis a ±. k is U over the standard uncertainty."
     ),
-    (
-        later("RMS"),
-        later("root of the mean square over the volume."),
+    later("RMS"): later("root of the mean square over the volume."),
+    later("Band, ±"): later("95 %, with what the model cannot follow."),
+    later("EXX, EYX, ECX …"): later(
+        "errors after ISO 230-1: E, the direction of the error (X, Y, Z along, A, B, C about an axis), the axis that "
+        "moves. C0Y: how far Y is out of square about C. A reversal is what an error differs by between both sides "
+        "from which an axis comes."
     ),
-    (
-        later("Band, ±"),
-        later("95 %, with what the model cannot follow."),
+    later("Before measuring"): later("what was stated of the machine before any reading: how large each error may be."),
+    later("Surprise"): later(
+        "a reading less what was expected of it just before, in standard deviations of that difference."
     ),
-    (
-        later("EXX, EYX, ECX …"),
-        later(
-            "errors after ISO 230-1: E, the direction of the error (X, Y, Z along, A, B, C about an axis), the "
-            "axis that moves. C0Y: how far Y is out of square about C. A reversal is what an error differs by "
-            "between both sides from which an axis comes."
-        ),
-    ),
-    (
-        later("Before measuring"),
-        later("what was stated of the machine before any reading: how large each error may be."),
-    ),
-    (
-        later("Surprise"),
-        later("a reading less what was expected of it just before, in standard deviations of that difference."),
-    ),
-)
+}
 
 UNITS = {"um": "µm", "urad": "µrad", "arcsec": "″", "deg": "°", "mm": "mm", "min": "min"}
 _SHOWN = {"um": "µm", "urad": "µrad", "degC": "°C"}
@@ -153,7 +136,7 @@ def left_out_words(block: Iso230) -> str:
 
 def curve_note(curve: CurveSummary) -> str:
     """Return in a line how well a curve is known now, 95 %, was before, and how much of that the readings did."""
-    now, before = BAND * _rms(curve.std), BAND * _rms(curve.prior_std)
+    now, before = BAND * root_mean_square(curve.std), BAND * root_mean_square(curve.prior_std)
     if not curve.position:
         return said("no positions")
     size = quantity(now, curve.value_unit)
@@ -226,13 +209,11 @@ def axis_unit(axis: str) -> str:
     return "deg" if axis[:1] in "ABC" else "mm"
 
 
-def _mean_square(values: Sequence[float]) -> float:
-    largest = max((abs(value) for value in values), default=0.0)
-    return 0.0 if largest == 0 else largest**2 * sum((value / largest) ** 2 for value in values) / len(values)
-
-
-def _rms(values: Sequence[float]) -> float:
-    return math.sqrt(_mean_square(values))
+def root_mean_square(values: ArrayLike) -> float:
+    """Return the root of the mean square; 0 of no values.  values : of any shape"""
+    sizes = np.abs(np.asarray(values, dtype=float))
+    largest = float(sizes.max(initial=0.0))
+    return largest * math.sqrt(np.sum((sizes / (largest or 1.0)) ** 2) / max(sizes.size, 1))
 
 
 def _minus(text: str) -> str:
@@ -257,7 +238,7 @@ def files_of_controls(offers: Sequence[TableOffer]) -> list[FilesOfControl]:
 
 def words() -> list[tuple[str, str]]:
     """Return each word with what it means."""
-    return [(said(word), said(meaning)) for word, meaning in _WORDS]
+    return [(said(word), said(meaning)) for word, meaning in _WORDS.items()]
 
 
 def pairs(summary: Summary) -> list[tuple[str, str]]:

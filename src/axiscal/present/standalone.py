@@ -49,17 +49,12 @@ def _rich(message: str, **values: str) -> Markup:
 def inlined() -> dict[str, Any]:
     """Return what a template needs beside its own values: `css`, `scripts`, and the `policy` that allows just these."""
     scripts = [static_text("report.js")]
+    dark = f"@media screen and (prefers-color-scheme:dark){{:root{{{variables(IN_DARK)}}}}}"
     return {
-        "css": Markup(_machine_colours() + static_text("report.css")),
+        "css": Markup(f":root{{{variables(IN_LIGHT)}}}\n{dark}\n" + static_text("report.css")),
         "scripts": [Markup(s) for s in scripts],
         "policy": policy(scripts),
     }
-
-
-def _machine_colours() -> str:
-    """Return the colours of drawn machines as CSS; paper is light."""
-    dark = f"@media screen and (prefers-color-scheme:dark){{:root{{{variables(IN_DARK)}}}}}"
-    return f":root{{{variables(IN_LIGHT)}}}\n{dark}\n"
 
 
 def policy(scripts: Iterable[str]) -> str:

@@ -17,7 +17,7 @@ from axiscal.language.spoken import counted, later, listed, put, said
 from axiscal.measurement.reading import reading_unit
 from axiscal.measurement.setup import SaidOfDrift, Setup
 from axiscal.present.result_set import RECORD
-from axiscal.present.sentences import coordinate, figure, percent, quantity, spelt
+from axiscal.present.sentences import coordinate, figure, percent, quantity, root_mean_square, spelt
 from axiscal.present.summary import BudgetRow, ConstantSummary, CurveSummary, Summary, Uncertainty
 from axiscal.present.volume_error import PlaneSummary
 from axiscal.units import said_quantity, to_unit
@@ -68,17 +68,18 @@ def statement(summary: Summary) -> Statement:
     found = summary.expanded
     conditions = [
         (said("Quantity"), said("length of the tool's deviation less the estimated one")),
-        (said("Holds"), _without_names(found.conditions)),
+        (said("Holds"), found.conditions.rpartition(" (")[0] or found.conditions),
         (said("Agreement"), summary.agreement.words),
         (said("Ended"), summary.stopped_because),
     ]
     named = [(name, spelt(text)) for name, text in conditions if text]
     if summary.answer.withheld:
         return Statement(named, [], [], "", [], [])
+    constants = [each for each in summary.constants if ": " not in each.name]  # none of set-ups
     errors = [
-        *map(_curve, (*summary.curves, *summary.reversals)),
-        *map(_plane, summary.planes),
-        *(_constant(each) for each in summary.constants if ": " not in each.name),  # none of set-ups
+        *(_error(each.caption, each, each.value_unit) for each in (*summary.curves, *summary.reversals)),
+        *(_error(each.caption, each, each.value_unit) for each in summary.planes),
+        *(_error(spelt(each.words), each, each.unit) for each in constants),
     ]
     sources = [_source(row) for row in summary.budget]
     total = _sum(summary) if sources else ""
@@ -94,11 +95,6 @@ def answered(summary: Summary) -> AnswerText:
     """Return the answer of a report in words."""
     record = RECORD if summary.record is None else summary.record.file
     return answer_text(summary.answer, summary.agreement.words, record)
-
-
-def _without_names(conditions: str) -> str:
-    """Return conditions without the codes of the errors, which the list of errors has."""
-    return conditions.rpartition(" (")[0] or conditions
 
 
 def _figures(summary: Summary) -> Iterator[tuple[str, str]]:
@@ -129,25 +125,13 @@ def _sum(summary: Summary) -> str:
                 expanded=quantity(found.space, "um"))  # fmt: skip
 
 
-def _curve(curve: CurveSummary) -> list[str]:
-    before, now = (_rms(each) for each in (curve.prior_std, curve.std))
-    unit = curve.value_unit
-    return [curve.caption, curve.name, f"± {quantity(BAND * before, unit)}", f"± {quantity(BAND * now, unit)}"]
-
-
-def _plane(plane: PlaneSummary) -> list[str]:
-    before, now = (_rms([value for row in each for value in row]) for each in (plane.prior_std, plane.std))
-    unit = plane.value_unit
-    return [plane.caption, plane.name, f"± {quantity(BAND * before, unit)}", f"± {quantity(BAND * now, unit)}"]
-
-
-def _constant(constant: ConstantSummary) -> list[str]:
-    sizes = (quantity(BAND * each, constant.unit) for each in (constant.prior_std, constant.std))
-    return [spelt(constant.words), constant.name, *(f"± {size}" for size in sizes)]
-
-
-def _rms(values: Sequence[float]) -> float:
-    return math.sqrt(sum(value**2 for value in values) / max(len(values), 1))
+def _error(caption: str, error: CurveSummary | PlaneSummary | ConstantSummary, unit: str) -> list[str]:
+    """Return an error with ± before measuring and now, 95 %, RMS over its positions."""
+    return [
+        caption,
+        error.name,
+        *(f"± {quantity(BAND * root_mean_square(std), unit)}" for std in (error.prior_std, error.std)),
+    ]
 
 
 def _rows(summary: Summary) -> Iterator[list[str]]:

@@ -25,7 +25,7 @@ from axiscal.estimation.budget import BudgetShare, budget
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.estimation.type_prior import is_type_text
-from axiscal.evaluation import FIGURES, Positioning, PositioningTest, evaluate
+from axiscal.evaluation.one_axis import FIGURES, Positioning, PositioningTest, evaluate
 from axiscal.language.spoken import later, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.questions import questions, which_way
@@ -198,6 +198,8 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
     rows = _history(campaign, estimation)
     linear, expanded = linearity(estimation), _expanded(estimation)
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
+    times = [reading.time for reading in campaign.state.readings if reading.time is not None]
+    last = datetime.fromisoformat(campaign.begun) + timedelta(seconds=max(times, default=0.0))
     return Summary(
         title=said("Calibration of {machine}", machine=description.machine.name),
         machine=description.machine.name,
@@ -219,7 +221,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         constants=constants(estimation),
         planes=planes(estimation),
         observability=observability(case),
-        questions=open_questions(description),
+        questions=[*questions(description.machine), *which_way(description.machine)],
         warnings=[*extras.warnings, *_accepted(campaign), *findings(estimation), *not_gaussian(linear)],
         tables=extras.tables,
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
@@ -232,12 +234,12 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         agreement=agreement_of(estimation),
         volume=volume_error(estimation, *left_by) if campaign.state.readings else None,
         bent=bent_volume(estimation, *left_by) if campaign.state.readings else None,
-        positioning=positioning_curves(description, campaign.state.readings, estimation, *left_by),
-        circles=ball_bar_circles(description, campaign.state.readings, estimation, *left_by),
+        positioning=positioning_curves(estimation, *left_by),
+        circles=ball_bar_circles(estimation, *left_by),
         budget=budget_rows(estimation),
         particulars=description.particulars,
         checksums=_checksums(campaign),
-        ended=_ended(campaign),
+        ended=last.date().isoformat(),
         nonlinearity=linear.largest,
     )
 
@@ -254,18 +256,6 @@ def _checksums(campaign: Campaign) -> dict[str, str]:
     }
     sums = {name: sha256(text.encode("utf-8", "surrogateescape")).hexdigest() for name, text in texts.items() if text}
     return sums | {campaign.path.name: campaign.state.name}
-
-
-def _ended(campaign: Campaign) -> str:
-    """Return the day of the last reading whose time is known, else the day on which the record was begun."""
-    times = [reading.time for reading in campaign.state.readings if reading.time is not None]
-    last = datetime.fromisoformat(campaign.begun) + timedelta(seconds=max(times, default=0.0))
-    return last.date().isoformat()
-
-
-def open_questions(description: CampaignDescription) -> list[str]:
-    """Return what the machine's description leaves open and the figures take for granted."""
-    return [*questions(description.machine), *which_way(description.machine)]
 
 
 def _expanded(estimation: Estimation) -> Uncertainty:
@@ -368,13 +358,11 @@ def budget_rows(known: Estimation) -> list[BudgetRow]:
     """Return the sources of the standard uncertainty above 0, the largest first."""
     shares = budget(known)
     whole = sum(share.rms**2 for share in shares) or 1.0
-    rows = [BudgetRow(_words(share), to_unit(share.rms, "um"), share.rms**2 / whole, *_type(share)) for share in shares]
+    rows = []
+    for share in shares:  # of type A (GUM 4.2), or of type B with its distribution
+        evaluated = ("A", "") if share.cause is None else ("B", _DISTRIBUTIONS[share.cause.row.distribution])
+        rows.append(BudgetRow(_words(share), to_unit(share.rms, "um"), share.rms**2 / whole, *evaluated))
     return sorted((row for row in rows if row.share >= _WORTH), key=lambda row: -row.share)
-
-
-def _type(share: BudgetShare) -> tuple[str, str]:
-    """Return the type of the evaluation, and the distribution of a source of type B, "" for type A."""
-    return ("A", "") if share.cause is None else ("B", _DISTRIBUTIONS[share.cause.row.distribution])
 
 
 def _words(share: BudgetShare) -> str:

@@ -5,7 +5,7 @@ Events are facts and never change; the state is always folded from them anew. Un
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from copy import copy
 from dataclasses import dataclass, field, fields
 from typing import Any
@@ -227,7 +227,8 @@ class State:
     @property
     def free(self) -> int:
         """The number of the next reading: readings and skips have one each, and keep it while they stand."""
-        return _free(self.written, self.skipped)
+        taken = (*(reading.number or 0 for reading in self.written), *(gap.asked.reading for gap in self.skipped))
+        return max(taken, default=0) + 1
 
     @property
     def coming(self) -> tuple[Place, ...]:
@@ -247,11 +248,6 @@ class State:
 
 class EventOrderError(ValueError):
     """Events that cannot have happened in this order; the record has been written by something else."""
-
-
-def _free(readings: Sequence[Reading], skipped: Sequence[Gap]) -> int:
-    taken = (*(reading.number or 0 for reading in readings), *(gap.asked.reading for gap in skipped))
-    return max(taken, default=0) + 1
 
 
 def fold(events: Iterable[Stored]) -> State:
@@ -308,7 +304,9 @@ class Folding:
         elif isinstance(event, Planned):
             self.plan, self.plan_basis, self.renew = list(event.places), event.basis, False
         elif isinstance(event, Asked):
-            self._ask(event)
+            self.pending = event
+            if self.plan and self.plan[0] == event.place:
+                del self.plan[0]
         elif isinstance(event, Undone):
             self._take_back(event)
         elif isinstance(event, Noted):
@@ -326,11 +324,6 @@ class Folding:
             self._take(event)
         self.last = stored.number
 
-    def _ask(self, event: Asked) -> None:
-        self.pending = event
-        if self.plan and self.plan[0] == event.place:
-            del self.plan[0]
-
     def _refuse_disorder(self, stored: Stored) -> None:
         first = isinstance(stored.event, Created)
         if first and self.created is not None:
@@ -342,7 +335,9 @@ class Folding:
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
         if isinstance(event, Recorded):
-            self.written.append(event.reading.under(self._counted(self._number(event))))
+            asked = self.pending.reading if self.pending else (self.highest[-1] if self.highest else 0) + 1
+            number = asked if event.reading.number is None else event.reading.number
+            self.written.append(event.reading.under(self._counted(number)))
             self.readings.append(self.written[-1])
             planned = self.pending is not None and event.reading.place == self.pending.place
             self.renew = self.renew or not planned
@@ -368,10 +363,6 @@ class Folding:
                 raise EventOrderError(f"there is a set-up {event.name!r} already")
             self.mounted.append(Mounted(event.setups[0], event.name, ""))
         self.renew = True
-
-    def _number(self, event: Recorded) -> int:
-        asked = self.pending.reading if self.pending else (self.highest[-1] if self.highest else 0) + 1
-        return asked if event.reading.number is None else event.reading.number
 
     def _counted(self, number: int) -> int:
         """Remember the highest number so far, for the next free one, and return the number."""

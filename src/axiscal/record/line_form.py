@@ -121,7 +121,8 @@ def transaction(mark: Mark, rows: Iterable[EventText]) -> tuple[bytes, Mark]:
 def rows_after(mark: Mark, content: bytes) -> Iterator[tuple[EventText, Mark]]:
     """Yield the events of lines that follow a mark, each with the mark behind it; raises DamageError at the first."""
     turn, last, end, chain = mark.turn, mark.last, mark.end, mark.chain
-    for line in _lines(content):
+    *lines, rest = content.split(b"\n")
+    for line in [line + b"\n" for line in lines] + ([rest] if rest else []):
         last, end = last + 1, end + len(line)
         row, written = _row(line, last)
         turn, chain = turn + row.closes, chained(chain, row)
@@ -171,11 +172,6 @@ def damaged_row(line: bytes) -> EventText | None:
     except ValueError:
         return None
     return EventText(at, kind, payload)
-
-
-def _lines(content: bytes) -> list[bytes]:
-    *lines, rest = content.split(b"\n")
-    return [line + b"\n" for line in lines] + ([rest] if rest else [])
 
 
 def _row(line: bytes, number: int) -> tuple[EventText, str]:

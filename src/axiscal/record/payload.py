@@ -47,18 +47,13 @@ def encode(event: Event, hand: Hand | None = None) -> tuple[str, str]:
         return event.kind, event.text
     said = _fields(event) | ({} if hand is None else hand._asdict())
     text = json.dumps(said, allow_nan=False, ensure_ascii=False, separators=(",", ":"), sort_keys=True)
-    _refuse_halves(text)
-    return type(event).__name__.lower(), text
-
-
-def _refuse_halves(text: str) -> None:
-    """Raise RecordError for halves of characters: no file can hold them. Bytes of an argument may become such."""
     try:
         text.encode()
-    except UnicodeEncodeError as error:
-        said = shown(text[: error.end].rpartition('"')[2][-40:])
+    except UnicodeEncodeError as error:  # bytes of an argument may become halves of characters, which no file can hold
+        what = "{said} ends in a byte that is no UTF-8, or in half a character"
         remedy = "Type the text anew, or rename the file, on a terminal that writes UTF-8; nothing was kept"
-        raise RecordError("{said} ends in a byte that is no UTF-8, or in half a character", remedy, said=said) from None
+        raise RecordError(what, remedy, said=shown(text[: error.end].rpartition('"')[2][-40:])) from None
+    return type(event).__name__.lower(), text
 
 
 def decode(kind: str, text: str) -> Event:

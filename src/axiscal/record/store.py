@@ -91,7 +91,9 @@ class Record(EventLog):
         with record_errors(path):
             if write:
                 clear_drafts(path.parent, path.name)
-            record = cls(path, _opened(path, write), write=write)
+            _refuse_other_form(path)
+            handle = os.open(path, (os.O_RDWR if write else os.O_RDONLY) | getattr(os, "O_BINARY", 0))
+            record = cls(path, handle, write=write)
             try:
                 with _uncollected():
                     record._catch_up()
@@ -204,12 +206,6 @@ def content_of(rows: Sequence[EventText]) -> tuple[bytes, Mark]:
     return head() + blocks + lines, mark
 
 
-def _opened(path: Path, write: bool) -> int:
-    """Return the handle of a record."""
-    _refuse_other_form(path)
-    return os.open(path, (os.O_RDWR if write else os.O_RDONLY) | getattr(os, "O_BINARY", 0))
-
-
 def _publish(draft: Path, path: Path) -> None:
     try:
         os.link(draft, path)
@@ -286,7 +282,13 @@ def record_errors(path: Path) -> Iterator[None]:
     except DamageError as error:
         raise RecordError("The record is damaged: {reason}", restoring(path), path, reason=error) from error
     except OSError as error:
-        raise _not_taken(path, error) from error
+        if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT):
+            what = "The record cannot be written here"
+            remedy = "Put it in a folder that exists and that you may write to"
+        else:
+            what = "The disk did not take the entry ({reason})"
+            remedy = "Make room; everything acknowledged before is kept"
+        raise RecordError(what, remedy, path, reason=error.strerror or error) from error
 
 
 def restoring(path: Path) -> str:
@@ -295,12 +297,3 @@ def restoring(path: Path) -> str:
     new = path.with_name(f"{path.stem}-salvaged.axiscal")
     command = f"axiscal data salvage {path} {new}"
     return said("Restore it from a copy, or save what stands whole: {command}; {left}", command=command, left=left)
-
-
-def _not_taken(path: Path, error: OSError) -> RecordError:
-    if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT):
-        what, remedy = "The record cannot be written here", "Put it in a folder that exists and that you may write to"
-    else:
-        what = "The disk did not take the entry ({reason})"
-        remedy = "Make room; everything acknowledged before is kept"
-    return RecordError(what, remedy, path, reason=error.strerror or error)

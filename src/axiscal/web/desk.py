@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from datetime import datetime, timedelta
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +20,6 @@ from axiscal.campaign.ending import Ended, because_text
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import AxiscalError, OvertakenError, ReadingError
 from axiscal.language.spoken import decimals, said, spoken_now
-from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading, reading_unit, shown_coordinate
 from axiscal.measurement.setup import Setup
 from axiscal.present.guide.progress import Progress, contradictions, doubted, due, last_step, others_doubted, take_back
@@ -35,7 +33,6 @@ from axiscal.units import to_unit
 from axiscal.web.shapes import (
     AnswerShape,
     CostShape,
-    NoteShape,
     ReadingShape,
     StateShape,
     TypedShape,
@@ -43,40 +40,6 @@ from axiscal.web.shapes import (
 
 _LATEST = 3
 """Readings that are listed; a person looks back at no more."""
-
-
-class Shown(NamedTuple):
-    """What the desk knows beside the campaign: question, end, trouble, sentences to mind, answer, version."""
-
-    question: Question | None
-    ended: str | None
-    trouble: str
-    minds: list[str]
-    answer: ResultAnswer | PlannedAnswer | None
-    version: int
-
-
-def state_shape(campaign: Campaign, shown: Shown, results: Path) -> StateShape:
-    """Return all that a page shows."""
-    state = campaign.state
-    return StateShape(
-        version=shown.version,
-        last=state.last,
-        machine=campaign.description.machine.name,
-        record=campaign.path.name,
-        progress=Progress.of(campaign),
-        question=shown.question,
-        ended=None if shown.ended is None else spelt(because_text(shown.ended)),
-        finished=None if state.finished is None else spelt(because_text(state.finished)),
-        trouble=shown.trouble,
-        readings=_latest(campaign),
-        notes=[NoteShape(text=note.text, at=note.at, after=note.after) for note in state.notes],
-        due=due(campaign),
-        undo=last_step(campaign)[0],
-        minds=[spelt(each) for each in shown.minds],
-        answer=None if shown.answer is None else _answer(campaign, shown.answer, results),
-        results=results.name if state.finished is not None and (results / "report.html").is_file() else "",
-    )
 
 
 def _answer(campaign: Campaign, answer: ResultAnswer | PlannedAnswer, results: Path) -> AnswerShape:
@@ -128,17 +91,6 @@ def _moment_of(campaign: Campaign, reading: Reading) -> str:
     if reading.time is None:
         return ""
     return (datetime.fromisoformat(campaign.begun) + timedelta(seconds=reading.time)).isoformat(timespec="milliseconds")
-
-
-def picture_of_setup(campaign: Campaign, width: float) -> str:
-    """Return the set-up of the next reading, on the machine as it then stands, as SVG; "" for none."""
-    asked = campaign.state.pending
-    if asked is None:
-        return ""
-    description = campaign.description
-    taken = [Place(each.setup, each.pose, each.approach) for each in campaign.state.readings]
-    scene = setup_scene(description, description.setup(asked.place.setup), taken, asked.place, campaign.state.coming)
-    return setup_picture(scene, width)
 
 
 Publisher = Callable[[StateShape], None]
@@ -270,7 +222,13 @@ class Desk:
 
     def setup_picture(self, width: float) -> str:
         """Return the set-up of the next reading, on the machine, as SVG; "" if there is none.  width : pixels"""
-        return picture_of_setup(self.campaign, width)
+        asked = self.campaign.state.pending
+        if asked is None:
+            return ""
+        description, state = self.campaign.description, self.campaign.state
+        taken = [reading.place for reading in state.readings]
+        setup = description.setup(asked.place.setup)
+        return setup_picture(setup_scene(description, setup, taken, asked.place, state.coming), width)
 
     def cost(self, *, rest: bool) -> CostShape:
         """Return what skipping the reading costs, or leaving its set-up."""
@@ -334,9 +292,25 @@ class Desk:
 
     def _renewed(self) -> StateShape:
         self._question, self._ended, self._trouble = self._asked()
-        minds = [*self._minds, *contradictions(self.campaign)]
-        shown = Shown(self._question, self._ended, self._trouble, minds, self._answer, self._next_version())
-        return state_shape(self.campaign, shown, self.results)
+        campaign, state, results = self.campaign, self.campaign.state, self.results
+        return StateShape(
+            version=self._next_version(),
+            last=state.last,
+            machine=campaign.description.machine.name,
+            record=campaign.path.name,
+            progress=Progress.of(campaign),
+            question=self._question,
+            ended=None if self._ended is None else spelt(because_text(self._ended)),
+            finished=None if state.finished is None else spelt(because_text(state.finished)),
+            trouble=self._trouble,
+            readings=_latest(campaign),
+            notes=state.notes,
+            due=due(campaign),
+            undo=last_step(campaign)[0],
+            minds=[spelt(each) for each in [*self._minds, *contradictions(campaign)]],
+            answer=None if self._answer is None else _answer(campaign, self._answer, results),
+            results=results.name if state.finished is not None and (results / "report.html").is_file() else "",
+        )
 
     def _next_version(self) -> int:
         self._version += 1

@@ -33,6 +33,8 @@ from axiscal.web.desk import SurprisingError
 from axiscal.web.shapes import ProblemShape
 
 ROOT = "/api/1"
+LARGEST = 64 * 1024
+"""Bytes of a request's body; what a person types is far smaller."""
 _KINDS = {"css": "text/css", "js": "text/javascript", "svg": "image/svg+xml", "html": "text/html"}
 _REFUSALS: dict[int | str, dict[str, Any]] = {
     status: {"model": ProblemShape, "description": "Not done, and why"} for status in (400, 403, 409, 413, 422)
@@ -41,6 +43,7 @@ _REFUSALS: dict[int | str, dict[str, Any]] = {
 _NOTHING_HERE = {
     400: (422, "malformed", "The body is no JSON"),
     405: (405, "method", "This cannot be done here"),
+    413: (413, "large", f"A request may have {LARGEST} bytes"),
 }
 """Status, code and sentence of what is refused before a function is called, by the status that it has."""
 
@@ -118,8 +121,6 @@ async def _defect(request: Request, failure: Exception) -> Response:
     return problem(500, "defect", said)
 
 
-LARGEST = 64 * 1024
-"""Bytes of a request's body; what a person types is far smaller."""
 _TOKEN_BYTES = 32  # 256 bits; from 128 on nobody guesses
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
@@ -181,18 +182,21 @@ class Guard:
 
         async def answered(message: Message) -> None:
             if message["type"] == "http.response.start":
-                self._dress(scope, headers, MutableHeaders(scope=message))
+                answer = MutableHeaders(scope=message)
+                for name, value in _HEADERS.items():
+                    answer[name] = value
+                answer.setdefault("Content-Security-Policy", _POLICY)
+                if _carries(scope, self._admitted) and self._refusal(scope, headers) is None:
+                    answer["Set-Cookie"] = (
+                        f"{self._admitted.cookie}={self._admitted.token}; Path=/; HttpOnly; SameSite=Strict"
+                    )
             await send(message)
 
         refusal = self._refusal(scope, headers)
         if refusal is not None:
             await problem(*refusal)(scope, receive, answered)
             return
-        body = await _body(receive)
-        if body is None:
-            await problem(413, "large", f"A request may have {LARGEST} bytes")(scope, receive, answered)
-            return
-        await self._app(scope, _replayed(body, receive), answered)
+        await self._app(scope, _bounded(receive), answered)
 
     def _refusal(self, scope: Scope, headers: Headers) -> tuple[int, str, str] | None:
         """Return status, code and sentence of what is wrong; None where nothing is."""
@@ -201,7 +205,8 @@ class Guard:
             return 400, "host", "This page answers under http://127.0.0.1 only"
         if origin is not None and origin not in ours.origins:
             return 403, "forbidden", "This request comes from another page"
-        if self._bears(headers):
+        scheme, _, token = headers.get("authorization", "").partition(" ")
+        if scheme.lower() == "bearer" and self._admitted.holds(token):
             return None
         if not (self._knows_cookie(headers) or _carries(scope, ours)):
             return 403, "forbidden", "Open the address that axiscal serve has printed: it holds the token"
@@ -209,23 +214,12 @@ class Guard:
             return 403, "forbidden", "This request does not say from which page it comes"
         return None
 
-    def _bears(self, headers: Headers) -> bool:
-        scheme, _, token = headers.get("authorization", "").partition(" ")
-        return scheme.lower() == "bearer" and self._admitted.holds(token)
-
     def _knows_cookie(self, headers: Headers) -> bool:
         try:
             jar = SimpleCookie(headers.get("cookie", ""))
         except CookieError:
             return False
         return self._admitted.cookie in jar and self._admitted.holds(jar[self._admitted.cookie].value)
-
-    def _dress(self, scope: Scope, asked: Headers, answer: MutableHeaders) -> None:
-        for name, value in _HEADERS.items():
-            answer[name] = value
-        answer.setdefault("Content-Security-Policy", _POLICY)
-        if _carries(scope, self._admitted) and self._refusal(scope, asked) is None:
-            answer["Set-Cookie"] = f"{self._admitted.cookie}={self._admitted.token}; Path=/; HttpOnly; SameSite=Strict"
 
 
 def _carries(scope: Scope, admitted: Admission) -> bool:
@@ -236,31 +230,16 @@ def _carries(scope: Scope, admitted: Admission) -> bool:
     return admitted.holds(token)
 
 
-async def _body(receive: Receive) -> bytes | None:
-    """Return the body of a request, None where it is too large; what comes after that is not read."""
-    parts: list[bytes] = []
+def _bounded(receive: Receive) -> Receive:
+    """Return what gives the body of a request, and refuses one that is too large; what comes after that is not read."""
     size = 0
-    while True:
+
+    async def received() -> Message:
+        nonlocal size
         message = await receive()
-        if message["type"] != "http.request":
-            return b"".join(parts)
-        parts.append(message.get("body", b""))
-        size += len(parts[-1])
+        size += len(message.get("body", b""))
         if size > LARGEST:
-            return None
-        if not message.get("more_body", False):
-            return b"".join(parts)
+            raise HTTPException(413)
+        return message
 
-
-def _replayed(body: bytes, receive: Receive) -> Receive:
-    """Return what gives a body that has been read, and then what comes after it."""
-    given = False
-
-    async def again() -> Message:
-        nonlocal given
-        if given:
-            return await receive()
-        given = True
-        return {"type": "http.request", "body": body, "more_body": False}
-
-    return again
+    return received

@@ -150,7 +150,19 @@ def serve_record(record: Path, port: int, ready: Callable[[str], None]) -> str:
     try:
         with _listening(port) as listener:
             admitted = Admission(int(listener.getsockname()[1]))
-            server = _server(application(counter, admitted), counter.end, lambda: ready(admitted.address))
+            config = uvicorn.Config(
+                application(counter, admitted),
+                http=_Caller,
+                ws="none",
+                log_level="error",
+                access_log=False,
+                server_header=False,
+                proxy_headers=False,
+                timeout_graceful_shutdown=1,
+                backlog=_BURST,
+                h11_max_incomplete_event_size=_HEAD,
+            )
+            server = _Server(config, counter.end, lambda: ready(admitted.address))
             server.run(sockets=[listener])
     except KeyboardInterrupt:
         pass  # the way in which a server is ended
@@ -169,22 +181,6 @@ def _listening(port: int) -> socket.socket:
         what, remedy = "Port {port} cannot be used: {strerror}", "Name another one with --port, or leave it out"
         raise InputError(what, remedy, port=port, strerror=failure.strerror) from failure
     return listener
-
-
-def _server(app: Guard, ending: Callable[[], None], ready: Callable[[], None]) -> _Server:
-    config = uvicorn.Config(
-        app,
-        http=_Caller,
-        ws="none",
-        log_level="error",
-        access_log=False,
-        server_header=False,
-        proxy_headers=False,
-        timeout_graceful_shutdown=1,
-        backlog=_BURST,
-        h11_max_incomplete_event_size=_HEAD,
-    )
-    return _Server(config, ending, ready)
 
 
 class _Caller(H11Protocol):

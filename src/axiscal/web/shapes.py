@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -10,6 +11,7 @@ from axiscal.answers.answer import AnswerDocument, PlannedAnswer, ResultAnswer
 from axiscal.campaign.possible import LONGEST_TEXT
 from axiscal.present.guide.progress import Due, Progress
 from axiscal.present.guide.question import Question
+from axiscal.record.events import Note
 
 LONGEST = 25.0
 """s that a request may wait for news: less than what programs between us and a browser would take for a fault."""
@@ -26,14 +28,6 @@ class ReadingShape(AnswerDocument):
     unit: str
     at: str
     doubted: bool
-
-
-class NoteShape(AnswerDocument):
-    """A note, its time (ISO 8601, UTC), and the number of the reading before it, 0 before the first."""
-
-    text: str
-    at: str
-    after: int
 
 
 class AnswerShape(AnswerDocument):
@@ -66,7 +60,7 @@ class StateShape(AnswerDocument):
     finished: str | None
     trouble: str
     readings: list[ReadingShape]
-    notes: list[NoteShape]
+    notes: Sequence[Note]
     due: Due
     undo: str
     minds: list[str]

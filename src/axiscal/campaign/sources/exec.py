@@ -62,7 +62,12 @@ class ExecSource:
     def read(self, request: Request) -> Answer | Skip:
         """Send the request and return the answer; raises SourceError if the command dies, stalls or talks nonsense."""
         self._passed = 0
-        self._refuse_unasked()
+        with contextlib.suppress(queue.Empty):
+            line = self._lines.get_nowait()
+            if not line:
+                raise self._died(GRACE)
+            what = "the command `{command}` said {answer} without being asked"
+            raise self._failure(what, "Answer each line with exactly one line", answer=_quoted(line))
         self._send(json.dumps(request.message(), ensure_ascii=False))
         return self._understood(self._next_line(), request)
 
@@ -109,14 +114,6 @@ class ExecSource:
                 if self._passed <= _PASSED:
                     sys.stderr.write(line)
                     sys.stderr.flush()
-
-    def _refuse_unasked(self) -> None:
-        with contextlib.suppress(queue.Empty):
-            line = self._lines.get_nowait()
-            if not line:
-                raise self._died(GRACE)
-            what = "the command `{command}` said {answer} without being asked"
-            raise self._failure(what, "Answer each line with exactly one line", answer=_quoted(line))
 
     def _send(self, line: str) -> None:
         stream = _pipe(self._process.stdin)

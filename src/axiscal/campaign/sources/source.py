@@ -190,7 +190,11 @@ class _Columns:
         for column in self.places:
             self._refuse_other_coordinate(row, column, request)
         if self.approach:
-            _refuse_other_approach(row, row.text(self.approach), request)
+            # a row may leave axes out, or all of them
+            text = row.text(self.approach)
+            asked = approach_text(request.axes, request.approach)
+            if not set(re.split(r"[\s;]+", text)) <= {"", *asked.split()}:
+                raise _other(row, f"approach {text}", asked or "none", request)
 
     def _refuse_other_coordinate(self, row: Row, column: Column, request: Request) -> None:
         names = [axis.name for axis in request.axes]
@@ -214,13 +218,6 @@ def _refuse_other_dimension(row: Row, column: Column, request: Request) -> None:
         what = "'{column}' is filled, but the {instrument} reads an angle" if reads == "angle" else what
         remedy, unit = "Give the value as value_{unit}", reading_unit(request.setup)
         raise row.fail(what, remedy, column=column.name, instrument=request.setup.instrument, unit=unit)
-
-
-def _refuse_other_approach(row: Row, text: str, request: Request) -> None:
-    """A row may leave axes out, or all of them."""
-    asked = approach_text(request.axes, request.approach)
-    if not set(re.split(r"[\s;]+", text)) <= {"", *asked.split()}:
-        raise _other(row, f"approach {text}", asked or "none", request)
 
 
 def _other(row: Row, found: str, asked: str, request: Request) -> SourceError:

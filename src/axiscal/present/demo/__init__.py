@@ -70,19 +70,14 @@ def checked(campaign: Campaign, truth: VirtualMachine) -> TablesChecked | None:
     return check_answer(judged, len(places), check.tables.U, Taken()).summary
 
 
-def measured_shapes() -> tuple[Array, ...]:
-    """Return the measured shapes of SOURCES.md: values at even places over a travel, RMS 1, no constant, no slope."""
-    text = resources.files("axiscal.present.demo").joinpath("shapes.csv").read_text(encoding="utf-8")
-    return tuple(np.array([float(v) for v in line.split(",")[1].split()]) for line in text.splitlines()[1:])
-
-
 def measured_truth(model: ErrorModel, seed: int) -> dict[str, TruthCurve]:
     """Return a curve for every error of the model: a measured shape for a motion, a drawn value for a constant.
 
     seed : of the constants, and of which shape goes where
     """
     rng = np.random.default_rng(seed)
-    shapes = measured_shapes()
+    text = resources.files("axiscal.present.demo").joinpath("shapes.csv").read_text(encoding="utf-8")
+    shapes = tuple(np.array([float(v) for v in line.split(",")[1].split()]) for line in text.splitlines()[1:])
     order = rng.permutation(len(shapes))
     curves, used = {}, 0
     for function in model.functions:
@@ -101,12 +96,8 @@ def _on_axis(model: ErrorModel, function: ErrorFunction, shape: Array) -> TruthC
     axis = model.machine.axes[function.axis]
     even = np.linspace(0.0, 1.0, len(shape))
     values = shape - (shape[0] + (shape[-1] - shape[0]) * even) if axis.cyclic else shape
-    values = values / np.sqrt(np.mean(values**2)) * _expected_bend(function)
-    return TruthCurve(np.linspace(*axis.travel, len(shape)), values)
-
-
-def _expected_bend(function: ErrorFunction) -> float:
-    """Return the RMS that the prior expects of a curve beyond its constant and slope, which the shapes do not have."""
+    # the RMS that the prior expects of a curve beyond its constant and slope, which the shapes do not have
     straight = np.vander(np.linspace(-1.0, 1.0, function.basis.size), 2)
     bend = np.eye(function.basis.size) - straight @ np.linalg.pinv(straight)
-    return float(np.sqrt(np.trace(bend @ function.covariance @ bend) / function.basis.size))
+    expected = float(np.sqrt(np.trace(bend @ function.covariance @ bend) / function.basis.size))
+    return TruthCurve(np.linspace(*axis.travel, len(shape)), values / np.sqrt(np.mean(values**2)) * expected)

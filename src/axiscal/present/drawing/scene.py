@@ -113,7 +113,7 @@ def far_to_near(solids: Sequence[Solid], eye: Array) -> list[Solid]:
 def _hidden_by(solids: Sequence[Solid], eye: Array) -> list[set[int]]:
     """Return for each solid those that have to be drawn after it."""
     points = [solid.points for solid in solids]
-    normals = [_directions(solid) for solid in solids]
+    normals = [np.array([face.normal for face in solid.faces if face.edged]) for solid in solids]
     found: list[set[int]] = [set() for _ in solids]
     for i in range(len(solids)):
         for j in range(i + 1, len(solids)):
@@ -123,11 +123,6 @@ def _hidden_by(solids: Sequence[Solid], eye: Array) -> list[set[int]]:
             elif nearer < 0:
                 found[i].add(j)
     return found
-
-
-def _directions(solid: Solid) -> Array:
-    """Return the directions across its flat faces, (n, 3)."""
-    return np.array([face.normal for face in solid.faces if face.edged])
 
 
 def _nearer(first: Array, second: Array, directions: Array, eye: Array) -> int:
@@ -289,13 +284,8 @@ def _face(d: str, face: Face, paint: str) -> str:
 
 
 def _shade(d: str, face: Face) -> str:
-    dark = _darkness(face.normal)
+    dark = sum(float(part) ** 2 * _DARK[k, 1 if part > 0 else -1] for k, part in enumerate(face.normal))
     return f'<path d="{d}" fill="#000000" fill-opacity="{dark:.3f}"/>' if dark > 5e-3 else ""
-
-
-def _darkness(normal: Array) -> float:
-    """Return how much black lies on a face: a mixture of the sides of the room that it looks to."""
-    return sum(float(part) ** 2 * _DARK[k, 1 if part > 0 else -1] for k, part in enumerate(normal))
 
 
 def _mark(mark: Mark, fitted: Fit) -> str:

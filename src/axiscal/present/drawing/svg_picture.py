@@ -187,7 +187,10 @@ def _marks(trace: Figure, points: Sequence[Point]) -> Iterator[str]:
     marker, texts = trace["marker"], trace.get("text", [])
     colour, size, edge = marker["color"], marker["size"], marker.get("line", {})
     if marker.get("round"):
-        yield from _dots(points, marker)
+        yield dots(points, marker["line"]["color"], marker["size"] + 2 * marker["line"]["width"])
+        yield dots(points, marker["color"], marker["size"])
+        if marker["symbol"].endswith("-open"):
+            yield dots(points, marker["line"]["color"], marker["size"] - 3)
     look = marker.get("symbol", "circle"), size, colour, edge.get("color", colour), edge.get("width", 0)
     if texts and len(points) <= _POINTED_AT:
         if marker.get("round"):
@@ -195,13 +198,6 @@ def _marks(trace: Figure, points: Sequence[Point]) -> Iterator[str]:
         yield from (f"<g>{title(text)}{mark(point, *look)}</g>" for text, point in zip(texts, points, strict=True))
     elif not marker.get("round"):
         yield from (mark(point, *look) for point in points)
-
-
-def _dots(points: Sequence[Point], marker: Figure) -> Iterator[str]:
-    yield dots(points, marker["line"]["color"], marker["size"] + 2 * marker["line"]["width"])
-    yield dots(points, marker["color"], marker["size"])
-    if marker["symbol"].endswith("-open"):
-        yield dots(points, marker["line"]["color"], marker["size"] - 3)
 
 
 def _map(trace: Figure, frame: Frame) -> str:

@@ -213,7 +213,10 @@ def due(campaign: Campaign) -> Due:
     """Return what is due now."""
     warm, ago = _temperature(campaign)
     asked = warm is None or ago >= _EVERY
-    return Due(temperature_degc=warm, minutes_ago=ago, ask=asked, marker_minutes=_marker(campaign))
+    places, read = campaign.state.coming, {reading.place for reading in campaign.state.readings}
+    first = next((n for n, place in enumerate(places) if place in read), None)
+    until = None if first is None else to_unit(campaign.seconds(places[:first]) - campaign.seconds(), "min")
+    return Due(temperature_degc=warm, minutes_ago=ago, ask=asked, marker_minutes=until)
 
 
 def _temperature(campaign: Campaign) -> tuple[float | None, float]:
@@ -222,9 +225,3 @@ def _temperature(campaign: Campaign) -> tuple[float | None, float]:
             ago = (datetime.now(UTC) - datetime.fromisoformat(note.at)).total_seconds() / 60
             return float(found[1].replace(",", ".")), max(ago, 0.0)
     return None, 0.0
-
-
-def _marker(campaign: Campaign) -> float | None:
-    places, read = campaign.state.coming, {reading.place for reading in campaign.state.readings}
-    first = next((n for n, place in enumerate(places) if place in read), None)
-    return None if first is None else to_unit(campaign.seconds(places[:first]) - campaign.seconds(), "min")

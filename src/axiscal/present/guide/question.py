@@ -281,7 +281,8 @@ def sign_text(setup: Setup) -> str:
         return said("+ where the tool stands too far towards {way}, seen from the workpiece", way="+x, +y, +z")
     if not instrument.model.directed:
         return said("+ where the distance is longer than it should be")
-    way = _signed(direction_text(setup))
+    direction = direction_text(setup)
+    way = direction if direction[0] in "-(" else f"+{direction}"
     if instrument.reads == "angle":
         turned = "+ where the tool is turned too far about {way} by the right hand, seen from the workpiece"
         return said(turned, way=way)
@@ -307,10 +308,6 @@ def reads_text(setup: Setup) -> str:
         return said("the distance from its station")
     way = direction_text(setup)
     return said("along {way}", way=way) if instrument.reads == "length" else said("about {way}", way=way)
-
-
-def _signed(direction: str) -> str:
-    return direction if direction[0] in "-(" else f"+{direction}"
 
 
 BAND = 2.0

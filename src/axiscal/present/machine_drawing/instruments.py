@@ -6,7 +6,6 @@ Each is drawn by what its set-up says: along which direction, about which, from 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
@@ -16,44 +15,26 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import Caption, Part, RoundMark, Stroke, box, cylinder
-from axiscal.present.machine_drawing.standing_machine import Measures, StandingMachine, up
+from axiscal.present.machine_drawing.standing_machine import Measures, up
 
 _TURN: Array = np.linspace(0, 2 * np.pi, 49)
 """Mathematics: a circle."""
 
 
-@dataclass(frozen=True, eq=False)
 class MountedSetup:
     """A set-up on a machine at a pose, everything in the room.
 
     places : (n, 3) m, where it is read; together : the other set-ups that read the same artefact
+    tip : where the tool point is; direction : along which, or about which, the set-up reads
+    table : height of the top of the table as it stands, m
     """
 
-    sizes: Measures
-    setup: Setup
-    places: Array
-    together: Sequence[Setup]
-
-    @property
-    def room(self) -> StandingMachine:
-        """The machine at its pose."""
-        return self.sizes.room
-
-    @property
-    def tip(self) -> Array:
-        """Where the tool point is."""
-        return self.room.tip_now
-
-    @property
-    def direction(self) -> Array:
-        """Along which, or about which, the set-up reads."""
-        return self.room.direction_on_table(self.setup.direction)
-
-    @property
-    def table(self) -> float:
-        """Height of the top of the table as it stands, m."""
-        foot = self.room.tip * [1, 1, 0] + up(self.sizes.table)
-        return float((self.room.moved(self.room.table) @ np.append(foot, 1.0))[2])
+    def __init__(self, sizes: Measures, setup: Setup, places: Array, together: Sequence[Setup]) -> None:
+        self.sizes, self.setup, self.places, self.together = sizes, setup, places, together
+        self.room, self.tip = sizes.room, sizes.room.tip_now
+        self.direction = self.room.direction_on_table(setup.direction)
+        foot = self.room.tip * [1, 1, 0] + up(sizes.table)
+        self.table = float((self.room.moved(self.room.table) @ np.append(foot, 1.0))[2])
 
     def post(self, at: Array) -> Stroke:
         """Return a post from the table up to a place, (3,) m."""

@@ -65,12 +65,15 @@ def setup_scene(
     own, later = ([place for place in some if place.setup == setup.name] for some in (places, coming))
     shown = at or _best_seen(campaign, setup, own)
     room = StandingMachine(campaign.machine, np.array(shown.pose if shown else setup.park, dtype=float))
-    stand = MountedSetup(Measures(room), setup, _tips(room, [*own, *later]), _together(campaign, setup))
+    owner = owner_of(setup)
+    together = [each for each in campaign.setups if owner and each is not setup and owner_of(each) == owner]
+    stand = MountedSetup(Measures(room), setup, _tips(room, [*own, *later]), together)
     parts = [*machine_parts(room), *reached(room), *_outlines(campaign, room), *instrument_parts(stand)]
     size = 3.0 if len(own) + len(later) < 10 else 2.2
     parts += reading_parts(stand, _tips(room, later), _sides(room, later), "soft", size)
     parts += reading_parts(stand, _tips(room, own), _sides(room, own), "read", size)
-    tails = any(any(place.approach) for place in own) and _one_line(stand)
+    one_line = len(setup.moves) == 1 and not campaign.machine.axes[setup.moves[0]].rotary
+    tails = one_line and any(any(place.approach) for place in own)
     legend = " · ".join(part for part in (_count_words(len(own)), _coming_words(len(later))) if part)
     return SetupScene(parts, setup.name, legend, reach_words(room, tails=tails))
 
@@ -85,12 +88,6 @@ def _tips(room: StandingMachine, places: Sequence[Place]) -> Array:
 def _sides(room: StandingMachine, places: Sequence[Place]) -> Array:
     axes = len(room.machine.axes)
     return np.array([place.approach or (0,) * axes for place in places], dtype=float).reshape(-1, axes)
-
-
-def _together(campaign: CampaignDescription, setup: Setup) -> Sequence[Setup]:
-    """Return the other set-ups that read the same artefact: both legs of a square are one."""
-    owner = owner_of(setup)
-    return [each for each in campaign.setups if owner and each is not setup and owner_of(each) == owner]
 
 
 def _best_seen(campaign: CampaignDescription, setup: Setup, places: Sequence[Place]) -> Place | None:
@@ -125,10 +122,6 @@ def _outlines(campaign: CampaignDescription, room: StandingMachine) -> Iterator[
         for kept_out in artefact.keep_out:
             low_corner, high_corner = np.clip(np.array(kept_out), -1.0, 1.0).T
             yield from edges(room.on_table(box_corners(low_corner, high_corner)), "beam", "2 4")
-
-
-def _one_line(stand: MountedSetup) -> bool:
-    return len(stand.setup.moves) == 1 and not stand.room.machine.axes[stand.setup.moves[0]].rotary
 
 
 def _count_words(count: int) -> str:

@@ -9,8 +9,6 @@ How large the parts of a drawn machine are follows from what its tool reaches, a
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -28,52 +26,40 @@ _LEAST = 0.12
 """Share of its largest side that every side of the volume has at least in a drawing; a matter of taste."""
 
 
-@dataclass(frozen=True, eq=False)
 class StandingMachine:
-    """A machine at a pose.  pose : (q,) m or rad"""
+    """A machine at a pose.  pose : (q,) m or rad
 
-    machine: Machine
-    pose: Array
+    lying : whether the spindle lies as that of a lathe does: X and Z are all linear axes, and rotary axes turn about Z
+    upright : the rotation from the machine frame to the room, (3, 3); home : the pose at which parts are laid out
+    work : the axes that carry the workpiece, from the workpiece to the bed; table : the part on which it lies
+    tool : those that carry the tool, from the bed to the tool; spindle : the part that holds it
+    origin, tip : of the workpiece frame and the tool point at home, tip_now : the latter at the pose, in the room, m
+    reach : low and high corner of the tool's reach in the workpiece frame with rotary axes at 0, (3,) m each
+    half : half the sides of the tool's reach along the room's directions, none of them 0, (3,) m
+    """
 
-    @cached_property
-    def lying(self) -> bool:
-        """Whether the spindle lies as that of a lathe does: X and Z are all linear axes, and rotary axes turn about Z.
-
-        ISO 841 calls the direction of the main spindle Z; without a Y nothing reaches around a standing one.
-        """
-        ways = {int(np.argmax(np.abs(axis.direction))) for axis in self.machine.axes if not axis.rotary}
-        turns = {int(np.argmax(np.abs(axis.direction))) for axis in self.machine.axes if axis.rotary}
-        return ways == {0, 2} and turns <= {2}
-
-    @cached_property
-    def upright(self) -> Array:
-        """The rotation from the machine frame to the room, (3, 3)."""
-        return _LYING if self.lying else np.eye(3)
-
-    @cached_property
-    def home(self) -> Array:
-        """The pose at which parts are laid out, (q,)."""
-        return np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in self.machine.axes])
-
-    @cached_property
-    def work(self) -> list[int]:
-        """The axes that carry the workpiece, from the workpiece to the bed."""
-        return [k for k, axis in enumerate(self.machine.axes) if axis.workpiece_side]
-
-    @cached_property
-    def tool(self) -> list[int]:
-        """The axes that carry the tool, from the bed to the tool."""
-        return [k for k, axis in enumerate(self.machine.axes) if not axis.workpiece_side]
-
-    @property
-    def table(self) -> int:
-        """The part on which the workpiece lies."""
-        return self.work[0] if self.work else BED
-
-    @property
-    def spindle(self) -> int:
-        """The part that holds the tool."""
-        return self.tool[-1] if self.tool else BED
+    def __init__(self, machine: Machine, pose: Array) -> None:
+        self.machine, self.pose, axes = machine, pose, machine.axes
+        ways, turns = (
+            {int(np.argmax(np.abs(axis.direction))) for axis in axes if axis.rotary is rotary}
+            for rotary in (False, True)
+        )
+        # ISO 841 calls the direction of the main spindle Z; without a Y nothing reaches around a standing one.
+        self.lying = ways == {0, 2} and turns <= {2}
+        self.upright = _LYING if self.lying else np.eye(3)
+        self.home = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in axes])
+        self.work, self.tool = (
+            [k for k, axis in enumerate(axes) if axis.workpiece_side is carries] for carries in (True, False)
+        )
+        self.table, self.spindle = self.work[0] if self.work else BED, self.tool[-1] if self.tool else BED
+        self.origin = self._in_room(_carried(axes, self._from_bed(self.table), self.home), np.zeros(3))
+        self.tip = self._in_room(_carried(axes, self.tool, self.home), np.array([0.0, 0.0, -machine.tool]))
+        self.tip_now: Array = self.on_table(frames(machine, pose[None]).tcp)[0]
+        ends = [(0.0, 0.0) if axis.rotary else axis.travel for axis in axes]
+        reached = frames(machine, np.array(np.meshgrid(*ends)).reshape(len(ends), -1).T).tcp
+        self.reach = reached.min(axis=0), reached.max(axis=0)
+        sides = np.abs(self.upright @ (self.reach[1] - self.reach[0])) / 2
+        self.half = np.maximum(sides, _LEAST * max(float(sides.max()), 1e-3))
 
     def way(self, axis: int) -> int:
         """Return along which direction of the room an axis lies most: 0 to the right, 1 to the back, 2 up."""
@@ -114,44 +100,6 @@ class StandingMachine:
         there: Array = ends[1] - ends[0]
         return there
 
-    @cached_property
-    def origin(self) -> Array:
-        """The origin of the workpiece frame at home, in the room, (3,) m."""
-        return self._in_room(_carried(self.machine.axes, self._from_bed(self.table), self.home), np.zeros(3))
-
-    @cached_property
-    def tip(self) -> Array:
-        """The tool point at home, in the room, (3,) m."""
-        held = _carried(self.machine.axes, self.tool, self.home)
-        return self._in_room(held, np.array([0.0, 0.0, -self.machine.tool]))
-
-    @cached_property
-    def tip_now(self) -> Array:
-        """The tool point at the pose, in the room, (3,) m."""
-        tcp = frames(self.machine, self.pose[None]).tcp
-        here: Array = self.on_table(tcp)[0]
-        return here
-
-    @cached_property
-    def reach(self) -> tuple[Array, Array]:
-        """Low and high corner of the tool's reach in the workpiece frame with rotary axes at 0, (3,) m each."""
-        ends = [(0.0, 0.0) if axis.rotary else axis.travel for axis in self.machine.axes]
-        poses = np.array(np.meshgrid(*ends)).reshape(len(ends), -1).T
-        tcp = frames(self.machine, poses).tcp
-        return tcp.min(axis=0), tcp.max(axis=0)
-
-    @cached_property
-    def half(self) -> Array:
-        """Half the sides of the tool's reach along the room's directions, none of them 0, (3,) m."""
-        low, high = self.reach
-        sides = np.abs(self.upright @ (high - low)) / 2
-        return np.maximum(sides, _LEAST * max(float(sides.max()), 1e-3))
-
-    @property
-    def size(self) -> float:
-        """The largest side of what the tool reaches, m."""
-        return 2 * float(self.half.max())
-
     def _from_bed(self, part: int) -> list[int]:
         """Return the axes between the bed and a part, its own last."""
         if part == BED:
@@ -168,96 +116,48 @@ def _carried(axes: Sequence[Axis], order: Sequence[int], pose: Array) -> Array:
     """Return the motion of what the axes carry against the bed, (4, 4).  order : from the bed"""
     motion = np.eye(4)
     for k in order:
-        step = _step(axes[k], float(pose[k]))
+        step, direction, origin = np.eye(4), np.array(axes[k].direction), np.array(axes[k].origin)
+        if axes[k].rotary:
+            step[:3, :3] = rigid.turned_about(direction, pose[[k]])[0]
+            step[:3, 3] = origin - step[:3, :3] @ origin
+        else:
+            step[:3, 3] = float(pose[k]) * direction
         motion = motion @ (np.linalg.inv(step) if axes[k].workpiece_side else step)
     return motion
-
-
-def _step(axis: Axis, coordinate: float) -> Array:
-    """Return the motion of one axis, (4, 4), in the machine frame at 0."""
-    step, direction = np.eye(4), np.array(axis.direction)
-    if axis.rotary:
-        step[:3, :3] = rigid.turned_about(direction, np.array([coordinate]))[0]
-        step[:3, 3] = np.array(axis.origin) - step[:3, :3] @ np.array(axis.origin)
-    else:
-        step[:3, 3] = coordinate * direction
-    return step
 
 
 Laid = tuple[int, Part]
 """A shape with the part of the machine that it belongs to."""
 
 
-@dataclass(frozen=True, eq=False)
 class Measures:
-    """Measures that the rules share, m in the room at home."""
+    """Measures that the rules share, m in the room at home.
 
-    room: StandingMachine
+    whole : the largest side of what the tool reaches; step : length of an arrow
+    spindle : what spindle and ram are measured by: six lengths of the tool, within reason
+    pad : by how much tables and beds are larger than what is reached
+    ram : half the thickness of a ram; plate : depth of a carriage
+    table, floor : height of the top of the table, and of the bed
+    tops : height of the top of every part that carries the workpiece, by its axis
+    framed : whether a gantry runs in a frame of four posts over a table that goes up and down
+    """
 
-    @property
-    def whole(self) -> float:
-        """The largest side of what the tool reaches."""
-        return self.room.size
-
-    @cached_property
-    def spindle(self) -> float:
-        """What spindle and ram are measured by: six lengths of the tool, within reason."""
-        return float(np.clip(6 * self.room.machine.tool, 0.4 * self.whole, self.whole))
-
-    @property
-    def pad(self) -> float:
-        """By how much tables and beds are larger than what is reached."""
-        return 0.07 * self.whole
-
-    @property
-    def step(self) -> float:
-        """Length of an arrow."""
-        return 0.13 * self.whole
-
-    @property
-    def ram(self) -> float:
-        """Half the thickness of a ram."""
-        return 0.08 * self.spindle
-
-    @property
-    def plate(self) -> float:
-        """Depth of a carriage."""
-        return 0.09 * self.whole
-
-    @property
-    def table(self) -> float:
-        """Height of the top of the table."""
-        return float(self.room.tip[2] - self.room.half[2]) - 0.03 * self.whole
-
-    @cached_property
-    def tops(self) -> dict[int, float]:
-        """Height of the top of every part that carries the workpiece, by its axis."""
-        tops, level = dict[int, float](), self.table
-        for axis in self.room.work:
-            tops[axis] = level
-            level -= self._high(axis)
-        return tops
-
-    @cached_property
-    def floor(self) -> float:
-        """Height of the top of the bed."""
-        if not self.room.work:
-            return self.table - 0.07 * self.whole
-        last = self.room.work[-1]
-        return self.tops[last] - self._high(last)
-
-    @cached_property
-    def framed(self) -> bool:
-        """Whether a gantry runs in a frame of four posts over a table that goes up and down."""
-        axes, ways = self.room.machine.axes, self.room.way
-        level = [k for k in self.room.tool if not axes[k].rotary and ways(k) < 2]
-        return len(level) > 1 and any(not axes[k].rotary and ways(k) == 2 for k in self.room.work)
-
-    def _high(self, axis: int) -> float:
-        upright = self.room.way(axis) == 2
-        if self.room.machine.axes[axis].rotary:
-            return (0.09 if upright else 0.17) * self.whole
-        return (0.3 if upright else 0.06) * self.whole
+    def __init__(self, room: StandingMachine) -> None:
+        self.room, self.whole = room, 2 * float(room.half.max())
+        self.spindle = float(np.clip(6 * room.machine.tool, 0.4 * self.whole, self.whole))
+        self.pad, self.step = 0.07 * self.whole, 0.13 * self.whole
+        self.ram, self.plate = 0.08 * self.spindle, 0.09 * self.whole
+        self.table = float(room.tip[2] - room.half[2]) - 0.03 * self.whole
+        self.tops, self.floor = dict[int, float](), self.table
+        rotary, ways = [axis.rotary for axis in room.machine.axes], [room.way(k) for k in range(len(room.home))]
+        for axis in room.work:
+            self.tops[axis] = self.floor
+            flat, upright = (0.17, 0.09) if rotary[axis] else (0.06, 0.3)
+            self.floor -= (upright if ways[axis] == 2 else flat) * self.whole
+        if not room.work:
+            self.floor -= 0.07 * self.whole
+        level = [k for k in room.tool if not rotary[k] and ways[k] < 2]
+        self.framed = len(level) > 1 and any(not rotary[k] and ways[k] == 2 for k in room.work)
 
 
 def up(height: float) -> Array:
