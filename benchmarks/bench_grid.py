@@ -102,7 +102,7 @@ def main() -> None:
         cells = []
         for count in COUNTS:
             grid = even(len(travel), count)
-            places = proposed(case, Limits(count), Thoroughness(1000), bounded=False).plan.places
+            places = proposed(case, Limits(count), Thoroughness(1000)).plan.places
             planned = left(case, places.poses / travel, places.approaches, std)
             ratio = np.log(planned / left(case, grid, np.zeros_like(grid), std))
             cells.append(f"{np.exp(ratio.mean()):.2f}, {np.exp(np.quantile(ratio, 0.9)):.2f}")

@@ -206,7 +206,8 @@ def described_densely(folder: Path) -> CampaignDescription:
 
 
 ROADS = (
-    Road("plan, demo, 60 readings with bound", "10, then 5", demo_plan(60)),
+    Road("plan, demo, 60 readings", "5", demo_plan(60)),
+    Road("plan, demo, 60 readings with bound", "8", demo_plan(60, "--json")),
     Road("plan, one axis, 400 readings", "3", one_axis_plan),
     Road("next, no reading, first time", "0.25", recorded("next", 0)),
     Road("next, no reading, again", "0.25", recorded("next", 0), again=True),

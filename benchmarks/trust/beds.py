@@ -96,7 +96,7 @@ def _case() -> Case:
 @cache
 def _planned(count: int) -> Array:
     """Return where a plan of so many readings probes, (n, 2) m."""
-    plan = proposed(_case(), Limits(count), Thoroughness(1000), bounded=False).plan
+    plan = proposed(_case(), Limits(count), Thoroughness(1000)).plan
     return np.clip([_on_bed(pose) for pose in plan.places.poses], _LOW, _HIGH)
 
 

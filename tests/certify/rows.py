@@ -51,7 +51,7 @@ def _planned(name: str) -> tuple[Case, tuple[Place, ...]]:
     assert found is not None
     machine = "three-axis-mill"
     case = Case(campaign_from_texts(found[1], "campaign.toml", load_machine(machine).text, machine))
-    made = proposed(case, Limits(case.description.target.readings), Thoroughness(500), bounded=False).plan
+    made = proposed(case, Limits(case.description.target.readings), Thoroughness(500)).plan
     return case, tuple(placed(case, made))
 
 

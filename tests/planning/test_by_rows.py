@@ -17,10 +17,14 @@ from axiscal.estimation.functionals.known import KnownRow, known_rows
 from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading_rows import blank_readings
+from axiscal.planning.enough import reached_by
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import next_places, posed, rows_root
+from axiscal.planning.other_readings import with_rooms
 from axiscal.planning.plan.greedy import openings
+from axiscal.planning.plan.task import Limits
+from axiscal.planning.proposal import proposed
 from axiscal.present.plan_answer import reach_answer
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "howto" / "dial-and-square.md"
@@ -108,6 +112,23 @@ def test_a_plan_for_limits_has_as_many_readings_as_reach_them() -> None:
     for of, places in ((wide, few), (tight, many)):
         assert rows(of, places)["squareness XY"].reached
     assert len(planned(replace_readings(tight, 7))) == 7
+
+
+BAR = """[[setups]]
+name = "test bar"
+instrument = "indicator"
+direction = "x"
+moves = ["Z"]
+"""
+
+
+@pytest.mark.long
+def test_a_plan_reaches_its_rows_although_backlash_takes_readings_of_its_own() -> None:
+    target = 'wants = ["positioning X 8 um", "straightness Z in X 5 um", "backlash Y 3 um"]\nreadings = 60'
+    of = case(LASERS.replace("TARGET", target) + BAR)
+    places = proposed(of, Limits.of(of.description.target)).plan.places
+    assert len(places) < 60
+    assert reached_by(of, Limits.of(of.description.target), with_rooms(of, places))
 
 
 @pytest.mark.long

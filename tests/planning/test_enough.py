@@ -46,7 +46,7 @@ def described(target: str, axes: str = "X", more: str = "") -> CampaignDescripti
 
 def planned(of: CampaignDescription) -> PlanAnswer:
     limits = Limits.of(of.target)
-    return plan_answer(case_of(of), proposed(case_of(of), limits, FEW, bounded=False), limits)
+    return plan_answer(case_of(of), proposed(case_of(of), limits, FEW), limits)
 
 
 @pytest.mark.parametrize("more", ["", WARM])
@@ -118,7 +118,7 @@ def test_a_plan_just_short_of_its_target_goes_on(share: float, goes_on: bool) ->
         'direction = "x"\n'
     )
     case = case_of(campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis"))
-    short, long = (placed(case, proposed(case, Limits(count), FEW, bounded=False).plan) for count in (6, 14))
+    short, long = (placed(case, proposed(case, Limits(count), FEW).plan) for count in (6, 14))
     left = expanded(case.yardstick, foreseen(case, (), short).belief).space
     limits = Limits(20, expanded=share * left)
     assert until_reached(case, limits, Limits(6), short, lambda heeded, places: long) == (long if goes_on else short)

@@ -117,7 +117,7 @@ def plan(
     if (unread := reached_unread(case, limits)) is not None:
         tell_mind(unread)
         limits = few_more(limits)
-    proposal = proposed(case, limits, how)
+    proposal = proposed(case, limits, how, bounded=(details or json) and not prove)
     if prove:
         of_figure = 2 if case.description.target.criterion == "volume" else 1  # the RMS is the root of a J
         proposal = proven(case, proposal, how, (_GAP if gap is None else gap) / 100 * of_figure)

@@ -20,7 +20,7 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import blank_readings
-from axiscal.planning.other_readings import with_rooms
+from axiscal.planning.other_readings import with_both_sides, with_rooms
 from axiscal.planning.plan.greedy import Setups, chosen_setups, picked
 from axiscal.planning.plan.order import in_order
 from axiscal.planning.plan.plan import make_plan
@@ -71,12 +71,13 @@ def _within(case: Case, known: Knowledge, limits: Limits) -> bool:
 
 
 def just_short(case: Case, limits: Limits, places: Sequence[Place], readings: Sequence[Reading] = ()) -> bool:
-    """Return whether readings at these places nearly reach the accuracy of the volume, and others may reach it."""
-    if not limits.of_volume or len(places) >= (limits.readings or AT_ONCE):
+    """Return whether more readings may reach limits: rows that they do not, or a volume that they nearly do."""
+    if not limits.accurate or len(places) >= (limits.readings or AT_ONCE):
         return False
     taken = [*readings, *blank_readings(case.description.setups, places)]
     known = foreseen(case, readings, places)
-    return not reached(case, limits, known, taken) and reached(case, limits.times(_JUST), known, taken)
+    short = not reached(case, limits, known, taken)
+    return short and (not limits.of_volume or reached(case, limits.times(_JUST), known, taken))
 
 
 def tightened(limits: Limits) -> Limits:
@@ -115,7 +116,7 @@ def _for_rows(case: Case, task: Task, limits: Limits, readings: Sequence[Reading
 
     def enough_are(count: int) -> bool:
         made = make_plan(few, Limits(count, budget=limits.budget), patience=0.0, bounded=False)
-        return reached_by(case, limits, with_rooms(case, made.places), readings)
+        return reached_by(case, limits, with_both_sides(case, readings, with_rooms(case, made.places)), readings)
 
     few, short, count = _few_candidates(task), 0, min(FEW, most)
     while count < most and not enough_are(count):

@@ -11,7 +11,6 @@ from axiscal.description.target import Target
 from axiscal.description.type_b import MEASURED_TEMPERATURE, TEMPERATURE
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.known import known_rows
-from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import InputError, PlanError
 from axiscal.language.spoken import joined, put, said
 from axiscal.measurement.setup import Setup
@@ -48,18 +47,19 @@ class Helping:
 
 def helping_setups(case: Case, target: Target) -> Helping | None:
     """Return what would let a target be reached: a temperature that is measured, or set-ups; None where none would."""
-    described, added = replace(case.description, target=target), list[Setup]()
-    warm = replace(described, setups=tuple(_measured(setup) for setup in described.setups))
-    if warm.setups != described.setups and _missed(warm) < 1.0:
-        return replace(_planned(warm, target, ()), measured=True)
+    case, added = replace(case, description=replace(case.description, target=target), sized_from=None), list[Setup]()
+    warm = replace(case.description, setups=tuple(_measured(setup) for setup in case.description.setups))
+    if warm.setups != case.description.setups and _missed(warmed := replace(case, description=warm)) < 1.0:
+        return replace(_planned(warmed, ()), measured=True)
     for _ in range(_TOGETHER):
-        tried = [(_missed(each), each, setup) for each, setup in _with_one_more(described)]
+        more = [(replace(case, description=each), setup) for each, setup in _with_one_more(case.description)]
+        tried = [(_missed(each), each, setup) for each, setup in more]
         if not tried:
             return None
-        missed, described, setup = min(tried, key=lambda each: each[0])
+        missed, case, setup = min(tried, key=lambda each: each[0])
         added.append(setup)
         if missed < 1.0:
-            return _planned(described, target, tuple(each.name for each in added))
+            return _planned(case, tuple(each.name for each in added))
     return None
 
 
@@ -81,11 +81,11 @@ def helping_words(found: Helping) -> str:
     return said(text, names=names, readings=found.readings, minutes=put("{time:.3g}", time=found.minutes))
 
 
-def _missed(described: CampaignDescription) -> float:
+def _missed(case: Case) -> float:
     """Return how many times its limit is left: by the accuracy that comes nearest to its own, and the farthest row."""
-    case = case_of(described)
-    volume = [each.floor / each.limit for each in asked(described.target, case.yardstick)]
-    rows = known_rows(case, case.knowledge, ()) if described.target.lines else ()
+    target = case.description.target
+    volume = [each.floor / each.limit for each in asked(target, case.yardstick)]
+    rows = known_rows(case, case.knowledge, ()) if target.lines else ()
     lines = [row.floor / row.goal for row in rows if row.limit is not None and row.row.kind != "volume"]
     return max([*([min(volume)] if volume else []), *lines])
 
@@ -103,10 +103,9 @@ def _with_one_more(described: CampaignDescription) -> Iterator[tuple[CampaignDes
             yield replace(described, setups=(*described.setups, found)), found
 
 
-def _planned(described: CampaignDescription, target: Target, added: tuple[str, ...]) -> Helping:
+def _planned(case: Case, added: tuple[str, ...]) -> Helping:
     """Return set-ups that help with the readings and seconds of a plan."""
-    case = case_of(described)
-    limits = Limits.of(target)
+    limits = Limits.of(case.description.target)
     try:
         task = posed(case, case.knowledge, candidates=_CANDIDATES)
         made = make_plan(task, enough(case, task, limits), patience=0.0, bounded=False)

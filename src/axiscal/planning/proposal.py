@@ -158,7 +158,7 @@ class Thoroughness:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Proposal:
-    """A plan with its bound.  gap : share of the bound on J at which its proof stopped; None if none was asked for."""
+    """A plan.  gap : share of the bound on J at which its proof stopped; None if none was asked for."""
 
     plan: Plan
     gap: float | None = None
@@ -169,9 +169,9 @@ def proposed(
     case: Case,
     limits: Limits,
     how: Thoroughness = Thoroughness(),
-    bounded: bool = True,
+    bounded: bool = False,
 ) -> Proposal:
-    """Return a plan from the beginning, with its bound.  Raises PlanError.
+    """Return a plan from the beginning.  Raises PlanError.
 
     Places and order are those that a campaign asks for that begins with these limits.
     bounded : whether the bound is wanted

@@ -201,7 +201,7 @@ class Case:
             None,
             None if minutes is None else 60.0 * minutes,
         )
-        proposal = proposed(self.inner, limits, Thoroughness(candidates))
+        proposal = proposed(self.inner, limits, Thoroughness(candidates), bounded=True)
         return PlanResult(self.inner, proposal, plan_answer(self.inner, proposal, limits))
 
     def __repr__(self) -> str:

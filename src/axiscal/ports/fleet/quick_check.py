@@ -113,7 +113,7 @@ class QuickCheck:
 
     def planned(self, count: int) -> tuple[Place, ...]:
         """Return the places that say most, moved until crashes show; raises PlanError."""
-        plan = proposed(self.case, Limits(count), bounded=False).plan
+        plan = proposed(self.case, Limits(count)).plan
         return with_rooms(self.case, showing_crashes(self.case, plan.places))
 
     def sheet(self, places: Sequence[Place]) -> str:

@@ -73,7 +73,7 @@ def _found(variant: Variant) -> Prepared:
     described = campaign_from_texts(variant.campaign, names[0], variant.machine, names[1], prior_text=variant.prior)
     simulator = Simulator(_true_machine(described.machine, variant), described.setups)
     case = case_of(_stated(described, variant))
-    plan = proposed(case, limits_of(case, variant.stop), bounded=False).plan
+    plan = proposed(case, limits_of(case, variant.stop)).plan
     return Prepared(case, simulator, with_rooms(case, plan.places))
 
 
