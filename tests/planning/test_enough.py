@@ -19,6 +19,7 @@ from axiscal.machine import load_machine
 from axiscal.measurement.place import Place
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.simulation import Simulator
+from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import placed, until_reached
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import alike, blank_problem, foreseen
@@ -84,6 +85,46 @@ def test_a_plan_names_the_temperature_where_it_is_most_of_u() -> None:
     assert cold.reach.helps.measured
     assert "temperature (to 0.3 K)" in plan_screen(cold, "campaign.toml")
     assert warm.mostly is None or not warm.mostly.measurable
+
+
+TURNED = """chain = "w-A'-b-Y-Z-t"
+[axes.Y]
+travel = ["0 mm", "400 mm"]
+[axes.Z]
+travel = ["-350 mm", "0 mm"]
+[axes.A]
+travel = ["0 deg", "360 deg"]
+origin = ["0 mm", "200 mm", "-250 mm"]
+[errors]
+Y0A = { std = "30 um" }
+Z0A = { std = "30 um" }
+"""
+BALL = """machine = "turned"
+[target]
+wants = ["centre of A 15 um"]
+[[artefacts]]
+name = "ball"
+placed = "1 mm"
+[artefacts.balls]
+it = ["0 mm", "240 mm", "-200 mm"]
+[[setups]]
+name = "sphere"
+instrument = "sphere"
+artefact = "ball"
+"""
+
+
+@pytest.mark.long
+def test_a_plan_says_that_a_tool_of_known_length_would_reach_its_target() -> None:
+    case = case_of(campaign_from_texts(BALL, "campaign.toml", TURNED, "turned"))
+    found = helping_setups(case, case.description.target)
+    assert found is not None
+    assert found.setups == ()
+    assert found.tool
+    assert found.reached
+    assert helping_words(found).startswith('With tool_length = "5 um", tool_eccentricity = "5 um" as well, ')
+    known = case_of(campaign_from_texts(f'tool_length = "5 um"\n{BALL}', "campaign.toml", TURNED, "turned"))
+    assert [row.reachable for each in (case, known) for row in known_rows(each, each.knowledge, ())] == [False, True]
 
 
 @pytest.mark.long

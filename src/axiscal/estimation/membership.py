@@ -58,7 +58,8 @@ def membership(
     cases = [replace(known.case, inherited=rival.belief) for rival in stated.rivals]
     shares = shares_of_rivals(stated.rivals, stated.sides[-1].linear_as(known.case), readings, implausible)
     counts = [index for index, share in enumerate(shares) if share > _GONE]
-    beliefs = [_belief(cases[index], known, readings) for index in counts]
+    after = (absorbed(cases[k], readings, known.left_out, known.knowledge.observation.cells) for k in counts)
+    beliefs = [displayed(each, readings).knowledge.belief for each in after]
     parts = [Inherited(belief.mean, belief.covariance) for belief in beliefs]
     mixed = moments_of(parts, shares[counts] / shares[counts].sum())
     return Membership(stated.rivals, shares, len(readings), Belief(mixed.mean, mixed.covariance))
@@ -81,10 +82,3 @@ def shares_of_rivals(
         return before
     data = data_equation(widest.rescaled(found.sizes).observation, [readings[index] for index in counts])
     return shares_of(data, [rival.belief for rival in rivals], before)
-
-
-def _belief(case: Case, known: Absorbed, readings: Sequence[Reading]) -> Belief:
-    """Return what readings make of one of the beliefs, each counting as in what is known."""
-    return displayed(
-        absorbed(case, readings, known.left_out, known.knowledge.observation.cells), readings
-    ).knowledge.belief

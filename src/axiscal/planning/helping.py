@@ -13,6 +13,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.known import known_rows
 from axiscal.exceptions import InputError, PlanError
 from axiscal.language.spoken import joined, put, said
+from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.setup import Setup
 from axiscal.planning.enough import enough, reached_by
 from axiscal.planning.next_readings import posed
@@ -26,6 +27,8 @@ _KINDS = ("interferometer", "ballbar", "dial", "sphere")
 """Those whose set-ups follow from the machine alone, and of which nothing has to be looked up first."""
 _TOGETHER = 2
 """Set-ups that are added at most: more are another campaign."""
+_OF_TOOL = 5e-6
+"""m: a presetter, or the master ball of the instrument, shows as much of the place of what is in the spindle."""
 _CANDIDATES = 400
 """Enough for the readings and minutes of a plan that is only told."""
 
@@ -35,7 +38,7 @@ class Helping:
     """Set-ups that bring a target, by name, with the readings and minutes of a plan for all; 0 where none was made.
 
     reached : whether that plan reaches it; else it comes nearer within the readings and the time that are allowed
-    measured : the temperature is measured, and no set-up more is needed
+    measured, tool : no set-up more is needed if the temperature is measured, or the place of what is in the spindle
     """
 
     setups: tuple[str, ...]
@@ -43,14 +46,17 @@ class Helping:
     minutes: float
     reached: bool
     measured: bool = False
+    tool: bool = False
 
 
 def helping_setups(case: Case, target: Target) -> Helping | None:
-    """Return what would let a target be reached: a temperature that is measured, or set-ups; None where none would."""
+    """Return what would let a target be reached: something measured, or set-ups; None where nothing would."""
     case, added = replace(case, description=replace(case.description, target=target), sized_from=None), list[Setup]()
-    warm = replace(case.description, setups=tuple(_measured(setup) for setup in case.description.setups))
-    if warm.setups != case.description.setups and _missed(warmed := replace(case, description=warm)) < 1.0:
-        return replace(_planned(warmed, ()), measured=True)
+    for name, measured in (("measured", _warmed), ("tool", _tooled)):
+        setups = tuple(measured(setup) for setup in case.description.setups)
+        known = replace(case, description=replace(case.description, setups=setups))
+        if setups != case.description.setups and _missed(known) < 1.0:
+            return replace(_planned(known, ()), measured=name == "measured", tool=name == "tool")
     for _ in range(_TOGETHER):
         more = [(replace(case, description=each), setup) for each, setup in _with_one_more(case.description)]
         tried = [(_missed(each), each, setup) for each, setup in more]
@@ -63,9 +69,15 @@ def helping_setups(case: Case, target: Target) -> Helping | None:
     return None
 
 
-def _measured(setup: Setup) -> Setup:
+def _warmed(setup: Setup) -> Setup:
     """Return a set-up whose temperature is measured, as far from 20 °C as one that is not may be."""
     return replace(setup, warmer=TEMPERATURE.size) if setup.at_20 and setup.warmer is None else setup
+
+
+def _tooled(setup: Setup) -> Setup:
+    """Return a set-up that knows the place of what is in the spindle."""
+    unknowns = (replace(each, std=min(each.std, _OF_TOOL)) if each.name in TOOL else each for each in setup.unknowns)
+    return replace(setup, unknowns=tuple(unknowns))
 
 
 def helping_words(found: Helping) -> str:
@@ -73,6 +85,8 @@ def helping_words(found: Helping) -> str:
     names = joined([f'"{name}"' for name in found.setups])
     if found.measured:
         names = said("the temperature (to {size})", size=said_quantity(MEASURED_TEMPERATURE.size, "K"))
+    elif found.tool:
+        names = put('tool_length = "{size}", tool_eccentricity = "{size}"', size=said_quantity(_OF_TOOL, "um"))
     text = "With {names} as well, {readings} readings reach it in {minutes} min."
     if not found.readings:
         text = "With {names} as well it can be reached."

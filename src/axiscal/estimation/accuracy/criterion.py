@@ -54,15 +54,10 @@ def joint_root(model: ErrorModel) -> Root:
     A rotation counts as the displacement it makes at the machine's own reach, half the diagonal of its linear travels.
     """
     gram = np.zeros((model.size, model.size))
-    reach = machine_reach(model)
+    travels = [axis.length for axis in model.machine.axes if not axis.rotary]
+    reach = float(np.linalg.norm(travels)) / 2 if travels else 1.0
     for term in model.terms:
         scale = reach if term.angular else 1.0
         own = term.gram() if isinstance(term, PlaneError) else term.basis.gram()
         gram[term.columns, term.columns] = scale**2 * own
     return Root.of_gram(gram)
-
-
-def machine_reach(model: ErrorModel) -> float:
-    """Return half the diagonal of the linear travels, m; 1 for a machine without linear axes."""
-    travels = [axis.length for axis in model.machine.axes if not axis.rotary]
-    return float(np.linalg.norm(travels)) / 2 if travels else 1.0

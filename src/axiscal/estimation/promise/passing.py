@@ -279,15 +279,12 @@ def contributions(
             stated = row.name in dict(read.setup.stated)
             if not row.met(read.setup) or not (usual or stated):
                 continue
-            owner, effect = _owner(row, read.setup), row.column(read)
+            owners = {"set-up": read.setup.name, "instrument": read.setup.instrument, "machine": ""}
+            owner, effect = owners[row.shared], row.column(read)
             before = found.get((row.name, owner), Contribution(row, owner, True, {}))
             effects = {**before.effects, index: effect + before.effects.get(index, 0.0)}
             found[row.name, owner] = Contribution(row, owner, stated and before.stated, effects)
     return [each for each in found.values() if any(np.any(effect) for effect in each.effects.values())]
-
-
-def _owner(row: TypeB, setup: Setup) -> str:
-    return {"set-up": setup.name, "instrument": setup.instrument, "machine": ""}[row.shared]
 
 
 def _by_setup(
