@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.bound.certificate import rank_bound

@@ -21,7 +21,7 @@ from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.machine.motion import travel_seconds
 from axiscal.measurement.candidates import arrivals_of
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import held_seconds
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.gains.covariance import Covariance

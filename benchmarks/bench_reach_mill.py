@@ -20,7 +20,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import chart_candidates
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.gains.covariance import Covariance
 from benchmarks.rests_as_noise import left_with_rests_as_noise

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from axiscal.estimation.case import Case
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import rows_at
 from axiscal.numerics import Array
 

@@ -9,8 +9,7 @@ import numpy as np
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded, estimated
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import next_places, plan_basis
 from axiscal.units import to_unit

@@ -12,7 +12,7 @@ import numpy as np
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.measurement.candidates import spread
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Thoroughness, proposed
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from axiscal.description import usual
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.sizes import REST, ROUGH, TOGETHER, Cause
+from axiscal.description.usual import REST, ROUGH, TOGETHER, Cause
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.numerics import Array

@@ -17,13 +17,12 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.machine import load_machine
 from axiscal.machine.description import Machine
-from axiscal.measurement.readers.truth_curves import TruthCurve
-from axiscal.measurement.simulation import Simulator
+from axiscal.measurement.simulation import Simulator, TruthCurve
 from axiscal.numerics import Array
 from axiscal.tables import registry
-from axiscal.tables.effect import left_by
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import places
+from axiscal.tables.surface import left_by
 from benchmarks.trust.curves import CASES
 from benchmarks.trust.kept import Keeping, Trial
 from benchmarks.trust.virtual import READINGS, SETUPS, read_evenly

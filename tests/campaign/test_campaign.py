@@ -20,8 +20,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.exceptions import ReadingError, RecordError, SourceError
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.record.events import Asked, Gap, Recorded
 from tests.generators.texts import machine_text
 

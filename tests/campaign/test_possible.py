@@ -10,8 +10,7 @@ import pytest
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import ReadingError, RecordError
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.record.events import Asked, Event, Planned, Recorded
 from axiscal.record.store import Record
 from tests.generators.texts import campaign_text, machine_text, setup_text

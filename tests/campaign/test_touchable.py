@@ -16,7 +16,7 @@ from axiscal.cli.progress import shown_progress
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import DescriptionError, SourceError
 from axiscal.measurement.candidates import chart_candidates
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import all_round, cycle_of
 from axiscal.ports.linuxcnc.live import InForce, LiveSource

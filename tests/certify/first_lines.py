@@ -20,8 +20,8 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.planning.promise import asked, foreseen
-from axiscal.tables.effect import Deviation, rms, tour
 from axiscal.tables.offer import POSES, spread_poses
+from axiscal.tables.surface import Deviation, rms, tour
 
 SHARE = 0.95
 """Of the first lines that the simulated truth has to bear out."""

@@ -14,7 +14,7 @@ import numpy as np
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.motion import Driving
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs import Program, dialect, programs
 from tests.certify.gcode_traces import (

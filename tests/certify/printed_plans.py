@@ -22,7 +22,7 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.exceptions import InputError, ProgramError
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.programs import controllers, dialect, programs
 from tests.certify import silent_instrument
 from tests.certify.kept import Kept

@@ -11,22 +11,21 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.sizes import Kind
+from axiscal.description.usual import Kind
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.functionals.known import known_row
 from axiscal.machine import load_machine
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Thoroughness, proposed
-from axiscal.tables.effect import tour
 from axiscal.tables.offer import POSES, spread_poses
+from axiscal.tables.surface import tour
 
 CLAIMED, SLACK = 0.95, 0.03
 TIMES = (1.0, 0.5, 2.0)

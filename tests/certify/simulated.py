@@ -13,7 +13,7 @@ from axiscal.exceptions import InputError, ProgramError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.measurement.candidates import chart_candidates
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.ports.linuxcnc.lab import Joint, Settings
 from axiscal.ports.linuxcnc.lab.configuration import files

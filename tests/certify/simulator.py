@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.machine.axis import Axis
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.lab import available
 from tests.certify.kept import Kept

@@ -15,9 +15,9 @@ from axiscal.machine.description import machine_from_text
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.tables import registry
-from axiscal.tables.effect import left_by
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
+from axiscal.tables.surface import left_by
 from tests.generators.texts import Std, machine_text
 
 CHAIN = "w-Y'-b-Z-X-t"

@@ -29,7 +29,7 @@ from axiscal.exceptions import SourceError
 from axiscal.machine.description import load_machine
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.readers.bed_map import mesh as saved_mesh
-from axiscal.measurement.readers.text import TextFile
+from axiscal.measurement.readers.csv_table import TextFile
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array

@@ -17,14 +17,14 @@ from axiscal.cli.app import run
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.estimation import Estimation
 from axiscal.measurement.candidates import spread
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.present.drawing.svg_picture import paper_svg, picture_file
 from axiscal.present.found_and_left import found_and_left_drawing
 from axiscal.present.machine_drawing.setup_picture import plan_picture
 from axiscal.present.page import groups
 from axiscal.present.summarising import Extras, summarise
 from axiscal.present.volume_error import bent_volume
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

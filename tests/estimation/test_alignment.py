@@ -10,7 +10,7 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
 from axiscal.estimation.accuracy.alignment import Alignment, sampled_moments
 from axiscal.machine import load_machine
-from axiscal.numerics.spread import even_points
+from axiscal.numerics import even_points
 from tests.generators.kinematics import in_travel, tip
 
 DMU = load_machine("dmu60")

@@ -22,7 +22,7 @@ from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
 from axiscal.exceptions import InputError
 from axiscal.measurement.reading import Reading
-from axiscal.numerics.spread import even_points
+from axiscal.numerics import even_points
 from axiscal.tables.offer import spread_poses, unknown_rms
 
 _EVERY_LINE = 'directions = ["z"]'

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from axiscal.description.sizes import Kind, Sizes
+from axiscal.description.usual import Kind, Sizes
 from axiscal.estimation.promise.draws import Weighed, draws, mode, weighed
 from axiscal.estimation.promise.problem import Problem
 from axiscal.estimation.promise.spaces import Space

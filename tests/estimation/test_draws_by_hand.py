@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from axiscal.description.sizes import Kind, Sizes
+from axiscal.description.usual import Kind, Sizes
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.promise import posterior
 from axiscal.estimation.promise.dense import Dense, mixture

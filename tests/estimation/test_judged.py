@@ -18,7 +18,7 @@ from axiscal.estimation.located import absorbed, displayed
 from axiscal.estimation.machine_estimate import Estimate, rest_means
 from axiscal.estimation.membership import membership
 from axiscal.estimation.promise.problem import Inherited
-from axiscal.measurement.drift import wandering
+from axiscal.measurement.cells import wandering
 from axiscal.measurement.reading import Reading
 from tests.generators.campaigns import mixed
 from tests.generators.laser_axis import CAMPAIGN, CASE, MACHINE, machine, read

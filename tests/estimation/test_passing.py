@@ -9,15 +9,13 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.sizes import CYCLE, DRIFT, GROWTH, WAY
-from axiscal.description.usual import Learnable, sizes_of
+from axiscal.description.usual import CYCLE, DRIFT, GROWTH, WAY, Learnable, sizes_of
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.passing import passing_columns, turning
 from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.machine import load_machine
-from axiscal.measurement.drift import wandering
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.cells import wandering
+from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of
 from axiscal.measurement.travel import first_seconds, reading_seconds, way_seconds
 from axiscal.numerics import Array

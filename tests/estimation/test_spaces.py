@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import gamma, kv
 
-from axiscal.description.sizes import Sizes
+from axiscal.description.usual import Sizes
 from axiscal.estimation.located import absorbed
 from axiscal.estimation.promise.dense import Dense
 from axiscal.estimation.promise.numbers import Numbers

@@ -16,7 +16,7 @@ from axiscal.estimation.stations import tips
 from axiscal.estimation.wrong_unit import _with_bends, refuse_implausible
 from axiscal.exceptions import ReadingError
 from axiscal.machine import load_machine
-from axiscal.measurement.drift import wandering
+from axiscal.measurement.cells import wandering
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.reading_rows import seen
 from axiscal.measurement.simulation import Simulator

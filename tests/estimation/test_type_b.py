@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.sizes import Sizes
 from axiscal.description.type_b import TYPE_B, TypeB
-from axiscal.description.usual import Learnable, sizes_of
+from axiscal.description.usual import Learnable, Sizes, sizes_of
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.promise.numbers import Numbers

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from axiscal.description.sizes import NONE_VARY
+from axiscal.description.usual import NONE_VARY
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Rival
 from axiscal.estimation.data_equation import (

@@ -11,9 +11,21 @@ from hypothesis import strategies as st
 from scipy.stats import norm
 from scipy.stats import t as student
 
-from axiscal.description import sizes as model
-from axiscal.description.sizes import DRIFT, LENGTH, NOISE, REST, REVERSAL, ROUGH, SURE, Size, Sizes
-from axiscal.description.usual import Learnable, sizes_of, usual_machine
+from axiscal.description import usual as model
+from axiscal.description.usual import (
+    DRIFT,
+    LENGTH,
+    NOISE,
+    REST,
+    REVERSAL,
+    ROUGH,
+    SURE,
+    Learnable,
+    Size,
+    Sizes,
+    sizes_of,
+    usual_machine,
+)
 from axiscal.machine.entry import Sure
 from tests.generators.problems import case_of, plain_case, sizes_for
 

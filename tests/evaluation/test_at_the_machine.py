@@ -17,11 +17,11 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.evaluation.at_the_machine import Sheet, Taken
 from axiscal.evaluation.check import Check, requests
 from axiscal.exceptions import SourceError, TableError
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.simulation import Simulator
 from axiscal.ports.linuxcnc import live as linuxcnc_live
 from axiscal.ports.linuxcnc.live import InForce
-from axiscal.tables.effect import CommandedMachine
+from axiscal.tables.surface import CommandedMachine
 from tests.generators import touched_table as table
 
 pytestmark = pytest.mark.long

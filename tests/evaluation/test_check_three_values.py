@@ -20,7 +20,7 @@ from axiscal.evaluation.datums import datums_of, straightened
 from axiscal.evaluation.verification import plan_check, values_at
 from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.simulation import Simulator
 from tests.evaluation.test_verification import MACHINE
 from tests.generators.reaches import reach_of

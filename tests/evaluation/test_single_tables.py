@@ -16,12 +16,11 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.evaluation.at_the_machine import Taken
 from axiscal.evaluation.check import Check
 from axiscal.evaluation.table_checks import Judgement, parts_of, shares
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.present.check_answer import check_answer
-from axiscal.tables.effect import Control, left_by, table_control
+from axiscal.tables.surface import Control, left_by, table_control
 from tests.evaluation.said import said_of
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text

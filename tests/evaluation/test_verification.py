@@ -24,13 +24,12 @@ from axiscal.evaluation.datums import GUARD
 from axiscal.evaluation.table_checks import verdict
 from axiscal.evaluation.verification import judge, plan_check, with_displacements
 from axiscal.exceptions import ReadingError, TargetError
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from axiscal.tables.effect import Control, left_by, table_control
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
+from axiscal.tables.surface import Control, left_by, table_control
 from tests.evaluation.said import said_of
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text

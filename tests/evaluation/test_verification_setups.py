@@ -19,9 +19,9 @@ from axiscal.evaluation.verification import judge
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
-from axiscal.tables.effect import Control
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
+from axiscal.tables.surface import Control
 from tests.evaluation.said import said_of
 from tests.generators.texts import campaign_text, machine_text, setup_text
 

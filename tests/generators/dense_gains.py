@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import rows_at, visited
 from axiscal.numerics import Array
 

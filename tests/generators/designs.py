@@ -14,7 +14,7 @@ from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import rows_at, visited
 from axiscal.measurement.setup import Approach, Setup, Unknown
 from axiscal.numerics import Array

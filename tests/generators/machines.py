@@ -17,8 +17,7 @@ from scipy.linalg import expm
 from axiscal.errors.model import ErrorModel
 from axiscal.machine import Machine
 from axiscal.machine.axis import Axis, Counting
-from axiscal.machine.entry import ErrorEntry
-from axiscal.machine.names import COMPONENTS
+from axiscal.machine.entry import COMPONENTS, ErrorEntry
 from axiscal.numerics import Array
 
 Matrix = NDArray[Any]

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.description.sizes import Sizes
-from axiscal.description.usual import Learnable, sizes_of, usual_machine
+from axiscal.description.usual import Learnable, Sizes, sizes_of, usual_machine
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.problem import Inherited, Problem, problem
 from axiscal.machine import load_machine

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from tests.generators.kinematics import Chain, in_travel, pose_with_tip, stem, tip
 from tests.generators.printed_machine import number

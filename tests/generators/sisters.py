@@ -8,8 +8,7 @@ import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.ports.fleet.rehearsal import Imagined, VirtualType, measured
 
 MACHINE = """name = "Slide"

@@ -10,7 +10,7 @@ import numpy as np
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.measurement.candidates import chart_candidates
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from tests.generators.texts import artefact_text, campaign_text, setup_text
 

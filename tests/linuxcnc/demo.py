@@ -37,10 +37,10 @@ from axiscal.present.delivery import write_files
 from axiscal.present.drawing.colours import on_paper
 from axiscal.present.drawing.svg_picture import Figure, picture
 from axiscal.present.figures import axis_style, layout
-from axiscal.tables.effect import left_by, rms
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
+from axiscal.tables.surface import left_by, rms
 from axiscal.units import to_unit
 from tests.linuxcnc.built import Build, BuiltMachine, BuiltSource
 from tests.linuxcnc.probing import Probe

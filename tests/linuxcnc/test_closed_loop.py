@@ -24,9 +24,9 @@ from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available, can_load
 from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.ports.linuxcnc.tables.writer import write
-from axiscal.tables.effect import left_by, table_control
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
+from axiscal.tables.surface import left_by, table_control
 from axiscal.tables.table import CompensationTable
 from tests.linuxcnc.built import Build, BuiltMachine
 from tests.linuxcnc.demo import EXAMPLES, FOLDER, MACHINES, Loop, close_loop, description

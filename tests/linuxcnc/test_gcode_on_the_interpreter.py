@@ -12,7 +12,7 @@ from axiscal.exceptions import ControlError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.motion import inward
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.lab import Joint, Session, Settings

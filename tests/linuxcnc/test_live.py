@@ -21,7 +21,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.exceptions import SourceError
 from axiscal.machine.description import Machine
 from axiscal.measurement import touched
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.ports.linuxcnc.lab import available, can_load
 from axiscal.ports.linuxcnc.live import InForce, LiveSource, attached, connection
 from axiscal.ports.linuxcnc.live.connection import Connection

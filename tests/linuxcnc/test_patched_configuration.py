@@ -12,7 +12,7 @@ from axiscal.ports.linuxcnc.configuring import export_into, software_only
 from axiscal.ports.linuxcnc.lab import Joint, Settings, available, can_load
 from axiscal.ports.linuxcnc.lab.configuration import files as lab_files
 from axiscal.ports.linuxcnc.patching import Configuration
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from tests.linuxcnc.test_closed_loop import known
 
 pytestmark = pytest.mark.long

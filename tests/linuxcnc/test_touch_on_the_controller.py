@@ -12,7 +12,7 @@ import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.measurement.candidates import chart_candidates
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available
 from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.programs import Program, dialect, programs

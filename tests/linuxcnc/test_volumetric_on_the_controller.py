@@ -12,10 +12,10 @@ from axiscal.exceptions import ControlError
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available, can_load
 from axiscal.tables import vcomp_applying
-from axiscal.tables.effect import left_by
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
+from axiscal.tables.surface import left_by
 from axiscal.tables.vcomp_applying import fnv1a
 from axiscal.tables.vcomp_file import read
 from tests.figures import held

@@ -17,7 +17,7 @@ from axiscal.machine import Axis
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.lab import Joint, Session, Settings
-from axiscal.tables.effect import CommandedMachine
+from axiscal.tables.surface import CommandedMachine
 from axiscal.units import to_unit
 
 _ORDER = "XYZABCUVW"

@@ -11,7 +11,7 @@ from axiscal.document import Document
 from axiscal.exceptions import AxiscalError, ChainError, InputError
 from axiscal.machine import builtin_names, load_machine, machine_from_text
 from axiscal.machine.description import parse_chain
-from axiscal.machine.names import parse_error_name
+from axiscal.machine.entry import parse_error_name
 
 NAMES = [letter + digit for letter in "XYZUVWPQRABC" for digit in ("", "1", "9")]
 SOURCES = [load_machine(name).text for name in builtin_names()]

@@ -7,7 +7,7 @@ import pytest
 from axiscal.exceptions import ChainError, DescriptionError, InputError
 from axiscal.machine import machine_from_text
 from axiscal.machine.description import parse_chain
-from axiscal.machine.names import ErrorName, Kind, parse_error_name
+from axiscal.machine.entry import ErrorName, Kind, parse_error_name
 from axiscal.machine.questions import questions
 
 NAMES: list[tuple[str, str, str, Kind, int]] = [

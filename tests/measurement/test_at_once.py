@@ -18,9 +18,8 @@ from axiscal.exceptions import DescriptionError, ReadingError
 from axiscal.machine import load_machine
 from axiscal.measurement.charts.box import Sight
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Place
 from axiscal.measurement.readers.csv_readings import read_readings
-from axiscal.measurement.reading import columns_of
+from axiscal.measurement.reading import Place, columns_of
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Unknown
 

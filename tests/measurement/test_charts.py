@@ -12,9 +12,8 @@ from axiscal.errors.model import ErrorModel
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.charts.bar import Bar, Circle
 from axiscal.measurement.charts.box import Line, Sight
-from axiscal.measurement.charts.chart import Chart, arrivals, has_room
 from axiscal.measurement.charts.held import Balls, Held
-from axiscal.measurement.charts.room import Room, crossings
+from axiscal.measurement.charts.room import Chart, Room, arrivals, crossings, has_room
 from axiscal.numerics import Array
 from tests.generators.kinematics import in_travel, stem, tip
 

@@ -8,9 +8,8 @@ import pytest
 
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.csv_readings import read_times
-from axiscal.measurement.readers.csv_table import parse_table
+from axiscal.measurement.readers.csv_table import MOST_LINES, parse_table
 from axiscal.measurement.readers.files import read_any
-from axiscal.measurement.readers.text import MOST_LINES
 from tests.measurement.test_instrument_files import MAP, MESH, RTL
 from tests.measurement.test_level_survey import SURVEY
 

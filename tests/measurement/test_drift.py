@@ -13,7 +13,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import open_source
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.description.placed_readings import placed_readings
-from axiscal.description.sizes import Sizes
+from axiscal.description.usual import Sizes
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, paths
@@ -21,10 +21,9 @@ from axiscal.estimation.promise.dense import Dense
 from axiscal.estimation.promise.problem import problem as posed_of
 from axiscal.exceptions import DescriptionError, ReadingError, UnitError
 from axiscal.machine import load_machine
-from axiscal.measurement.drift import MEMORY, STEP, Course, wandering
-from axiscal.measurement.place import Place
+from axiscal.measurement.cells import MEMORY, STEP, Course, wandering
 from axiscal.measurement.readers.csv_readings import read_readings
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.reading_rows import seen, visited_by
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array

@@ -17,8 +17,7 @@ from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.candidates import breaks_along, smoothness_along
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import seen, visited
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import Curve, VirtualMachine

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from axiscal.exceptions import ReadingError
 from axiscal.measurement.readers.csv_readings import RawReading, read_readings
 from axiscal.measurement.readers.csv_table import RawPose, csv_text, parse_table, read_poses, read_table, unshielded
-from axiscal.measurement.readers.truth_curves import read_truth
+from axiscal.measurement.simulation import read_truth
 
 READINGS = """setup,X_mm,Y_mm,B_deg,approach,value_um,value_arcsec,std_um
 laser along X,120,250,,X+,1.7,,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
-from axiscal.description.sizes import Sizes
+from axiscal.description.usual import Sizes
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.posterior import sorted_out

@@ -13,9 +13,8 @@ from axiscal.errors.model import ErrorModel
 from axiscal.estimation.belief import Belief
 from axiscal.exceptions import InputError, ReadingError
 from axiscal.machine import Machine, load_machine
-from axiscal.measurement.readers.truth_curves import TruthCurve
 from axiscal.measurement.setup import Setup, Unknown
-from axiscal.measurement.simulation import Simulator
+from axiscal.measurement.simulation import Simulator, TruthCurve
 from axiscal.numerics import Array
 from tests.generators.machines import random_machine, random_poses
 from tests.generators.one_axis import observed

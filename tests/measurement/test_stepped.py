@@ -25,8 +25,7 @@ from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.candidates import breaks_along, smoothness_along
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine

@@ -15,7 +15,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.functionals.known import KnownRow, known_rows
 from axiscal.machine import load_machine
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.enough import reached_by
 from axiscal.planning.gains.candidate_rows import Pool

@@ -16,7 +16,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.functionals.known import known_rows
 from axiscal.estimation.inheritance import case_of
 from axiscal.machine import load_machine
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.simulation import Simulator
 from axiscal.planning.helping import helping_setups, helping_words

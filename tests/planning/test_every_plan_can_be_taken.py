@@ -16,8 +16,7 @@ from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError, ProgramError
 from axiscal.machine import builtin_names, load_machine
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.planning.next_readings import next_places, placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Thoroughness, proposed

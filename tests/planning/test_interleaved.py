@@ -6,10 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from axiscal.description.sizes import NONE_VARY
+from axiscal.description.usual import NONE_VARY
 from axiscal.estimation.promise.passing import passing_columns
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Places, Reading
 from axiscal.numerics import Array
 from axiscal.planning.plan.order import in_order, interleaved, seconds_along, seconds_each
 from axiscal.planning.plan.task import Limits, Task

@@ -13,7 +13,7 @@ from axiscal.exceptions import PlanError
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import MOST_TRIED, chart_candidates, spread
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.bound.lower_bound import largest_seen, prove
 from axiscal.planning.next_readings import posed

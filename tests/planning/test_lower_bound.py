@@ -11,7 +11,7 @@ import pytest
 from axiscal.description.campaign import read_campaign
 from axiscal.estimation.case import Case
 from axiscal.measurement.candidates import spread
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.planning.bound.certificate import rank_bound
 from axiscal.planning.bound.lower_bound import lower_bound, with_main_directions
 from axiscal.planning.bound.relaxation import Relaxation

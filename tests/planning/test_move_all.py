@@ -12,9 +12,9 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import spread
-from axiscal.measurement.charts.chart import has_room
+from axiscal.measurement.charts.room import has_room
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Unknown
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array

@@ -13,8 +13,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.knowledge import Knowledge, block
 from axiscal.machine import load_machine
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Places, Reading
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.order import in_order, interleaved, seconds_along, seconds_each

@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores

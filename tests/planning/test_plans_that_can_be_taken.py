@@ -12,7 +12,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError
 from axiscal.machine import load_machine
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.measurement.touched import touching_sides
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import next_places, placed

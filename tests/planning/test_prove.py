@@ -12,7 +12,7 @@ from axiscal.exceptions import PlanError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import ErrorEntry
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.planning.bound.lower_bound import _everywhere, lower_bound, prove
 from axiscal.planning.gains.candidate_rows import Pool

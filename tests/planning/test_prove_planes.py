@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from axiscal.machine import Machine, machine_from_text
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.planning.bound.lower_bound import largest_seen, prove
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task

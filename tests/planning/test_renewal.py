@@ -11,8 +11,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.machine.motion import approach_seconds
-from axiscal.measurement.place import Place, Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.planning.next_readings import next_places
 from axiscal.planning.plan.order import seconds_of
 from axiscal.planning.plan.plan import make_plan, renewed

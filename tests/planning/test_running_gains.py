@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.planning.gains import covariance
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance, RunningAccuracy, along

@@ -9,10 +9,9 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import arrivals_of, spread
-from axiscal.measurement.charts.chart import Chart, has_room
+from axiscal.measurement.charts.room import Chart, has_room
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from axiscal.numerics.ties import TIE

@@ -10,7 +10,7 @@ import pytest
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import visited
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array

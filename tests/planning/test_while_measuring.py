@@ -14,8 +14,7 @@ from axiscal.description.campaign import read_campaign
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.judged import Doubt
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.planning.next_readings import next_places, plan_basis, twice_rejected
 from axiscal.record.events import Asked, Planned

@@ -16,8 +16,7 @@ from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.machine import machine_from_text
-from axiscal.measurement.place import Place, Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.ports.fleet.quick_check import QuickCheck, _CrashRows, crashes, showing_crashes

@@ -13,8 +13,7 @@ from axiscal.estimation.type_prior import SisterRecord, TypePrior
 from axiscal.machine import load_machine, machine_from_text
 from axiscal.machine.kinematics import frames, tool_motion
 from axiscal.measurement.instruments.kind import Actual
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import unique_root

@@ -16,7 +16,7 @@ from axiscal.present.sentences import files_of_controls, left_out_words
 from axiscal.present.summarising import iso230_blocks
 from axiscal.present.summary import TableOffer
 from axiscal.present.volume_error import volume_error
-from axiscal.tables.effect import Control
+from axiscal.tables.surface import Control
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 

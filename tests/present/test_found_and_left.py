@@ -20,7 +20,7 @@ from axiscal.present.drawing.scene import flat
 from axiscal.present.found_and_left import found_and_left, found_and_left_drawing, magnification
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
 from axiscal.present.volume_error import MACHINES, BentVolume, bent_volume
-from axiscal.tables.effect import Control
+from axiscal.tables.surface import Control
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.kinematics import tip
 

@@ -24,7 +24,7 @@ from axiscal.present.drawn_by_standards import (
     positioning_curves,
 )
 from axiscal.present.figures import positioning_figure
-from axiscal.tables.effect import Control
+from axiscal.tables.surface import Control
 from tests.generators.kinematics import tip
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
 from tests.generators.texts import campaign_text, setup_text

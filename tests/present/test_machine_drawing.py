@@ -14,7 +14,7 @@ from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import (
     EYE,

@@ -14,7 +14,7 @@ from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.charts.room import Room
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.programs import dialect, programs
 from axiscal.programs.gliding import KeptOut, refuse_kept_out

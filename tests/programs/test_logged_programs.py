@@ -14,8 +14,8 @@ from axiscal.description.placed_readings import logged_readings
 from axiscal.exceptions import InputError, ProgramError, ReadingError
 from axiscal.machine.kinematics import drawn_back
 from axiscal.machine.motion import Driving
-from axiscal.measurement.place import Place
 from axiscal.measurement.readers.touch_log import read_touch_log
+from axiscal.measurement.reading import Place
 from axiscal.measurement.touched import TOUCHES
 from axiscal.programs import dialect, programs, write_programs
 from tests.generators import touched_table as table

@@ -16,8 +16,8 @@ from axiscal.exceptions import InputError, ProgramError
 from axiscal.machine import Machine, load_machine
 from axiscal.machine.axis import Axis
 from axiscal.machine.motion import USUAL, Driving, inward
-from axiscal.measurement.place import Place
 from axiscal.measurement.readers.csv_readings import read_readings
+from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs import Program, controllers, dialect, programs, write_programs
 from axiscal.programs.scale import AxisScale

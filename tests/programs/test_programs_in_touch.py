@@ -18,7 +18,7 @@ from axiscal.machine import Machine, load_machine
 from axiscal.machine.kinematics import frames, tip_at
 from axiscal.machine.motion import Driving
 from axiscal.measurement.candidates import chart_candidates
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.programs import Program, controllers, dialect, programs
 from axiscal.programs.gliding import SlideDriver, TipDriver

@@ -11,7 +11,7 @@ import pytest
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.machine import load_machine
 from axiscal.measurement.candidates import chart_candidates
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.programs import dialect, programs
 from tests.generators.printed_machine import printed_machine

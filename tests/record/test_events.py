@@ -9,8 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axiscal.exceptions import RecordError
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.record.accepted import Accepted
 from axiscal.record.events import (
     Asked,

@@ -20,8 +20,8 @@ from axiscal.exceptions import AxiscalError
 from axiscal.machine.description import load_machine
 from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import read_any
-from axiscal.measurement.readers.truth_curves import read_truth
 from axiscal.measurement.reading import Reading
+from axiscal.measurement.simulation import read_truth
 from axiscal.record.events import Created, Event, Recorded
 from axiscal.record.line_form import EventText
 from axiscal.record.payload import encode

@@ -8,7 +8,7 @@ from pathlib import Path
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import machine_of
 from axiscal.machine.description import machine_from_text
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import read_old
 from axiscal.tables.registry import loaded
 from tests.generators.texts import machine_text

@@ -19,8 +19,7 @@ from axiscal.campaign.salvaging import salvaged
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.exceptions import RecordError
 from axiscal.measurement.instrument import values_of
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.present.demo import description
 from axiscal.record.events import Asked, Event, Finished, Noted, Planned, Recorded, Skipped, Undone
 from axiscal.record.line_form import BLOCK, MARK, MARKS, START, EventText

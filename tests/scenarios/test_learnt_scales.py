@@ -10,8 +10,7 @@ import pytest
 from scipy import stats
 
 from axiscal.estimation.estimate import concluded
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits

@@ -15,7 +15,7 @@ from axiscal.machine import Machine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables.cross import Wiring
 from axiscal.ports.linuxcnc.tables.writer import LinuxcncTable, parse
-from axiscal.tables.effect import Control
+from axiscal.tables.surface import Control
 from axiscal.units import from_unit, to_unit
 
 _COMPONENTS = ("lincurve", "sum2", "mux2", "limit2", "mult2")

@@ -28,12 +28,11 @@ from axiscal.ports.linuxcnc.tables.cross import Wiring
 from axiscal.ports.printers import contents, klipper
 from axiscal.tables.controllers import heidenhain, isg, sinumerik
 from axiscal.tables.controllers.fanuc import PitchParameters, increments
-from axiscal.tables.effect import Effect, effect_of_control, rms, tour
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Draft, spread_poses, tried_out
 from axiscal.tables.registry import CONTROLLERS, export, exporter
 from axiscal.tables.sampling import axis_tables
-from axiscal.tables.surface import Skew
+from axiscal.tables.surface import Effect, Skew, effect_of_control, rms, tour
 from axiscal.tables.table import CompensationTable
 from tests.generators.texts import machine_text
 from tests.tables import linuxcnc_model

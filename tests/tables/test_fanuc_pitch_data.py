@@ -14,7 +14,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile
 from axiscal.tables.offer import Export, tried_out
 from axiscal.tables.registry import export, exporter, loaded

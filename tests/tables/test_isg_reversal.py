@@ -14,7 +14,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.tables.controllers.isg import read_list
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
 from tests.generators.texts import machine_text
 

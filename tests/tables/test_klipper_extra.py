@@ -8,7 +8,7 @@ import pytest
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.ports.printers.klipper_extra import Correction
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import exporter

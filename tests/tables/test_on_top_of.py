@@ -19,7 +19,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import InputError, TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.numerics import Array
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile, read_old
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import CONTROLLERS, export, exporter, loaded

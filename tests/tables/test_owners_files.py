@@ -9,7 +9,7 @@ import pytest
 from axiscal.exceptions import InputError
 from axiscal.machine import Machine, machine_from_text
 from axiscal.ports.linuxcnc.configuring import agreeing, configured, options_of
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from tests.generators.texts import machine_text
 
 INI = """\

@@ -13,8 +13,7 @@ from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.numerics import Array
 from axiscal.ports.printers import contents, klipper, marlin, reprapfirmware
-from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.exporter import Exporter
+from axiscal.tables.exporter import Exporter, ExportOptions
 from axiscal.tables.loaded import Loaded, Lookup, OldFile, both_ways
 from axiscal.tables.sampling import axis_tables
 from axiscal.tables.surface import Mesh, Skew, skew_control, skew_of

@@ -19,7 +19,7 @@ from axiscal.ports.linuxcnc.tables import cross
 from axiscal.ports.printers import marlin
 from axiscal.tables.controllers import plain_csv, sinumerik
 from axiscal.tables.controllers.isg import write_list
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import OldFile, read_old
 from axiscal.tables.registry import export, loaded
 from axiscal.tables.surface import Mesh

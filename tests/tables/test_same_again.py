@@ -18,8 +18,7 @@ from axiscal.ports.printers import klipper, marlin, reprapfirmware
 from axiscal.tables.controllers import isg, plain_csv, sinumerik
 from axiscal.tables.controllers.fanuc import read_records, replace_values
 from axiscal.tables.controllers.isg import read_list, write_list
-from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.exporter import Exporter
+from axiscal.tables.exporter import Exporter, ExportOptions
 from axiscal.tables.loaded import Loaded, OldFile, both_ways
 from axiscal.tables.surface import Mesh, Skew
 from axiscal.tables.table import CompensationTable

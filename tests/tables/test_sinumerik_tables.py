@@ -15,7 +15,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.tables.controllers import sinumerik
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
 from axiscal.tables.table import CompensationTable

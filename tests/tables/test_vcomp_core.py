@@ -16,8 +16,8 @@ from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.volumetric_tables import LinuxcncVolumetric
 from axiscal.tables import vcomp_applying
-from axiscal.tables.effect import left_by
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
+from axiscal.tables.surface import left_by
 from axiscal.tables.vcomp_file import read
 from tests.figures import held
 from tests.generators.machines import random_machine

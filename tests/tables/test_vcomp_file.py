@@ -12,7 +12,7 @@ import pytest
 from axiscal.exceptions import TableError
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.patching import Configuration, scripts
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.registry import export
 from axiscal.tables.vcomp_applying import fnv1a, joint_errors
 from axiscal.tables.vcomp_file import read

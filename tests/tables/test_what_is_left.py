@@ -26,11 +26,10 @@ from axiscal.ports.linuxcnc.volumetric_tables import reversal_times
 from axiscal.tables import registry
 from axiscal.tables.conditional import mean_along
 from axiscal.tables.controllers.fanuc import PitchParameters, _turn_notes
-from axiscal.tables.effect import CommandedMachine, effect_of_control, planes_left
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.loaded import Loaded, Lookup
 from axiscal.tables.offer import foreword, shifts
-from axiscal.tables.surface import Mesh
+from axiscal.tables.surface import CommandedMachine, Mesh, effect_of_control, planes_left
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.vcomp_applying import whole_control
 from tests.generators.planes import BED, TABLE
@@ -226,7 +225,7 @@ def test_a_reversal_takes_a_fifth_of_the_acceleration_of_each_joint_within_5_ms_
         accelerations = [factor * axis.acceleration for axis in axes]
         scaled = tuple(replace(axis, acceleration=each) for axis, each in zip(axes, accelerations, strict=True))
         model = ErrorModel(replace(estimate.machine, axes=scaled))
-        found = reversal_times(model, estimate.mean, replace(estimate, model=model))
+        found = reversal_times(replace(estimate, model=model))
         worst = [max(np.sqrt(4 * j / (0.2 * a)) for j, a in zip(step, accelerations, strict=True)) for step in steps]
         assert found == pytest.approx(np.clip(worst, 0.005, 5.0).tolist(), rel=0.1)
         assert max(found) <= 5.0

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.plan import make_plan

@@ -37,13 +37,12 @@ from axiscal.estimation.functionals.known import KnownRow, known_rows
 from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import listed, put, said
 from axiscal.machine.axis import Axis
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import shown_pose
+from axiscal.measurement.reading import Place, shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.promise import WantedAccuracy, asked
 from axiscal.record.copies import file_name
-from axiscal.tables.effect import Control
 from axiscal.tables.registry import offered
+from axiscal.tables.surface import Control
 from axiscal.units import to_unit
 
 _COSTS = 1.01

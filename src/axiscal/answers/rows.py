@@ -18,8 +18,8 @@ from axiscal.estimation.functionals.functional import Functional
 from axiscal.estimation.functionals.known import KnownRow, known_row, with_one_more
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.tables.effect import Control, left_by, rms
 from axiscal.tables.offer import places, unknown_rms
+from axiscal.tables.surface import Control, left_by, rms
 
 
 @dataclass(frozen=True)

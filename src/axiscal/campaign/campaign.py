@@ -43,8 +43,7 @@ from axiscal.estimation.judged import Doubt
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.timed import Timed, elapsed, timed
 from axiscal.exceptions import AmbiguityError, RecordError
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.numerics.remembered import Memo
 from axiscal.planning.next_readings import next_places, plan_basis
 from axiscal.record.accepted import Accepted

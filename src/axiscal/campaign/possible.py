@@ -13,8 +13,7 @@ from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
 from axiscal.measurement.instrument import values_of
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import LARGEST, Reading
+from axiscal.measurement.reading import LARGEST, Place, Reading
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.accepted import Accepted
 from axiscal.record.events import Asked, Created, Event, Mounted, Planned, Recorded

@@ -24,7 +24,7 @@ from axiscal.present.delivery import deliver_export, introduced
 from axiscal.present.findings import findings
 from axiscal.present.summarising import record_state
 from axiscal.tables import registry
-from axiscal.tables.export_options import ExportOptions, informed
+from axiscal.tables.exporter import ExportOptions, informed
 from axiscal.tables.loaded import read_old
 from axiscal.tables.offer import Export, effect_sentence
 from axiscal.units import parse_quantity, to_unit

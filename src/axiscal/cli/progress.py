@@ -19,7 +19,7 @@ from axiscal.language.stages import listening
 from axiscal.machine.questions import questions
 from axiscal.present.plan_answer import reach_answer
 from axiscal.present.plan_words import reach_text
-from axiscal.tables.export_options import unasked
+from axiscal.tables.exporter import unasked
 from axiscal.units import to_unit
 
 

@@ -22,8 +22,7 @@ from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import counted, joined, said
 from axiscal.machine import Machine
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading, place_text, reading_unit, shown_pose
+from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose
 from axiscal.measurement.setup import Setup
 from axiscal.present.guide.progress import contradictions, doubted, others_doubted
 from axiscal.present.guide.question import asked_text, value_texts

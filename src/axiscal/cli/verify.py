@@ -20,7 +20,7 @@ from axiscal.document.durable import write_whole
 from axiscal.evaluation.at_the_machine import Taken
 from axiscal.evaluation.check import USUAL, Check
 from axiscal.language.spoken import joined, listed, said
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.present.check_answer import (
     CheckAnswer,
     check_answer,

@@ -6,7 +6,7 @@ import math
 import tomllib
 from collections.abc import Mapping
 from functools import partial
-from itertools import combinations
+from itertools import combinations, product
 from types import MappingProxyType
 
 import numpy as np
@@ -35,7 +35,7 @@ def read_artefacts(tables: list[ArtefactTable], document: Document) -> Mapping[s
     """Return the artefacts by name; raises DescriptionError or UnitError at the line that is wrong."""
     found: dict[str, Artefact] = {}
     for number, table in enumerate(tables):
-        artefact = _ArtefactReader(table, document, number).artefact()
+        artefact = _artefact(table, partial(document.placed, "artefacts", number))
         if artefact.name in found:
             what = 'two artefacts are called "{artefact}"'
             fault = DescriptionError(what, "Give each a name of its own", artefact=artefact.name)
@@ -44,81 +44,72 @@ def read_artefacts(tables: list[ArtefactTable], document: Document) -> Mapping[s
     return MappingProxyType(found)
 
 
-class _ArtefactReader:
-    """Reads one table; every failure is placed at the key it is about."""
+def _artefact(table: ArtefactTable, at: At) -> Artefact:
+    balls = _balls(table, at)
+    with at("calibrated"):
+        if table.calibrated is not None:
+            _refuse_open_turn(balls)
+    return Artefact(
+        name=table.name,
+        balls=balls,
+        free=table.free,
+        cone=table.cone,
+        keep_out=tuple(_kept_out(at, number, box) for number, box in enumerate(table.keep_out)),
+        placed=table.placed,
+        turned=table.turned,
+        calibrated=table.calibrated,
+        scale=table.scale,
+        diameter=table.diameter,
+    )
 
-    def __init__(self, table: ArtefactTable, document: Document, number: int) -> None:
-        self._table = table
-        self._at: At = partial(document.placed, "artefacts", number)
 
-    def artefact(self) -> Artefact:
-        table = self._table
-        balls = self._balls()
-        with self._at("calibrated"):
-            self._refuse_open_turn(balls)
-        return Artefact(
-            name=table.name,
-            balls=balls,
-            free=table.free,
-            cone=table.cone,
-            keep_out=tuple(self._kept_out(at, box) for at, box in enumerate(table.keep_out)),
-            placed=table.placed,
-            turned=table.turned,
-            calibrated=table.calibrated,
-            scale=table.scale,
-            diameter=table.diameter,
-        )
-
-    def _balls(self) -> tuple[Ball, ...]:
-        table = self._table
-        if table.balls and table.grid is not None:
-            with self._at("grid"):
+def _balls(table: ArtefactTable, at: At) -> tuple[Ball, ...]:
+    if table.grid is not None:
+        with at("grid"):
+            if table.balls:
                 raise DescriptionError("balls and grid exclude one another", "Give one of them")
-        if table.grid is not None:
-            return self._grid(table.grid)
-        balls = []
-        for name, place in table.balls.items():
-            with self._at("balls", name):
-                balls.append(Ball(_ball_name(name), place))
-        with self._at("balls"):
-            _refuse_close(tuple(balls))
-        return tuple(balls)
+            return _grid(table.grid)
+    balls = []
+    for name, place in table.balls.items():
+        with at("balls", name):
+            balls.append(Ball(_ball_name(name), place))
+    with at("balls"):
+        _refuse_close(tuple(balls))
+    return tuple(balls)
 
-    def _grid(self, grid: GridTable) -> tuple[Ball, ...]:
-        with self._at("grid"):
-            if len(grid.count) != 2 or len(grid.pitch) != 2 or len(grid.along) != 2:
-                remedy = 'Write count = [5, 5], pitch = ["80 mm", "80 mm"], along = ["x", "y"]'
-                raise DescriptionError("a grid has two directions", remedy)
-            if min(grid.count) < 2 or grid.count[0] * grid.count[1] > MOST_BALLS:
-                what = "a grid of {rows} by {columns} balls"
-                remedy = "Give 2 to {most} balls in rows of 2 and more, or a row as balls"
-                raise DescriptionError(what, remedy, rows=grid.count[0], columns=grid.count[1], most=MOST_BALLS)
-            pitch, ways = grid.pitch, [np.array(way) for way in grid.along]
-            if min(pitch) < CLOSEST or np.linalg.norm(np.cross(ways[0], ways[1])) < _OFF_LINE:
-                raise DescriptionError("the balls of this grid fall together", "Give two directions and a pitch each")
-            origin, (rows, columns) = np.array(grid.origin), grid.count
-        places = {
-            f"ball_{i + 1}_{j + 1}": origin + i * pitch[0] * ways[0] + j * pitch[1] * ways[1]
-            for i in range(rows)
-            for j in range(columns)
-        }
-        return tuple(Ball(name, (float(x), float(y), float(z))) for name, (x, y, z) in places.items())
 
-    def _refuse_open_turn(self, balls: tuple[Ball, ...]) -> None:
-        if self._table.calibrated is None:
-            return
-        points = np.array([ball.place for ball in balls]).reshape(-1, 3)
-        spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) if len(balls) > 2 else np.zeros(3)
-        if spread[1] < _OFF_LINE:
-            what = "balls that are calibrated together need at least three that are not in a line: their turn is open"
-            raise DescriptionError(what, "Take calibrated out, and each ball stands where it stands")
+def _grid(grid: GridTable) -> tuple[Ball, ...]:
+    if len(grid.count) != 2 or len(grid.pitch) != 2 or len(grid.along) != 2:
+        remedy = 'Write count = [5, 5], pitch = ["80 mm", "80 mm"], along = ["x", "y"]'
+        raise DescriptionError("a grid has two directions", remedy)
+    if min(grid.count) < 2 or grid.count[0] * grid.count[1] > MOST_BALLS:
+        what = "a grid of {rows} by {columns} balls"
+        remedy = "Give 2 to {most} balls in rows of 2 and more, or a row as balls"
+        raise DescriptionError(what, remedy, rows=grid.count[0], columns=grid.count[1], most=MOST_BALLS)
+    pitch, ways = grid.pitch, [np.array(way) for way in grid.along]
+    if min(pitch) < CLOSEST or np.linalg.norm(np.cross(ways[0], ways[1])) < _OFF_LINE:
+        raise DescriptionError("the balls of this grid fall together", "Give two directions and a pitch each")
+    balls = []
+    for i, j in product(*map(range, grid.count)):
+        x, y, z = (np.array(grid.origin) + i * pitch[0] * ways[0] + j * pitch[1] * ways[1]).tolist()
+        balls.append(Ball(f"ball_{i + 1}_{j + 1}", (x, y, z)))
+    return tuple(balls)
 
-    def _kept_out(self, at: int, box: Mapping[str, tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-        with self._at("keep_out", at):
-            if not box or not set(box) <= set("xyz"):
-                remedy = 'Write {{ x = ["-250 mm", "250 mm"], z = ["-300 mm", "-150 mm"] }}, in the workpiece frame'
-                raise DescriptionError("{text} is no box", remedy, text=shown(dict(box)))
-            return tuple(box.get(letter, (-_FAR, _FAR)) for letter in "xyz")
+
+def _refuse_open_turn(balls: tuple[Ball, ...]) -> None:
+    points = np.array([ball.place for ball in balls]).reshape(-1, 3)
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) if len(balls) > 2 else np.zeros(3)
+    if spread[1] < _OFF_LINE:
+        what = "balls that are calibrated together need at least three that are not in a line: their turn is open"
+        raise DescriptionError(what, "Take calibrated out, and each ball stands where it stands")
+
+
+def _kept_out(at: At, number: int, box: Mapping[str, tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    with at("keep_out", number):
+        if not box or not set(box) <= set("xyz"):
+            remedy = 'Write {{ x = ["-250 mm", "250 mm"], z = ["-300 mm", "-150 mm"] }}, in the workpiece frame'
+            raise DescriptionError("{text} is no box", remedy, text=shown(dict(box)))
+        return tuple(box.get(letter, (-_FAR, _FAR)) for letter in "xyz")
 
 
 def _ball_name(text: str) -> str:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from axiscal.exceptions import DescriptionError
-from axiscal.measurement.readers.text import read_text
+from axiscal.measurement.readers.csv_table import read_text
 
 _SECTION = re.compile(r"\[\s*(\w+)\s*\].*")
 _KEY = re.compile(r"([^=\s]+)\s*=\s*(.*)")

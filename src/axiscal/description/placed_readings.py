@@ -17,14 +17,13 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription
 from axiscal.exceptions import DescriptionError, Faults, InputError, ReadingError
 from axiscal.machine import Axis, Machine
+from axiscal.machine.entry import parse_error_name
 from axiscal.machine.kinematics import frames
-from axiscal.machine.names import parse_error_name
-from axiscal.measurement.charts.chart import Chart
 from axiscal.measurement.charts.held import Held
+from axiscal.measurement.charts.room import Chart
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.readers.csv_readings import RawReading
-from axiscal.measurement.readers.csv_table import parse_table, read_approach, read_position, unshielded
-from axiscal.measurement.readers.text import read_text
+from axiscal.measurement.readers.csv_table import parse_table, read_approach, read_position, read_text, unshielded
 from axiscal.measurement.readers.touch_log import LISTS, LoggedTouch, TouchLog, plan_code, read_touch_log
 from axiscal.measurement.reading import Reading, reading_unit, value_columns
 from axiscal.measurement.setup import Setup

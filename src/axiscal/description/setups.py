@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 from axiscal.description.campaign_schema import SetupTable
-from axiscal.description.reachable import refuse_short_stroke, refuse_unreachable
-from axiscal.description.sights import lack_of, refuse_no_sight, seen, stations_of
+from axiscal.description.sights import (
+    lack_of,
+    refuse_no_sight,
+    refuse_short_stroke,
+    refuse_unreachable,
+    seen,
+    stations_of,
+)
 from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader, evened
 from axiscal.description.stated_type_b import dense, drift_of, material_of, stated_of
-from axiscal.description.target import coordinate
+from axiscal.description.target import coordinate, ends_on
 from axiscal.description.vectors import WAYS, At, unit_vector
 from axiscal.document import Document, meant, shown
 from axiscal.exceptions import DescriptionError, Faults
@@ -184,13 +190,9 @@ class _Reader:
                 if index not in moves:
                     remedy = "Take it out"
                     raise DescriptionError("{name} has a reach, but does not move in this set-up", remedy, name=name)
-                if len(texts) != 2:
-                    what, remedy = "{text} has not two ends", "Write two, within {travel}"
-                    raise DescriptionError(what, remedy, text=shown(texts), travel=axis.travel_text)
-                low, high = (coordinate(text, axis) for text in texts)
+                low, high = ends_on(texts, axis)
                 if high - low < _SHORTEST_REACH * axis.overrun:
-                    remedy = "Lower end first"
-                    raise DescriptionError("{text} is too short, or does not increase", remedy, text=shown(texts))
+                    raise DescriptionError("{text} is too short", "Lower end first", text=shown(texts))
                 spans[index] = low, high
         return tuple(spans)
 
@@ -222,35 +224,25 @@ class _Reader:
 
     def _park(self, moves: tuple[int, ...]) -> tuple[float, ...]:
         places = [sum(axis.travel) / 2 for axis in self._machine.axes]
-
-        def read(text: str, axis: Axis, index: int) -> float:
-            if index in moves:
-                what = "{axis} is parked, but it is one of the axes that move"
-                raise DescriptionError(what, "Take it out here, or take {axis} out of moves", axis=axis.name)
-            return coordinate(text, axis)
-
-        self._each_axis("park", self._table.park, read, places)
+        for name, text in self._table.park.items():
+            with self._at("park", name):
+                index = self._machine.index(name)
+                if index in moves:
+                    what = "{axis} is parked, but it is one of the axes that move"
+                    raise DescriptionError(what, "Take it out here, or take {axis} out of moves", axis=name)
+                places[index] = coordinate(text, self._machine.axes[index])
         return tuple(places)
 
     def _raster(self, moves: tuple[int, ...], base: float) -> tuple[float, ...]:
         steps = [0.0] * len(self._machine.axes)
-
-        def read(text: str, axis: Axis, index: int) -> float:
-            if index not in moves:
-                what = "{axis} has a raster, but does not move in this set-up"
-                raise DescriptionError(what, "Take it out here, or add {axis} to moves", axis=axis.name)
-            return _step(text, axis, base / 2)
-
-        self._each_axis("raster", self._table.raster, read, steps)
-        return tuple(steps)
-
-    def _each_axis(
-        self, key: str, entries: dict[str, str], read: Callable[[str, Axis, int], float], into: list[float]
-    ) -> None:
-        for name, text in entries.items():
-            with self._at(key, name):
+        for name, text in self._table.raster.items():
+            with self._at("raster", name):
                 index = self._machine.index(name)
-                into[index] = read(text, self._machine.axes[index], index)
+                if index not in moves:
+                    what = "{axis} has a raster, but does not move in this set-up"
+                    raise DescriptionError(what, "Take it out here, or add {axis} to moves", axis=name)
+                steps[index] = _step(text, self._machine.axes[index], base / 2)
+        return tuple(steps)
 
     def _time(self, key: str, usual: float) -> float:
         value: float | None = getattr(self._table, key)

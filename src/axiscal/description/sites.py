@@ -10,8 +10,7 @@ from functools import partial
 import numpy as np
 
 from axiscal.description.campaign_schema import SetupTable
-from axiscal.description.reachable import reached_arc, refuse_gap
-from axiscal.description.sights import refuse_stray_keys
+from axiscal.description.sights import reached_arc, refuse_gap, refuse_stray_keys
 from axiscal.description.target import coordinate
 from axiscal.description.vectors import At, unit_vector
 from axiscal.document import shown
@@ -23,9 +22,8 @@ from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.bar import Bar, Circle
 from axiscal.measurement.charts.box import Line
-from axiscal.measurement.charts.chart import Chart, Coordinate
 from axiscal.measurement.charts.held import Balls, Held
-from axiscal.measurement.charts.room import Room
+from axiscal.measurement.charts.room import Chart, Coordinate, Room
 from axiscal.measurement.instruments.distance import RADIUS
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.observation import unknowns_at

@@ -24,8 +24,7 @@ from axiscal.machine import Axis, Machine
 from axiscal.machine.axis import letter_direction
 from axiscal.machine.kinematics import tip_at
 from axiscal.measurement.charts.room import Room
-from axiscal.numerics import Array
-from axiscal.numerics.spread import even_points
+from axiscal.numerics import Array, even_points
 from axiscal.units import Dimension, format_quantity, parse_quantity
 
 Kind = Literal[
@@ -242,11 +241,12 @@ def _volume(table: TargetTable, machine: Machine, document: Document) -> tuple[t
     bounds = {axis.name: axis.travel for axis in machine.axes}
     for name, texts in table.volume.items():
         with document.placed("target", "volume", name):
-            bounds[name] = _bounds(texts, machine.axis(name))
+            bounds[name] = ends_on(texts, machine.axis(name))
     return tuple(bounds[axis.name] for axis in machine.axes)
 
 
-def _bounds(texts: list[str], axis: Axis) -> tuple[float, float]:
+def ends_on(texts: Sequence[str], axis: Axis) -> tuple[float, float]:
+    """Return two increasing coordinates within the travel, m or rad; raises DescriptionError or UnitError."""
     if len(texts) != 2:
         remedy = "The axis goes from {travel}"
         raise DescriptionError("{text} has not two ends", remedy, text=shown(texts), travel=axis.travel_text)

@@ -20,7 +20,7 @@ from axiscal.errors.volume import VolumeMoments, volume_moments, whole_travel
 from axiscal.language.spoken import counted, either_of, joined, later, listed, put, said
 from axiscal.machine.axis import Axis, letter_direction
 from axiscal.machine.description import Machine
-from axiscal.machine.names import COMPONENTS
+from axiscal.machine.entry import COMPONENTS
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import NaturalSpline, quadrature
 from axiscal.numerics.from_scipy import solution, triangle_over

@@ -22,9 +22,8 @@ from numpy.typing import NDArray
 from axiscal.errors import prior
 from axiscal.errors.plane import PlaneError, plane_error
 from axiscal.machine.description import Machine
-from axiscal.machine.entry import ErrorEntry
+from axiscal.machine.entry import ErrorEntry, Kind
 from axiscal.machine.kinematics import Frames, SmallMotions, frames
-from axiscal.machine.names import Kind
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Spline
 from axiscal.numerics.gaussian import unique_root

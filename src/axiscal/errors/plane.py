@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from axiscal.errors import prior
 from axiscal.machine.axis import Axis
-from axiscal.machine.entry import ErrorEntry, PlaneEntry
-from axiscal.machine.names import Kind
+from axiscal.machine.entry import ErrorEntry, Kind, PlaneEntry
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import Spline
 from axiscal.numerics.gaussian import settled

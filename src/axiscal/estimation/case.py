@@ -10,9 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.description.campaign import CampaignDescription
-from axiscal.description.sizes import Kind, Sizes
 from axiscal.description.target import POSES, Target
-from axiscal.description.usual import Learnable, rescaled_machine, rescaled_setups, sizes_of
+from axiscal.description.usual import Kind, Learnable, Sizes, rescaled_machine, rescaled_setups, sizes_of
 from axiscal.errors.gauge import Hidden, hidden, unseen_factor
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import MovedErrors, VolumeMoments, of_rests, volume_moments
@@ -29,13 +28,11 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.distance import SHIFTS, TURNS, shifts_of
 from axiscal.measurement.observation import Observation, Rows
-from axiscal.measurement.place import Place, Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import About, Setup, Unknown
 from axiscal.measurement.travel import first_seconds, reading_seconds, way_seconds
-from axiscal.numerics import Array
+from axiscal.numerics import Array, even_points
 from axiscal.numerics.remembered import Itself, Memo
-from axiscal.numerics.spread import even_points
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAYS = 1e-8

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axiscal.description.sizes import NONE_VARY
+from axiscal.description.usual import NONE_VARY
 from axiscal.estimation.promise.problem import Inherited, problem
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading

@@ -22,7 +22,7 @@ from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.estimation.promise.posterior import Posterior
 from axiscal.estimation.stations import GAUSSIAN, MOST, indices
 from axiscal.estimation.timed import Timed
-from axiscal.measurement.drift import wandering
+from axiscal.measurement.cells import wandering
 from axiscal.measurement.reading import Reading, drawn, reading_text
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array

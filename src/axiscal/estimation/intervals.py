@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.sizes import NONE_VARY
+from axiscal.description.usual import NONE_VARY
 from axiscal.estimation.promise.problem import Inherited, problem
 from axiscal.estimation.promise.spaces import turned
 from axiscal.measurement.observation import Observation

@@ -18,7 +18,7 @@ from axiscal.language.spoken import later, listed, said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.drift import wandering
+from axiscal.measurement.cells import wandering
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.distance import SHIFTS, TURNS
 from axiscal.measurement.observation import Observation

@@ -34,16 +34,15 @@ from axiscal.evaluation.verification import (
 )
 from axiscal.exceptions import ReadingError, TargetError
 from axiscal.language.stages import stage
-from axiscal.measurement.place import Places
 from axiscal.measurement.readers.csv_readings import blank_sheet, read_readings
-from axiscal.measurement.reading import Reading, columns_of
+from axiscal.measurement.reading import Places, Reading, columns_of
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.planning.other_readings import with_room
 from axiscal.tables import registry
-from axiscal.tables.effect import CommandedMachine
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
+from axiscal.tables.surface import CommandedMachine
 from axiscal.units import parse_quantity
 
 USUAL, _FEW = 12, 4

@@ -26,9 +26,8 @@ import numpy as np
 
 from axiscal.evaluation.one_axis import Positioning, arranged, evaluate
 from axiscal.exceptions import EvaluationError
-from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, CsvTable, table_of
+from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, CsvTable, read_text, table_of
 from axiscal.measurement.readers.renishaw import is_rtl, positioning_rows, read_direction, rtl_positioning
-from axiscal.measurement.readers.text import read_text
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 

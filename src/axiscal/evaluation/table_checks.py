@@ -22,11 +22,11 @@ from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.observation import directions_of
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.tables.effect import Control, added_by, table_control
 from axiscal.tables.offer import Export, title
+from axiscal.tables.surface import Control, added_by, table_control
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity
 

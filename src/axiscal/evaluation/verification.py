@@ -34,13 +34,12 @@ from axiscal.measurement.instruments.displacement import Displacement
 from axiscal.measurement.instruments.distance import TURNS, Nest, Tracker
 from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.observation import directions_of
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_tail
 from axiscal.numerics.threads import one_thread
-from axiscal.tables.effect import Control, left_by
+from axiscal.tables.surface import Control, left_by
 
 _DISPLACEMENTS = (Displacement, Nest, Tracker)
 _CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if isinstance(kind.model, _DISPLACEMENTS)))

@@ -13,7 +13,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
 
 from axiscal.document import Document, read_model, shown
 from axiscal.document.quoting import meant
@@ -38,24 +37,8 @@ _FAR = 1000 * math.tau
 """rad; no control counts the turns of an axis further."""
 
 
-class Parts(NamedTuple):
-    """What a description says of a machine, by the names of `Machine`."""
-
-    name: str
-    axes: tuple[Axis, ...]
-    tool: float
-    tool_radius: float
-    stylus: float
-    errors: tuple[ErrorEntry, ...]
-    planes: tuple[PlaneEntry, ...]
-    chain: str
-
-
-def assemble(document: Document, fine_knots: bool) -> Parts:
-    """Return the parts of the machine in a document; raises DescriptionError, ChainError or UnitError.
-
-    fine_knots : knots of which nothing is said are as close as is cheap
-    """
+def _described(document: Document, fine_knots: bool = True) -> Machine:
+    """Return the machine in a document; raises DescriptionError, ChainError or UnitError.  fine_knots : as in it"""
     tables, faults = read_model(document, MachineFile), Faults()
     tool = Stated(document, tables.tool, ("tool",))
     name = faults.tried(_name, document, tables.name)
@@ -66,7 +49,18 @@ def assemble(document: Document, fine_knots: bool) -> Parts:
     faults.refuse()
     length, radius, stylus = (size or 0.0 for size in sizes.values())
     curves = as_fine_as_is_cheap(curves, known) if fine_knots else curves
-    return Parts(name or "", axes, length, radius, stylus, curves, planes, tables.chain)
+    return Machine(
+        name=name or "",
+        axes=axes,
+        tool=length,
+        errors=curves,
+        chain=tables.chain,
+        text=document.text,
+        planes=planes,
+        tool_radius=radius,
+        stylus=stylus,
+        fine_knots=fine_knots,
+    )
 
 
 def _name(document: Document, name: str | None) -> str:
@@ -353,13 +347,13 @@ def load_machine(source: str | Path) -> Machine:
     Raises DescriptionError, ChainError or UnitError with file, line, what is wrong and what would be right.
     """
     if isinstance(source, str) and source in builtin_names():
-        return _built(Document.read(_LIBRARY / f"{source}.toml"))
+        return _described(Document.read(_LIBRARY / f"{source}.toml"))
     path = Path(source)
     if path.suffix != ".toml" and len(path.parts) == 1 and not os.path.exists(path):
         otherwise = said("The built-in machines are {known}", known=", ".join(builtin_names()))
         remedy = meant(str(source), builtin_names(), otherwise, quoted="{}")
         raise DescriptionError("{text} is neither a file nor a built-in machine", remedy, text=shown(str(source)))
-    return _built(Document.read(path))
+    return _described(Document.read(path))
 
 
 def machine_from_text(text: str, source_name: str | Path = "machine.toml", *, fine_knots: bool = True) -> Machine:
@@ -367,10 +361,4 @@ def machine_from_text(text: str, source_name: str | Path = "machine.toml", *, fi
 
     source_name : what failures call it; fine_knots : as in `Machine`
     """
-    return _built(Document.parse(text, source_name), fine_knots)
-
-
-def _built(document: Document, fine_knots: bool = True) -> Machine:
-    from axiscal.machine.description import assemble
-
-    return Machine(text=document.text, fine_knots=fine_knots, **assemble(document, fine_knots)._asdict())
+    return _described(Document.parse(text, source_name), fine_knots)

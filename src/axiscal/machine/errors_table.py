@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
-from typing import NamedTuple
 
 from axiscal.document import Document, shown
 from axiscal.exceptions import DescriptionError, Faults, InputError
 from axiscal.language.spoken import joined, later, said
 from axiscal.machine.axis import Axis, Stated, letter_direction
 from axiscal.machine.entry import (
+    COMPONENTS,
     JOINT,
     KNOTS_PER_WAVE,
     MOST_BREAKS,
@@ -23,11 +23,14 @@ from axiscal.machine.entry import (
     ROUGH,
     SMOOTH,
     ErrorEntry,
+    ErrorName,
     PlaneEntry,
+    PlaneName,
+    parse_error_name,
+    parse_plane_name,
     side_name,
 )
 from axiscal.machine.machine_schema import ErrorTable
-from axiscal.machine.names import COMPONENTS, ErrorName, PlaneName, parse_error_name, parse_plane_name
 from axiscal.units import Dimension
 
 MOST_PRODUCTS = 1600
@@ -44,17 +47,12 @@ _SHORTEST, _LONGEST = 1e-6, 1e4
 """m or rad, of a length along an axis."""
 
 
-class Errors(NamedTuple):
-    """What is known beforehand: of errors of one axis, and of two together."""
-
-    curves: tuple[ErrorEntry, ...]
-    planes: tuple[PlaneEntry, ...]
-
-
 def read_errors(
     document: Document, tables: Mapping[str, ErrorTable], axes: Mapping[str, Axis], described: set[str], faults: Faults
-) -> Errors:
-    """Return the prior of every error; each error is there once, whatever its spelling.  What is wrong is noted.
+) -> tuple[tuple[ErrorEntry, ...], tuple[PlaneEntry, ...]]:
+    """Return what is known of errors of one axis, and of two together; each is there once, whatever its spelling.
+
+    What is wrong is noted.
 
     described : axes that have a table; those not among `axes` have a faulty table; their errors are passed over
     """
@@ -80,7 +78,7 @@ def read_errors(
                 raise DescriptionError(what, "Keep one of them", key=key, name=before.name, earlier=earlier)
     entries = [entry for _, entry in found.values()]
     curves = tuple(entry for entry in entries if isinstance(entry, ErrorEntry))
-    return Errors(curves, tuple(entry for entry in entries if isinstance(entry, PlaneEntry)))
+    return curves, tuple(entry for entry in entries if isinstance(entry, PlaneEntry))
 
 
 def _needed(name: ErrorName | PlaneName) -> list[str]:
@@ -172,15 +170,15 @@ def _of_one(name: ErrorName, stated: Stated[ErrorTable], axis: Axis) -> ErrorEnt
     value: Dimension = "angle" if name.angular else "length"
     rest, std = _rest(stated, value), _std(stated, value)
     period = stated.within("period", axis.dimension, _SHORTEST, _LONGEST)
-    shape = _shape(name, stated, axis, period)
+    harmonics, joints = _shape(name, stated, axis, period)
     entry = replace(
         _side(name.canonical, stated, axis, 0, averaged=True),
         std=std,
         rest=rest,
         rest_estimated=rest is None and table.rest is not None,
         period=period,
-        harmonics=shape.harmonics,
-        joints=shape.joints,
+        harmonics=harmonics,
+        joints=joints,
         smoothness_averaged=table.smoothness == AVERAGED,
         sure=table.sure,
     )
@@ -252,15 +250,13 @@ def _smoothness(table: ErrorTable, averaged: bool) -> float:
     return SMOOTH if table.smoothness == AVERAGED else float(table.smoothness)
 
 
-class _Shape(NamedTuple):
-    """harmonics : waves to a period, at most; 0 for no pitch; joints : where steps are, m or rad."""
+def _shape(
+    name: ErrorName, stated: Stated[ErrorTable], axis: Axis, period: float | None
+) -> tuple[int, tuple[float, ...]]:
+    """Return the most waves to a period, 0 for no pitch, and where steps are, m or rad, as an entry states them.
 
-    harmonics: int = 0
-    joints: tuple[float, ...] = ()
-
-
-def _shape(name: ErrorName, stated: Stated[ErrorTable], axis: Axis, period: float | None) -> _Shape:
-    """Return the shape that an entry states; raises DescriptionError where name and keys do not fit each other."""
+    Raises DescriptionError where name and keys do not fit each other.
+    """
     table = stated.table
     if name.shape != "pitch" and table.harmonics is not None:
         remedy = "Give them to {error}_pitch"
@@ -268,15 +264,15 @@ def _shape(name: ErrorName, stated: Stated[ErrorTable], axis: Axis, period: floa
     if name.shape != "step" and table.at is not None:
         raise DescriptionError("{name} has no joints", "Give at to {error}_step", name=name.canonical, error=name.bare)
     if name.shape == "curve":
-        return _Shape()
+        return 0, ()
     for key in ("knots", "spacing", "length", "rest", "smoothness"):
         if getattr(table, key) is not None:
             remedy = "Take it out, or give it to {error}"
             raise DescriptionError("{name} has no {key}", remedy, name=name.canonical, key=key, error=name.bare)
-    return _pitch(table, axis, period) if name.shape == "pitch" else _step(stated, axis)
+    return (_harmonics(table, axis, period), ()) if name.shape == "pitch" else (0, _joints(stated, axis))
 
 
-def _pitch(table: ErrorTable, axis: Axis, period: float | None) -> _Shape:
+def _harmonics(table: ErrorTable, axis: Axis, period: float | None) -> int:
     if period is None:
         raise DescriptionError("the period is missing", 'Add the pitch of the screw or of the scale: period = "10 mm"')
     harmonics, turns = 1 if table.harmonics is None else table.harmonics, axis.length / period
@@ -290,10 +286,10 @@ def _pitch(table: ErrorTable, axis: Axis, period: float | None) -> _Shape:
     if axis.cyclic and abs(turns - round(turns)) > _TURN * turns:
         remedy = "A period that repeats in every turn"
         raise DescriptionError("{turns:.6g} periods make no whole turn", remedy, turns=turns)
-    return _Shape(harmonics)
+    return harmonics
 
 
-def _step(stated: Stated[ErrorTable], axis: Axis) -> _Shape:
+def _joints(stated: Stated[ErrorTable], axis: Axis) -> tuple[float, ...]:
     texts = stated.table.at
     if not texts or len(texts) > _MOST_JOINTS:
         remedy = 'Name 1 to {most} places: at = ["500 mm", "1000 mm"]'
@@ -307,4 +303,4 @@ def _step(stated: Stated[ErrorTable], axis: Axis) -> _Shape:
         what = "{places}: joints lie within the travel, one after the other"
         remedy, shown_places = "{axis} goes from {travel}; leave 2 mm between them", ", ".join(map(shown, texts))
         raise DescriptionError(what, remedy, places=shown_places, axis=axis.name, travel=axis.travel_text)
-    return _Shape(joints=places)
+    return places

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from axiscal.language.spoken import counted, joined, later, listed, said
 from axiscal.machine.description import Machine
-from axiscal.machine.names import parse_error_name
+from axiscal.machine.entry import parse_error_name
 from axiscal.units import said_quantity
 
 _LONGEST, _SHORTEST, _TOOL = 50.0, 1e-3, 2.0

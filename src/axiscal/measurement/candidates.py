@@ -14,16 +14,15 @@ from axiscal.errors.plane import PlaneError
 from axiscal.errors.volume import Box
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import linear_axes
-from axiscal.measurement.charts.chart import Chart, Coordinate, arrivals, has_room, side_choices
+from axiscal.measurement.charts.room import Chart, Coordinate, arrivals, has_room, side_choices
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import touching_sides
 from axiscal.measurement.travel import feet
-from axiscal.numerics import Array
+from axiscal.numerics import Array, even_points
 from axiscal.numerics.remembered import remembered
-from axiscal.numerics.spread import even_points
 
 _COINCIDE = 1e-12
 """Knots and edges of cells so close together, in lengths of travel, are one: they differ by rounding."""

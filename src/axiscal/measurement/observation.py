@@ -24,8 +24,7 @@ from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import MovedErrors, deviations_of
 from axiscal.machine.description import Machine
 from axiscal.measurement.artefact import Artefact
-from axiscal.measurement.cells import Cell, CellColumns, RestEffects, add_rests, rest_effects
-from axiscal.measurement.drift import Course
+from axiscal.measurement.cells import Cell, CellColumns, Course, RestEffects, add_rests, rest_effects
 from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.kind import Actual, Nominal
 from axiscal.measurement.setup import About, Setup, Unknown

@@ -14,12 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.measurement.cells import Cell, RestEffects, rest_effects
-from axiscal.measurement.drift import Course
+from axiscal.measurement.cells import Cell, Course, RestEffects, rest_effects
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.observation import Observation, Zero, directions_of
-from axiscal.measurement.place import Place, Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 

@@ -21,7 +21,7 @@ from axiscal.machine.motion import USUAL, Driving
 
 if TYPE_CHECKING:
     from axiscal.measurement.artefact import Artefact
-    from axiscal.measurement.charts.chart import Chart
+    from axiscal.measurement.charts.room import Chart
 
 from axiscal.numerics import Array
 

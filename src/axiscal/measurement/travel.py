@@ -23,7 +23,7 @@ from axiscal.errors.plane import PlaneError
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import drawn_back, frames
 from axiscal.machine.motion import approach_seconds, travel_seconds
-from axiscal.measurement.charts.chart import Chart
+from axiscal.measurement.charts.room import Chart
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered

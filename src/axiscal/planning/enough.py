@@ -17,8 +17,7 @@ from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.known import known_rows
 from axiscal.estimation.knowledge import Knowledge
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.other_readings import with_both_sides, with_rooms
 from axiscal.planning.plan.greedy import Setups, chosen_setups, picked

@@ -26,8 +26,7 @@ from axiscal.exceptions import PlanError
 from axiscal.language.spoken import listed, said
 from axiscal.language.stages import stage
 from axiscal.measurement.candidates import spread
-from axiscal.measurement.place import Place, Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.enough import AT_ONCE, enough, just_short, roughly, tightened

@@ -26,8 +26,7 @@ from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.machine.axis import Axis
 from axiscal.machine.motion import inward
 from axiscal.measurement.candidates import snapped
-from axiscal.measurement.place import Place, Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.planning.plan.task import Limits

@@ -20,8 +20,7 @@ from axiscal.estimation.promise.spaces import Given
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.reading_rows import blank_readings, places_of, rows_at, times_of
 from axiscal.numerics import Array
 from axiscal.units import to_unit

@@ -16,8 +16,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import listed, said
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import reading_unit
+from axiscal.measurement.reading import Place, reading_unit
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics.threads import one_thread

@@ -15,8 +15,7 @@ from axiscal.evaluation.check import Check
 from axiscal.evaluation.datums import GUARD
 from axiscal.evaluation.table_checks import WORKS, Judgement, Verdict
 from axiscal.language.spoken import counted, later, listed, put, said
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import approach_text, place_text, shown_pose
+from axiscal.measurement.reading import Places, approach_text, place_text, shown_pose
 from axiscal.numerics import Array
 from axiscal.units import to_unit
 

@@ -27,7 +27,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import page
 from axiscal.present.drawing.strokes import Point, dots, line, short_number, text, text_width, way
-from axiscal.tables.effect import Control, left_by
+from axiscal.tables.surface import Control, left_by
 from axiscal.units import to_unit
 
 

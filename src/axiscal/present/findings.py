@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from axiscal.description.sizes import Kind
+from axiscal.description.usual import Kind
 from axiscal.errors.gauge import undescribed
 from axiscal.errors.iso230 import words
 from axiscal.estimation.agreement_words import STRANGE, farthest, membership_words

@@ -30,8 +30,7 @@ from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.functionals.known import KnownRow, known_rows
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import shown_approach, shown_pose
+from axiscal.measurement.reading import Place, shown_approach, shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.numerics.threads import one_thread
 from axiscal.planning.helping import helping_setups

@@ -19,10 +19,10 @@ from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.language.spoken import listed, put
 from axiscal.machine.description import Machine
+from axiscal.machine.entry import COMPONENTS
 from axiscal.machine.kinematics import frames
-from axiscal.machine.names import COMPONENTS
 from axiscal.numerics import Array
-from axiscal.tables.effect import Control, Deviation, left_by
+from axiscal.tables.surface import Control, Deviation, left_by
 from axiscal.units import said_quantity, to_unit
 
 _POSITIONS = 31

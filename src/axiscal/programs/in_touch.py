@@ -20,9 +20,8 @@ from axiscal.exceptions import ProgramError, TravelError
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import drawn_back
 from axiscal.machine.motion import LARGEST_TURN
-from axiscal.measurement.charts.chart import KNOWN, Chart, begun
-from axiscal.measurement.charts.room import Room
-from axiscal.measurement.place import Place
+from axiscal.measurement.charts.room import KNOWN, Chart, Room, begun
+from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import SideTouch, cycle_of, touches
 from axiscal.measurement.travel import sides_of

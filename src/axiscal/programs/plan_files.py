@@ -9,8 +9,8 @@ from axiscal.document import shown
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import ProgramError
 from axiscal.machine.description import Machine
-from axiscal.measurement.place import Place
 from axiscal.measurement.readers.touch_log import LISTS, plan_code
+from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs.dialect import dialect
 from axiscal.programs.listing import form

@@ -16,10 +16,9 @@ from axiscal.language.spoken import said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import drawn_back
-from axiscal.measurement.charts.chart import Chart
-from axiscal.measurement.charts.room import Room
-from axiscal.measurement.place import Place
+from axiscal.measurement.charts.room import Chart, Room
 from axiscal.measurement.readers.touch_log import plan_code
+from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs.dialect import Dialect, filled, head
 from axiscal.programs.gliding import GENTLE, Driver, KeptOut, SlideDriver, TipDriver, refuse_kept_out

@@ -29,7 +29,7 @@ from axiscal.python.curve import Curve
 from axiscal.python.measured_case import Case, Quantity, si
 from axiscal.python.pictures import html_table
 from axiscal.tables import registry
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.units import to_unit
 
 if TYPE_CHECKING:

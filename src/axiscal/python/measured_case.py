@@ -22,8 +22,7 @@ from axiscal.document.quoting import toml_value
 from axiscal.estimation.case import Case as Mathematics
 from axiscal.estimation.inheritance import case_of
 from axiscal.machine.description import Machine
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import approach_text, place_text
+from axiscal.measurement.reading import Place, approach_text, place_text
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import Proposal, Thoroughness, proposed

@@ -10,8 +10,7 @@ from typing import Any, get_args
 
 from axiscal.document.quoting import shown
 from axiscal.exceptions import RecordError
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.record.accepted import MISTAKES, Accepted
 from axiscal.record.events import (
     Asked,

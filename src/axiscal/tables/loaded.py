@@ -19,10 +19,9 @@ from axiscal.description.ini_file import IniFile, IniValue, read_ini
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
-from axiscal.measurement.readers.text import read_text
+from axiscal.measurement.readers.csv_table import read_text
 from axiscal.numerics import Array
-from axiscal.tables.effect import Control
-from axiscal.tables.surface import Mesh, Skew, mesh_control, skew_control, sum_of
+from axiscal.tables.surface import Control, Mesh, Skew, mesh_control, skew_control, sum_of
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.volumetric import SampledError, tip_control
 

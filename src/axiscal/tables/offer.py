@@ -16,7 +16,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.machine.questions import uncounted
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered
-from axiscal.tables.effect import Control, Effect, effect_of_control, left_by, planes_left, tour
+from axiscal.tables.surface import Control, Effect, effect_of_control, left_by, planes_left, tour
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity, said_quantity, to_unit
 

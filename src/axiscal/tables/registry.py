@@ -15,8 +15,7 @@ from axiscal.exceptions import AxiscalError, TableError
 from axiscal.language.stages import stage
 from axiscal.machine.description import Machine
 from axiscal.numerics.threads import one_thread
-from axiscal.tables.export_options import ExportOptions, asked_about, informed, on_top
-from axiscal.tables.exporter import Exporter
+from axiscal.tables.exporter import Exporter, ExportOptions, asked_about, informed, on_top
 from axiscal.tables.loaded import Loaded
 from axiscal.tables.offer import Export, tried_out
 

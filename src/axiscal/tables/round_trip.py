@@ -13,8 +13,7 @@ from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
-from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.exporter import Exporter
+from axiscal.tables.exporter import Exporter, ExportOptions
 from axiscal.tables.loaded import OldFile
 from axiscal.tables.offer import Export, spread_poses, tried_out
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.exceptions import TableError
-from axiscal.machine.names import AXIS_NAME
+from axiscal.machine.entry import AXIS_NAME
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import gauss
 from axiscal.numerics.from_scipy import sparse_product, three_diagonals

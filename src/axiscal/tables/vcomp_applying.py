@@ -22,8 +22,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.numerics.rigid import about
-from axiscal.tables.effect import Control, by_linear_axes
-from axiscal.tables.surface import Mesh, mesh_control
+from axiscal.tables.surface import Control, Mesh, by_linear_axes, mesh_control
 from axiscal.units import from_unit, to_unit
 
 AXES, JOINTS, KNOTS, MOTIONS = 6, 9, 96, 6

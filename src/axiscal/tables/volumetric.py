@@ -14,11 +14,9 @@ from axiscal.errors.model import ErrorFunction, ErrorModel
 from axiscal.errors.plane import PlaneError
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.entry import side_name
-from axiscal.machine.names import parse_error_name
+from axiscal.machine.entry import parse_error_name, side_name
 from axiscal.numerics import Array
-from axiscal.tables.effect import Control, by_linear_axes
-from axiscal.tables.surface import Mesh
+from axiscal.tables.surface import Control, Mesh, by_linear_axes
 from axiscal.tables.table import Hats
 
 _POINTS_PER_INTERVAL, _RECORDS = 4, 4000

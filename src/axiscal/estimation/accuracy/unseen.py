@@ -18,8 +18,7 @@ from axiscal.language.spoken import said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.observation import Observation
-from axiscal.numerics import Array, rigid
-from axiscal.numerics.spread import even_points
+from axiscal.numerics import Array, even_points, rigid
 from axiscal.units import format_quantity, said_quantity
 
 _POSES = 500

@@ -21,8 +21,7 @@ from axiscal.estimation.accuracy.alignment import Alignment
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.candidates import corners
-from axiscal.numerics import Array
-from axiscal.numerics.spread import even_points
+from axiscal.numerics import Array, even_points
 
 _INNER_POINTS = 400
 

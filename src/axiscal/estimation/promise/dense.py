@@ -31,7 +31,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.sizes import BAD
+from axiscal.description.usual import BAD
 from axiscal.estimation.promise.problem import Problem
 from axiscal.numerics import Array
 

@@ -4,7 +4,7 @@ A zero drifts by a line, Brownian motion over the time T of its set-up, and Mat�
 motion has Karhunen-Loève functions √2 sin((k − ½)π t/T)/((k − ½)π), k = 1…20, which leave 0.5 % of its variance. A
 linear axis grows by the coordinate over its travel times Matérn-3/2 in time with 0.4 T, linear between ten nodes. Of a
 reversal exp(−d/100 mm) may be missing, d the way since the axis turned. Without what usually goes wrong a zero wanders
-as stated (`measurement.drift`).
+as stated (`measurement.cells`).
 
 Causes of type B have columns for readings as they came; see `type_b`.
 """
@@ -19,16 +19,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.sizes import CYCLE, DRIFT, GROWTH, WAY, Kind, Sizes
 from axiscal.description.type_b import TYPE_B, Read, TypeB
-from axiscal.description.usual import needs_a_way
+from axiscal.description.usual import CYCLE, DRIFT, GROWTH, WAY, Kind, Sizes, needs_a_way
 from axiscal.errors.prior import exponential, matern32
-from axiscal.measurement.drift import Course, wandering
+from axiscal.measurement.cells import Course, wandering
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import Nominal
 from axiscal.measurement.observation import Observation, directions_of
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import times_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array

@@ -14,15 +14,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.description.sizes import Kind, Sizes
+from axiscal.description.usual import Kind, Sizes
 from axiscal.errors.model import ErrorFunction, Term
 from axiscal.errors.plane import PlaneError
 from axiscal.errors.prior import distances, matern, matern_by_length
 from axiscal.estimation.promise.passing import passing_columns, type_b_columns
 from axiscal.machine.entry import ErrorEntry
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import (
     cells_shown,
     linear_values,

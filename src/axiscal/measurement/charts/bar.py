@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.machine.kinematics import frames, tip_at
-from axiscal.measurement.charts.chart import Coordinate
-from axiscal.measurement.charts.room import Room
+from axiscal.measurement.charts.room import Coordinate, Room
 from axiscal.measurement.charts.swing import Swing, bar_angles
 from axiscal.measurement.charts.ways import SmoothChart
 from axiscal.numerics import Array

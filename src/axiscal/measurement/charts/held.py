@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.machine.kinematics import drawn_back, frames, tip_at
-from axiscal.measurement.charts.chart import Coordinate
-from axiscal.measurement.charts.room import Room, within_cone
+from axiscal.measurement.charts.room import Coordinate, Room, within_cone
 from axiscal.measurement.charts.swing import Swing, stem_to
 from axiscal.measurement.charts.ways import SmoothChart
 from axiscal.numerics import Array

@@ -14,7 +14,7 @@ import numpy as np
 
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Frames, linear_axes, tool_point
-from axiscal.measurement.charts.chart import Chart
+from axiscal.measurement.charts.room import Chart
 from axiscal.numerics import Array
 
 _SAME_WAY = 1e-12

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from axiscal.measurement.readers.text import TextFile
+from axiscal.measurement.readers.csv_table import TextFile
 from axiscal.units import from_unit
 
 _RRF = "RepRapFirmware height map file"

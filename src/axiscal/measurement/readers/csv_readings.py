@@ -19,7 +19,6 @@ from axiscal.document import shown
 from axiscal.exceptions import Faults, UnitError
 from axiscal.machine.axis import Axis
 from axiscal.measurement.instruments.distance import MOST
-from axiscal.measurement.place import Places
 from axiscal.measurement.readers.csv_table import (
     ANGLES,
     LENGTHS,
@@ -35,7 +34,7 @@ from axiscal.measurement.readers.csv_table import (
     unshielded,
 )
 from axiscal.measurement.readers.renishaw import STEMS, PositioningRows, positioning_rows
-from axiscal.measurement.reading import Reading, approach_text
+from axiscal.measurement.reading import Places, Reading, approach_text
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.units import parse_quantity, to_unit
 

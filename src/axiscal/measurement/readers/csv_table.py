@@ -10,6 +10,8 @@ A text whose first character, quotes left aside, is one of `= + - @`, tab or ret
 spreadsheet takes that for "this is text"; reading takes one away. Numbers stay. So every text comes back.
 
 Axis columns `X_mm … C_deg` and the column `approach`, as readings and poses share them.
+
+A text file of an instrument or a controller: whatever it is encoded in, its lines and their numbers.
 """
 
 from __future__ import annotations
@@ -24,12 +26,92 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from axiscal.document.file import bounded_content
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, listed, put, said
-from axiscal.machine.names import AXIS_NAME
-from axiscal.measurement.readers.text import TextFile, lines_of, read_text
+from axiscal.machine.entry import AXIS_NAME
 from axiscal.measurement.reading import LARGEST
 from axiscal.units import from_unit
+
+MOST = 20_000_000
+"""Bytes; a day of readings has a thousandth of it."""
+MOST_LINES = 200_000
+"""Lines; estimating takes 10,000 readings in a minute, and a file that is wrong is to be refused in a second."""
+
+_LARGEST = 1e9
+"""In whatever unit the file has: a kilometre in micrometres, which no machine has."""
+
+
+@dataclass(frozen=True, slots=True)
+class TextFile:
+    """A file as lines, without the ends of lines."""
+
+    name: str
+    lines: tuple[str, ...]
+
+    def fail(self, what: str, remedy: str, line: int | None = None, **values: object) -> ReadingError:
+        """Return the error that places a fault in a line, counted from 1."""
+        return ReadingError(what, remedy, self.name, line, **values)
+
+    def number(self, text: str, what: str, line: int) -> float:
+        """Return a number of a machine; raises ReadingError."""
+        try:
+            value = float(text) if "_" not in text else math.nan
+        except ValueError:
+            value = math.nan
+        if abs(value) < _LARGEST:
+            return value
+        shown = text if len(text) <= 40 else text[:37] + "..."
+        if math.isfinite(value):
+            remedy = "write the number that was read"
+            raise self.fail("{name} {shown!r} is too large for a machine", remedy, line, name=what, shown=shown)
+        remedy = "write digits with a decimal point"
+        raise self.fail("{name} {shown!r} is not a finite number", remedy, line, name=what, shown=shown)
+
+    def numbers(self, texts: Sequence[str], what: str, line: int) -> list[float]:
+        """Return finite numbers; raises ReadingError."""
+        return [self.number(text.strip(), what, line) for text in texts]
+
+
+def content(path: str | Path) -> bytes:
+    """Return what stands in a file of readings; raises ReadingError."""
+    try:
+        return bounded_content(path, MOST)
+    except FileNotFoundError:
+        raise ReadingError("there is no such file", "check the name", str(path)) from None
+    except OSError as error:
+        reason = (error.strerror or "cannot be read").lower()
+        remedy = "check the name and the permissions"
+        raise ReadingError("the file cannot be read: {reason}", remedy, str(path), reason=reason) from None
+    except ValueError:
+        raise ReadingError("{path!r} is not a file name", "give the name of a file", path=str(path)) from None
+
+
+def read_text(path: str | Path) -> TextFile:
+    """Read a file in UTF-8, UTF-16 with its mark, or else Latin-1; raises ReadingError."""
+    text = _decoded(content(path))
+    if "\0" in text:
+        raise ReadingError("the file is binary, or UTF-16 text", "save it as plain text in UTF-8", str(path))
+    return TextFile(str(path), lines_of(text, path))
+
+
+def lines_of(text: str, path: str | Path) -> tuple[str, ...]:
+    """Return the lines of a text, with whatever ends; raises ReadingError for so many that no campaign has."""
+    lines = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    if len(lines) > MOST_LINES:
+        what = "the file has {lines:,} lines, and at most {most:,} are read"
+        raise ReadingError(what, "give the readings of one campaign", str(path), lines=len(lines), most=MOST_LINES)
+    return tuple(lines)
+
+
+def _decoded(data: bytes) -> str:
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return data.decode("utf-16", errors="replace")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")  # only names and remarks go beyond ASCII
+
 
 _FORMULA = re.compile(r"'*[=+\-@\t\r]")
 
@@ -244,17 +326,14 @@ def _why_not(text: str) -> tuple[str, str]:
 def csv_text(rows: Iterable[Sequence[str]]) -> str:
     """Return a CSV file of text and of numbers as they are written."""
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([_shielded(cell) for cell in row] for row in rows)
+    shielded = ([f"'{c}" if _FORMULA.match(c) and not _NUMBER.fullmatch(c) else c for c in row] for row in rows)
+    csv.writer(text, lineterminator="\n").writerows(shielded)
     return text.getvalue()
 
 
 def unshielded(cell: str) -> str:
     """Return the text that a cell stands for."""
     return cell[1:] if cell[:1] == "'" and _FORMULA.match(cell) else cell
-
-
-def _shielded(cell: str) -> str:
-    return f"'{cell}" if _FORMULA.match(cell) and not _NUMBER.fullmatch(cell) else cell
 
 
 _APPROACH = re.compile(f"({AXIS_NAME})([+-])")

@@ -27,12 +27,11 @@ from typing import NamedTuple, Protocol
 
 from axiscal.document.ports import all_of
 from axiscal.exceptions import UnitError
-from axiscal.machine.names import AXIS_NAME
+from axiscal.machine.entry import AXIS_NAME
 from axiscal.measurement.readers import bed_map, renishaw
 from axiscal.measurement.readers.csv_readings import RawReading, of_positioning, read_times, readings_of
-from axiscal.measurement.readers.csv_table import Column, CsvTable, Row, table_of
+from axiscal.measurement.readers.csv_table import Column, CsvTable, Row, TextFile, read_text, table_of
 from axiscal.measurement.readers.renishaw import PositioningRows, positioning_rows
-from axiscal.measurement.readers.text import TextFile, read_text
 from axiscal.units import from_unit, parse_quantity
 
 SURVEY_MARK = "# level survey"

@@ -13,8 +13,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, Column, CsvTable, Row
-from axiscal.measurement.readers.text import TextFile
+from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, Column, CsvTable, Row, TextFile
 from axiscal.units import from_unit
 
 STEMS = frozenset({"target", "direction", "run", "deviation"})

@@ -26,7 +26,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.gains.covariance import Covariance, unexplained
 

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.language.stages import stage
 from axiscal.measurement.observation import Observation, directions_of
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import Forms, largest_ratio, patches
 from axiscal.numerics.threads import one_thread

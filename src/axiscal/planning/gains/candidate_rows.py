@@ -13,10 +13,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from axiscal.measurement.cells import RestEffects, add_rests
-from axiscal.measurement.drift import Course
+from axiscal.measurement.cells import Course, RestEffects, add_rests
 from axiscal.measurement.observation import Observation, directions_of
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import cells_shown, numbers_of_setups, with_cells
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import sparse_product

@@ -21,7 +21,7 @@ from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import PlaceRows, rows_at, visited
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import solution, solution_of_product

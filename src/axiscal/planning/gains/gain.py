@@ -14,7 +14,7 @@ import numpy as np
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.observation import JointRows, Observation
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 
 _BLOCK = 4096

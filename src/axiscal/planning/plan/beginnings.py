@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from axiscal.machine.description import Machine
 from axiscal.measurement.candidates import snapped, spread
 from axiscal.measurement.observation import directions_of
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.ties import ALIKE, first_best, first_best_each, ranked

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.measurement.candidates import arrivals_of, turned_to
-from axiscal.measurement.charts.chart import Chart, has_room
-from axiscal.measurement.place import Places
+from axiscal.measurement.charts.room import Chart, has_room
+from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import lowest

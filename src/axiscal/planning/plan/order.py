@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from axiscal.estimation.promise.passing import Turning, drift_functions, growing, growth_functions, turning
 from axiscal.machine.description import Machine
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import reading_seconds, short_way, way_seconds
 from axiscal.numerics import Array

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import PlanError
 from axiscal.language.stages import stage
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.numerics.ties import ALIKE, first_best

@@ -17,7 +17,7 @@ from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.travel import reading_seconds, short_way
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import remembered

@@ -16,8 +16,7 @@ import numpy as np
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.observation import Observation, directions_of
-from axiscal.measurement.place import Places
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Places, Reading
 from axiscal.numerics import Array
 from axiscal.numerics.bernstein import largest_ratio, patches
 from axiscal.numerics.threads import one_thread

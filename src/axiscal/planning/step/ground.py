@@ -29,8 +29,7 @@ from axiscal.measurement.candidates import (
     smoothness_along,
     turned_to,
 )
-from axiscal.measurement.charts.chart import KNOWN, Chart, begun, has_room
-from axiscal.measurement.charts.room import crossings
+from axiscal.measurement.charts.room import KNOWN, Chart, begun, crossings, has_room
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.travel import sides_of

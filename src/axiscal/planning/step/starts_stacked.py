@@ -19,11 +19,10 @@ from numpy.typing import NDArray
 from axiscal.errors.model import ErrorModel
 from axiscal.measurement.candidates import knot_lattice, raster_positions
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.place import Places
+from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
-from axiscal.numerics import Array
+from axiscal.numerics import Array, even_points
 from axiscal.numerics.remembered import remembered
-from axiscal.numerics.spread import even_points
 from axiscal.numerics.ties import TIE, first_best_each
 from axiscal.planning.gains.gain import Scorer
 from axiscal.planning.step.ground import sides

@@ -29,9 +29,8 @@ from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import RecordError
 from axiscal.measurement.observation import directions_of
-from axiscal.measurement.place import Place, Places
 from axiscal.measurement.readers.csv_readings import blank_sheet
-from axiscal.measurement.reading import Reading, columns_of
+from axiscal.measurement.reading import Place, Places, Reading, columns_of
 from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.travel import short_way
 from axiscal.numerics import Array
@@ -43,7 +42,7 @@ from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.ports.fleet.due_dates import again, case_again
 from axiscal.ports.fleet.worn_machine import Wearing, control_of, found_by, without_tables
-from axiscal.tables.effect import Control
+from axiscal.tables.surface import Control
 
 _FAR = 3.0
 """Standard deviations as stated that a crash is off: nearer is no crash, and farther shows anyway."""

@@ -19,8 +19,7 @@ from axiscal.estimation.case import Case
 from axiscal.estimation.type_prior import TypePrior
 from axiscal.exceptions import RecordError, TargetError
 from axiscal.language.stages import staged
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import placed

@@ -53,9 +53,9 @@ from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.tables import registry
-from axiscal.tables.effect import Control, left_by
-from axiscal.tables.export_options import ExportOptions, informed
+from axiscal.tables.exporter import ExportOptions, informed
 from axiscal.tables.offer import spread_poses
+from axiscal.tables.surface import Control, left_by
 
 YEAR = 365.25 * 86400.0
 """s."""

@@ -22,12 +22,12 @@ from axiscal.description.ini_machine import IniAxis, IniMachine, machine_of
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ControlError, TableError
 from axiscal.machine.description import Machine
-from axiscal.measurement.readers.text import read_text
+from axiscal.measurement.readers.csv_table import read_text
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc import patching
 from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available, can_load
 from axiscal.ports.linuxcnc.patching import Configuration
-from axiscal.tables.export_options import ExportOptions
+from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
 from axiscal.units import format_quantity, from_unit

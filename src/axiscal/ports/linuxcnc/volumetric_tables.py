@@ -9,19 +9,18 @@ estimate asks for.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from importlib import resources
 
 import numpy as np
 
-from axiscal.errors.model import ErrorModel
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.patching import FILE, HAL_FILE, STATEMENT, hal_text
 from axiscal.tables import vcomp_file
-from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.exporter import Exporter, Written
+from axiscal.tables.exporter import Exporter, ExportOptions, Written
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.offer import Draft, spread_poses
 from axiscal.tables.vcomp_applying import VcompFile, component_control, whole_control
@@ -66,9 +65,7 @@ class LinuxcncVolumetric(Exporter):
         files = {FILE: vcomp_file.text_of(file, STATEMENT), HAL_FILE: hal_text(joints)}
         files |= {name: source.joinpath(name).read_text(encoding="ascii") for name in SOURCES}
         notes, steps = _notes(estimate, file), {axis.name: _AWAY for axis in machine.axes}
-        held = self.held(Written(files, steps, notes), machine, options)
-        said = (self.holds, self.left_out, notes)
-        return Draft(files, held, wanted, steps, (), *said, tried=True, first=_first(file))
+        return replace(self.draft(Written(files, steps, notes), wanted, machine, options), first=_first(file))
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the component makes of its files; raises TableError."""
@@ -91,19 +88,19 @@ def _refuse(options: ExportOptions) -> None:
 def _content(estimate: Estimate, options: ExportOptions, largest: Array) -> VcompFile:
     axes = estimate.machine.axes
     joints = vcomp_file.joints_of(options.joints(estimate.machine), axes)
-    seconds = reversal_times(estimate.model, estimate.mean, estimate)
+    seconds = reversal_times(estimate)
     given = [(joints[axis.name], own) for axis, own in zip(axes, seconds, strict=True)]
     return vcomp_file.content_of(estimate, given, options.unit, largest, options.origin)
 
 
-def reversal_times(model: ErrorModel, mean: Array, estimate: Estimate) -> list[float]:
+def reversal_times(estimate: Estimate) -> list[float]:
     """Return for each axis how long its reversal takes, s: T = sqrt(4 J / (0.2 a)), J the step of a joint at any pose.
 
     a : the acceleration of that joint; a reversal then takes a fifth of it.
     """
-    control = whole_control(model, mean)
+    control = whole_control(estimate.model, estimate.mean)
     poses = spread_poses(estimate)[0][::_EVERY]
-    accelerations = np.array([axis.acceleration for axis in model.machine.axes])
+    accelerations = np.array([axis.acceleration for axis in estimate.machine.axes])
     times = []
     for k in range(len(accelerations)):
         way = np.zeros_like(poses)

@@ -8,8 +8,7 @@ import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine.description import Machine
-from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.exporter import summed
+from axiscal.tables.exporter import ExportOptions, summed
 from axiscal.tables.loaded import Loaded, Lookup, both_ways
 from axiscal.tables.sampling import axis_tables
 from axiscal.tables.surface import height_seen, mesh_of, skew_of

@@ -19,12 +19,11 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import is_mesh
 from axiscal.measurement.readers.bed_map import mesh as saved_mesh
-from axiscal.measurement.readers.text import TextFile
+from axiscal.measurement.readers.csv_table import TextFile
 from axiscal.numerics import Array
 from axiscal.ports.printers.contents import TRIED, content_of, in_words
 from axiscal.tables import vcomp_file
-from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.exporter import Exporter, MapFormat, Written
+from axiscal.tables.exporter import Exporter, ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.offer import Draft, spread_poses
 from axiscal.tables.surface import Mesh, Skew, mesh_control, mesh_of, mesh_of_nodes, plane_axes, sum_of
@@ -70,8 +69,7 @@ class KlipperVolumetric(Exporter):
         text = vcomp_file.text_of(replace(file, axes=axes, bed=bed), TRIED)
         files = {_FILE: text, _EXTRA: resources.files(__package__).joinpath(_SOURCE).read_text(encoding="utf-8")}
         steps = {axis.name: _STEP for axis in machine.axes}
-        held = self.held(Written(files, steps, ()), machine, options)
-        return Draft(files, held, wanted, steps, (), self.holds, self.left_out, _notes(file.limit), self.tried)
+        return self.draft(Written(files, steps, _notes(file.limit)), wanted, machine, options)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the extra makes of its files; raises TableError."""

@@ -12,11 +12,9 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.ports.printers.contents import content_of, in_words, lookups, play_of
-from axiscal.tables.effect import Control
-from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.exporter import MapFormat, Written
+from axiscal.tables.exporter import ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile
-from axiscal.tables.surface import Mesh, Skew, plane_axes
+from axiscal.tables.surface import Control, Mesh, Skew, plane_axes
 from axiscal.units import from_unit, to_unit
 
 _FILE = "axiscal.gcode"

@@ -17,6 +17,7 @@ import re
 import time
 import urllib.parse
 import zlib
+from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from fnmatch import fnmatchcase
 
@@ -64,11 +65,35 @@ def loader_at(where: str, controller: str) -> MoonrakerLoader | DuetLoader:
     return made(host.strip())
 
 
-class _Loader:
-    """Of a printer that takes one file of an export.  controller : what the export is for"""
+class _Loader(Printer):
+    """A printer that takes one file of an export.  controller : what the export is for"""
 
     controller: str
     _file: str
+    _again = later("Mend it, then give the command again")
+
+    @abstractmethod
+    def _stored(self, file: str) -> bytes | None:
+        """Return a file of the printer, None where there is none; raises SourceError."""
+
+    @abstractmethod
+    def _store(self, file: str, data: bytes) -> None:
+        """Write a file into the printer; raises SourceError."""
+
+    def _replaced(self, file: str, new: bytes, beside: str) -> str:
+        """Write a file, keep the one that was there under another name, and say so; raises SourceError.
+
+        beside : that name, with {digest} in it
+        """
+        said, old = "", self._stored(file)
+        if old not in (None, new):
+            kept, data = beside.format(digest=_digest(old or b"")), old or b""
+            self._store(kept, data)
+            if self._stored(kept) != data:
+                raise self._not_ready("the printer {host} did not keep {kept}", "Look at its disk or card", kept=kept)
+            said = f"; the one that was there is {kept}"
+        self._store(file, new)
+        return said
 
     def taken(self, files: Mapping[str, str]) -> str:
         """Return the text that the printer takes; raises TableError where an export does not hold it."""
@@ -82,14 +107,11 @@ class MoonrakerLoader(_Loader, Moonraker):
     """Klipper reads a profile from a file that printer.cfg includes, when it is started again."""
 
     controller, _file = "klipper", "bed_mesh.cfg"
-    _again = later("Mend it, then give the command again")
 
     def load(self, mesh: str, name: str) -> str:
         """Keep the file that is there, write the profile, start Klipper again, load and compare; raises SourceError."""
         self.refuse_busy()
-        sent, old = plain_profile(mesh).encode(), self._kept(_CONFIG)
-        kept = "" if old in (None, sent) else self._beside(old or b"")
-        self._upload(_CONFIG, sent)
+        kept = self._replaced(_CONFIG, plain_profile(mesh).encode(), "axiscal_mesh_{digest}.bak")  # no *.cfg
         if not _reads(self._ask("/server/files/config/printer.cfg").decode(errors="replace")):
             what = "the printer {host} has {config} now, and its printer.cfg does not read it"
             remedy = "Write the line [include {config}] at the top of printer.cfg, then again"
@@ -106,19 +128,11 @@ class MoonrakerLoader(_Loader, Moonraker):
             raise self._not_ready(what, "Look at its console", name=name)
         return f"{_CONFIG} is in the printer, and its profile {name} is in force{kept}. It has to be homed again."
 
-    def _kept(self, file: str) -> bytes | None:
-        """Return a file of the configuration, None where there is none; raises SourceError."""
+    def _stored(self, file: str) -> bytes | None:
         return self._held(f"/server/files/config/{file}")
 
-    def _beside(self, old: bytes) -> str:
-        """Keep what was there under a name that no [include *.cfg] reads, and say so; raises SourceError."""
-        self._upload(file := f"axiscal_mesh_{_digest(old)}.bak", old)
-        if self._kept(file) != old:
-            raise self._not_ready("the printer {host} did not keep {kept}", "Look at its disk", kept=file)
-        return f"; the one that was there is {file}"
-
-    def _upload(self, file: str, text: bytes) -> None:
-        parts = [("root", None, b"config"), ("file", file, text)]
+    def _store(self, file: str, data: bytes) -> None:
+        parts = [("root", None, b"config"), ("file", file, data)]
         lines = list[bytes]()
         for field, named, content in parts:
             more = f'; filename="{named}"' if named else ""
@@ -148,15 +162,12 @@ class DuetLoader(_Loader, Duet):
     """RepRapFirmware reads `0:/sys/heightmap.csv` at G29 S1."""
 
     controller, _file = "reprapfirmware", "heightmap.csv"
-    _again = later("Mend it, then give the command again")
 
     def load(self, mesh: str, name: str) -> str:
         """Keep the map that is there, write the new one, load it and compare; raises SourceError."""
         self.refuse_busy()
-        sent, old = mesh.encode(), self._kept(_MAP)
-        kept = "" if old in (None, sent) else self._beside(old or b"")
-        self._put(_MAP, sent)
-        if self._kept(_MAP) != sent:
+        kept = self._replaced(_MAP, mesh.encode(), "0:/sys/heightmap_before_axiscal_{digest}.csv")
+        if self._stored(_MAP) != mesh.encode():
             remedy = "Look at its card"
             raise self._not_ready("the printer {host} does not hold {kept} as it was sent", remedy, kept=_MAP)
         self.refuse_busy()  # somebody may have started a print since
@@ -177,24 +188,16 @@ class DuetLoader(_Loader, Duet):
             if self._alone:
                 self._sound(code, self._ask("/rr_reply").decode(errors="replace"))
 
-    def _kept(self, file: str) -> bytes | None:
-        """Return a file of the card, None where there is none; raises SourceError."""
+    def _stored(self, file: str) -> bytes | None:
         if self._alone:
             return self._held("/rr_download", {"name": file})
         return self._held(f"/machine/file/{urllib.parse.quote(file, safe='')}")
 
-    def _beside(self, old: bytes) -> str:
-        """Keep the map that was there under another name, and say so; raises SourceError."""
-        self._put(file := f"0:/sys/heightmap_before_axiscal_{_digest(old)}.csv", old)
-        if self._kept(file) != old:
-            raise self._not_ready("the printer {host} did not keep {kept}", "Look at its card", kept=file)
-        return f"; the one that was there is {file}"
-
-    def _put(self, file: str, text: bytes) -> None:
+    def _store(self, file: str, data: bytes) -> None:
         if not self._alone:
-            self._ask(f"/machine/file/{urllib.parse.quote(file, safe='')}", body=text, method="PUT")
+            self._ask(f"/machine/file/{urllib.parse.quote(file, safe='')}", body=data, method="PUT")
             return
-        said = self._ask("/rr_upload", {"name": file, "crc32": _digest(text)}, body=text)
+        said = self._ask("/rr_upload", {"name": file, "crc32": _digest(data)}, body=data)
         if found_at(_document(said), "err") != 0:
             raise self._not_ready("the printer {host} did not take {kept}", "Look at its card", kept=file)
 

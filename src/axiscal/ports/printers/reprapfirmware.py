@@ -11,10 +11,9 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import height_map, is_height_map
-from axiscal.measurement.readers.text import TextFile
+from axiscal.measurement.readers.csv_table import TextFile
 from axiscal.ports.printers.contents import content_of, in_words, lookups, play_of
-from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.exporter import MapFormat, Written
+from axiscal.tables.exporter import ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
 from axiscal.units import from_unit, to_unit

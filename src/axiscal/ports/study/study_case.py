@@ -32,8 +32,7 @@ from axiscal.estimation.timed import elapsed, timed
 from axiscal.exceptions import AxiscalError
 from axiscal.language.stages import listening
 from axiscal.machine.description import Machine, machine_from_text
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import Reading
+from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import Memo

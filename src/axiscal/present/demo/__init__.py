@@ -21,8 +21,7 @@ from axiscal.estimation.case import Case
 from axiscal.evaluation.at_the_machine import Taken
 from axiscal.evaluation.check import Check
 from axiscal.machine import load_machine
-from axiscal.measurement.readers.truth_curves import TruthCurve
-from axiscal.measurement.simulation import Simulator, VirtualMachine
+from axiscal.measurement.simulation import Simulator, TruthCurve, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.present.check_answer import check_answer
 from axiscal.present.delivery import deliver

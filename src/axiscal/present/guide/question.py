@@ -23,8 +23,7 @@ from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, said
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
-from axiscal.measurement.place import Place
-from axiscal.measurement.reading import direction_text, place_text, reading_unit, shown_coordinate, value_names
+from axiscal.measurement.reading import Place, direction_text, place_text, reading_unit, shown_coordinate, value_names
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.measurement.setup import Setup, Vector
 from axiscal.numerics import Array

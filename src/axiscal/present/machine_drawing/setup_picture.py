@@ -10,7 +10,7 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription
 from axiscal.language.spoken import counted, said
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.present.drawing.scene import RIGHT, Part, Stroke, Viewport, drawn

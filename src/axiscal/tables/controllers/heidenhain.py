@@ -17,8 +17,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.exporter import TableFormat, Written
+from axiscal.tables.exporter import ExportOptions, TableFormat, Written
 from axiscal.tables.loaded import Loaded, Lookup, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit

@@ -24,15 +24,13 @@ import numpy as np
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
-from axiscal.machine.names import parse_error_name
+from axiscal.machine.entry import parse_error_name
 from axiscal.numerics import Array
-from axiscal.tables.effect import table_control
-from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.exporter import Exporter, Written, summed
+from axiscal.tables.exporter import Exporter, ExportOptions, Written, summed
 from axiscal.tables.loaded import Loaded, Lookup, OldFile
 from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import axis_tables, points
-from axiscal.tables.surface import sum_of
+from axiscal.tables.surface import sum_of, table_control
 from axiscal.tables.table import CompensationTable
 from axiscal.tables.volumetric import SampledError, anchored, curves, tip_control, together
 from axiscal.units import from_unit, to_unit
@@ -226,9 +224,8 @@ class Isg(Exporter):
         steps = summed([*((axis.name, 1e-8) for axis in machine.axes if not axis.rotary), *apart_by])
         notes = _notes(machine, found, options.flip) + _leadscrew_notes(lists)
         holds = _HOLDS.format(_BOTH * any(curve.over for curve in found.values()) + (_APART if lists else ""))
-        held = self.held(Written(files, steps, notes), machine, options)
         wanted = sum_of(tip_control(estimate.model, found), table_control(machine, halves))
-        return Draft(files, held, wanted, steps, halves, holds, self.left_out, notes, tried=False)
+        return self.draft(Written(files, steps, notes, holds), wanted, machine, options, halves)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what the kernel makes of files of either kind; raises TableError.

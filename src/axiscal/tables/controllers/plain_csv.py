@@ -13,8 +13,7 @@ import numpy as np
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, parse_table
-from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.exporter import TableFormat, Written, summed
+from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
 from axiscal.tables.loaded import Loaded, OldFile, both_ways
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit

@@ -18,7 +18,7 @@ from axiscal.exceptions import InputError, SourceError, TravelError
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import drawn_back
-from axiscal.measurement.place import Place
+from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import all_round, cycle_of, read_as
 from axiscal.numerics import Array

@@ -21,8 +21,7 @@ from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.tables import cross, pivots
 from axiscal.ports.linuxcnc.tables.writer import ROWS, LinuxcncTable, notes, parse, resolution, write
-from axiscal.tables.export_options import ExportOptions
-from axiscal.tables.exporter import TableFormat, Written, summed
+from axiscal.tables.exporter import ExportOptions, TableFormat, Written, summed
 from axiscal.tables.loaded import Loaded, Lookup, OldFile, both_ways
 from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import axis_tables, cross_tables, own_table

@@ -20,7 +20,7 @@ from axiscal.language.spoken import listed, said
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.numerics.rigid import about
-from axiscal.tables.effect import Control
+from axiscal.tables.surface import Control
 from axiscal.units import from_unit, to_unit
 
 _SETP = re.compile(r"setp (xyz[ab]c-trt-kins)\.([xyz]-(?:rot-point|offset)|conventional-directions) (-?[\d.]+)")
