@@ -189,7 +189,7 @@ def usual_machine(machine: Machine, setups: Sequence[Setup]) -> Machine:
     errors = [_as_usual(entry, machine.axis(entry.axis)) for entry in machine.errors]
     stated = {entry.name for entry in errors}
     waves = [wave for entry in errors for wave in _wave(entry) if wave.name not in stated]
-    planes = [_rough_plane(entry) for entry in machine.planes]
+    planes = [replace(entry, rest=_usual_rest(entry), rest_estimated=False) for entry in machine.planes]
     known = {frozenset((entry.component, *entry.axes)) for entry in planes}
     together = [plane for plane in _together(machine, setups) if frozenset((plane.component, *plane.axes)) not in known]
     return replace(machine, errors=(*errors, *waves), planes=(*planes, *together))
@@ -227,17 +227,16 @@ def _together(machine: Machine, setups: Sequence[Setup]) -> Iterator[PlaneEntry]
 def _as_usual(entry: ErrorEntry, axis: Axis) -> ErrorEntry:
     if entry.constant or entry.harmonics or entry.joints:
         return entry
-    white = REST.size * entry.std if entry.rest is None else entry.rest
-    rest = float(np.hypot(white, ROUGH.size * entry.std))
     if entry.length is None:
         knots = entry.knot_count(axis)  # as they are: a length alone would ask for others
         entry = replace(entry, length=_LENGTH * axis.length, knots=knots, spacing=None)
-    return replace(entry, rest=rest, rest_estimated=False)
+    return replace(entry, rest=_usual_rest(entry), rest_estimated=False)
 
 
-def _rough_plane(entry: PlaneEntry) -> PlaneEntry:
+def _usual_rest(entry: ErrorEntry | PlaneEntry) -> float:
+    """Return the white and the rough part of an error together, m or rad."""
     white = REST.size * entry.std if entry.rest is None else entry.rest
-    return replace(entry, rest=float(np.hypot(white, ROUGH.size * entry.std)), rest_estimated=False)
+    return float(np.hypot(white, ROUGH.size * entry.std))
 
 
 class Learnable(NamedTuple):

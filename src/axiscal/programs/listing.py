@@ -42,17 +42,13 @@ def form(readings: Sequence[Listed]) -> str:
     """Return readings.csv, the last columns to be filled in for `axiscal data estimate`; parked axes stay empty."""
     values = columns_of([reading.setup for reading in readings])
     header = ["reading", "setup", *_axis_columns(readings[0].axes), "approach", *values]
-    rows = [[str(r.number), r.setup.name, *_moving(r), _moving_sides(r), *[""] * len(values)] for r in readings]
-    return csv_text([header, *rows])
-
-
-def _moving(reading: Listed) -> list[str]:
-    return [text if k in reading.setup.moves else "" for k, text in enumerate(reading.coordinates)]
-
-
-def _moving_sides(reading: Listed) -> str:
-    moving = {reading.axes[k].name for k in reading.setup.moves}
-    return " ".join(side for side in reading.sides.split() if side[:-1] in moving)
+    rows = [header]
+    for each in readings:
+        moving = {each.axes[k].name for k in each.setup.moves}
+        at = [text if axis.name in moving else "" for axis, text in zip(each.axes, each.coordinates, strict=True)]
+        sides = " ".join(side for side in each.sides.split() if side[:-1] in moving)
+        rows.append([str(each.number), each.setup.name, *at, sides, *[""] * len(values)])
+    return csv_text(rows)
 
 
 def _axis_columns(axes: Sequence[Axis]) -> list[str]:

@@ -24,7 +24,7 @@ from axiscal.programs.dialect import Dialect, filled, head
 from axiscal.programs.gliding import GENTLE, Driver, KeptOut, SlideDriver, TipDriver, refuse_kept_out
 from axiscal.programs.in_touch import InTouch, SphereCycle, Ways
 from axiscal.programs.listing import Listed, listing
-from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget, target
+from axiscal.programs.scale import AxisScale, ReadingTarget, target
 from axiscal.programs.steps import (
     Arrival,
     Clearance,
@@ -252,17 +252,12 @@ class _Writer:
             if isinstance(step, Move | Glide | Dwell | Touched):
                 seconds += step.seconds
             elif isinstance(step, Arrival):
-                yield self._row(step.target, asked[step.target.number], seconds)
-
-    def _row(self, reached: ReadingTarget, asked: Place, seconds: float) -> Listed:
-        at = reached.position if self._setup.contact != "retracted" else self._at_ball(asked)
-        texts = [scale.written(value) for scale, value in zip(self._scales, at, strict=True)]
-        return Listed(reached.number, seconds, self._setup, self._machine.axes, tuple(texts), reached.approach)
-
-    def _at_ball(self, asked: Place) -> Decimals:
-        """Return the pose that is read, with the tool point at the ball, in the numbers of the program."""
-        numbers = (scale.nearest(value) for scale, value in zip(self._scales, asked.pose, strict=True))
-        return tuple(number for number in numbers if number is not None)
+                reached, at = step.target, step.target.position
+                if self._setup.contact == "retracted":  # the pose that is read has the tool point at the ball
+                    pose = zip(self._scales, asked[reached.number].pose, strict=True)
+                    at = tuple(number for scale, value in pose if (number := scale.nearest(value)) is not None)
+                texts = tuple(scale.written(value) for scale, value in zip(self._scales, at, strict=True))
+                yield Listed(reached.number, seconds, self._setup, self._machine.axes, texts, reached.approach)
 
     def _notes(self) -> tuple[str, ...]:
         return (

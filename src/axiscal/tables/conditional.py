@@ -76,7 +76,7 @@ def _seen_of(model: ErrorModel, owner: int, over: int) -> list[int]:
 
     A turn of a rotor about its own line is in its own table.
     """
-    own = [i for i, f in enumerate(model.functions) if f.axis == owner and not _taken_by_rotor(model, i)]
+    own = [i for i, f in enumerate(model.functions) if f.axis == owner and not taken_by_rotor(model, i)]
     return [i for i in own if owner == over or model.functions[i].kind != "reversal"]
 
 
@@ -142,7 +142,8 @@ def _add_together(
     rows[:, :, plane.columns] += plane.sides[own].rows(at)[:, plane.pairs[:, own]] * _between(levers @ beside, share)
 
 
-def _taken_by_rotor(model: ErrorModel, index: int) -> bool:
+def taken_by_rotor(model: ErrorModel, index: int) -> bool:
+    """Return whether an error turns a rotary axis about its own line, which its own table takes away."""
     function = model.functions[index]
     axis = model.machine.axes[function.axis]
     return axis.rotary and function.angular and bool(abs(axis.direction[function.component % 3]) > 0.5)

@@ -199,16 +199,11 @@ def _reach(estimate: Estimate, name: str) -> float:
 
 
 def spread_poses(estimate: Estimate) -> tuple[Array, Array]:
-    """Return the poses (m, q) and approaches at which files are tried."""
-    return tour(_poses(estimate), estimate.box)
-
-
-def _poses(estimate: Estimate) -> Array:
-    """Return poses spread evenly over the volume: multiples of irrational steps, (POSES, q)."""
+    """Return poses (m, q), multiples of irrational steps over the volume, and approaches at which files are tried."""
     low, high = np.array(estimate.box).T
     primes = np.sqrt([2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37])[: len(low)]
     spread: Array = low + (high - low) * np.mod(np.outer(np.arange(1, POSES + 1), primes), 1.0)
-    return spread
+    return tour(spread, estimate.box)
 
 
 def _readme(controller: str, draft: Draft, effect: Effect, certain: float, first: Sequence[str]) -> str:

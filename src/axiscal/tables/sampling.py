@@ -236,7 +236,7 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array)
     known, before = (_Spread.of(free, anchor, root) for root in (estimate.factor, estimate.model.prior_root()))
     values = line.free - line.anchor + _rest_read(estimate, axis, over, hats.points)
     own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
-    rest = _rest(estimate, axis, over)
+    rest = float(sum(estimate.model.functions[index].rest for index in _followed(estimate, axis, over)))
     return CompensationTable(
         own.name,
         own.rotary,
@@ -295,11 +295,6 @@ def _anchor(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array,
         return np.zeros(curves.shape[2:])
     mean: Array = hats.weights @ curves.mean(axis=0) / hats.weights.sum()
     return mean
-
-
-def _rest(estimate: Estimate, axis: int, over: int) -> float:
-    """Return the rest of the errors that the table follows directly, m or rad."""
-    return float(sum(estimate.model.functions[index].rest for index in _followed(estimate, axis, over)))
 
 
 def _rest_read(estimate: Estimate, axis: int, over: int, points: Array) -> Array:

@@ -22,6 +22,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.numerics.rigid import about
+from axiscal.tables.conditional import taken_by_rotor
 from axiscal.tables.surface import Control, Mesh, by_linear_axes, mesh_control
 from axiscal.units import from_unit, to_unit
 
@@ -187,7 +188,8 @@ def whole_control(model: ErrorModel, mean: Array) -> Control:
     def once(poses: Array, approaches: Array) -> Array:
         values = _values(model, mean, poses, approaches)
         levers, turned = model.levers(poses)[: len(model.functions)], np.zeros_like(poses)
-        for k, own in _own(model).items():
+        for k in (k for k, axis in enumerate(axes) if axis.rotary):
+            own = [i for i, f in enumerate(model.functions) if f.axis == k and taken_by_rotor(model, i)]
             turned[:, k] = -axes[k].sign * np.sum(axes[k].direction) * values[own].sum(axis=0)
             levers[own] = 0.0
         return turned + taken(poses, np.einsum("fmc,fm->mc", levers, values) - constant)
@@ -212,16 +214,3 @@ def _values(model: ErrorModel, mean: Array, poses: Array, approaches: Array) -> 
         value = function.rows(poses[:, function.axis]) @ mean[function.columns]
         found.append(value * (0.5 * approaches[:, function.axis]) if function.kind == "reversal" else value)
     return np.array(found).reshape(len(model.functions), len(poses))
-
-
-def _own(model: ErrorModel) -> dict[int, list[int]]:
-    """Return the errors by which each rotary axis turns too far about itself."""
-    return {
-        k: [
-            i
-            for i, f in enumerate(model.functions)
-            if f.axis == k and f.angular and abs(axis.direction[f.component % 3]) > 0.5
-        ]
-        for k, axis in enumerate(model.machine.axes)
-        if axis.rotary
-    }

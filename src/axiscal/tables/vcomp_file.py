@@ -52,7 +52,11 @@ def read(text: str, name: str = "axiscal.vcomp", with_bed: bool = False) -> Vcom
     axes = tuple(_axis(lines) for _ in range(int(count)))
     if sum(not axis.rotary for axis in axes) != 3:
         raise lines.refusal("three axes have to be linear")
-    _refuse_joints(lines, [joint for axis in axes for joint in axis.joints])
+    joints = [joint for axis in axes for joint in axis.joints]
+    if len(set(joints)) < len(joints):
+        raise lines.refusal("a joint number is given twice")
+    if sorted(joints) != list(range(len(joints))) or len(joints) > JOINTS:
+        raise lines.refusal("joint numbers have a gap")
     bed = _bed(lines) if with_bed else None
     before = text.encode().rpartition(b"end ")[0]
     if lines.one("end") != f"{fnv1a(before):08x}":
@@ -176,13 +180,6 @@ def _bed(lines: _Lines) -> Mesh:
     if not (np.all(np.diff(x) > 0) and np.all(np.diff(y) > 0)):
         raise lines.refusal("the places of the bed do not increase")
     return Mesh(*(from_unit(values, "mm") for values in (x, y, np.array([lines.numbers(wide) for _ in range(deep)]))))
-
-
-def _refuse_joints(lines: _Lines, joints: Sequence[int]) -> None:
-    if len(set(joints)) < len(joints):
-        raise lines.refusal("a joint number is given twice")
-    if sorted(joints) != list(range(len(joints))) or len(joints) > JOINTS:
-        raise lines.refusal("joint numbers have a gap")
 
 
 _MARGIN, _LEAST = 1.5, 5e-6

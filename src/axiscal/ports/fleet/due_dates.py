@@ -29,7 +29,7 @@ from axiscal.exceptions import AxiscalError, InputError, RecordError, TableError
 from axiscal.language.spoken import listed, put
 from axiscal.language.stages import staged
 from axiscal.numerics.threads import one_thread
-from axiscal.ports.fleet.sister_records import MachineRecord, equation_of, other_machine, read_records, why_not
+from axiscal.ports.fleet.sister_records import ACTIVE, MachineRecord, equation_of, other_machine, read_records, why_not
 from axiscal.ports.fleet.worn_machine import YEAR, Aging, Pair, Wearing, WornMachine, aging, found_by
 
 _HORIZON = 20.0
@@ -85,13 +85,13 @@ def due_dates(files: Iterable[Path], today: date, target: float | None = None, t
     """
     found, left = read_records(files)
     records = [record for record in found if not record.description.compensation_active]
-    left += [_with_tables(record) for record in found if record.description.compensation_active]
+    left += [record.as_sister(ACTIVE) for record in found if record.description.compensation_active]
     known = dict[str, Estimation]()
     for record in staged("records", records, len(records)):
         try:
             known[record.digest] = concluded(case_of(record.description), record.readings)
         except AxiscalError as fault:
-            left.append(_left(record, fault))
+            left.append(record.as_sister(why_not(fault)))
     if not known:
         whys = listed("; ", [put("{file}: {why}", file=each.file, why=each.left_out) for each in left])
         what = "No record can be read: {whys}" if left else "No record can be read"
@@ -104,21 +104,11 @@ def due_dates(files: Iterable[Path], today: date, target: float | None = None, t
             machines.append(_due(last, known[last.digest], learnt, today, target, tables))
         except (TargetError, TableError) as fault:
             faults.append(fault)
-            why = put("{what}; {remedy}", what=fault.what, remedy=fault.remedy)
-            left.append(replace(_left(last, fault), left_out=why))
+            left.append(last.as_sister(put("{what}; {remedy}", what=fault.what, remedy=fault.remedy)))
     if not machines:
         raise faults[0]
     order = sorted(machines, key=lambda machine: (machine.due or date.max, machine.name))
     return Shop(tuple(order), learnt, tuple(left))
-
-
-def _with_tables(record: MachineRecord) -> SisterRecord:
-    why = "a compensation was active: it shows what that left, not the machine"
-    return SisterRecord(record.file.name, record.digest, len(record.readings), why)
-
-
-def _left(record: MachineRecord, fault: AxiscalError) -> SisterRecord:
-    return SisterRecord(record.file.name, record.digest, len(record.readings), why_not(fault))
 
 
 def _histories(records: Sequence[MachineRecord]) -> list[list[MachineRecord]]:
@@ -151,7 +141,7 @@ def _pairs(history: Sequence[MachineRecord], known: dict[str, Estimation], left:
         try:
             equation = equation_of(after, first.case.errors)
         except AxiscalError as fault:
-            left.append(_left(after, fault))
+            left.append(after.as_sister(why_not(fault)))
             continue
         yield Pair(years, found_by(first), equation, Wearing.of(first))
 

@@ -17,16 +17,14 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.type_prior import TypePrior
-from axiscal.exceptions import RecordError, TargetError
+from axiscal.exceptions import RecordError
 from axiscal.language.stages import staged
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import placed
-from axiscal.planning.plan.task import Limits
-from axiscal.planning.proposal import proposed
 from axiscal.ports.fleet.hierarchy import prior_units
-from axiscal.ports.fleet.type_learning import FEW
+from axiscal.ports.fleet.type_learning import FEW, planned
 
 _RIGHT = 1.25
 """A size within a quarter is as stated."""
@@ -185,14 +183,6 @@ class VirtualType:
         return simulator.with_coefficients(errors, self._seed * 1000 + number), errors
 
 
-def planned_places(described: CampaignDescription) -> tuple[Place, ...]:
-    """Return where a campaign reads by its stated prior; raises TargetError where nothing ends it, PlanError."""
-    case, target = Case(replace(described, prior_text="", sisters=None)), described.target
-    if target.empty:
-        raise TargetError("nothing would ever end this plan", 'Give the campaign a target, such as rms = "4 um"')
-    return placed(case, proposed(case, Limits.of(target)).plan)
-
-
 def measured(
     virtual: VirtualMachine, described: CampaignDescription, places: Sequence[Place], seed: int
 ) -> list[Reading]:
@@ -217,7 +207,8 @@ def rehearsed(
     files = [folder / f"sister-{number:02}.axiscal" for number in range(1, count + 1)]
     if there := [file for file in files if file.exists()]:
         raise RecordError("This record exists already", "Name another folder, or remove it", there[0])
-    virtual, places = VirtualType(described, imagined, seed), planned_places(described)
+    virtual, case = VirtualType(described, imagined, seed), Case(replace(described, prior_text="", sisters=None))
+    places = placed(case, planned(case))
     for number, file in enumerate(staged("sisters", files, count), start=1):
         machine, _ = virtual.machine(number)
         with Campaign.create(file, described) as campaign:

@@ -33,6 +33,8 @@ from axiscal.units import format_quantity
 
 RENEWED = re.compile(r"\(renewed: ([\w, ]+)\)$")
 """How a note ends that says which axes were renewed, as `axiscal step note --renewed` writes it."""
+ACTIVE = "a compensation was active: it shows what that left, not the machine"
+"""Why a record does not count that was measured so."""
 _TRAVEL = 0.01
 """Share by which travels may differ in one type: what is rounded in a description, and no other size."""
 
@@ -59,6 +61,10 @@ class MachineRecord:
         """The serial number of the machine, "" where nobody said."""
         return self.description.particulars.serial
 
+    def as_sister(self, left_out: str) -> SisterRecord:
+        """Return what became of it.  left_out : why it does not count, "" where it does"""
+        return SisterRecord(self.file.name, self.digest, len(self.readings), left_out)
+
 
 def read_records(files: Iterable[Path]) -> tuple[list[MachineRecord], list[SisterRecord]]:
     """Return the records that can be read and have readings, and of the others why they are left out.
@@ -82,12 +88,11 @@ def read_records(files: Iterable[Path]) -> tuple[list[MachineRecord], list[Siste
             )
             continue
         if record.digest in found:
-            why = said("it is the same as {other}", other=found[record.digest].file.name)
-            left.append(SisterRecord(file.name, record.digest, len(record.readings), why))
+            left.append(record.as_sister(said("it is the same as {other}", other=found[record.digest].file.name)))
         else:
             found[record.digest] = record
     whys = _of_one_campaign([found[digest] for digest in sorted(found)])
-    left += [SisterRecord(found[of].file.name, of, len(found[of].readings), why) for of, why in whys.items()]
+    left += [found[digest].as_sister(why) for digest, why in whys.items()]
     return [found[digest] for digest in sorted(found) if digest not in whys], left
 
 
@@ -197,7 +202,7 @@ def equations_of(
                 equations[record.digest] = equation_of(record, errors).of(units)
             except AxiscalError as fault:
                 why = why_not(fault)
-        seen.append(SisterRecord(record.file.name, record.digest, len(record.readings), why))
+        seen.append(record.as_sister(why))
     return seen, equations
 
 
@@ -207,9 +212,7 @@ def why_not(fault: AxiscalError) -> str:
 
 
 def _unlike(record: MachineRecord, reference: Machine) -> str:
-    if record.description.compensation_active:
-        return "a compensation was active: it shows what that left, not the machine"
-    return other_machine(record.description.machine, reference)
+    return ACTIVE if record.description.compensation_active else other_machine(record.description.machine, reference)
 
 
 def equation_of(record: MachineRecord, errors: ErrorModel) -> DataEquation:

@@ -11,6 +11,7 @@ import numpy as np
 from axiscal.description.campaign import CampaignDescription, read_campaign
 from axiscal.document import shown
 from axiscal.errors.model import ErrorModel
+from axiscal.estimation.case import Case
 from axiscal.estimation.data_equation import DataEquation
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.type_prior import Learned, SisterRecord, TypePrior
@@ -190,10 +191,11 @@ def saving(described: CampaignDescription, text: str) -> Saving:
     Raises TargetError where nothing would end the plans, PlanError.
     """
     plain = replace(described, prior_text="", sisters=None)
-    if plain.target.empty:
+    return Saving(*(planned(case_of(each)) for each in (plain, replace(plain, prior_text=text))))
+
+
+def planned(case: Case) -> Plan:
+    """Return the plan to the target of a campaign; raises TargetError where nothing would end it, PlanError."""
+    if case.description.target.empty:
         raise TargetError("nothing would ever end this plan", 'Give the campaign a target, such as rms = "4 um"')
-    return Saving(_planned(plain), _planned(replace(plain, prior_text=text)))
-
-
-def _planned(described: CampaignDescription) -> Plan:
-    return proposed(case_of(described), Limits.of(described.target)).plan
+    return proposed(case, Limits.of(case.description.target)).plan

@@ -77,8 +77,9 @@ class Heidenhain(TableFormat):
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
         """Return the tables that the template has a column for, all of one file on the same points."""
-        layout, whole = _template(options), super().tables(estimate, options)
-        return tuple(_on_common_points([table for table in whole if table.axis in layout.heads]))
+        layout, common = _template(options), dict[str, Array]()
+        whole = [table for table in super().tables(estimate, options) if table.axis in layout.heads]
+        return tuple(_sampled(t, common.setdefault(t.over, t.positions)) for t in whole)  # an old column has others
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return one file for each axis, in the form of the template."""
@@ -144,12 +145,6 @@ def _read(file: OldFile, machine: Machine, sign: float) -> list[Lookup]:
         if axis.name == over.name:
             lookups.append(Lookup(axis.name, over.name, at, -sign * _inside(columns["BACKLASH"], axis), -1))
     return lookups
-
-
-def _on_common_points(tables: Sequence[CompensationTable]) -> list[CompensationTable]:
-    """Return tables on the points of the first over the same axis; an old column alone has others."""
-    common = dict[str, Array]()
-    return [_sampled(table, common.setdefault(table.over, table.positions)) for table in tables]
 
 
 def _sampled(table: CompensationTable, at: Array) -> CompensationTable:

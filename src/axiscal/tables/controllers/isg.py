@@ -217,7 +217,8 @@ class Isg(Exporter):
         """Return the files; raises TableError."""
         machine, found = estimate.machine, self._errors(estimate, options)
         halves = options.old.within().under_tables(apart(estimate, options), machine, _RECORDS, even=True)
-        lists = leadscrew_files(machine, halves, options)
+        numbers = options.numbered(machine)
+        lists = {f"ssfk_{t.axis}.lis": write_list(t, numbers[t.axis], machine.axis(t.axis).cyclic) for t in halves}
         listed = list_file(machine, options, _FILE)
         files = {_FILE: write_csv(found, machine), "volcomp.lis": listed, **lists}
         apart_by = [(t.axis, 0.5 * list_unit(machine.axis(t.axis).unit) + 1e-12) for t in halves]
@@ -265,14 +266,6 @@ def apart(estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable
     halves = (replace(t, forward=(t.forward - t.reverse) / 2, reverse=(t.reverse - t.forward) / 2) for t in tables)
     units = {axis.name: list_unit(axis.unit) for axis in estimate.machine.axes}
     return tuple(half for half in halves if np.max(np.abs(half.forward)) >= units[half.axis] / 2)
-
-
-def leadscrew_files(machine: Machine, halves: Sequence[CompensationTable], options: ExportOptions) -> dict[str, str]:
-    """Return the bilateral tables by the names of their files."""
-    numbers = options.numbered(machine)
-    return {
-        f"ssfk_{half.axis}.lis": write_list(half, numbers[half.axis], machine.axis(half.axis).cyclic) for half in halves
-    }
 
 
 def nominal(machine: Machine) -> dict[str, SampledError]:

@@ -34,7 +34,8 @@ class PlainCsv(TableFormat):
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return one file for each table."""
-        files = {f"{_stem(table)}.csv": text_of(table) for table in tables}
+        named = ((t.axis if t.over == t.axis else f"{t.axis}_over_{t.over}", t) for t in tables)
+        files = {f"{name}.csv": text_of(table) for name, table in named}
         steps = summed((table.axis, float(from_unit(2 * _STEP, table.fine_unit))) for table in tables)
         turning = [axis.name for axis in machine.axes if axis.cyclic]
         notes = dict.fromkeys(note for table in tables for note in _notes(table))
@@ -84,7 +85,3 @@ def _notes(table: CompensationTable) -> tuple[str, ...]:
         f"The column std_{table.fine_unit} is the standard deviation of the value as it stands, counted from where the "
         "table is zero. The shape of the curve is known better, as said below.",
     )
-
-
-def _stem(table: CompensationTable) -> str:
-    return table.axis if table.over == table.axis else f"{table.axis}_over_{table.over}"

@@ -66,7 +66,8 @@ def _understood(
 ) -> Lookup | None:
     """Return a table, None for one that is not in use: without a step, or for axes that the machine has not."""
     enc = place[0] == "ENC_COMP"
-    over, moved = (axes.get(name) for name in ((place[2],) * 2 if enc else _ends(values)))
+    ends = (place[2], place[2]) if enc else (values.get("INPUT_AXIS", ""), values.get("OUTPUT_AXIS", ""))
+    over, moved = (axes.get(name) for name in ends)
     low, high, step = (_number(values.get(key, "0")) for key in ("MIN", "MAX", "STEP"))
     if over is None or moved is None or step <= 0:
         return None
@@ -93,11 +94,6 @@ def _number(text: str) -> float:
     if not _NUMBER.fullmatch(text):
         raise TableError("{text!r} is no number", "write digits with a decimal point", text=text[:40])
     return float(text)
-
-
-def _ends(values: Mapping[str, str]) -> tuple[str, str]:
-    """Return the axis that is looked up and the one that is moved."""
-    return values.get("INPUT_AXIS", ""), values.get("OUTPUT_AXIS", "")
 
 
 TABLES = 128
