@@ -19,7 +19,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.record.accepted import Accepted
-from axiscal.record.copies import heritage_text, write_copy
+from axiscal.record.copies import carried_text, write_copy
 from axiscal.record.store import Record
 from tests.generators.sisters import read_on, slide, write_record
 from tests.generators.texts import setup_text
@@ -194,7 +194,7 @@ def heir(tmp_path: Path) -> Path:
     for old, new in said.items():
         text = text.replace(old, new)
     described = campaign_from_texts(
-        text, "campaign.toml", slide().machine.text, "machine.toml", prior_text=heritage_text(last)
+        text, "campaign.toml", slide().machine.text, "machine.toml", prior_text=carried_text(last)
     )
     return write_record(tmp_path / "main.axiscal", described, read_on(1, again=1)[:6])
 
@@ -246,7 +246,7 @@ def test_what_was_mounted_anew_goes_on_is_never_asked_for_and_comes_back_as_what
             campaign.record(1e-6, at=last.place)
         campaign.undo()
         assert campaign.estimate().accuracy.rms > 0
-    heritage = last_campaign(heritage_text(main))
+    heritage = last_campaign(carried_text(main))
     assert [setup.name for setup in heritage[0].setups] == ["laser", "dial", anew]
     assert len(heritage[1]) == 8
     copied = tmp_path / "third.axiscal"

@@ -17,7 +17,7 @@ from axiscal.estimation.type_prior import type_prior
 from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.ports.fleet.type_learning import learnt_type
-from axiscal.record.copies import heritage_text
+from axiscal.record.copies import carried_text
 from axiscal.record.events import Created
 from axiscal.record.payload import decode, encode
 from axiscal.record.store import Record
@@ -91,7 +91,7 @@ def test_a_record_of_before_keeps_its_knots_and_its_figures(tmp_path: Path) -> N
 
 def test_as_a_prior_it_is_estimated_with_its_own_knots(tmp_path: Path) -> None:
     old = written(tmp_path / "old.axiscal", described(), before=True)
-    description, readings = last_campaign(heritage_text(old))
+    description, readings = last_campaign(carried_text(old))
     assert not description.machine.fine_knots
     with Campaign.open(old, write=False) as campaign:
         assert readings == campaign.state.readings
@@ -105,7 +105,7 @@ def test_what_lies_between_its_knots_is_not_known_from_it(tmp_path: Path) -> Non
     old = written(tmp_path / "old.axiscal", described(), before=True)
     new = described()
     errors, knots = ErrorModel(new.machine), np.linspace(0.0, 0.6, 17)
-    found = inherited(heritage_text(old), errors)
+    found = inherited(carried_text(old), errors)
     held = CubicSpline(knots[::2], np.eye(9), bc_type="natural")(knots)
     beyond = np.linalg.qr(held, mode="complete")[0][:, 9:]
     stated = beyond.T @ errors.prior_covariance() @ beyond

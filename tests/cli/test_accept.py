@@ -24,7 +24,7 @@ from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.present.summarising import Extras, summarise
 from axiscal.record.accepted import Accepted
-from axiscal.record.copies import heritage_text
+from axiscal.record.copies import carried_text
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
 MACHINE = machine_text(
@@ -250,6 +250,6 @@ def test_status_report_and_an_heir_know_what_was_accepted(tmp_path: Path, capsys
     assert f"Accepted: {said}" in capsys.readouterr().out
     with Campaign.open(path) as campaign:
         found = summarise(campaign, campaign.estimate(ended=True), Extras())
-        description, readings = last_campaign(heritage_text(path))
+        description, readings = last_campaign(carried_text(path))
         assert (readings, description.setups[-1].name) == (campaign.state.readings, "X again, before reading 19")
     assert [each.text for each in found.warnings if each.code == "accepted"] == [f"A person accepted: {said}."]

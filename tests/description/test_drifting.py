@@ -12,7 +12,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.exceptions import DescriptionError
 from axiscal.measurement.setup import Setup
 from axiscal.present.statement import drift_words
-from axiscal.record.copies import heritage_text
+from axiscal.record.copies import carried_text
 from axiscal.record.events import Created, Recorded
 from axiscal.record.payload import decode
 from axiscal.record.store import Record
@@ -74,7 +74,7 @@ def test_a_record_of_before_keeps_a_zero_that_stands_still(tmp_path: Path) -> No
         assert campaign.description.setups[0].drift == 0.0
         assert not campaign.estimate().knowledge.observation.courses
     new = tmp_path / "new.axiscal"
-    description = campaign_from_texts(text, "c", MACHINE, "m", prior_text=heritage_text(old))
+    description = campaign_from_texts(text, "c", MACHINE, "m", prior_text=carried_text(old))
     Campaign.create(new, description).close()
     with Campaign.open(new) as campaign:
         assert campaign.description.setups[0].drift * HOUR == pytest.approx(5e-6)

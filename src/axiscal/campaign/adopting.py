@@ -84,7 +84,9 @@ def adopted(
         anew = _mounted_anew(campaign, sorted(both), theirs[shared].chain, branch.path)
         new = tuple(_called(new, {each.setup: each.name for each in anew}))
     elif both and not same_mounting:
-        _refuse_shared(both, branch.path)
+        what = "Both have read the same set-up, {names}, and mounted anew it has other unknowns"
+        remedy = "Say whether it stayed mounted for both, --same-mounting, or not, --mounted-anew"
+        raise RecordError(what, remedy, branch.path, names=", ".join(sorted(both)))
     if new:
         brought = [each for each in now.mounted if each.name in names and names[each.name] == each.name]
         unknown = [each for each in brought if each not in campaign.state.mounted]
@@ -145,10 +147,3 @@ def _not_among(readings: Iterable[Reading], here: Iterable[Reading]) -> tuple[Re
         else:
             found.append(reading)
     return tuple(found)
-
-
-def _refuse_shared(both: Iterable[str], path: Path) -> None:
-    names = ", ".join(sorted(both))
-    what = "Both have read the same set-up, {names}, and mounted anew it has other unknowns"
-    remedy = "Say whether it stayed mounted for both, --same-mounting, or not, --mounted-anew"
-    raise RecordError(what, remedy, path, names=names)

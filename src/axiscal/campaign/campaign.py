@@ -153,9 +153,10 @@ class Campaign(Closing):
         stands = bool(self.state.plan) and not self.state.renew and self._plan_basis() == self.state.plan_basis
         if not stands:
             known, left = self.estimate(), self.state.plan
-            places = self._planner(
-                known.case, known.to_plan_by, known.readings, known.outliers, self._not_to_read(), left
-            )
+            gone = [self.description.setup(each.name) for each in self.state.mounted]
+            parked = [Place(setup.name, setup.park, (0,) * len(setup.park)) for setup in gone]
+            closed = (*self.state.skipped, *(Gap(Asked(0, place), "it has gone", True) for place in parked))
+            places = self._planner(known.case, known.to_plan_by, known.readings, known.outliers, closed, left)
             if places or left:
                 self._append(Planned(places, self._plan_basis()))
         return self.state.plan
@@ -165,12 +166,6 @@ class Campaign(Closing):
             return self.state.continued or ""  # without readings no size was learnt, nothing rejected
         known = self.estimate()
         return plan_basis(known.case, known.readings, known.outliers)
-
-    def _not_to_read(self) -> tuple[Gap, ...]:
-        """Return where nothing is to be asked for: what was skipped, and set-ups that have gone."""
-        gone = [self.description.setup(each.name) for each in self.state.mounted]
-        places = [Place(setup.name, setup.park, (0,) * len(setup.park)) for setup in gone]
-        return (*self.state.skipped, *(Gap(Asked(0, place), "it has gone", True) for place in places))
 
     def go_on(self) -> None:
         """Keep in the record that no limit is reached, where that is so: the next command then estimates nothing."""
@@ -322,9 +317,9 @@ class Campaign(Closing):
         path = [self._milestone()]
         watch(path[0])
         in_a_row = 0
-        with noted_interrupts() as interrupts:
+        with noted_interrupts() as heeding:
             while not isinstance(asked := self._next_of_run(path), Ended):
-                with interrupts.waiting():
+                with heeding():
                     answer = source.read(self.request(asked))
                 if isinstance(answer, Skip):
                     self.skip(answer.reason)
@@ -336,7 +331,8 @@ class Campaign(Closing):
                     path.append(self._milestone())
                     watch(path[-1])
                     refuse_implausible(self.estimate())
-                interrupts.heed()
+                with heeding():
+                    pass  # before the next plan is made
             return self.finish(asked.because)
 
     def _next_of_run(self, path: Sequence[Milestone]) -> Asked | Ended:

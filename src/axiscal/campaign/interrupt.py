@@ -4,53 +4,33 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
-from types import FrameType
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 
 
-class Interrupts:
-    """SIGINT noted; `heed` raises KeyboardInterrupt if there was one."""
+@contextmanager
+def noted_interrupts() -> Iterator[Callable[[], AbstractContextManager[None]]]:
+    """Note SIGINT instead of raising, and yield a context in which it interrupts at once, also if it was noted before.
 
-    def __init__(self) -> None:
-        self._noted = False
-
-    def note(self, number: int, frame: FrameType | None) -> None:
-        """Remember the signal."""
-        self._noted = True
-
-    def heed(self) -> None:
-        """Raise KeyboardInterrupt if a signal came."""
-        if self._noted:
-            raise KeyboardInterrupt
+    A second thread, which gets no signals, is left alone.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield nullcontext
+        return
+    noted = list[int]()
 
     @contextmanager
-    def waiting(self) -> Iterator[None]:
-        """While this lasts, a signal interrupts at once."""
-        self.heed()
-        if not _in_main_thread():
-            yield
-            return
+    def heeding() -> Iterator[None]:
+        if noted:
+            raise KeyboardInterrupt
         noting = signal.signal(signal.SIGINT, signal.default_int_handler)
         try:
             yield
         finally:
             signal.signal(signal.SIGINT, noting)
 
-
-@contextmanager
-def noted_interrupts() -> Iterator[Interrupts]:
-    """Note SIGINT instead of raising; a second thread, which gets no signals, is left alone."""
-    interrupts = Interrupts()
-    if not _in_main_thread():
-        yield interrupts
-        return
-    before = signal.signal(signal.SIGINT, interrupts.note)
+    before = signal.signal(signal.SIGINT, lambda number, frame: noted.append(number))
     try:
-        yield interrupts
+        yield heeding
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-def _in_main_thread() -> bool:
-    return threading.current_thread() is threading.main_thread()

@@ -7,7 +7,7 @@ place no chain shows may be those of another file, so they are named and left ou
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -82,7 +82,10 @@ def standing(path: Path) -> Standing:
         raise RecordError("No entry of a record stands whole here", remedy, path)
     placed = {EMPTY, *(line.chain for line in found.values())}
     own = [mark for mark in marks if mark.last not in found or mark.chain == found[mark.last].chain]
-    newest = _newest(own, placed)
+    ordered = sorted(own)
+    if len(ordered) == len(MARKS) and ordered[1].turn != ordered[0].turn + 1:
+        ordered = [mark for mark in ordered if mark.chain in placed] or ordered
+    newest = ordered[-1] if ordered else Mark()
     last = max((n for n, line in found.items() if line.row.closes or n <= newest.last), default=0)
     kept = {number: line for number, line in found.items() if number <= last}
     others = [[line for line in run.values() if line.chain not in placed] for run in runs]
@@ -154,14 +157,6 @@ def _is_line(stretch: bytes) -> bool:
     except UnicodeDecodeError:
         return False
     return text.removesuffix("\n").isprintable() and _WIPED not in text
-
-
-def _newest(marks: Sequence[Mark], chains: Container[str]) -> Mark:
-    """Return the newest mark; of two that do not follow each other one is foreign, and one that names a line is not."""
-    ordered = sorted(marks)
-    if len(ordered) == len(MARKS) and ordered[1].turn != ordered[0].turn + 1:
-        ordered = [mark for mark in ordered if mark.chain in chains] or ordered
-    return ordered[-1] if ordered else Mark()
 
 
 def _missing(kept: dict[int, WholeLine], newest: Mark, size: int) -> list[Missing]:

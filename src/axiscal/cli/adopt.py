@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from axiscal.campaign.adopting import Adopted, adopted
+from axiscal.campaign.adopting import adopted
 from axiscal.cli.arguments import Json, RecordFile
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say_either
@@ -47,10 +47,6 @@ def adopt(
         readings = len(campaign.state.readings)
     document = {"record": str(record), "branch": str(branch), "taken": found.taken, "readings": readings}
     taken_back = {"taken_back_there": list(found.undone), "taken_back_here": found.back}
-    say_either(json, "axiscal-adopt/1", document | taken_back, _lines(record, branch, found, readings))
-
-
-def _lines(record: Path, branch: Path, found: Adopted, readings: int) -> list[str]:
     lines = [
         said(
             "{record}: {count} of {branch} taken over; it has {readings} now.",
@@ -82,4 +78,4 @@ def _lines(record: Path, branch: Path, found: Adopted, readings: int) -> list[st
                 numbers=numbers,
             )
         )
-    return lines
+    say_either(json, "axiscal-adopt/1", document | taken_back, lines)

@@ -66,7 +66,14 @@ def check(
         return
     described = asked.case.description
     judged = asked.judged(placed_readings(read_any(found), described, found), tables_active or tables is not None)
-    say_either(json, "axiscal-check/1", _document(judged, share), [_said(judged, share)])
+    document = {
+        "in_order": judged.in_order,
+        "chance": judged.chance,
+        "chi_square": judged.chi_square,
+        "numbers": judged.count,
+        "kept": share,
+    }
+    say_either(json, "axiscal-check/1", document, [_said(judged, share)])
 
 
 def _usual(begun: datetime) -> float:
@@ -93,13 +100,3 @@ def _said(judged: Checked, kept: float) -> str:
         f"Measure again: a machine that changed as is usual would read so in less than {CHANCE:.0%} of all cases "
         f"({figures})."
     )
-
-
-def _document(judged: Checked, kept: float) -> dict[str, object]:
-    return {
-        "in_order": judged.in_order,
-        "chance": judged.chance,
-        "chi_square": judged.chi_square,
-        "numbers": judged.count,
-        "kept": kept,
-    }

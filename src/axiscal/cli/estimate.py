@@ -15,7 +15,6 @@ from axiscal.cli.outputs import write_outputs
 from axiscal.cli.placed_log import placed_log
 from axiscal.cli.printing import say_either
 from axiscal.cli.progress import tell_unasked
-from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.estimation.prediction import predict_poses
 from axiscal.estimation.wrong_unit import refuse_implausible
@@ -92,7 +91,10 @@ def estimate(
         raw = read_any(readings)
         placed = placed_readings(raw, description, readings)
         refuse_implausible(placed, description, readings)
-        extras = _standard_test(readings, description) if any("" in each.position for each in raw) else extras
+        if any("" in each.position for each in raw):  # a finished test after ISO 230-2
+            (axis,) = description.setups[0].moves
+            tested = iso230_block(description.machine.axes[axis].name, evaluate(read_iso230(readings)))
+            extras = Extras(iso230=[tested])
     if log is not None:
         placed = (*placed, *placed_log(log, programs, description))
     mend(out)
@@ -106,10 +108,3 @@ def estimate(
         again = "give the command again"
         write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)
     tell_unasked(description)
-
-
-def _standard_test(readings: Path, description: CampaignDescription) -> Extras:
-    """Return the ISO 230-2 figures of a finished test, for the report."""
-
-    (axis,) = description.setups[0].moves
-    return Extras(iso230=[iso230_block(description.machine.axes[axis].name, evaluate(read_iso230(readings)))])

@@ -45,7 +45,28 @@ def due(
     """
     wanted = None if target is None else above_zero(target, "length")
     found = due_dates(records_of(folder), _day(today), wanted, tables)
-    say_either(json, "axiscal-due/1", _document_of_due(found), _lines_of_due(found, tables))
+    (once, once_std), (year, year_std) = found.aging.at_once, found.aging.yearly
+    document = {
+        "machines": [
+            {
+                "machine": each.name,
+                "record": each.record.name,
+                "last": each.last.isoformat(),
+                "minutes": each.minutes,
+                "target_um": to_unit(each.target, "um"),
+                "rms_then_um": to_unit(each.then, "um"),
+                "rms_um": to_unit(each.now, "um"),
+                "due": None if each.due is None else each.due.isoformat(),
+                "renewed": list(each.renewed),
+            }
+            for each in found.machines
+        ],
+        "kept_at_once": {"mean": once, "std": once_std},
+        "kept_in_a_year": {"mean": year, "std": year_std},
+        "pairs": found.aging.pairs,
+        "left_out": [{"file": each.file, "why": each.left_out} for each in found.left_out],
+    }
+    say_either(json, "axiscal-due/1", document, _lines_of_due(found, tables))
 
 
 def _day(text: str | None) -> date:
@@ -94,30 +115,6 @@ def _at_once(machine: DueMachine) -> str:
     return said(words, rms=micrometres(machine.then))
 
 
-def _document_of_due(found: Shop) -> dict[str, object]:
-    (once, once_std), (year, year_std) = found.aging.at_once, found.aging.yearly
-    return {
-        "machines": [
-            {
-                "machine": each.name,
-                "record": each.record.name,
-                "last": each.last.isoformat(),
-                "minutes": each.minutes,
-                "target_um": to_unit(each.target, "um"),
-                "rms_then_um": to_unit(each.then, "um"),
-                "rms_um": to_unit(each.now, "um"),
-                "due": None if each.due is None else each.due.isoformat(),
-                "renewed": list(each.renewed),
-            }
-            for each in found.machines
-        ],
-        "kept_at_once": {"mean": once, "std": once_std},
-        "kept_in_a_year": {"mean": year, "std": year_std},
-        "pairs": found.aging.pairs,
-        "left_out": [{"file": each.file, "why": each.left_out} for each in found.left_out],
-    }
-
-
 _SHOWN = 12
 """Hex digits of a digest that are shown: enough to tell any two records."""
 _HEADS = (
@@ -148,7 +145,30 @@ def fleet(folder: Records, json: Json = False) -> None:
     found = shop_list(folder)
     if found.why_apart:
         tell(said("Nothing is kept for the next time: {why}.", why=found.why_apart))
-    say_either(json, "axiscal-fleet/1", _document(found), _lines(found))
+    document = {
+        "records": [
+            {
+                "record": each.file.name,
+                "machine": each.known.machine,
+                "serial": each.known.serial,
+                "begun": each.known.begun,
+                "last_reading": each.known.last or None,
+                "readings": each.known.readings,
+                "events": each.events,
+                "target": each.known.target,
+                "ended": each.known.ended or None,
+                "rms_um": None if each.known.rms is None else to_unit(each.known.rms, "um"),
+                "U_um": None if each.known.expanded is None else to_unit(each.known.expanded, "um"),
+                "agreement": each.known.agreement or None,
+                "digest": each.chain,
+                "remarks": [said for said in (each.known.trouble, each.remark) if said],
+            }
+            for each in found.listed
+        ],
+        "left_out": [{"file": file.name, "why": why} for file, why in found.left_out],
+        "events": dict(found.kinds),
+    }
+    say_either(json, "axiscal-fleet/1", document, _lines(found))
 
 
 def _lines(found: ShopList) -> list[str]:
@@ -172,32 +192,6 @@ def _row(each: ShopRecord) -> tuple[str, ...]:
     day, target = (known.last or known.begun)[:10], known.target or "-"
     found = name, day, str(known.readings), target, *lengths, known.agreement or "-"
     return *found, each.chain[:_SHOWN], each.file.name
-
-
-def _document(found: ShopList) -> dict[str, object]:
-    return {
-        "records": [
-            {
-                "record": each.file.name,
-                "machine": each.known.machine,
-                "serial": each.known.serial,
-                "begun": each.known.begun,
-                "last_reading": each.known.last or None,
-                "readings": each.known.readings,
-                "events": each.events,
-                "target": each.known.target,
-                "ended": each.known.ended or None,
-                "rms_um": None if each.known.rms is None else to_unit(each.known.rms, "um"),
-                "U_um": None if each.known.expanded is None else to_unit(each.known.expanded, "um"),
-                "agreement": each.known.agreement or None,
-                "digest": each.chain,
-                "remarks": [said for said in (each.known.trouble, each.remark) if said],
-            }
-            for each in found.listed
-        ],
-        "left_out": [{"file": file.name, "why": why} for file, why in found.left_out],
-        "events": dict(found.kinds),
-    }
 
 
 def bring(

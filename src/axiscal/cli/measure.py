@@ -159,7 +159,7 @@ class Prompt:
         setup = question.setup
         if self._costs(rest=True):
             choice = said("Type yes to leave it, Enter to go on:")
-            if ask(f"  {choice} ").strip().lower() not in ("yes", "y", said("yes")):
+            if not _is_yes(choice):
                 return _Then.SAME
         self.campaign.skip(reason or said("the set-up was left"), rest=True)
         say("  " + said('left "{setup}": the plan is made anew without it; undo goes back to it', setup=setup))
@@ -180,9 +180,7 @@ class Prompt:
         rows = answer_text(standing_answer(self.campaign), "", "").rows
         say("\n".join(columns(rows)) if rows else "")
         choice = said("Type yes to end it here and write the results, Enter to go on:")
-        if ask(f"  {choice} ").strip().lower() not in ("yes", "y", said("yes")):
-            return _Then.SAME
-        return _Then.FINISH
+        return _Then.FINISH if _is_yes(choice) else _Then.SAME
 
     def _ended(self, ended: Ended) -> _Then:
         """Say that nothing more is to be measured, and ask whether to write the results, go on or back."""
@@ -215,6 +213,10 @@ class Prompt:
             case "pause":
                 return _Then.PAUSE
         return _Then.SAME
+
+
+def _is_yes(choice: str) -> bool:
+    return ask(f"  {choice} ").strip().lower() in ("yes", "y", said("yes"))
 
 
 def help_text() -> str:

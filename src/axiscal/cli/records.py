@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from axiscal.campaign.possible import beginning_of, described
-from axiscal.campaign.salvaging import Salvaged, salvaged
+from axiscal.campaign.salvaging import salvaged
 from axiscal.cli.arguments import Json, OwnRecord, RecordFile
 from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say_either
@@ -90,7 +90,13 @@ def salvage(
     found = salvaged(record, new, None if beginning is None else _first(beginning))
     document = {"record": str(new), "readings": len(found.state.readings), "events": found.entries}
     lists = {"missing": list(found.missing), "left_out": list(found.left)}
-    say_either(json, "axiscal-salvage/1", document | lists, _lines(record, new, found))
+    readings, events = count_text(len(found.state.readings), "reading"), count_text(found.entries, "event")
+    lines = [f"{new} holds {readings}, from {events} of {record} that stand whole."]
+    lines += [f"Missing: {words}" for words in found.missing] or ["Nothing is missing."]
+    lines += [f"Left out: {words}" for words in found.left]
+    if found.missing:
+        lines.append("Mind: a missing entry may have taken a reading back; look at those before it.")
+    say_either(json, "axiscal-salvage/1", document | lists, lines)
 
 
 def _first(file: Path) -> EventText:
@@ -99,16 +105,6 @@ def _first(file: Path) -> EventText:
         with Record.open(file, write=False) as record:
             return record.texts()[0].row
     return rows_of([beginning_of(campaign_with_sisters(file))])[0]
-
-
-def _lines(record: Path, new: Path, found: Salvaged) -> list[str]:
-    readings, events = count_text(len(found.state.readings), "reading"), count_text(found.entries, "event")
-    lines = [f"{new} holds {readings}, from {events} of {record} that stand whole."]
-    lines += [f"Missing: {words}" for words in found.missing] or ["Nothing is missing."]
-    lines += [f"Left out: {words}" for words in found.left]
-    if found.missing:
-        lines.append("Mind: a missing entry may have taken a reading back; look at those before it.")
-    return lines
 
 
 def sign(record: OwnRecord, json: Json = False) -> None:

@@ -18,7 +18,7 @@ from axiscal.document.durable import write_whole
 from axiscal.exceptions import AxiscalError, InputError, StudyError
 from axiscal.language.spoken import counted, put, said
 from axiscal.language.stages import counting
-from axiscal.ports.study.comparing import MeasuringWay, verdicts, ways_of
+from axiscal.ports.study.comparing import verdicts, ways_of
 from axiscal.ports.study.results import Processes, Ran, Results, rows_of, run_missing, write_table
 from axiscal.ports.study.study_case import FIGURES, Done, Engine, WorkItem, answered, here, outcome, processors_here
 from axiscal.ports.study.study_file import Study, read_study
@@ -105,7 +105,24 @@ def _write(described: Study, results: Results, folder: Path, ran: Ran, json: boo
         "there_before": ran.there,
         "failed": ran.failed,
         "said": spoken,
-        "ways": [_way_document(way) for way in ways],
+        "ways": [
+            {
+                "choices": dict(way.choices),
+                "failed": way.failed,
+                "figures": {
+                    FIGURES[name].column: {
+                        "mean": mean.value,
+                        "two_standard_errors": mean.error if math.isfinite(mean.error) else None,
+                        "machines": mean.machines,
+                        "median": spread.middle,
+                        "quartiles": [spread.low, spread.high],
+                    }
+                    for name in way.figures
+                    if (mean := way.mean(name)) is not None and (spread := way.spread(name)) is not None
+                },
+            }
+            for way in ways
+        ],
         "written": [str(page), str(table), str(results.path)],
     }
     computed = count_text(ran.computed, "case")
@@ -114,24 +131,6 @@ def _write(described: Study, results: Results, folder: Path, ran: Ran, json: boo
     done = said(words, cases=computed, there=ran.there, page=page, table=table)
     lines = [*(sentence.replace("µ", "u") for sentence in spoken), done]  # as terminals have it; the page keeps µ
     say_either(json, "axiscal-study/1", document, lines)
-
-
-def _way_document(way: MeasuringWay) -> dict[str, object]:
-    return {
-        "choices": dict(way.choices),
-        "failed": way.failed,
-        "figures": {
-            FIGURES[name].column: {
-                "mean": mean.value,
-                "two_standard_errors": mean.error if math.isfinite(mean.error) else None,
-                "machines": mean.machines,
-                "median": spread.middle,
-                "quartiles": [spread.low, spread.high],
-            }
-            for name in way.figures
-            if (mean := way.mean(name)) is not None and (spread := way.spread(name)) is not None
-        },
-    }
 
 
 def _foretell(described: Study, workers: int, json: bool) -> None:

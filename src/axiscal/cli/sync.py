@@ -78,7 +78,19 @@ def sync(
         record=path,
     )
     lines = [_words(path, found), *([back] if found.set_back else [])]
-    say_either(json, "axiscal-sync/1", _document(path, found) | {"head": head}, lines)
+    document = {
+        "record": str(path),
+        "case": found.case,
+        "campaign": found.campaign.id,
+        "name": found.campaign.name,
+        "branch_of": found.campaign.branch_of,
+        "branch_at": found.campaign.branch_at,
+        "sent": found.sent,
+        "taken": found.taken,
+        "set_back": found.set_back,
+        "head": head,
+    }
+    say_either(json, "axiscal-sync/1", document, lines)
 
 
 def _set_aside(database: Database, text: str, as_json: bool) -> None:
@@ -116,17 +128,3 @@ def _words(path: Path, found: Synced) -> str:
         "fork again": later("{record}: the store has the same, as {branch}."),
     }.get(found.case, taking if found.taken else sending)
     return said(words, record=path, name=found.campaign.name, sent=sent, taken=taken, branch=branch)
-
-
-def _document(path: Path, found: Synced) -> dict[str, object]:
-    return {
-        "record": str(path),
-        "case": found.case,
-        "campaign": found.campaign.id,
-        "name": found.campaign.name,
-        "branch_of": found.campaign.branch_of,
-        "branch_at": found.campaign.branch_at,
-        "sent": found.sent,
-        "taken": found.taken,
-        "set_back": found.set_back,
-    }

@@ -79,21 +79,15 @@ Noun = Literal["reading", "event", "record", "machine", "case", "pair", "way"]
 
 def count_text(count: int, noun: Noun) -> str:
     """Return "1 reading", "3 readings"."""
-    match noun:
-        case "reading":
-            return counted("{count} reading", "{count} readings", count)
-        case "event":
-            return counted("{count} event", "{count} events", count)
-        case "record":
-            return counted("{count} record", "{count} records", count)
-        case "machine":
-            return counted("{count} machine", "{count} machines", count)
-        case "case":
-            return counted("{count} case", "{count} cases", count)
-        case "pair":
-            return counted("{count} pair", "{count} pairs", count)
-        case "way":
-            return counted("{count} way", "{count} ways", count)
+    return {
+        "reading": counted("{count} reading", "{count} readings", count),
+        "event": counted("{count} event", "{count} events", count),
+        "record": counted("{count} record", "{count} records", count),
+        "machine": counted("{count} machine", "{count} machines", count),
+        "case": counted("{count} case", "{count} cases", count),
+        "pair": counted("{count} pair", "{count} pairs", count),
+        "way": counted("{count} way", "{count} ways", count),
+    }[noun]
 
 
 def signed_text(campaign: Campaign) -> str:

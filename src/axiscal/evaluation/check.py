@@ -89,7 +89,13 @@ class Check:
         of others nobody knows how they lie.
         """
         setups, lattice = self.description.setups, self.estimation.case.lattice
-        candidates, used = with_displacements(setups, lattice, by), self._used_places()
+        names = [setup.name for setup in setups]
+        indices = np.array([names.index(reading.setup) for reading in self.used], dtype=np.intp)
+        shape = (-1, len(self.description.machine.axes))
+        poses, sides = (
+            np.array([getattr(r, of) for r in self.used], dtype=float).reshape(shape) for of in ("pose", "approach")
+        )
+        candidates, used = with_displacements(setups, lattice, by), Places(indices, poses, sides)
         if len(judges := np.intersect1d(used.setups, candidates.setups)):
             candidates = candidates.within(np.isin(candidates.setups, judges))
         first = needed(self.estimate, setups, candidates, self.parts, used)
@@ -146,15 +152,6 @@ class Check:
         places = lattice.within(np.arange(0, len(lattice), max(1, len(lattice) // _PROBES)))
         parts, setups = parts_of(self.estimate, self.tables), self.description.setups
         return tuple(sorted(parts, key=lambda part: -float(np.std(taken_away(machine, part, setups, places)))))
-
-    def _used_places(self) -> Places:
-        names = [setup.name for setup in self.description.setups]
-        indices = np.array([names.index(reading.setup) for reading in self.used], dtype=np.intp)
-        shape = (-1, len(self.description.machine.axes))
-        poses, sides = (
-            np.array([getattr(r, of) for r in self.used], dtype=float).reshape(shape) for of in ("pose", "approach")
-        )
-        return Places(indices, poses, sides)
 
     def predicted(self, places: Places) -> tuple[list[Array], list[Array]]:
         """Return the values (k,) that each place is expected to show without the tables and with them, m."""

@@ -115,7 +115,10 @@ def datums_of(
         mine, setup = np.flatnonzero(indices == index), setups[index]
         own = _own_rows(machine, setup, poses[mine], directions[mine])
         off = _are_datums(setup, own, np.array([unknown.std for unknown in setup.unknowns]), tolerance)
-        _refuse_few(setup, len(mine), int(off.sum()))
+        if len(mine) <= (taken_off := int(off.sum())):
+            what = '{readings} reading(s) with "{setup}" cannot tell the machine from the set-up'
+            remedy = "Take {least} or more with it, or leave it out"
+            raise ReadingError(what, remedy, readings=len(mine), setup=setup.name, least=taken_off + 1)
         for unknown, column, datum in zip(setup.unknowns, own.T, off.tolist(), strict=True):
             key = unknown.owner or setup.name, unknown.name
             _, whole, before = found.get(key, (unknown, np.zeros(len(indices)), False))
@@ -164,13 +167,6 @@ def _are_datums(setup: Setup, own: Array, stds: Array, tolerance: float) -> NDAr
     return np.array(
         [is_zero(n) or (bool(w) and (_is_line(n) or n in TOOL or n in balls)) for n, w in pairs], dtype=bool
     )
-
-
-def _refuse_few(setup: Setup, readings: int, datums: int) -> None:
-    if readings <= datums:
-        what = '{readings} reading(s) with "{setup}" cannot tell the machine from the set-up'
-        remedy = "Take {least} or more with it, or leave it out"
-        raise ReadingError(what, remedy, readings=readings, setup=setup.name, least=datums + 1)
 
 
 _ROUNDS = 12

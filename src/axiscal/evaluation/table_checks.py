@@ -96,7 +96,9 @@ def parts_of(estimate: Estimate, offered: Export) -> tuple[Part, ...]:
     """Return the parts of an export that move anything: its tables, and what else its files hold as one."""
     parts = [part for table in offered.tables for part in _of_table(estimate, table)]
     rest = added_by(offered.control, table_control(estimate.machine, offered.tables))
-    poses, ways = _probes(estimate)
+    low, high = np.array(estimate.box).T
+    poses: Array = low + (high - low) * np.random.default_rng(0).uniform(size=(64, len(low)))
+    ways = np.where(np.arange(64)[:, None] % 2 == 0, 1.0, -1.0) * np.ones_like(poses)
     most = float(np.max(np.abs(rest(poses, ways))))
     whole = Part("the files as a whole" if not parts else "the other files", rest, None, (), False, most)
     return (*parts, *([whole] if most > _NOTHING else []))
@@ -202,12 +204,6 @@ def _targets(estimate: Estimate, over: int, table: CompensationTable) -> tuple[f
     values = table.deviation(at, 1)
     apart = np.abs(values - (values[0] + values[-1]) / 2)
     return (low, high, float(at[int(np.argmax(apart))]), float(at[int(np.argmax(np.abs(values)))]))
-
-
-def _probes(estimate: Estimate) -> tuple[Array, Array]:
-    low, high = np.array(estimate.box).T
-    poses: Array = low + (high - low) * np.random.default_rng(0).uniform(size=(64, len(low)))
-    return poses, np.where(np.arange(64)[:, None] % 2 == 0, 1.0, -1.0) * np.ones_like(poses)
 
 
 def _places(estimate: Estimate, setup: Setup, index: int, part: Part, used: Places) -> Places:

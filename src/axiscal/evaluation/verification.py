@@ -231,7 +231,10 @@ def judge(
     """
     _refuse_different(found, left)
     names = [setup.name for setup in setups]
-    _refuse_others([setups[names.index(reading.setup)] for reading in left])
+    for other in (setups[names.index(reading.setup)] for reading in left):
+        if other.instrument not in _CHECKING:
+            what = '"{setup}" reads no displacement along a direction ({instrument})'
+            raise ReadingError(what, _REMEDY, setup=other.name, instrument=other.instrument, known=", ".join(_CHECKING))
     indices = np.array([names.index(reading.setup) for reading in left])
     places = Places(
         indices,
@@ -243,14 +246,14 @@ def judge(
     raw = [_seen(estimate, setups, places, readings) for readings in (found, left)]
     before, after = (_upright(estimate, setups, places, datums, seen) for seen in raw)
     mean, factor = expected(estimate, setups, places, control)
-    change = _Change.of(datums, before, after, expected(estimate, setups, places, None)[0] - mean)
+    likely, share = _changed(datums, before, after, expected(estimate, setups, places, None)[0] - mean)
     free, spread = datums.free, datums.spread + np.diag(after.noise**2)
     std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(raw[1].values, after.noise, tolerance)
     decided = proved = verdict(free @ after.values, std, tolerance)
     still, each = _still(left), _shares(estimate, setups, places, datums, (before, after), parts)
-    if any(share.checked and not share.works for share in each):
+    if any(one.checked and not one.works for one in each):
         decided = "fail"
-    if decided == "pass" and (change.likely < HARDLY or strained or still):
+    if decided == "pass" and (likely < HARDLY or strained or still):
         decided = "undecided"
     return Judgement(
         decided,
@@ -259,8 +262,8 @@ def judge(
         free @ after.values,
         std,
         _likelihood(free @ (after.values - mean), free @ (factor @ factor.T + spread) @ free.T),
-        change.likely,
-        change.share,
+        likely,
+        share,
         datums.lines,
         strained,
         still,
@@ -304,21 +307,17 @@ class _Seen(NamedTuple):
     noise: Array
 
 
-class _Change(NamedTuple):
-    """How as-found minus as-left compares with what the tables take away; likely and share as in `Judgement`."""
+def _changed(datums: Datums, before: _Seen, after: _Seen, taken: Array) -> tuple[float, float | None]:
+    """Return how as-found minus as-left compares with what the tables take away: changed and share of `Judgement`.
 
-    likely: float
-    share: float | None
-
-    @classmethod
-    def of(cls, datums: Datums, before: _Seen, after: _Seen, taken: Array) -> _Change:
-        """Return the comparison; a set-up may have been mounted anew between the two.  taken : (m,) m."""
-        free = datums.free
-        change, should = free @ (before.values - after.values), free @ taken
-        covariance = free @ (2 * datums.spread + np.diag(before.noise**2 + after.noise**2)) @ free.T
-        weight = float(should @ should)
-        share = float(change @ should) / weight if weight > _NOTHING**2 else None
-        return cls(_likelihood(change - should, covariance), share)
+    A set-up may have been mounted anew between the two.  taken : (m,) m
+    """
+    free = datums.free
+    change, should = free @ (before.values - after.values), free @ taken
+    covariance = free @ (2 * datums.spread + np.diag(before.noise**2 + after.noise**2)) @ free.T
+    weight = float(should @ should)
+    share = float(change @ should) / weight if weight > _NOTHING**2 else None
+    return _likelihood(change - should, covariance), share
 
 
 def _seen(estimate: Estimate, setups: Sequence[Setup], places: Places, readings: Sequence[Reading]) -> _Seen:
@@ -352,13 +351,6 @@ def _likelihood(values: Array, covariance: Array) -> float:
     kept = scale > 1e-9 * scale[-1]
     parts = vectors[:, kept].T @ values
     return chi_square_tail(int(kept.sum()), float(np.sum(parts**2 / scale[kept])))
-
-
-def _refuse_others(used: Sequence[Setup]) -> None:
-    for setup in used:
-        if setup.instrument not in _CHECKING:
-            what = '"{setup}" reads no displacement along a direction ({instrument})'
-            raise ReadingError(what, _REMEDY, setup=setup.name, instrument=setup.instrument, known=", ".join(_CHECKING))
 
 
 def _refuse_different(found: Sequence[Reading], left: Sequence[Reading]) -> None:

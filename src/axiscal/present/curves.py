@@ -58,7 +58,10 @@ def _curve(
     positions = np.linspace(*axis.travel, _POSITIONS)
     rows = function.basis.rows(positions)
     unit, position_unit = value_unit(function), axis.unit
-    now, seen = estimate.curve(function.name, positions), _seen_std(known, function, rows)
+    told = np.sum((rows @ known.printed.belief.factor[function.columns]) ** 2, axis=1)
+    hidden = np.sum((rows @ known.case.yardstick.unseen[function.columns]) ** 2, axis=1)
+    seen: Array = np.sqrt(np.maximum(told - hidden, 0.0) + function.rest**2)  # without what no allowed reading sees
+    now = estimate.curve(function.name, positions)
     prior = replace(estimate, belief=known.case.prior).curve(function.name, positions).std
     shown = to_unit(positions, position_unit).tolist()
     return CurveSummary(
@@ -76,14 +79,6 @@ def _curve(
         from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(prior**2), 0.0, 1.0)),
         points=[part.point(known, function) for part in parts if part.bears_on(function)],
     )
-
-
-def _seen_std(known: Estimation, function: ErrorFunction, rows: Array) -> Array:
-    """Return the standard deviation without what no allowed reading sees."""
-    told = np.sum((rows @ known.printed.belief.factor[function.columns]) ** 2, axis=1)
-    hidden = np.sum((rows @ known.case.yardstick.unseen[function.columns]) ** 2, axis=1)
-    std: Array = np.sqrt(np.maximum(told - hidden, 0.0) + function.rest**2)
-    return std
 
 
 def _truth(truth: VirtualMachine, function: ErrorFunction, positions: Array) -> Array:

@@ -149,7 +149,9 @@ def _circle(
     poses, sides = poses[order], sides[order]
 
     def shape(values: Array) -> list[float]:
-        shaped: list[float] = np.asarray(to_unit(_without_centre(turns, values), "um")).tolist()
+        columns = np.stack([np.ones_like(turns), np.cos(turns), np.sin(turns)], axis=1)  # length and centre, ISO 230-4
+        left: Array = values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0]
+        shaped: list[float] = np.asarray(to_unit(left, "um")).tolist()
         return shaped
 
     left = None
@@ -167,13 +169,6 @@ def _circle(
             controller,
         )
     ]
-
-
-def _without_centre(turns: Array, values: Array) -> Array:
-    """Return values round a circle without the centre and the length that fit them best (ISO 230-4)."""
-    columns = np.stack([np.ones_like(turns), np.cos(turns), np.sin(turns)], axis=1)
-    left: Array = values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0]
-    return left
 
 
 def circle_picture(circle: BallBarCircle, width: float) -> str:

@@ -66,7 +66,9 @@ def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", le
     beside = width >= _BESIDE
     across = width / len(panels) if beside else width
     high = round(across * (0.72 if len(panels) > 1 or not beside else 0.5))
-    around = _around(volume, room, times)
+    moved = [volume.tcp + times * (each + one) for each in _of_all(volume) for one in (*volume.allowed, 0.0)]
+    arrows = points_of(list(_triad(volume, room)))
+    around = np.vstack([*(_in_room(room, each).reshape(-1, 3) for each in moved), arrows])  # of both: one scale
     heads = [
         [*wrapped(title, across - 2 * _SIDE, "title"), *([words] if words else [])] for title, words, _, _ in panels
     ]
@@ -81,7 +83,11 @@ def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", le
         )
     scale = Fit.of(around, Viewport(0, 0, across - 2 * _SIDE, high)).scale
     top = (high + head) * (1 if beside else len(panels))
-    lines = wrapped(_legend(volume, times), width - 2 * _SIDE)
+    parts = [said("errors × {times}", times=f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}")]
+    if volume.aligned:
+        parts.append(said("part aligned"))
+    parts += [said("dashed: without errors"), said("thin: {count} machines that the readings allow", count=MACHINES)]
+    lines = wrapped(" · ".join(parts), width - 2 * _SIDE)
     bar, length = _scale_bar(scale * times, top + 8)
     body += bar + "".join(text(_SIDE + (length if n == 0 else 0), top + 17 + _LINE * n, each, "soft")
                           for n, each in enumerate(_beside_bar(lines, width, length)))  # fmt: skip
@@ -115,13 +121,6 @@ def _ghost(room: StandingMachine) -> list[Part]:
 
 def _in_room(room: StandingMachine, grid: Array) -> Array:
     return room.on_table(grid.reshape(-1, 3), turned=False).reshape(grid.shape)
-
-
-def _around(volume: BentVolume, room: StandingMachine, times: float) -> Array:
-    """Return all that any of the panels shows, (n, 3) m: both have one scale by it."""
-    moved = [volume.tcp + times * (each + one) for each in _of_all(volume) for one in (*volume.allowed, 0.0)]
-    arrows = points_of(list(_triad(volume, room)))
-    return np.vstack([*(_in_room(room, each).reshape(-1, 3) for each in moved), arrows])
 
 
 def _bent(volume: BentVolume, room: StandingMachine, values: Array, times: float, colour: str) -> Iterator[Part]:
@@ -169,14 +168,6 @@ def _triad(volume: BentVolume, room: StandingMachine) -> Iterator[Arrow]:
     away = size * np.array([-0.24, -0.06, 0.0])
     for name, end in zip("xyz", ends[1:], strict=True):
         yield Arrow(np.array([ends[0], end]) + away, name)
-
-
-def _legend(volume: BentVolume, times: float) -> str:
-    parts = [said("errors × {times}", times=f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}")]
-    if volume.aligned:
-        parts.append(said("part aligned"))
-    parts += [said("dashed: without errors"), said("thin: {count} machines that the readings allow", count=MACHINES)]
-    return " · ".join(parts)
 
 
 def _beside_bar(lines: Sequence[str], width: float, length: float) -> list[str]:

@@ -160,7 +160,11 @@ def volume_error(estimation: Estimation, controller: str = "", control: Control 
     parked = listed(", ", [put("{axis} {at}", axis=name, at=at[name]) for name in sorted(at)])
     places = [(x, y, z) for x, y, z in to_unit(frames(estimate.machine, poses).tcp, "mm").tolist()]
     names = [axes[k].name for k in moving]
-    return VolumeError(names, parked, places, _rows(found), _rows(_half(estimate, poses)), left, controller)
+    rows = (estimate.model.rows(poses, np.ones_like(poses)) + estimate.model.rows(poses, -np.ones_like(poses))) / 2
+    spread = (rows - rows.mean(axis=0)) @ estimate.factor
+    rests = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, estimate.model.rests**2)
+    half: Array = BAND * np.sqrt(np.sum(spread**2, axis=2) + rests)
+    return VolumeError(names, parked, places, _rows(found), _rows(half), left, controller)
 
 
 def moving_axes(estimate: Estimate) -> list[int]:
@@ -205,15 +209,6 @@ def _shifted(mean: Array) -> Array:
     """Return deviations less one shift of all places, (m, 3)."""
     shifted: Array = mean - mean.mean(axis=0)
     return shifted
-
-
-def _half(estimate: Estimate, poses: Array) -> Array:
-    """Return ± of the deviation along x, y and z, 95 %, one shift of all places taken off, (m, 3) m."""
-    rows = (estimate.model.rows(poses, np.ones_like(poses)) + estimate.model.rows(poses, -np.ones_like(poses))) / 2
-    spread = (rows - rows.mean(axis=0)) @ estimate.factor
-    rests = np.einsum("fmc,f->mc", estimate.model.levers(poses) ** 2, estimate.model.rests**2)
-    half: Array = BAND * np.sqrt(np.sum(spread**2, axis=2) + rests)
-    return half
 
 
 def _rows(metres: Array) -> list[Triple]:

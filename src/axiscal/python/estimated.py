@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document.ports import ours
 from axiscal.errors.model import ErrorFunction
@@ -47,14 +46,10 @@ def estimate(campaign: Case | str | Path, readings: Sequence[Reading] | str | Pa
     Raises InputError with file, line, value and remedy.
     """
     description = campaign.description if isinstance(campaign, Case) else ours(_CAMPAIGN)(campaign, target_needed=False)
-    at_hand = _read(readings, description) if isinstance(readings, str | Path) else tuple(readings)
-    return Estimated(concluded(case_of(description), at_hand))
-
-
-def _read(file: str | Path, description: CampaignDescription) -> tuple[Reading, ...]:
-    placed = placed_readings(read_any(Path(file)), description, file)
-    refuse_implausible(placed, description, file)
-    return placed
+    if isinstance(readings, str | Path):
+        file, readings = readings, placed_readings(read_any(Path(readings)), description, readings)
+        refuse_implausible(readings, description, file)
+    return Estimated(concluded(case_of(description), tuple(readings)))
 
 
 class Estimated(Mapping[str, Curve]):
@@ -127,7 +122,7 @@ class Estimated(Mapping[str, Curve]):
         """Return a picture of every curve with its 95 % band."""
         from axiscal.python.pictures import curves_picture
 
-        return curves_picture([self[name].line() for name in self if self._function(name).basis.size > 1])
+        return curves_picture([self[name] for name in self if self._function(name).basis.size > 1])
 
     def _function(self, name: str) -> ErrorFunction:
         return self.estimation.case.errors.names[name]

@@ -138,11 +138,6 @@ def carried_text(path: Path) -> str:
         ) from None
     except OSError:
         pass  # the record says what is wrong with it
-    return heritage_text(path)
-
-
-def heritage_text(path: Path) -> str:
-    """Return a campaign record as text that another record can carry; raises RecordError."""
     with Record.open(path, write=False) as record:
         state = record.state()
     created = state.created

@@ -94,12 +94,16 @@ class Record(EventLog):
             _refuse_other_form(path)
             handle = os.open(path, (os.O_RDWR if write else os.O_RDONLY) | getattr(os, "O_BINARY", 0))
             record = cls(path, handle, write=write)
+            collecting = gc.isenabled()
+            gc.disable()  # events are no garbage, and there may be a hundred thousand
             try:
-                with _uncollected():
-                    record._catch_up()
+                record._catch_up()
             except BaseException:
                 record.close()
                 raise
+            finally:
+                if collecting:
+                    gc.enable()
             return record
 
     @property
@@ -112,7 +116,7 @@ class Record(EventLog):
         handle = self._handle
         if handle == _CLOSED or not self._write:
             raise RecordError("The record was opened to be read", "Open it to write", self.path)
-        with record_errors(self.path), _held(handle, self.path):
+        with record_errors(self.path), alone(handle, PATIENCE):
             self._refuse_moved(handle)
             self._catch_up()
             refuse_overtaken(self._mark.last, after, self.path)
@@ -161,23 +165,20 @@ class Record(EventLog):
         torn = None in marks.values()
         if whole[newest].turn < self._mark.turn and not torn:
             raise DamageError("an older copy has been written over it")
-        self._take_to(self._handle, whole[newest])
+        mark = whole[newest]
+        if mark.turn == self._mark.turn and mark != self._mark:
+            raise DamageError("another record has been written over it")
+        if mark.turn > self._mark.turn:
+            content = read_at(self._handle, self._mark.end, mark.end - self._mark.end)
+            rows = list(rows_after(self._mark, content))
+            if not rows or rows[-1][1] != mark:
+                ends = self._mark.last + len(rows)
+                if ends == mark.last:
+                    raise DamageError(f"the mark of its end is not that of event {ends}")
+                raise DamageError(f"it ends at event {ends} and should end at event {mark.last}")
+            self._take(rows)
         if torn:
             self._take(whole_after(self._mark, read_at(self._handle, self._mark.end, MOST_TORN)))
-
-    def _take_to(self, handle: int, mark: Mark) -> None:
-        if mark.turn <= self._mark.turn:
-            if mark.turn == self._mark.turn and mark != self._mark:
-                raise DamageError("another record has been written over it")
-            return
-        content = read_at(handle, self._mark.end, mark.end - self._mark.end)
-        rows = list(rows_after(self._mark, content))
-        if not rows or rows[-1][1] != mark:
-            ends = self._mark.last + len(rows)
-            if ends == mark.last:
-                raise DamageError(f"the mark of its end is not that of event {ends}")
-            raise DamageError(f"it ends at event {ends} and should end at event {mark.last}")
-        self._take(rows)
 
     def _take(self, rows: Iterable[tuple[EventText, Mark]]) -> None:
         for row, mark in rows:
@@ -253,34 +254,15 @@ def _start_of(path: Path) -> bytes:
 
 
 @contextlib.contextmanager
-def _uncollected() -> Iterator[None]:
-    """Do without looking for garbage: events are not, and there may be a hundred thousand."""
-    collecting = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collecting:
-            gc.enable()
-
-
-@contextlib.contextmanager
-def _held(handle: int, path: Path) -> Iterator[None]:
-    try:
-        with alone(handle, PATIENCE):
-            yield
-    except HeldError:
-        remedy = "Close it or wait, then give the command again"
-        raise RecordError("Another program holds this record and is writing", remedy, path) from None
-
-
-@contextlib.contextmanager
 def record_errors(path: Path) -> Iterator[None]:
     """Turn what the file system or a foreign writer did into a RecordError."""
     try:
         yield
     except DamageError as error:
         raise RecordError("The record is damaged: {reason}", restoring(path), path, reason=error) from error
+    except HeldError:
+        remedy = "Close it or wait, then give the command again"
+        raise RecordError("Another program holds this record and is writing", remedy, path) from None
     except OSError as error:
         if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT):
             what = "The record cannot be written here"

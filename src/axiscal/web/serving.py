@@ -6,7 +6,7 @@ import asyncio
 import logging
 import socket
 from collections.abc import AsyncIterator, Callable
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from contextlib import asynccontextmanager
 from pathlib import Path
 from types import FrameType
 from typing import Annotated
@@ -41,13 +41,20 @@ _FILES = ("page.css", "elements.js", "page.js", "pictures.js", "words.js", "icon
 def application(counter: Counter, admitted: Admission) -> Guard:
     """Return the whole page behind its guard."""
     api = _Api(counter)
+
+    @asynccontextmanager
+    async def watching(app: FastAPI) -> AsyncIterator[None]:
+        watch = asyncio.create_task(counter.watch())
+        yield
+        watch.cancel()
+
     app = page_application(
         "page.html",
         _FILES,
         title="axiscal, the readings of one campaign",
         version="1",
         openapi_url=f"{ROOT}/openapi.json",
-        lifespan=_watching(counter),
+        lifespan=watching,
     )
     app.get("/report.html", include_in_schema=False)(api.report)
     app.get("/setup.svg", include_in_schema=False)(api.setup_picture)
@@ -122,16 +129,6 @@ class _Api:
     async def _done(self, step: Callable[[Desk], str]) -> Response:
         said = await self._counter.do(step)
         return document(DoneShape(sentence=said, state=await self._counter.newer(0, 0.0)))
-
-
-def _watching(counter: Counter) -> Callable[[FastAPI], AbstractAsyncContextManager[None]]:
-    @asynccontextmanager
-    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        watch = asyncio.create_task(counter.watch())
-        yield
-        watch.cancel()
-
-    return lifespan
 
 
 _LOOPBACK = "127.0.0.1"

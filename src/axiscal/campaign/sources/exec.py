@@ -169,15 +169,12 @@ class ExecSource:
             remedy = "Answer the readings in their order"
             raise self._failure(what, remedy, answer=_quoted(line), number=request.reading)
         if "skip" in answer:
-            return self._skip(answer, line)
+            reason = answer["skip"]
+            if not isinstance(reason, str) or not reason.strip() or "value" in answer:
+                what = "the command `{command}` answered {answer}, which is no reason to skip"
+                raise self._failure(what, _REMEDY, answer=_quoted(line))
+            return Skip(reason.strip())
         return self._answer(answer, line, request)
-
-    def _skip(self, answer: dict[str, Any], line: str) -> Skip:
-        reason = answer["skip"]
-        if not isinstance(reason, str) or not reason.strip() or "value" in answer:
-            what = "the command `{command}` answered {answer}, which is no reason to skip"
-            raise self._failure(what, _REMEDY, answer=_quoted(line))
-        return Skip(reason.strip())
 
     def _answer(self, answer: dict[str, Any], line: str, request: Request) -> Answer:
         unit = self._unit(answer.get("unit"), line, request)
@@ -188,18 +185,15 @@ class ExecSource:
         if std <= 0:
             what = "the command `{command}` answered {answer}, whose std is not positive"
             raise self._failure(what, "Give a std above 0, or none", answer=_quoted(line))
-        self._refuse_implausible(std, line, request.setup)
-        return Answer(value, std, tuple(others), live=True)
-
-    def _refuse_implausible(self, std: float, line: str, setup: Setup) -> None:
-        if not max(FINEST, setup.noise / WIDEST) <= std <= setup.noise * WIDEST:
-            noise = format_quantity(setup.noise, reading_unit(setup))
+        if not max(FINEST, request.setup.noise / WIDEST) <= std <= request.setup.noise * WIDEST:
+            noise = format_quantity(request.setup.noise, reading_unit(request.setup))
             what = "the command `{command}` answered {answer}, whose std is not plausible"
             remedy = (
                 "Give one of at least 0.1 nm or 0.1 nrad, within a factor of a million of the set-up's noise, {noise}, "
                 "or none"
             )
             raise self._failure(what, remedy, answer=_quoted(line), noise=noise)
+        return Answer(value, std, tuple(others), live=True)
 
     def _numbers(self, value: object, unit: str, line: str, setup: Setup) -> list[float]:
         """Return the numbers of a reading: one, or a list of those along x, y and z, or from each station."""

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Protocol
 from axiscal.exceptions import SourceError
 from axiscal.machine import Axis
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.readers.csv_table import Column, CsvTable, Row, read_table
+from axiscal.measurement.readers.csv_table import Column, Row, read_table
 from axiscal.measurement.reading import approach_text, reading_unit, shown_approach, shown_pose
 from axiscal.measurement.setup import Setup
 from axiscal.units import dimension_of, to_unit
@@ -131,9 +131,17 @@ class CsvSource:
     """
 
     def __init__(self, path: Path) -> None:
-        self._table = read_table(path)
-        self._rows: Iterator[Row] = iter(self._table.rows)
-        self._columns = _Columns(self._table)
+        self._table = table = read_table(path)
+        self._rows: Iterator[Row] = iter(table.rows)
+        self._values, self._stds = table.all_of("value"), table.all_of("std")
+        texts = {column.stem: column for column in table.columns if column.unit is None}
+        self._setup, self._approach = texts.pop("setup", None), texts.pop("approach", None)
+        self._places = [c for c in table.columns if c.unit is not None and c.stem not in ("value", "std")]
+        if not self._values:
+            raise table.fail("there is no column 'value_um' or 'value_urad'", "Name the column of the readings so")
+        if texts:
+            remedy = "Known are setup, approach, value_um, value_urad, std_um, and positions such as X_mm"
+            raise table.fail("column '{column}' is not known", remedy, column=next(iter(texts)))
 
     def read(self, request: Request) -> Answer:
         """Return the next row's value; raises SourceError when there is none or it is of another position."""
@@ -142,8 +150,8 @@ class CsvSource:
             what = "there are {rows} readings in it, and reading {reading} was asked for"
             remedy = "Add readings, or ask for fewer by the target `readings`"
             raise SourceError(what, remedy, self._table.file, rows=len(self._table.rows), reading=request.reading)
-        self._columns.refuse_other_place(row, request)
-        return self._columns.answer(row, request)
+        self._refuse_other_place(row, request)
+        return self._answer(row, request)
 
     def close(self) -> None:
         """Nothing is held."""
@@ -155,27 +163,12 @@ class CsvSource:
                 what = "it has fewer readings than the {count} that the record has taken from it"
                 raise SourceError(what, "Give the file the record was begun with", self._table.file, count=count)
 
-
-class _Columns:
-    """Which column of the table says what."""
-
-    def __init__(self, table: CsvTable) -> None:
-        self.values, self.stds = table.all_of("value"), table.all_of("std")
-        texts = {column.stem: column for column in table.columns if column.unit is None}
-        self.setup, self.approach = texts.pop("setup", None), texts.pop("approach", None)
-        self.places = [c for c in table.columns if c.unit is not None and c.stem not in ("value", "std")]
-        if not self.values:
-            raise table.fail("there is no column 'value_um' or 'value_urad'", "Name the column of the readings so")
-        if texts:
-            remedy = "Known are setup, approach, value_um, value_urad, std_um, and positions such as X_mm"
-            raise table.fail("column '{column}' is not known", remedy, column=next(iter(texts)))
-
-    def answer(self, row: Row, request: Request) -> Answer:
-        column = row.only_filled(self.values)
+    def _answer(self, row: Row, request: Request) -> Answer:
+        column = row.only_filled(self._values)
         if column is None:
             raise row.fail("there is no value", "Write the number that was read, or take out the line")
         _refuse_other_dimension(row, column, request)
-        spread = row.only_filled(self.stds)
+        spread = row.only_filled(self._stds)
         if spread is None:
             return Answer(row.quantity(column))
         _refuse_other_dimension(row, spread, request)
@@ -184,14 +177,14 @@ class _Columns:
             raise row.fail("{spread} {text} is not positive", remedy, spread=spread.name, text=row.text(spread))
         return Answer(row.quantity(column), std)
 
-    def refuse_other_place(self, row: Row, request: Request) -> None:
-        if self.setup and row.text(self.setup) not in ("", request.setup.name):
-            raise _other(row, f"set-up '{row.text(self.setup)}'", f"'{request.setup.name}'", request)
-        for column in self.places:
+    def _refuse_other_place(self, row: Row, request: Request) -> None:
+        if self._setup and row.text(self._setup) not in ("", request.setup.name):
+            raise _other(row, f"set-up '{row.text(self._setup)}'", f"'{request.setup.name}'", request)
+        for column in self._places:
             self._refuse_other_coordinate(row, column, request)
-        if self.approach:
+        if self._approach:
             # a row may leave axes out, or all of them
-            text = row.text(self.approach)
+            text = row.text(self._approach)
             asked = approach_text(request.axes, request.approach)
             if not set(re.split(r"[\s;]+", text)) <= {"", *asked.split()}:
                 raise _other(row, f"approach {text}", asked or "none", request)

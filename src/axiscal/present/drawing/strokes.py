@@ -112,18 +112,14 @@ def mark(at: Point, symbol: str, size: float, colour: str, edge: str, width: flo
         d = "".join(f"M{short_number(at[0] - x)} {short_number(at[1] - y)}l{short_number(2 * x)} {short_number(2 * y)}"
                     for x, y in arms)  # fmt: skip
         return f'<path d="{d}" fill="none" stroke="{colour}" stroke-width="2"/>'
-    return f'<path d="{_polygon(base, at, half)}" {fill}/>'
-
-
-def _polygon(symbol: str, at: Point, half: float) -> str:
-    if symbol == "star":
+    if base == "star":
         turns = [(-90.0 + 36 * k, half * (1.3 if k % 2 == 0 else 0.55)) for k in range(10)]
     else:
-        count, first, larger = _CORNERS[symbol]
+        count, first, larger = _CORNERS[base]
         turns = [(first + 360 * k / count, half * larger) for k in range(count)]
     corners = [(at[0] + radius * math.cos(math.radians(turn)), at[1] + radius * math.sin(math.radians(turn)))
                for turn, radius in turns]  # fmt: skip
-    return corners_way(corners) + "z"
+    return f'<path d="{corners_way(corners)}z" {fill}/>'
 
 
 def corners_way(corners: Iterable[Sequence[float]]) -> str:

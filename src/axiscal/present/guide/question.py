@@ -19,6 +19,7 @@ from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.knowledge import block
+from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, said
 from axiscal.machine.kinematics import frames
@@ -179,8 +180,12 @@ class Question(AnswerDocument):
         """Return what is asked."""
         setup, readings = campaign.description.setup(asked.place.setup), campaign.state.readings
         places, touch, unit = axis_places(campaign, asked), touch_text(campaign, asked), reading_unit(setup)
-        known = expectation(campaign.estimate(), asked.place)
-        means, halves = to_unit(known.mean, unit).tolist(), to_unit(BAND * known.std, unit).tolist()
+        mean, std = expectation(campaign.estimate(), asked.place)
+        means, halves = to_unit(mean, unit).tolist(), to_unit(BAND * std, unit).tolist()
+        there = [reading.numbered(n) for n, reading in enumerate(readings) if reading.place == asked.place]
+        # readings of the same place show together whether a zero has wandered
+        anew = "where reading {number} was taken: go there anew, do not copy it"
+        again = said(anew, number=there[-1]) if there else ""
         return cls(
             number=asked.reading,
             setup=setup.name,
@@ -190,7 +195,7 @@ class Question(AnswerDocument):
             mounting=[MountingStep(name=name, what=what) for name, what in mount_steps(setup, places, touch)],
             places=places,
             touch=touch,
-            again=again_text(campaign, asked),
+            again=again,
             sign=sign_text(setup),
             ways=list(ways(setup)),
             turns=INSTRUMENTS[setup.instrument].reads == "angle",
@@ -239,13 +244,6 @@ def touch_text(campaign: Campaign, asked: Asked) -> str:
     tip = frames(machine, np.array([asked.place.pose])).tcp
     ball = setup.artefact.balls[int(setup.artefact.nearest(tip, setup.balls)[0])]
     return said("ball {ball} of {artefact}: {way}", ball=ball.name, artefact=setup.artefact.name, way=way)
-
-
-def again_text(campaign: Campaign, asked: Asked) -> str:
-    """Return which reading was taken at the same place before: together they show whether a zero has wandered."""
-    readings = campaign.state.readings
-    there = [reading.numbered(n) for n, reading in enumerate(readings) if reading.place == asked.place]
-    return said("where reading {number} was taken: go there anew, do not copy it", number=there[-1]) if there else ""
 
 
 def asked_text(campaign: Campaign, asked: Asked) -> str:
@@ -315,19 +313,14 @@ SURPRISING = 4.0
 """Standard deviations from which a person is asked before a reading is kept: one in 16,000 by chance."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Expectation:
-    """mean, std : (k,) of each number of the reading, its noise included, m or rad"""
+def expectation(known: Estimation, place: Place) -> Band:
+    """Return what the readings so far say of the next one: ŷ = h·m and s² = h C hᵀ + rests + σ² (method.md 2).
 
-    mean: Array
-    std: Array
-
-
-def expectation(known: Estimation, place: Place) -> Expectation:
-    """Return what the readings so far say of the next one: ŷ = h·m and s² = h C hᵀ + rests + σ² (method.md 2)."""
+    mean, std : (k,) of each number of the reading, its noise included, m or rad
+    """
     blanks = blank_readings(known.case.description.setups, [place])
     (found,) = block(known.knowledge, blanks, np.zeros(len(blanks), dtype=bool))[0].innovations
-    return Expectation(-np.atleast_1d(found.value), np.atleast_1d(found.std))
+    return Band(-np.atleast_1d(found.value), np.atleast_1d(found.std))
 
 
 def mount_sentence(setup: Setup, places: Sequence[AxisPlace]) -> str:
