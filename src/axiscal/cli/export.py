@@ -11,6 +11,7 @@ import typer
 
 from axiscal.answers.answer_words import ending, wrapped
 from axiscal.campaign.campaign import Campaign
+from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Anyway, Json, RecordFile
 from axiscal.cli.printing import say, say_document
 from axiscal.document import shown
@@ -20,8 +21,9 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import said, speaking
 from axiscal.machine.axis import ROTARY_LETTERS
-from axiscal.present.delivery import deliver_export, introduced
+from axiscal.present.delivery import introduced, write_files
 from axiscal.present.findings import findings
+from axiscal.present.result_set import result_set, write_manifest
 from axiscal.present.summarising import record_state
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions, informed
@@ -142,7 +144,10 @@ def export(
         agreement = agreement_words(estimation, record) if estimation.readings else ""
         offered = introduced(offered, doubts, agreement, record_state(campaign))
         sent = None if loader is None else loader.taken(offered.files)
-        deliver_export(offered, out, record_state(campaign))
+        manifest = f"manifest-{offered.controller}.json"
+        with result_set(out, manifest) as folder:
+            write_files(offered, folder)
+            write_manifest(folder, record_state(campaign), versions(), manifest)
     if not json:
         last = {said("Written"): [f"{out}: {', '.join([*offered.files, 'README.txt'])}"]}
         if loader is None:

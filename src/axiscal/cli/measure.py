@@ -29,8 +29,7 @@ from axiscal.present.guide.question import (
     action,
     answer,
     coming_text,
-    go_text,
-    parked_text,
+    coordinates_text,
 )
 from axiscal.present.result_set import RECORD
 from axiscal.present.summarising import Extras
@@ -143,7 +142,7 @@ class Prompt:
         before = doubted(self.campaign)
         value, *others = (float(each) for each in typed.values)
         kept = self.campaign.record(value, accepted=vouched, others=tuple(others))
-        at = go_text(question.places) or said('set-up "{setup}"', setup=question.setup)
+        at = coordinates_text(question.places, moves=True) or said('set-up "{setup}"', setup=question.setup)
         say("  " + said("kept reading {number} at {place}; it is on the disk", number=kept.number, place=at))
         for sentence in [*others_doubted(self.campaign, before), *contradictions(self.campaign)]:
             say("  " + said("Mind: {sentence}", sentence=sentence))
@@ -261,9 +260,9 @@ def headline(campaign: Campaign, question: Question) -> str:
 def question_lines(question: Question) -> str:
     """Return where to go, from which side, the sign in words, and what to expect."""
     rows = (
-        (said("go to"), go_text(question.places)),
+        (said("go to"), coordinates_text(question.places, moves=True)),
         (said("coming"), coming_text(question.places)),
-        (said("parked"), parked_text(question.places)),
+        (said("parked"), coordinates_text(question.places, moves=False)),
         (said("at"), question.touch),
         (said("again"), question.again),
         (said("sign"), question.sign),

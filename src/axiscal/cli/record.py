@@ -93,8 +93,9 @@ def record(
         surprise, mind = _doubt(campaign)
         found = [mind, *others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else "", left]
         minded = [sentence for sentence in (*found, *contradictions(campaign)) if sentence]
-        document = _kept_document(campaign, kept) | {"surprise": surprise, "mind": minded}
-        lines = [_kept(campaign, kept), *(said("Mind: {sentence}", sentence=sentence) for sentence in minded)]
+        document, line = _kept(campaign, kept)
+        document |= {"surprise": surprise, "mind": minded}
+        lines = [line, *(said("Mind: {sentence}", sentence=sentence) for sentence in minded)]
         _answered(campaign, document, lines, then_next=then_next, as_json=json)
 
 
@@ -189,24 +190,21 @@ def _assumed(campaign: Campaign, reading: Reading, approach: str | None) -> str:
     )
 
 
-def _kept(campaign: Campaign, reading: Reading) -> str:
+def _kept(campaign: Campaign, reading: Reading) -> tuple[dict[str, object], str]:
+    """Return what was kept, as a document and in words."""
     setup, axes = campaign.description.setup(reading.setup), campaign.description.machine.axes
-    place = place_text(axes, reading.pose, setup.moves)
-    value = format_quantity(reading.value, reading_unit(setup))
-    text, count = "Kept reading {number}: {value} at {place} ({count} so far).", len(campaign.state.readings)
-    return said(text, number=reading.number, value=value, place=place, count=count)
-
-
-def _kept_document(campaign: Campaign, reading: Reading) -> dict[str, object]:
-    unit = reading_unit(campaign.description.setup(reading.setup))
-    return {
+    unit, count = reading_unit(setup), len(campaign.state.readings)
+    document: dict[str, object] = {
         "reading": reading.number,
-        "readings": len(campaign.state.readings),
+        "readings": count,
         "setup": reading.setup,
-        "position": shown_pose(campaign.description.machine.axes, reading.pose),
+        "position": shown_pose(axes, reading.pose),
         "value": to_unit(reading.value, unit),
         "unit": unit,
     }
+    place, value = place_text(axes, reading.pose, setup.moves), format_quantity(reading.value, unit)
+    text = "Kept reading {number}: {value} at {place} ({count} so far)."
+    return document, said(text, number=reading.number, value=value, place=place, count=count)
 
 
 _ENTRY = re.compile(r"\s*([A-Z][0-9]?)\s*=\s*([^=,;]*?)\s*(?:[,;]|(?=\s[A-Z][0-9]?\s*=)|$)")

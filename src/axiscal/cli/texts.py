@@ -11,7 +11,7 @@ from axiscal.campaign.ending import Ended, because_text
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.language.spoken import counted, said
 from axiscal.measurement.reading import reading_unit, value_names
-from axiscal.present.guide.question import axis_places, coming_text, go_text, parked_text, reads_text, touch_text
+from axiscal.present.guide.question import axis_places, coming_text, coordinates_text, reads_text, touch_text
 from axiscal.record.events import Asked
 from axiscal.units import to_unit
 
@@ -26,9 +26,9 @@ def question_text(campaign: Campaign, asked: Asked) -> str:
     setup = campaign.description.setup(asked.place.setup)
     values = ", ".join(f"{name.upper() or 'VALUE'} {reading_unit(setup)}" for name in value_names(setup))
     places, touch = axis_places(campaign, asked), touch_text(campaign, asked)
-    coming, parked = coming_text(places), parked_text(places)
+    coming, parked = coming_text(places), coordinates_text(places, moves=False)
     lines = [
-        (said("go to"), go_text(places)),
+        (said("go to"), coordinates_text(places, moves=True)),
         (said("coming"), coming),
         (said("at") if setup.artefact else said("the way"), touch),
         (said("parked"), parked),

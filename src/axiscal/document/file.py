@@ -96,7 +96,16 @@ class Document:
     def parse(cls, text: str, path: str | Path) -> Document:
         """Return the document in a text; `path` is what failures call it. Raises DescriptionError if it is not TOML."""
         path = Path(path)
-        _check_lines(text, path)
+        if len(text) > LARGEST:
+            raise _too_large(path)
+        for number, line in enumerate(text.split("\n"), 1):
+            # tomllib needs time and memory by the square of the number of dots in a key.
+            if line.count(".") > 100 and _LONG_KEY.search(line):
+                raise DescriptionError("a key has more than 100 parts", "A description is flat", path, number)
+            if len(line) > LONGEST_LINE:
+                what = "the line {shown} has {count} characters, more than {most}"
+                sizes, remedy = {"count": len(line), "most": LONGEST_LINE}, "Break it into shorter lines"
+                raise DescriptionError(what, remedy, path, number, shown=shown(line[:40]), **sizes)
         try:
             return cls(path, text, tomllib.loads(text))
         except tomllib.TOMLDecodeError as fault:
@@ -131,21 +140,6 @@ class Document:
             yield
         except InputError as failure:
             raise failure if failure.file is not None else self.fault(failure, *keys) from None
-
-
-def _check_lines(text: str, path: Path) -> None:
-    """Raise DescriptionError for a text that no person wrote: too large, or with a line that is too long."""
-    if len(text) > LARGEST:
-        raise _too_large(path)
-    for number, line in enumerate(text.split("\n"), 1):
-        # tomllib needs time and memory by the square of the number of dots in a key.
-        if line.count(".") > 100 and _LONG_KEY.search(line):
-            raise DescriptionError("a key has more than 100 parts", "A description is flat", path, number)
-        if len(line) > LONGEST_LINE:
-            what, remedy = "the line {shown} has {count} characters, more than {most}", "Break it into shorter lines"
-            raise DescriptionError(
-                what, remedy, path, number, shown=shown(line[:40]), count=len(line), most=LONGEST_LINE
-            )
 
 
 def _too_large(path: Path) -> DescriptionError:

@@ -77,7 +77,11 @@ def _curve(
         value_unit=unit,
         truth=None if truth is None else (shown, to_unit(_truth(truth, function, positions), unit).tolist()),
         from_readings=float(np.clip(1.0 - np.sum(now.std**2) / np.sum(prior**2), 0.0, 1.0)),
-        points=[part.point(known, function) for part in parts if part.bears_on(function)],
+        points=[
+            part.point(known, function)
+            for part in parts
+            if function.axis in part.moves and _share(part.row, function) > _BEARS_ON * part.whole
+        ],
     )
 
 
@@ -160,10 +164,6 @@ class _Part:
     std: float
     whole: float
     rejected: bool
-
-    def bears_on(self, function: ErrorFunction) -> bool:
-        """Return whether its set-up moves the axis and the model predicts a noticeable effect of this error on it."""
-        return function.axis in self.moves and _share(self.row, function) > _BEARS_ON * self.whole
 
     def point(self, known: Estimation, function: ErrorFunction) -> CurvePoint:
         """Return the reading as this curve sees it: less what the rest of the model says, per unit of the lever."""

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from axiscal.answers.answer_of_campaign import answer_of
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.possible import versions
 from axiscal.description.campaign import Particulars
 from axiscal.document.durable import write_whole, written
 from axiscal.estimation.estimation import Estimation
@@ -77,14 +76,6 @@ def _delivered(
         write_whole(folder / "data" / READINGS, readings_csv(summary))
         write_manifest(folder, record_state(campaign), summary.versions)
     return summary
-
-
-def deliver_export(offered: Export, out: Path, record: RecordState) -> None:
-    """Write the files of an export into a folder as a set, with its manifest; raises OSError."""
-    manifest = f"manifest-{offered.controller}.json"
-    with result_set(out, manifest) as folder:
-        write_files(offered, folder)
-        write_manifest(folder, record, versions(), manifest)
 
 
 def language_of_report(particulars: Particulars, wanted: str | None, spoken: str = "en") -> str:

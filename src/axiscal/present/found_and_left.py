@@ -72,15 +72,16 @@ def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", le
     heads = [
         [*wrapped(title, across - 2 * _SIDE, "title"), *([words] if words else [])] for title, words, _, _ in panels
     ]
+    solids = (part for part in machine_parts(room) if isinstance(part, Solid))
+    ghost = [replace(solid, opacity=_GHOST * solid.opacity) for solid in solids]
     body, head = "", _LINE * max(map(len, heads)) + 10
     for n, (_, words, values, colour) in enumerate(panels):
         x, y = (n * across, 0.0) if beside else (0.0, n * (high + head))
         for line, each in enumerate(heads[n]):
             body += text(x + _SIDE, y + 18 + _LINE * line, each, "soft" if each == words else "title")
         frame = Viewport(x + _SIDE, y + head, across - 2 * _SIDE, high)
-        body += drawn(
-            [*_ghost(room), *_bent(volume, room, values, times, colour), *_triad(volume, room)], frame, around
-        )
+        shown = [*ghost, *_bent(volume, room, values, times, colour), *_triad(volume, room)]
+        body += drawn(shown, frame, around)
     scale = Fit.of(around, Viewport(0, 0, across - 2 * _SIDE, high)).scale
     top = (high + head) * (1 if beside else len(panels))
     parts = [said("errors × {times}", times=f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}")]
@@ -111,12 +112,6 @@ def magnification(volume: BentVolume) -> float:
 
 def _of_all(volume: BentVolume) -> list[Array]:
     return [volume.found] if volume.left is None else [volume.found, volume.left]
-
-
-def _ghost(room: StandingMachine) -> list[Part]:
-    """Return the machine, hardly seen."""
-    solids = (part for part in machine_parts(room) if isinstance(part, Solid))
-    return [replace(solid, opacity=_GHOST * solid.opacity) for solid in solids]
 
 
 def _in_room(room: StandingMachine, grid: Array) -> Array:

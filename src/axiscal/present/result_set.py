@@ -70,7 +70,10 @@ def mend(folder: Path) -> None:
         for path in sorted(folder.parent.iterdir()):
             found = _STAGING.fullmatch(path.name)
             if found and found["name"] == folder.name and path.is_dir() and not is_running(int(found["process"])):
-                _put_back(path, folder) if found["kind"] == "old" else shutil.rmtree(path)
+                if found["kind"] == "old" and not folder.exists():
+                    os.rename(path, folder)
+                else:
+                    shutil.rmtree(path)
         for path in sorted(folder.iterdir()):
             found = _STAGING.fullmatch(path.name)
             if found and found["name"] == "results" and path.is_dir() and not is_running(int(found["process"])):
@@ -167,13 +170,6 @@ def _swap(staging: Path, folder: Path) -> None:
         staging = old
     sync_folder(folder.parent)
     shutil.rmtree(staging, ignore_errors=True)  # the earlier set; what stays of it goes at the next start
-
-
-def _put_back(old: Path, folder: Path) -> None:
-    if folder.exists():
-        shutil.rmtree(old)
-    else:
-        os.rename(old, folder)
 
 
 def _refuse_what_blocks(staging: Path, folder: Path) -> None:

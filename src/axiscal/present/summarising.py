@@ -198,6 +198,8 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
     rows = _history(campaign, estimation)
     linear, expanded = linearity(estimation), _expanded(estimation)
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
+    changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
+    accepted = [Finding("accepted", None, change) for change in changes]
     times = [reading.time for reading in campaign.state.readings if reading.time is not None]
     last = datetime.fromisoformat(campaign.begun) + timedelta(seconds=max(times, default=0.0))
     return Summary(
@@ -222,7 +224,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         planes=planes(estimation),
         observability=observability(case),
         questions=[*questions(description.machine), *which_way(description.machine)],
-        warnings=[*extras.warnings, *_accepted(campaign), *findings(estimation), *not_gaussian(linear)],
+        warnings=[*extras.warnings, *accepted, *findings(estimation), *not_gaussian(linear)],
         tables=extras.tables,
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
         target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
@@ -266,12 +268,6 @@ def _expanded(estimation: Estimation) -> Uncertainty:
     space, worst = to_unit(found.space, "um"), to_unit(found.worst, "um")
     along = counted_along(estimation.stated)
     return Uncertainty(space, (x, y, z), worst, factor, conditions(estimation.stated), along)
-
-
-def _accepted(campaign: Campaign) -> list[Finding]:
-    """Return what mistakes were accepted, whose readings are not as they were recorded."""
-    changes = [change_words(each) for each in campaign.state.accepted]
-    return [Finding("accepted", None, said("A person accepted: {change}.", change=change)) for change in changes]
 
 
 def record_state(campaign: Campaign) -> RecordState:

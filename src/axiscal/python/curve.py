@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from axiscal.errors.prior import matern52
+from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Band
 from axiscal.exceptions import ShapeError
@@ -23,6 +24,7 @@ from axiscal.numerics.chebyshev import node_count
 from axiscal.numerics.cubic import NaturalSpline, Spline, even_knots
 from axiscal.numerics.exact_step import gain_forms, maximise_along
 from axiscal.python.measured_case import Quantity, si
+from axiscal.python.pictures import DrawnLine
 from axiscal.units import to_unit
 
 if TYPE_CHECKING:
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
 
 _DEGREE = 6
 """N and D of a reading's gain are squares of cubics between two knots (B&H eq. 23)."""
+_SHOWN = 201
+"""Points of a drawn line: more than a page has pixels for its bends."""
 
 
 class Curve:
@@ -107,7 +111,14 @@ class Curve:
         """Return a picture: mean, and the band that holds it with 95 %."""
         from axiscal.python.pictures import curves_picture
 
-        return curves_picture([self])
+        return curves_picture([self.line()])
+
+    def line(self) -> DrawnLine:
+        """Return the curve as it is drawn."""
+        at = np.linspace(self.spline.knots[0], self.spline.knots[-1], _SHOWN)
+        mean, std = self(at)
+        shown = to_unit(at, self.position_unit), to_unit(mean, self.unit), BAND * to_unit(std, self.unit)
+        return DrawnLine(self.name, *shown, self.position_unit, self.unit)
 
     @property
     def _weight(self) -> Array:

@@ -122,7 +122,7 @@ class Estimated(Mapping[str, Curve]):
         """Return a picture of every curve with its 95 % band."""
         from axiscal.python.pictures import curves_picture
 
-        return curves_picture([self[name] for name in self if self._function(name).basis.size > 1])
+        return curves_picture([self[name].line() for name in self if self._function(name).basis.size > 1])
 
     def _function(self, name: str) -> ErrorFunction:
         return self.estimation.case.errors.names[name]

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from axiscal.description.campaign import campaign_from_texts
+from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.document.quoting import toml_value
 from axiscal.estimation.case import Case as Mathematics
 from axiscal.estimation.inheritance import case_of
@@ -171,6 +171,13 @@ class Case:
         text = campaign_text(machine.name, setups, target, "estimate" if learn else "stated")
         described = campaign_from_texts(text, _SOURCE, machine.text, machine.name, fine_knots=machine.fine_knots)
         self.description, self.inner = described, case_of(described)
+
+    @classmethod
+    def of(cls, description: CampaignDescription) -> Case:
+        """Return the case of a campaign that was described in a file."""
+        case = cls.__new__(cls)
+        case.description, case.inner = description, case_of(description)
+        return case
 
     def plan(
         self,

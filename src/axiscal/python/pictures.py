@@ -5,18 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
-import numpy as np
-
-from axiscal.estimation.accuracy.expanded import BAND
+from axiscal.numerics import Array
 from axiscal.present.drawing.svg_picture import Figure, alone, picture
 from axiscal.present.figures import axis_style, band, layout
 from axiscal.present.plan_answer import PlanAnswer
-from axiscal.units import to_unit
-
-if TYPE_CHECKING:
-    from axiscal.python.curve import Curve
 
 
 def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> str:
@@ -26,8 +20,6 @@ def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str
     return f"<table><caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
-_SHOWN = 201
-"""Points of a drawn line: more than a page has pixels for its bends."""
 _LINE, _FILL = "#1f5fa8", "rgba(31, 95, 168, 0.18)"
 _WIDE, _NARROW, _HEIGHT = 640, 360, 260
 """Pixels; a matter of taste."""
@@ -52,9 +44,9 @@ class NotebookPicture:
         return "".join(self.svg)
 
 
-def curves_picture(curves: Sequence[Curve]) -> NotebookPicture:
+def curves_picture(lines: Sequence[DrawnLine]) -> NotebookPicture:
     """Return curves side by side, each over its own travel with the band that holds it with 95 %."""
-    return NotebookPicture(tuple(map(_figure, curves)))
+    return NotebookPicture(tuple(_curve(line) for line in lines))
 
 
 def plan_picture(plan: PlanAnswer) -> NotebookPicture:
@@ -76,13 +68,23 @@ def plan_picture(plan: PlanAnswer) -> NotebookPicture:
     return NotebookPicture(({"name": "accuracy of a plan", "data": data, "layout": drawn},))
 
 
-def _figure(curve: Curve) -> Figure:
-    positions = np.linspace(curve.spline.knots[0], curve.spline.knots[-1], _SHOWN)
-    known = curve(positions)
-    at, middle, half = (
-        to_unit(each, unit).tolist()
-        for each, unit in ((positions, curve.position_unit), (known.mean, curve.unit), (BAND * known.std, curve.unit))
-    )
+def _curve(line: DrawnLine) -> Figure:
+    at, middle = line.at.tolist(), line.middle.tolist()
     mean = {"type": "scatter", "mode": "lines", "x": at, "y": middle, "line": {"color": _LINE}}
-    x, y = axis_style(f"position, {curve.position_unit}"), axis_style(f"{curve.name}, {curve.unit}")
-    return {"name": curve.name, "data": [band(at, middle, half, _FILL), mean], "layout": layout(x, y, _HEIGHT)}
+    x, y = axis_style(f"position, {line.position_unit}"), axis_style(f"{line.name}, {line.unit}")
+    return {
+        "name": line.name,
+        "data": [band(at, middle, line.half.tolist(), _FILL), mean],
+        "layout": layout(x, y, _HEIGHT),
+    }
+
+
+class DrawnLine(NamedTuple):
+    """at : (m,) positions; middle : (m,) mean; half : (m,) half of the band that holds it with 95 %"""
+
+    name: str
+    at: Array
+    middle: Array
+    half: Array
+    position_unit: str
+    unit: str

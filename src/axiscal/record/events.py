@@ -295,7 +295,13 @@ class Folding:
     def add(self, stored: Stored) -> None:
         """Let one more event happen."""
         event = stored.event
-        self._refuse_disorder(stored)
+        first = isinstance(stored.event, Created)
+        if first and self.created is not None:
+            raise EventOrderError("the campaign was created twice")
+        if not first and self.created is None:
+            raise EventOrderError("the first event is not the creation of the campaign")
+        if self.finished is not None and not isinstance(stored.event, Undone | Noted | Signed | Newer):
+            raise EventOrderError("it comes after the end of the campaign")
         if not isinstance(event, Planned | Asked | Noted | Signed | Newer):
             self.continued = event.basis if isinstance(event, Continued) else None
         if isinstance(event, Created):
@@ -322,15 +328,6 @@ class Folding:
             self.undo.append(Undoable(stored.number, event, self.pending))
             self._take(event)
         self.last = stored.number
-
-    def _refuse_disorder(self, stored: Stored) -> None:
-        first = isinstance(stored.event, Created)
-        if first and self.created is not None:
-            raise EventOrderError("the campaign was created twice")
-        if not first and self.created is None:
-            raise EventOrderError("the first event is not the creation of the campaign")
-        if self.finished is not None and not isinstance(stored.event, Undone | Noted | Signed | Newer):
-            raise EventOrderError("it comes after the end of the campaign")
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
         if isinstance(event, Recorded):

@@ -117,23 +117,24 @@ class Record(EventLog):
         if handle == _CLOSED or not self._write:
             raise RecordError("The record was opened to be read", "Open it to write", self.path)
         with record_errors(self.path), alone(handle, PATIENCE):
-            self._refuse_moved(handle)
+            if not (self.path.exists() and os.path.samestat(os.fstat(handle), os.stat(self.path))):
+                what = "The record is no longer here: it was moved, or another file was put in its place"
+                remedy = "Put it back, then give the command again; what was acknowledged is in it"
+                raise RecordError(what, remedy, self.path)
             self._catch_up()
             refuse_overtaken(self._mark.last, after, self.path)
             if rows:
-                self._add(handle, in_one(rows))
+                rows = in_one(rows)
+                content, mark = transaction(self._mark, rows)
+                story = self._story.then(rows, self.path)
+                os.ftruncate(handle, self._mark.end)
+                write_at(handle, self._mark.end, content)
+                sync(handle)
+                write_at(handle, self._older, mark_bytes(mark))
+                sync(handle)
+                self._older = MARKS[self._older == MARKS[0]]
+                self._mark, self._story = mark, story
         return self._mark.last
-
-    def _add(self, handle: int, rows: Sequence[EventText]) -> None:
-        content, mark = transaction(self._mark, rows)
-        story = self._story.then(rows, self.path)
-        os.ftruncate(handle, self._mark.end)
-        write_at(handle, self._mark.end, content)
-        sync(handle)
-        write_at(handle, self._older, mark_bytes(mark))
-        sync(handle)
-        self._older = MARKS[self._older == MARKS[0]]
-        self._mark, self._story = mark, story
 
     def last(self) -> int:
         """Return the number of the last event, 0 if there is none."""
@@ -185,13 +186,6 @@ class Record(EventLog):
             self._story.happened(mark.last, row)
             self._mark = mark
 
-    def _refuse_moved(self, handle: int) -> None:
-        with contextlib.suppress(FileNotFoundError):
-            if os.path.samestat(os.fstat(handle), os.stat(self.path)):
-                return
-        what = "The record is no longer here: it was moved, or another file was put in its place"
-        raise RecordError(what, "Put it back, then give the command again; what was acknowledged is in it", self.path)
-
 
 def refuse_existing(path: Path) -> None:
     """Raise RecordError if there is something at `path` already."""
@@ -222,7 +216,17 @@ def _refuse_other_form(path: Path) -> None:
     """Raise RecordError for a file that is no record, or of a form to come."""
     if path.exists() and not path.is_file() and not path.is_dir():
         raise RecordError("This is a pipe or a device", "Name a record, which is a file", path)
-    start = _start_of(path)
+    try:
+        with path.open("rb") as file:
+            start = file.read(START)
+    except FileNotFoundError:
+        raise RecordError("There is no such record", "Start one with `axiscal step start CAMPAIGN`", path) from None
+    except IsADirectoryError:
+        inside = next(iter(sorted(path.glob("*.axiscal"))), "a file *.axiscal")
+        raise RecordError("This is a folder", "Name the record in it: {inside}", path, inside=inside) from None
+    except OSError as error:
+        remedy = "Name a file you may read"
+        raise RecordError("The record cannot be opened: {strerror}", remedy, path, strerror=error.strerror) from error
     form = form_of(start)
     if form is not None and form > FORM:
         what = "This record was written by a newer axiscal (form {form}; this one knows {known})"
@@ -237,20 +241,6 @@ def _refuse_other_form(path: Path) -> None:
         raise RecordError("This record is of the first form, an SQLite database", remedy, path)
     remedy = "Name a record, a file *.axiscal; `axiscal step start CAMPAIGN` makes one"
     raise RecordError("This file is not a campaign record", remedy, path)
-
-
-def _start_of(path: Path) -> bytes:
-    try:
-        with path.open("rb") as file:
-            return file.read(START)
-    except FileNotFoundError:
-        raise RecordError("There is no such record", "Start one with `axiscal step start CAMPAIGN`", path) from None
-    except IsADirectoryError:
-        inside = next(iter(sorted(path.glob("*.axiscal"))), "a file *.axiscal")
-        raise RecordError("This is a folder", "Name the record in it: {inside}", path, inside=inside) from None
-    except OSError as error:
-        remedy = "Name a file you may read"
-        raise RecordError("The record cannot be opened: {strerror}", remedy, path, strerror=error.strerror) from error
 
 
 @contextlib.contextmanager

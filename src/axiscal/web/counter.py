@@ -10,7 +10,6 @@ import ctypes
 import logging
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor, wait
-from functools import partial
 from pathlib import Path
 from threading import Lock, get_ident
 from typing import Self, TypeVar
@@ -18,7 +17,7 @@ from typing import Self, TypeVar
 from axiscal.campaign.campaign import Campaign
 from axiscal.language.spoken import speaking, spoken_now
 from axiscal.numerics.threads import one_thread
-from axiscal.web.desk import Desk, Publisher
+from axiscal.web.desk import Desk
 from axiscal.web.shapes import StateShape, TypedShape
 
 _PATIENCE = 0.5
@@ -90,9 +89,10 @@ class Counter:
     @classmethod
     def open(cls, record: Path) -> Self:
         """Return the counter of a record, in the language that is spoken; raises RecordError if that is none."""
-        thread = OwnThread()
+        thread, language = OwnThread(), spoken_now()
         early = list[StateShape]()
-        desk = thread.do(partial(_opened, record, early.append, spoken_now())).result()
+        opened = thread.do(lambda: _spoken(language, lambda: Desk(Campaign.open(record), early.append)))
+        desk = opened.result()
         counter = cls(desk, thread)
         desk.publish = counter._publish
         return counter
@@ -165,7 +165,7 @@ class Counter:
         return await asyncio.wrap_future(self._submitted(step))
 
     def _submitted(self, step: Callable[[Desk], _Result]) -> Future[_Result]:
-        return self._thread.do(partial(_held, step, self._desk, self._language))
+        return self._thread.do(lambda: _spoken(self._language, lambda: step(self._desk)))
 
     def _later(self, step: Callable[[Desk], None]) -> None:
         self._submitted(step).add_done_callback(self._told)
@@ -189,12 +189,6 @@ class Counter:
 
 
 @one_thread()
-def _opened(record: Path, publish: Publisher, language: str) -> Desk:
+def _spoken(language: str, work: Callable[[], _Result]) -> _Result:
     with speaking(language):
-        return Desk(Campaign.open(record), publish)
-
-
-@one_thread()
-def _held(step: Callable[[Desk], _Result], desk: Desk, language: str) -> _Result:
-    with speaking(language):
-        return step(desk)
+        return work()

@@ -142,7 +142,8 @@ class Desk:
         except AxiscalError as failure:  # such as a record that has been moved away
             if self._trouble != str(failure):
                 self._trouble = str(failure)
-                told = {"trouble": self._trouble, "version": self._next_version()}
+                self._version += 1
+                told = {"trouble": self._trouble, "version": self._version}
                 self.publish(self.state.model_copy(update=told))
             return
         if moved:
@@ -291,10 +292,11 @@ class Desk:
         self.publish(self.state)
 
     def _renewed(self) -> StateShape:
+        self._version += 1
         self._question, self._ended, self._trouble = self._asked()
         campaign, state, results = self.campaign, self.campaign.state, self.results
         return StateShape(
-            version=self._next_version(),
+            version=self._version,
             last=state.last,
             machine=campaign.description.machine.name,
             record=campaign.path.name,
@@ -311,10 +313,6 @@ class Desk:
             answer=None if self._answer is None else _answer(campaign, self._answer, results),
             results=results.name if state.finished is not None and (results / "report.html").is_file() else "",
         )
-
-    def _next_version(self) -> int:
-        self._version += 1
-        return self._version
 
     def _asked(self) -> tuple[Question | None, str | None, str]:
         """Return what is asked now, why nothing is, and what is in the way."""

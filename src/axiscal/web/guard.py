@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import hmac
 import secrets
-from dataclasses import dataclass, field
 from functools import partial
 from http.cookies import CookieError, SimpleCookie
 from importlib import resources
@@ -135,32 +134,18 @@ _HEADERS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
 class Admission:
-    """Who may come in: the port we listen on, and the token that was printed at the start."""
+    """Who may come in: the port we listen on, and the token that was printed at the start.
 
-    port: int
-    token: str = field(default_factory=lambda: secrets.token_urlsafe(_TOKEN_BYTES), repr=False)
+    hosts : the names under which we answer; origins : of our own page
+    address : to open, the token in it; cookie : the name of ours, for all ports of a computer share theirs
+    """
 
-    @property
-    def address(self) -> str:
-        """The address to open, the token in it."""
-        return f"http://127.0.0.1:{self.port}/?token={self.token}"
-
-    @property
-    def hosts(self) -> tuple[str, str]:
-        """The names under which we answer."""
-        return f"127.0.0.1:{self.port}", f"localhost:{self.port}"
-
-    @property
-    def origins(self) -> tuple[str, ...]:
-        """The origins of our own page."""
-        return tuple(f"http://{host}" for host in self.hosts)
-
-    @property
-    def cookie(self) -> str:
-        """The name of our cookie: all ports of a computer share theirs."""
-        return f"axiscal-{self.port}"
+    def __init__(self, port: int) -> None:
+        self.token = secrets.token_urlsafe(_TOKEN_BYTES)
+        self.hosts = (f"127.0.0.1:{port}", f"localhost:{port}")
+        self.origins = tuple(f"http://{host}" for host in self.hosts)
+        self.address, self.cookie = f"http://127.0.0.1:{port}/?token={self.token}", f"axiscal-{port}"
 
     def holds(self, token: str) -> bool:
         """Return whether a token is ours, in a time that does not depend on the token."""

@@ -345,10 +345,15 @@ def picture_file(drawings: Sequence[Drawing], label: str) -> str:
     drawings : from the widest to the narrowest; label : what they show, for people who hear it
     """
     widest = drawings[0]
+    shown = (
+        f'<svg class="w{each.width:g}" width="100%" height="100%" viewBox="0 0 {each.width:g} {each.height:g}">'
+        f"{each.body}</svg>"
+        for each in drawings
+    )
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{widest.width:g}" height="{widest.height:g}" role="img" '
         f'aria-label="{text_safe(label)}"><title>{text_safe(label)}</title><style>{_style(drawings)}</style>'
-        f'<rect width="100%" height="100%" fill="var(--paper)"/>{"".join(map(_shown, drawings))}</svg>\n'
+        f'<rect width="100%" height="100%" fill="var(--paper)"/>{"".join(shown)}</svg>\n'
     )
 
 
@@ -362,8 +367,3 @@ def _style(drawings: Sequence[Drawing]) -> str:
         shown = f".w{wider.width:g}{{display:none}}.w{each.width:g}{{display:inline}}{size}"
         rules.append(f"@media(max-width:{wider.width - 1:g}px){{{shown}}}")
     return "".join(rules)
-
-
-def _shown(each: Drawing) -> str:
-    box = f'viewBox="0 0 {each.width:g} {each.height:g}"'
-    return f'<svg class="w{each.width:g}" width="100%" height="100%" {box}>{each.body}</svg>'

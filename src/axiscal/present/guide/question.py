@@ -210,18 +210,8 @@ class Question(AnswerDocument):
         return float(np.max(BAND * np.abs(to_unit(values, self.unit) - means) / halves))
 
 
-def go_text(places: Sequence[AxisPlace]) -> str:
-    """Return where the axes go that move: "X = 120 mm"."""
-    return _coordinates_text(places, moves=True)
-
-
-def parked_text(places: Sequence[AxisPlace]) -> str:
-    """Return where the other axes stand."""
-    return _coordinates_text(places, moves=False)
-
-
-def _coordinates_text(places: Sequence[AxisPlace], *, moves: bool) -> str:
-    """Return coordinates in the order of the control's display, as many digits as it shows."""
+def coordinates_text(places: Sequence[AxisPlace], *, moves: bool) -> str:
+    """Return where the axes go that move, or where the others stand: "X = 120 mm", in the order of the display."""
     return ", ".join(f"{place.axis} = {place.shown} {place.unit}" for place in places if place.moves is moves)
 
 
@@ -340,8 +330,8 @@ def mount_steps(setup: Setup, places: Sequence[AxisPlace], touch: str) -> tuple[
     """Return the steps, each as a short name and what to do."""
     zeroed = any(unknown.name.startswith("zero") for unknown in setup.unknowns)
     steps = (
-        (said("park"), parked_text(places)),
-        (said("go to"), go_text(places)),
+        (said("park"), coordinates_text(places, moves=False)),
+        (said("go to"), coordinates_text(places, moves=True)),
         (said("at"), touch),
         (said("then"), said("set its display to zero there; the zero need not be exact") if zeroed else ""),
     )

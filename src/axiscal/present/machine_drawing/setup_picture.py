@@ -74,7 +74,9 @@ def setup_scene(
     parts += reading_parts(stand, _tips(room, own), _sides(room, own), "read", size)
     one_line = len(setup.moves) == 1 and not campaign.machine.axes[setup.moves[0]].rotary
     tails = one_line and any(any(place.approach) for place in own)
-    legend = " · ".join(part for part in (_count_words(len(own)), _coming_words(len(later))) if part)
+    read = "● " + counted("{count} reading", "{count} readings", len(own)) if own else ""
+    coming_words = said("grey: {count} to come", count=len(later)) if later else ""
+    legend = " · ".join(part for part in (read, coming_words) if part)
     return SetupScene(parts, setup.name, legend, reach_words(room, tails=tails))
 
 
@@ -122,14 +124,6 @@ def _outlines(campaign: CampaignDescription, room: StandingMachine) -> Iterator[
         for kept_out in artefact.keep_out:
             low_corner, high_corner = np.clip(np.array(kept_out), -1.0, 1.0).T
             yield from edges(room.on_table(box_corners(low_corner, high_corner)), "beam", "2 4")
-
-
-def _count_words(count: int) -> str:
-    return "● " + counted("{count} reading", "{count} readings", count) if count else ""
-
-
-def _coming_words(count: int) -> str:
-    return said("grey: {count} to come", count=count) if count else ""
 
 
 def reach_words(room: StandingMachine, *, tails: bool) -> str:
