@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -12,7 +13,7 @@ from axiscal.cli.arguments import CampaignFile, Json, above_zero
 from axiscal.cli.printing import say, say_document
 from axiscal.cli.progress import tell_mind
 from axiscal.description.artefacts import unused_artefacts
-from axiscal.description.campaign import CampaignDescription
+from axiscal.description.campaign import CampaignDescription, as_exact
 from axiscal.document.durable import write_whole
 from axiscal.estimation.accuracy.unseen import seen_as_one
 from axiscal.estimation.case import Case
@@ -37,6 +38,7 @@ from axiscal.present.plan_answer import plan_answer
 from axiscal.present.plan_words import plan_list, plan_screen
 from axiscal.programs import write_programs
 from axiscal.programs.dialect import dialect
+from axiscal.units import to_unit
 
 _GAP = 0.5
 """Percent; a proof that is tighter takes longer, and the bound that is printed holds at any."""
@@ -131,6 +133,10 @@ def plan(
         count = len(write_programs(machine, setups, placed(case, proposal.plan), gcode, out, log))
         written.append(f"{out} ({count} files, README.txt there)")
     answer = plan_answer(case, proposal, limits, ends=ends)
+    if details and limits.accurate:
+        with suppress(PlanError):
+            exact = proposed(case_of(as_exact(case.description)), limits, how).plan
+            answer = answer.model_copy(update={"certain_minutes": to_unit(exact.seconds, "min")})
     if json:
         say_document(answer.model_dump(mode="json", by_alias=True))
         return

@@ -174,6 +174,13 @@ def campaign_from_texts(
     return _described(document, machine, machine_source, target_needed, prior_text, False, usual_doubts)
 
 
+def as_exact(described: CampaignDescription) -> CampaignDescription:
+    """Return the campaign if all that is stated were exact, and nothing besides went wrong: the model of the paper."""
+    before = described.machine
+    machine = machine_from_text(before.text, described.machine_source, fine_knots=before.fine_knots)
+    return replace(described, machine=machine, sure="exactly", usual=False)
+
+
 def _machine_name(document: Document) -> str:
     name = document.data.get("machine")
     if isinstance(name, str) and name.strip() and name.isprintable():

@@ -68,10 +68,12 @@ class PlanAnswer(PlannedAnswer):
 
     `points`, `J`, `rms_um`, `worst_um` and `ratio` leave out what no reading shows, such as the error of a wavelength
     units : of the axes
+    certain_minutes : of a plan for the same target if all that is stated were exact, and nothing else went wrong
     ratio : of the mean variances that the two RMS figures are the roots of; of J where the criterion is another one
     """
 
     kind: Literal["axiscal-plan/1"] = Field("axiscal-plan/1", alias="schema")
+    certain_minutes: float | None = None
     criterion: str
     points: Sequence[PlanPoint]
     units: Mapping[str, str]

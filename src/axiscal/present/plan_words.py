@@ -164,6 +164,9 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
         after = f"RMS {um_text(point.rms_um):>8}, {point.minutes:6.1f} min"
         yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}"
     yield bound_sentence(answer)
+    if answer.certain_minutes is not None:
+        minutes = put("{minutes:.0f}", minutes=answer.certain_minutes)
+        yield said("If all that is stated were exact, and nothing else went wrong: {minutes} min.", minutes=minutes)
 
 
 def bound_sentence(answer: PlanAnswer) -> str:
