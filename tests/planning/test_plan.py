@@ -12,10 +12,12 @@ from axiscal.exceptions import PlanError
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
+from axiscal.planning.gains.covariance import RunningAccuracy
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, plain_designs, space_filling
 from axiscal.planning.plan.exchange import exchange
+from axiscal.planning.plan.greedy import Trial, filled
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task, clock
 from axiscal.present.demo import description
@@ -57,6 +59,25 @@ def test_never_worse_than_designs_that_need_no_thought(seed: int) -> None:
         assert plan.value <= asked.state.after_readings(design(asked, counts)).value * (1 + 1e-9)
     assert plan.value <= greedy(asked, 9) * (1 + 1e-9)
     assert plan.value == pytest.approx(asked.state.after_readings(plan.places).value, rel=1e-8)
+
+
+def test_an_accuracy_out_of_reach_is_given_up_and_one_within_reach_is_not() -> None:
+    asked, setups = levered(200), (0, 1)
+    base = Scores(Pool(asked.observation, asked.lattice), asked.state)
+    meter = RunningAccuracy.of(asked.yardstick, asked.state.factor)
+
+    def made(rms: float, longest: float) -> Trial:
+        return filled(base.fork(), meter, Limits(rms=rms), clock(asked), setups, most=100, longest=longest)
+
+    near = made(1.001 * meter.accuracy.floor, np.inf)
+    beyond = made(1.001 * meter.accuracy.floor, 1e9)
+    assert not near.met
+    assert not beyond.met
+    assert len(beyond.scores.places) < len(near.scores.places) // 2
+    rms = RunningAccuracy.of(asked.yardstick, near.scores.state.factor).accuracy.rms
+    for limit in (1.001 * rms, 1.1 * rms, 1.5 * rms):
+        assert made(limit, 1e9).met
+        assert made(limit, 1e9).seconds == made(limit, np.inf).seconds
 
 
 class Falling(Scores):

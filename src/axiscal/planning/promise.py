@@ -101,11 +101,6 @@ def unseen_parts(blank: Blank) -> list[tuple[Contribution, Array]]:
     return list(zip(causes, moved.T, strict=True))
 
 
-def reachable_rms(case: Case) -> float:
-    """Return the RMS over the volume that endless readings would leave, m."""
-    return case.yardstick.floors[0]
-
-
 @dataclass(frozen=True, slots=True)
 class Alike:
     """A set-up whose zero may come and go unseen, places to read once more at its end, and their minutes."""

@@ -29,7 +29,7 @@ from axiscal.planning.helping import helping_setups, helping_words
 from axiscal.planning.next_readings import CANDIDATES, columns_of, first_places, planned_places, posed, until_reached
 from axiscal.planning.plan.plan import Plan, judged
 from axiscal.planning.plan.task import Limits, Task
-from axiscal.planning.promise import asked, reachable_rms
+from axiscal.planning.promise import asked
 from axiscal.planning.step.ground import regions
 from axiscal.units import format_quantity, said_quantity, to_unit
 
@@ -53,7 +53,7 @@ def refuse_out_of_reach(case: Case, limits: Limits) -> None:
     """Raise TargetError for an RMS that these set-ups cannot bring, however often or MOST times read, and say why."""
     if limits.rms is None:
         return
-    floor = reachable_rms(case)
+    floor = case.yardstick.floors[0]
     if floor > limits.rms:
         target = replace(case.description.target, rms=limits.rms, worst=None, expanded=None)
         what = "an RMS of {rms:.3g} um cannot be reached: {leaves}"

@@ -37,7 +37,7 @@ from axiscal.planning.helping import helping_setups
 from axiscal.planning.next_readings import placed
 from axiscal.planning.plan.plan import Plan
 from axiscal.planning.plan.task import Limits
-from axiscal.planning.promise import Blank, alike, asked, blank_problem, reachable_rms, unseen_parts
+from axiscal.planning.promise import Blank, alike, asked, blank_problem, unseen_parts
 from axiscal.planning.proposal import Proposal
 from axiscal.units import to_unit
 
@@ -109,7 +109,7 @@ def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = 
         worst_um=to_unit(plan.accuracy.worst, "um"),
         before_rms_um=to_unit(plan.before.rms, "um"),
         unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
-        reachable_rms_um=to_unit(reachable_rms(case), "um"),
+        reachable_rms_um=to_unit(case.yardstick.floors[0], "um"),
         target_met=answer.verdict == "reached",
         J=plan.value,
         bound_J=None if plan.bound is None else plan.bound.value,

@@ -30,7 +30,7 @@ from axiscal.numerics.ties import ALIKE, first_best, ranked
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import Covariance, RunningAccuracy
 from axiscal.planning.gains.gain import Scorer
-from axiscal.planning.gains.running_gains import Allowed, Replacement, Scores
+from axiscal.planning.gains.running_gains import Allowed, Scores
 from axiscal.planning.plan.greedy import Trial, affordable, filled
 from axiscal.planning.plan.order import seconds_of
 from axiscal.planning.plan.task import Clock, Limits, Patience, Task, work_of_climb
@@ -196,29 +196,18 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: fl
             looked[slot] = changes
             found = scores.replacement(slot, allowed(scores, slot))
             work += 4.0 * len(scores.pool)
-            if _exchanged(scores, slot, found, better, least):  # the others have to be looked at anew
-                work, changes = work + _work_of_change(scores), changes + 1
+            if found.gain > found.own + max(better * found.own, least):  # the others have to be looked at anew
+                scores.exchange(slot, found.candidate)
+                products = len(scores.pool) * (6.0 * len(scores.places) + 2.0 * scores.pool.size)
+                work, changes = work + products + 20.0 * scores.state.factor.size, changes + 1
         if changes == before:
             return
-
-
-def _work_of_change(scores: Scores) -> float:
-    """Return the operations that one exchange takes, roughly."""
-    products = len(scores.pool) * (6.0 * len(scores.places) + 2.0 * scores.pool.size)
-    return products + 20.0 * scores.state.factor.size
-
-
-def _exchanged(scores: Scores, slot: int, found: Replacement, better: float, least: float) -> bool:
-    """Return whether the exchange brings enough, and was made.  least : m², of what is to be small"""
-    if not found.gain > found.own + max(better * found.own, least):
-        return False
-    scores.exchange(slot, found.candidate)
-    return True
 
 
 def polish(scores: Scores, allowed: Allowed, rounds: int, patience: Patience) -> None:
     """Move all readings off the lattice at once, then climb them one by one, until a round gains little."""
     work = work_of_climb(scores.pool.size, scores.pool.size + len(scores.begun.root.matrix))
+    least = _WORTH if scores.pool.size <= _FEW else _WORTH_OF_MANY  # rounds are dear with many unknowns
     for _ in range(rounds):
         before = scores.state.value
         if not patience.spent:
@@ -227,13 +216,8 @@ def polish(scores: Scores, allowed: Allowed, rounds: int, patience: Patience) ->
         _climb_all(scores, allowed, patience, work)
         if patience.spent:
             return
-        if before - scores.state.value <= _worth(scores) * before:
+        if before - scores.state.value <= least * before:
             return
-
-
-def _worth(scores: Scores) -> float:
-    """Return the share of J that a round must gain to be followed by another: these are dear with many unknowns."""
-    return _WORTH if scores.pool.size <= _FEW else _WORTH_OF_MANY
 
 
 def _move(scores: Scores) -> None:

@@ -28,6 +28,8 @@ _STALLED = 1e-7
 """Share of the first J: a reading that brings less is none."""
 
 Setups = tuple[int, ...]
+_RECENT = 16
+"""Picks by which it is judged what the next ones bring: gains fall, so that none brings more."""
 _TOLD = 0.5
 """Of an unknown's variance: a reading that takes more of it away tells of little else."""
 
@@ -71,11 +73,12 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
             longest = min(longest, trial.seconds)
         return trial.key(limits)
 
-    if len(everything) <= _EVERY_SUBSET:
-        # few set-ups first: what takes longer than one that reaches the accuracy is given up at once
-        sets = [s for count in range(1, len(everything) + 1) for s in combinations(everything, count)]
-        return min(sets, key=key)
-    return _grown(everything, _parts(task, everything), key)
+    # all of them first: what takes longer than they do to reach the accuracy is given up at once
+    values = {everything: key(everything)}
+    if len(everything) > _EVERY_SUBSET:
+        return _grown(_parts(task, everything), key)
+    values |= {s: key(s) for count in range(1, len(everything)) for s in combinations(everything, count)}
+    return min(values, key=lambda setups: (values[setups], len(setups)))
 
 
 def within_reach(task: Task, limits: Limits) -> bool:
@@ -99,8 +102,7 @@ def _parts(task: Task, everything: Setups) -> list[Setups]:
     return sorted({(setup,) for setup in everything} | linked - {()})
 
 
-def _grown(everything: Setups, parts: Sequence[Setups], key: Callable[[Setups], tuple[float, float]]) -> Setups:
-    key(everything)
+def _grown(parts: Sequence[Setups], key: Callable[[Setups], tuple[float, float]]) -> Setups:
     best = min(parts, key=key)
     value = key(best)
     while True:
@@ -141,22 +143,21 @@ def filled(
     """Take the candidate with the most gain (per second, where time counts) until a limit is reached.
 
     bundle : readings that are taken together as one with so much less noise
-    most, longest : picks and seconds after which to give up an accuracy
+    most, longest : picks and seconds after which to give up an accuracy; with a longest, once it is out of reach
     begun : seconds of the readings that are there already; None where the plan begins, by opening its set-ups
     """
-    of = scores.pool.lattice.setups
+    of, readings = scores.pool.lattice.setups, limits.readings or _MOST
     spent = float(times.mounting[list(setups)].sum()) if begun is None else begun
     cost, allowed = bundle * times.reading[of], np.isin(of, setups)
-    scores, opened = openings(scores, setups, limits.readings or _MOST, bundle) if begun is None else (scores, [])
+    scores, opened = openings(scores, setups, readings, bundle) if begun is None else (scores, [])
     for index, change in opened:
-        meter, spent = _after(meter, change, limits), spent + float(cost[index])
-    start = scores.state.value
+        meter, spent = meter.after(change) if limits.accurate else meter, spent + float(cost[index])
+    start, missed = scores.state.value, [limits.missed(meter.accuracy)]
     picks = 0
-    while not (met := limits.accurate and limits.met(meter.accuracy)) and bundle * len(scores.places) < (
-        limits.readings or _MOST
-    ):
+    while not (met := missed[-1] <= 0) and bundle * len(scores.places) < readings:
         picks += 1
-        if picks > most or spent > longest:
+        left = min(most - picks + 1, readings - len(scores.places))
+        if picks > most or spent > longest or (longest < np.inf and _hopeless(missed, left)):
             break
         open_to = allowed & (spent + cost <= (limits.budget or np.inf))
         if not open_to.any():
@@ -164,10 +165,20 @@ def filled(
         rate = np.where(open_to, scores.gains / (cost if limits.timed else 1.0), -np.inf)
         best = first_best(rate, ALIKE)
         gain = scores.enter(best, bundle=bundle)
-        meter, spent = _after(meter, scores.last, limits), spent + float(cost[best])
+        meter, spent = meter.after(scores.last) if limits.accurate else meter, spent + float(cost[best])
+        missed.append(limits.missed(meter.accuracy))
         if gain < _STALLED * start and limits.readings is None and limits.budget is None:
             break
     return Trial(scores, setups, spent, met)
+
+
+def _hopeless(missed: Sequence[float], left: float) -> bool:
+    """Return whether so many picks more miss an accuracy, were each worth as much as the last ones.
+
+    missed : what is left of the accuracy's excess after each pick so far
+    """
+    recent = missed[-_RECENT:]
+    return len(missed) > _RECENT and recent[-1] * len(recent[1:]) > left * (recent[0] - recent[-1])
 
 
 def picked(task: Task, limits: Limits, setups: Setups) -> Places:
@@ -175,11 +186,6 @@ def picked(task: Task, limits: Limits, setups: Setups) -> Places:
     pool = Pool(task.observation, task.lattice.within(np.isin(task.lattice.setups, setups)), task.memory)
     meter = RunningAccuracy.of(task.yardstick, task.state.factor)
     return filled(Scores(pool, task.state), meter, limits, clock(task), setups).scores.places
-
-
-def _after(meter: RunningAccuracy, change: LowRank, limits: Limits) -> RunningAccuracy:
-    """Return the accuracy after a reading, or the given one where the limits have no target accuracy."""
-    return meter.after(change) if limits.accurate else meter
 
 
 def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, int], NDArray[np.bool_]]:

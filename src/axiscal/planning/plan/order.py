@@ -312,7 +312,8 @@ def _turned(task: Task, limits: Limits, order: Places, where: NDArray[np.intp]) 
 def _way(task: Task, order: Places, where: NDArray[np.intp]) -> _OneSetup:
     mine, index = order.within(where), int(order.setups[where[0]])
     setup, machine = task.observation.setups[index], task.observation.machine
-    state = _after_others(task, order, where).opened(mine)
+    others = order.within(np.setdiff1d(np.arange(len(order)), where))
+    state = task.state.after_readings(others).opened(mine)
     rows, variances, owner = state.rows(mine)
     seen = rows @ state.factor
     lasting, crossed = seen @ seen.T, state.weighted @ seen.T
@@ -336,9 +337,3 @@ def _way(task: Task, order: Places, where: NDArray[np.intp]) -> _OneSetup:
         way_seconds(machine, setup, mine.poses[:, None], mine.poses[None], counted[None]),
         first,
     )
-
-
-def _after_others(task: Task, order: Places, where: NDArray[np.intp]) -> Covariance:
-    """Return what is known after the readings of other set-ups."""
-    others = np.setdiff1d(np.arange(len(order)), where)
-    return task.state.after_readings(order.within(others)) if len(others) else task.state

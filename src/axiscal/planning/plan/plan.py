@@ -58,20 +58,26 @@ def renewed(
     """
     times = clock(task)
     left = _mountable(limits, times, left)
-    setups = _setups(task, left)
-    lattice = task.lattice.within(np.isin(task.lattice.setups, setups))
-    places = left
-    if len(lattice):
-        trial = _begun(task, limits, times, Pool(task.observation, lattice, task.memory), setups, left)
+    mounted = [] if task.here is None else task.here.setups.tolist()
+    setups, places = tuple(sorted({*mounted, *left.setups.tolist()})), left
+    if np.isin(task.lattice.setups, setups).any():
+        base = _scores(task, setups)
         others = np.setdiff1d(task.lattice.setups, setups) if limits.accurate else np.zeros(0, dtype=np.intp)
-        trial = _filled(task, limits, times, trial, others)
+        trial = _filled(task, limits, times, _begun(base.fork(), limits, times, setups, left), others)
         if len(others) and not trial.met and within_reach(task, limits):
             return Places.none(left.poses.shape[1])
         exchange(trial.scores, affordable(times, setups, limits.slack), _SWEEPS, _WORTH)
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS_OF_RENEWAL, Patience(patience))
-        places = fitted(task, limits.times(1 / unsure), times, trial).scores.places
-    order = _ordered(task, limits, _needed(task, limits, times, places), left, usual)
+        trial = fitted(task, limits.times(1 / unsure), times, trial)
+        places = _needed(task, limits, times, base, trial.scores.places)
+    order = _ordered(task, limits, places, left, usual)
     return replace(order, approaches=arriving(task, order))
+
+
+def _scores(task: Task, setups: Setups) -> Scores:
+    """Return the gains of the candidates of some set-ups, before the first reading of a plan."""
+    lattice = task.lattice.within(np.isin(task.lattice.setups, setups))
+    return Scores(Pool(task.observation, lattice, task.memory), task.state)
 
 
 def _ordered(task: Task, limits: Limits, places: Places, left: Places, usual: bool) -> Places:
@@ -82,16 +88,18 @@ def _ordered(task: Task, limits: Limits, places: Places, left: Places, usual: bo
     return interleaved(task, limits, order) if usual else order
 
 
-def _needed(task: Task, limits: Limits, times: Clock, places: Places) -> Places:
-    """Return a plan, or readings of the set-up that is mounted where these reach the accuracy in less time."""
+def _needed(task: Task, limits: Limits, times: Clock, base: Scores, places: Places) -> Places:
+    """Return a plan, or readings of the set-up that is mounted where these reach the accuracy in less time.
+
+    base : the gains of the candidates before the first reading
+    """
     here: Setups = () if task.here is None else (int(task.here.setups[0]),)
-    mine, lattice = np.isin(places.setups, here), task.lattice.within(np.isin(task.lattice.setups, here))
-    if not limits.accurate or not len(lattice) or mine.all():
+    mine = np.isin(places.setups, here)
+    if not limits.accurate or not np.isin(task.lattice.setups, here).any() or mine.all():
         return places
-    begun = places.within(mine)
-    scores = _begun(task, limits, times, Pool(task.observation, lattice, task.memory), here, begun).scores
+    scores = _begun(base.among(here), limits, times, here, places.within(mine)).scores
     meter = RunningAccuracy.of(task.yardstick, scores.state.factor)
-    spent, longest = (seconds_along(task, in_order(task, each)) for each in (begun, places))
+    spent, longest = (seconds_along(task, in_order(task, each)) for each in (places.within(mine), places))
     alone = filled(scores, meter, replace(limits, budget=None), times, here, 1, _MOST, longest, begun=spent)
     return scores.places if alone.met else places
 
@@ -107,14 +115,8 @@ def _mountable(limits: Limits, times: Clock, left: Places) -> Places:
     return left.within(np.isin(left.setups, list(kept)))
 
 
-def _setups(task: Task, left: Places) -> Setups:
-    mounted = [] if task.here is None else task.here.setups.tolist()
-    return tuple(sorted({*mounted, *left.setups.tolist()}))
-
-
-def _begun(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setups, left: Places) -> Trial:
-    """Return the plan that is left, of no more readings than there may be."""
-    scores = Scores(pool, task.state)
+def _begun(scores: Scores, limits: Limits, times: Clock, setups: Setups, left: Places) -> Trial:
+    """Return the plan that is left, of no more readings than there may be.  scores : before the first, taken over"""
     scores.enter_all(left)
     while limits.readings is not None and len(scores.places) > limits.readings:
         drop(scores, times)
@@ -209,9 +211,8 @@ def make_plan(
     times = clock(task)
     with stage("which set-ups"):
         setups = chosen_setups(task, limits)
-    pool = Pool(task.observation, task.lattice.within(np.isin(task.lattice.setups, setups)), task.memory)
     with stage("readings chosen together"):
-        trial = _together(task, limits, times, pool, setups, _RANDOM * patience)
+        trial = _together(task, limits, times, setups, _RANDOM * patience)
     with stage("off the lattice"):
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
     places = fitted(task, limits, times, trial).scores.places
@@ -232,12 +233,12 @@ def _refuse(task: Task, limits: Limits) -> None:
         raise PlanError(what, remedy, given=limits.budget / 60, needed=first / 60)
 
 
-def _together(task: Task, limits: Limits, times: Clock, pool: Pool, setups: Setups, work: float) -> Trial:
+def _together(task: Task, limits: Limits, times: Clock, setups: Setups, work: float) -> Trial:
     """Return the best of what exchange makes of several beginnings with the same number of readings per set-up.
 
     work : operations that random starts may take
     """
-    base, meter = Scores(pool, task.state), RunningAccuracy.of(task.yardstick, task.state.factor)
+    base, meter = _scores(task, setups), RunningAccuracy.of(task.yardstick, task.state.factor)
     greedy = filled(base.fork(), meter, limits, times, setups)
     counts = [(s, int(np.sum(greedy.scores.places.setups == s))) for s in setups]
     trials = [greedy]

@@ -13,7 +13,7 @@ import numpy as np
 
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.criterion import Root
-from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
+from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick, attainable
 from axiscal.estimation.belief import Belief
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.observation import Observation
@@ -88,9 +88,22 @@ class Limits:
 
         accuracy : by J
         """
-        pairs = zip((accuracy.rms, accuracy.worst), self.beside, strict=True)
-        rms, worst = (math.sqrt(max(own**2 + beside, 0.0)) for own, beside in pairs)
-        return accuracy._replace(rms=rms, worst=worst).meets(self.rms, self.worst)
+        return self.missed(accuracy) <= 0
+
+    def missed(self, accuracy: Accuracy) -> float:
+        """Return by what share the square of a figure is too large, the nearer one; infinite where none is asked for.
+
+        accuracy : by J
+        """
+        figures = (accuracy.rms, self.rms, accuracy.floor), (accuracy.worst, self.worst, accuracy.worst_floor)
+        return min(
+            (
+                max(own**2 + beside, 0.0) / attainable(limit, floor) ** 2 - 1
+                for (own, limit, floor), beside in zip(figures, self.beside, strict=True)
+                if limit is not None
+            ),
+            default=math.inf,
+        )
 
     @property
     def of_volume(self) -> bool:
