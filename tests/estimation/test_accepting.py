@@ -31,12 +31,12 @@ READINGS = [Reading(("laser", "other")[i % 2], (0.1 * i,), (1,), 0.0, number=11 
 PATH = Path("mill.axiscal")
 
 
-def known(*explained: Explained, p: float = 1e-6, against: tuple[str, ...] = ()) -> Estimation:
+def known(*explained: Explained, p: float = 1e-6, described: Explained | None = None) -> Estimation:
     """Return an estimation whose readings name these mistakes."""
     found = SimpleNamespace(
         stated=SimpleNamespace(description=DESCRIBED),
         readings=READINGS,
-        agreement=Agreement(6, 4, 30.0, p, explained, against),
+        agreement=Agreement(6, 4, 30.0, p, explained, described),
         name_of=lambda index: f"reading {READINGS[index].number}",
     )
     return cast("Estimation", found)
@@ -127,7 +127,9 @@ def test_what_is_said_of_all_readings_together() -> None:
     assert both.startswith('The readings contradict each other (p = 1e-06): all values of "laser" have the wrong sign')
     assert '; or all values of "other" have the wrong sign' in both
     assert agreement_words(known(*SIGNS), PATH) == f"{both}. If so: axiscal step accept {PATH} sign"
-    assert agreement_words(known(against=("B", "C"))) == (
+    place = known(described=Explained("place", 9.0, (1,), 1))
+    assert '"other" does not stand where the campaign says' in agreement_words(place)
+    assert agreement_words(known(described=Explained("direction", 9.0, (), axes=("B", "C")))) == (
         "The readings contradict each other (p = 1e-06): correct direction of B, C in the machine's file"
     )
 

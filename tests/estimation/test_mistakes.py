@@ -125,7 +125,7 @@ def test_two_set_ups_of_as_many_numbers_may_be_swapped() -> None:
 
 @pytest.mark.parametrize(("kind", "sizes"), KINDS)
 def test_a_jump_of_each_size_is_so_many_noises_more_from_its_reading_on(kind: str, sizes: tuple[str, ...]) -> None:
-    """Of what is read in three directions each moves by itself."""
+    """Of what is read in three directions each moves by itself, or has stood elsewhere from the beginning."""
     problem, weighed = _learning(kind, sizes)
     without, found = _Without(problem, weighed), list(_jumps(problem, weighed))
     wide = {setup: JUMPS if sum(problem.reading == problem.reading[problem.setup == setup][0]) > 1 else JUMPS[:1]
@@ -133,19 +133,20 @@ def test_a_jump_of_each_size_is_so_many_noises_more_from_its_reading_on(kind: st
     assert [each.mistake.setups for each in found] == [(setup,) for setup, sizes in wide.items() for _ in sizes]
     for (setup, noises), jump in zip([(s, n) for s, sizes in wide.items() for n in sizes], found, strict=True):
         mine = problem.setup == setup
-        readings = sorted(set(problem.reading[mine].tolist()))
+        begun, *later = sorted(set(problem.reading[mine].tolist()))
+        firsts = [begun, *later] if len(wide[setup]) > 1 else later
         number = np.arange(len(mine)) - np.searchsorted(problem.reading, problem.reading)
         size = noises * float(np.median(problem.noise[mine])) / problem.noise
         each = {
             first: without.odds(
                 problem.values,
-                len(wide[setup]) * (len(readings) - 1),
+                len(wide[setup]) * len(firsts),
                 size * np.array([mine & (number == k) & (problem.reading >= first) for k in set(number[mine])]),
             )
-            for first in readings[1:]
+            for first in firsts
         }
         best = max(each, key=lambda first: each[first])
-        assert (jump.mistake.mistake, jump.mistake.reading) == ("jump", best)
+        assert (jump.mistake.mistake, jump.mistake.reading) == ("jump" if best > begun else "place", best)
         _agrees(jump, each[best])
     assert not list(_jumps(problem.only(problem.reading == 3), weighed))
 
@@ -160,7 +161,7 @@ def test_a_jump_of_one_number_is_of_its_zero_whatever_else_the_mounting_leaves_o
     assert probe == next(iter(_jumps(problem, weighed)))
     columns = JUMPS[0] * float(np.median(problem.noise[problem.setup == 1])) / problem.noise
     since = (problem.setup == 1) & (problem.reading >= nest.mistake.reading)
-    places = len(JUMPS) * (len(set(problem.reading[problem.setup == 1].tolist())) - 1)
+    places = len(JUMPS) * len(set(problem.reading[problem.setup == 1].tolist()))
     _agrees(nest, _Without(problem, weighed).odds(problem.values, places, columns * since))
 
 

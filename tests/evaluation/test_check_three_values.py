@@ -1,4 +1,4 @@
-"""A check with instruments that read along x, y and z at once: trackers."""
+"""A check with instruments that read along x, y and z at once: trackers, and balls of a board."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.evaluation.check import Check
-from axiscal.evaluation.datums import datums_of, straightened
+from axiscal.evaluation.datums import datums_of, upright
 from axiscal.evaluation.verification import plan_check, values_at
 from axiscal.exceptions import ReadingError
 from axiscal.machine.kinematics import frames
@@ -24,6 +24,7 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.simulation import Simulator
 from tests.evaluation.test_verification import MACHINE
 from tests.generators.reaches import reach_of
+from tests.generators.texts import machine_text
 
 pytestmark = pytest.mark.long
 
@@ -33,13 +34,13 @@ PROBE = '[[setups]]\nname = "along y"\ninstrument = "probe"\ndirection = "y"\nno
 SEED = 5
 
 
-def _description(*setups: str) -> CampaignDescription:
+def _description(*setups: str, machine: str = MACHINE) -> CampaignDescription:
     text = 'machine = "m.toml"\n[target]\nrms = "1.5 um"\nreadings = 24\n' + "".join(setups)
-    return campaign_from_texts(text, "c.toml", MACHINE, "m.toml")
+    return campaign_from_texts(text, "c.toml", machine, "m.toml")
 
 
-def _record(path: Path, *setups: str) -> Path:
-    description = _description(*setups)
+def _record(path: Path, *setups: str, machine: str = MACHINE) -> Path:
+    description = _description(*setups, machine=machine)
     truth = Simulator(description.machine, description.setups).drawn(SEED)
     with Campaign.create(path, description) as campaign:
         campaign.run(SimulatedSource(truth, SEED), lambda _: None)
@@ -114,17 +115,18 @@ def test_datums_take_off_what_a_tracker_brings() -> None:
 def test_a_tracker_set_down_by_eye_shows_the_machine_and_not_its_turn() -> None:
     """Twelve places, 20 mrad off about each axis: by scipy's rotation, and what is left of 10 um of deviations."""
     description, rng = _description(TRACKER), np.random.default_rng(7)
-    setup, turn = description.setups[0], Rotation.from_rotvec([0.019, -0.021, 0.023])
+    turn = Rotation.from_rotvec([0.019, -0.021, 0.023])
     station = np.array([0.0, -0.9, 0.0])
     low, high = np.array([axis.travel for axis in description.machine.axes]).T
     poses, deviations = rng.uniform(low, high, (12, 2)), rng.normal(0, 1e-5, (12, 3))
     tips = frames(description.machine, poses).tcp
     shown = turn.apply(tips + deviations - station) + station - tips
-    straight = straightened(description.machine, setup, poses, shown, ["turn_x", "turn_y", "turn_z"])
     of, directions = np.repeat(np.arange(12), 3), np.tile(np.eye(3), (12, 1))
     none = np.zeros(36, dtype=np.intp)
     datums = datums_of(description.machine, description.setups, none, poses[of], directions, 1e-6)
-    left = datums.free @ straight.ravel() - datums.free @ deviations.ravel()
+    places = Places.of_setup(0, poses, np.zeros_like(poses))
+    left = datums.free @ upright(description.machine, description.setups, places, datums, shown.ravel())
+    left -= datums.free @ deviations.ravel()
     assert np.abs(left).max() < 2e-8
     assert np.abs(datums.free @ shown.ravel() - datums.free @ deviations.ravel()).max() > 2e-5
 
@@ -196,3 +198,42 @@ def test_a_set_up_with_too_few_new_places_is_left_out(two_setups: Check) -> None
     whole = two_setups._whole(first, few, 12, 0.0)
     assert set(whole.setups.tolist()) == {1}
     assert set(two_setups._others(few, 6, whole, 0.0).setups.tolist()) == {1}
+
+
+BALLS = """[[artefacts]]
+name = "board"
+calibrated = "0.3 mm"
+turned = "5 mrad"
+[artefacts.balls]
+one = ["-60 mm", "0 mm", "10 mm"]
+two = ["60 mm", "0 mm", "60 mm"]
+three = ["0 mm", "-60 mm", "110 mm"]
+four = ["0 mm", "60 mm", "40 mm"]
+"""
+PLACED = '[[setups]]\nname = "{0} deg"\ninstrument = "sphere"\nartefact = "board"\nat = {1}\nturn = "{0} deg"\n'
+THREE = machine_text(
+    "w-b-Y-X-Z-t", {"X": (0, 300), "Y": (0, 300), "Z": (0, 200)}, {"EXX EYY": "20 um", "C0Y": "90 urad"}, name="Three"
+)
+
+
+def test_a_board_that_has_no_new_places_is_read_again_as_it_lies(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A board put down by eye is turned by milliradians, whose squares move its balls by microns."""
+    at = ((0, "100 mm", "100 mm"), (90, "200 mm", "100 mm"), (180, "150 mm", "180 mm"))
+    boards = [PLACED.format(turn, [x, y, "0 mm"]) for turn, x, y in at]
+    record = _record(tmp_path / "board.axiscal", BALLS, *boards, machine=THREE)
+    assert run(["verify", str(record), "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert len(said["read_again"]) >= 2
+    assert len(said["plan"]) == 4 * len(said["read_again"])
+    assert run(["verify", str(record), "--source", f"sim:{SEED}", "--tolerance", "30 um", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert (said["verdict"], said["estimate_believed"], said["against_own_line"]) == ("pass", True, [])
+    assert said["left_rms_um"] < said["found_rms_um"]
+    with Campaign.open(record, write=False) as campaign:
+        check = Check.of(campaign, "linuxcnc")
+    places = check.planned()
+    once = check.asked(f"sim:{SEED}", places.within(places.setups == places.setups[0]))
+    with pytest.raises(ReadingError, match="one artefact cannot tell"):
+        check.judged(once, "30 um")

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
-from axiscal.estimation.agreement_words import acceptance, mistake_words
+from axiscal.estimation.agreement_words import acceptance, agreement_words, mistake_words
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation
@@ -203,3 +203,15 @@ def test_a_board_that_moves_between_two_touches_is_named(by: tuple[float, float,
     again = concluded(Case(description), right)
     assert not again.agreement.contradicts
     assert abs(again.knowledge.belief.mean[0] - truth[0]) < 4 * 3e-6
+
+
+@pytest.mark.long
+def test_a_board_that_never_stood_where_the_campaign_says_is_named() -> None:
+    touched, rng = Touched(), np.random.default_rng(7)
+    truth = 0.3 * rng.standard_normal(len(touched.stds)) * touched.stds
+    values = touched.values(truth) + NOISE * rng.standard_normal((len(touched.order), 3))
+    mine = [index for index, (placement, _) in enumerate(touched.order) if placement == 1]
+    values[mine] -= np.array([0.02, 0.0, 0.0])
+    known = estimated(described(board()), values)
+    assert not known.agreement.explained
+    assert '"2" does not stand where the campaign says' in agreement_words(known)

@@ -7,6 +7,7 @@ import shlex
 import sys
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, TypeVar
 
@@ -167,15 +168,17 @@ def _from_ini(file: Path, chain: str | None, limits: Sequence[str], folder: Path
     if asking:
         open_ = {letter: unit for letter, unit in lacking_limits(ini).items() if letter not in given}
         for letter, unit in open_.items():
-            words = _asked(
-                said("From where to where does {axis} move, in {unit}, such as -300 0?", axis=letter, unit=unit), ()
-            )
-            given |= [_limits(f"{letter} {words}")]
+            given |= [_until_right(partial(_asked_limits, letter, unit))]
     found = machine_of(ini, given)
     if asking and chain is None and not found.build.sure:
         how = said("How is it built? Primed axes carry the workpiece; Enter for {chain}", chain=found.build.chain)
-        chain = _asked(how, ()) or None
+        return _until_right(lambda: of_ini(found, file, folder, _asked(how, ()) or None))
     return of_ini(found, file, folder, chain)
+
+
+def _asked_limits(letter: str, unit: str) -> tuple[str, tuple[float, float]]:
+    question = said("From where to where does {axis} move, in {unit}, such as -300 0?", axis=letter, unit=unit)
+    return _limits(f"{letter} {_asked(question, ())}")
 
 
 def _limits(text: str) -> tuple[str, tuple[float, float]]:

@@ -29,6 +29,7 @@ from axiscal.present.check_answer import (
     passed_over,
     plan_lines,
     plan_rows,
+    read_again,
 )
 from axiscal.record.signing import own_hand
 from axiscal.units import to_unit
@@ -200,12 +201,12 @@ def _opening(
 
 def _plan(check: Check, places: Places, plan: Path | None, command: str, json: bool) -> None:
     """Show the places and what to do next, and write them into the file `plan`.  command : without its last options"""
-    rows, unread = plan_rows(check, places), passed_over(check, places)
+    rows, unread, again = plan_rows(check, places), passed_over(check, places), read_again(check, places)
     sheet = check.sheet(places)
     if plan is not None:
         write_whole(plan, sheet.encode())
-    lines = [_wrapped(plan_lines(rows, unread)), *ending({said("Next"): _steps(sheet, plan, command)})]
-    say_either(json, "axiscal-verify/1", {"plan": rows, "passed_over": unread}, lines)
+    lines = [_wrapped(plan_lines(rows, unread, again)), *ending({said("Next"): _steps(sheet, plan, command)})]
+    say_either(json, "axiscal-verify/1", {"plan": rows, "passed_over": unread, "read_again": again}, lines)
 
 
 def _wrapped(lines: Sequence[str]) -> str:

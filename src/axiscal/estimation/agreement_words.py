@@ -26,9 +26,15 @@ def agreement_words(known: Estimation, record: Path | None = None) -> str:
     if not found.contradicts:
         return count
     chance = put("p = {p:.1g}", p=found.p)
-    if found.against:
+    if found.described is not None and found.described.axes:
         what = "The readings contradict each other ({chance}): correct direction of {axes} in the machine's file"
-        return said(what, chance=chance, axes=listed(", ", [*found.against]))
+        return said(what, chance=chance, axes=listed(", ", [*found.described.axes]))
+    if found.described is not None:
+        what = (
+            'The readings contradict each other ({chance}): "{setup}" does not stand where the campaign says. Correct '
+            "its place there, or put it there and read it again"
+        )
+        return said(what, chance=chance, setup=known.stated.description.setups[found.described.setups[0]].name)
     if not found.explained:
         what = "The readings contradict each other ({chance}), and no single mistake explains it: {count}"
         return said(what, chance=chance, count=count)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -21,8 +22,8 @@ from axiscal.description.target import Target
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.evaluation.at_the_machine import Sheet
-from axiscal.evaluation.datums import lines_shared
-from axiscal.evaluation.table_checks import Judgement, Part, needed, parts_of, taken_away
+from axiscal.evaluation.datums import fewest, lines_shared
+from axiscal.evaluation.table_checks import Judgement, Part, far_from, needed, parts_of, taken_away
 from axiscal.evaluation.verification import (
     expected,
     judge,
@@ -36,6 +37,7 @@ from axiscal.exceptions import ReadingError, TargetError
 from axiscal.language.stages import stage
 from axiscal.measurement.readers.csv_readings import blank_sheet, read_readings
 from axiscal.measurement.reading import Places, Reading, columns_of
+from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.planning.other_readings import with_room
@@ -53,7 +55,7 @@ FoundAndLeft = tuple[tuple[Reading, ...], tuple[Reading, ...]]
 """Readings without the tables and with them, of the same places."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Check:
     """The campaign's estimate, and the tables of one controller that come from it."""
 
@@ -86,23 +88,20 @@ class Check:
         USUAL at least where so many are new.
         Fewer than the tables need show those that correct most; the rest is where the machine should be worst and best.
         No set-up is read at fewer places than tell the machine from it. Set-ups that the campaign has read come alone:
-        of others nobody knows how they lie.
+        of others nobody knows how they lie. A chart without enough new places is read at its old ones.
         """
         setups, lattice = self.description.setups, self.estimation.case.lattice
-        names = [setup.name for setup in setups]
-        indices = np.array([names.index(reading.setup) for reading in self.used], dtype=np.intp)
-        shape = (-1, len(self.description.machine.axes))
-        poses, sides = (
-            np.array([getattr(r, of) for r in self.used], dtype=float).reshape(shape) for of in ("pose", "approach")
-        )
-        candidates, used = with_displacements(setups, lattice, by), Places(indices, poses, sides)
-        if len(judges := np.intersect1d(used.setups, candidates.setups)):
+        candidates, used = with_displacements(setups, lattice, by), places_of(setups, self.avoided)
+        if len(judges := np.intersect1d(places_of(setups, self.used).setups, candidates.setups)):
             candidates = candidates.within(np.isin(candidates.setups, judges))
         first = needed(self.estimate, setups, candidates, self.parts, used)
+        if count is None and (again := [i for i, _ in candidates.by_setup() if setups[i].name in self.exhausted]):
+            whole, others = np.isin(candidates.setups, again), ~np.isin(first.setups, again)
+            first = Places.joined([candidates.within(whole), first.within(others)])
         most = len(first) + len(candidates) if count is None else count
         first = self._whole(first, candidates, most, tolerance)
         left = max(USUAL - len(first), _FEW) if count is None else count - len(first)
-        if left < 1:
+        if left < 1 or len(first) == len(candidates):
             return _in_order(first)
         least = 0 if count is None and len(first) else left
         return _in_order(Places.joined([first, self._at_least(candidates, least, left, first, tolerance)]))
@@ -143,7 +142,7 @@ class Check:
 
     def _others(self, candidates: Places, count: int, known: Places, tolerance: float) -> Places:
         setups, control = self.description.setups, self.tables.control
-        return plan_check(self.estimate, setups, candidates, self.used, control, count, known, tolerance)
+        return plan_check(self.estimate, setups, candidates, self.avoided, control, count, known, tolerance)
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -152,6 +151,23 @@ class Check:
         places = lattice.within(np.arange(0, len(lattice), max(1, len(lattice) // _PROBES)))
         parts, setups = parts_of(self.estimate, self.tables), self.description.setups
         return tuple(sorted(parts, key=lambda part: -float(np.std(taken_away(machine, part, setups, places)))))
+
+    @property
+    def avoided(self) -> tuple[Reading, ...]:
+        """The readings whose places are not read again: none of a chart without enough others, such as a board."""
+        return tuple(reading for reading in self.used if reading.setup not in self.exhausted)
+
+    @cached_property
+    def exhausted(self) -> set[str]:
+        """The set-ups on a chart with too few places that were not read."""
+        setups, lattice, machine = self.description.setups, self.estimation.case.lattice, self.description.machine
+        new = far_from(machine, lattice, places_of(setups, self.used))
+        return {
+            setups[index].name
+            for index, mine in lattice.by_setup()
+            if setups[index].chart is not None
+            and np.sum(new[mine]) < fewest(machine, setups[index], lattice.poses[mine], 0.0)
+        }
 
     def predicted(self, places: Places) -> tuple[list[Array], list[Array]]:
         """Return the values (k,) that each place is expected to show without the tables and with them, m."""
@@ -223,9 +239,7 @@ def requests(description: CampaignDescription, places: Places) -> list[Request]:
 
 def _in_order(places: Places) -> Places:
     """Return places set-up by set-up, along the axes."""
-    rows = zip(places.setups.tolist(), places.poses.tolist(), places.approaches.tolist(), strict=True)
-    keys = [(s, *pose, *sides) for s, pose, sides in rows]
-    return places.within(np.array(sorted(range(len(keys)), key=keys.__getitem__), dtype=np.intp))
+    return places.within(np.lexsort((*places.approaches.T[::-1], *places.poses.T[::-1], places.setups)))
 
 
 def tolerance_of(target: Target, text: str | None) -> float:

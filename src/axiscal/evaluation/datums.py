@@ -6,10 +6,8 @@ residuals are judged against their own line. The legs of a square share its turn
 the machine is. A well-known slope, and a growth always, is not fitted, for that could swallow an error of the machine.
 It adds U diag(std²) Uᵀ to the covariance of the readings.
 
-A tracker that was set down by eye is read as if it stood straight. It shows y = R(p + δ − s) + s + zero − p at a place
-p from its station s. Its turn R is a datum of a check if it may hide the tolerance. Turns of 20 mrad are not linear:
-over a metre the square is 200 um. So R is the turn after which no turn remains. It is taken back: Rᵀ(y + p − s) − (p −
-s) = δ + Rᵀ zero.
+What was put down by eye is turned by milliradians: a tracker, a board of balls. That is not linear: 20 mrad over a
+metre make 200 um. So `upright` solves the readings for turns and deviations together.
 """
 
 from __future__ import annotations
@@ -22,13 +20,12 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.distance import TURNS
-from axiscal.measurement.instruments.kind import TOOL, Nominal
+from axiscal.measurement.instruments.kind import TOOL, Actual, Nominal
 from axiscal.measurement.observation import directions_of
+from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
-from axiscal.numerics import Array, rigid
+from axiscal.numerics import Array
 
 GUARD = 1.645
 """Expanded uncertainty in standard deviations: one side, 95 %."""
@@ -115,7 +112,7 @@ def datums_of(
         mine, setup = np.flatnonzero(indices == index), setups[index]
         own = _own_rows(machine, setup, poses[mine], directions[mine])
         off = _are_datums(setup, own, np.array([unknown.std for unknown in setup.unknowns]), tolerance)
-        if len(mine) <= (taken_off := int(off.sum())):
+        if len(mine) <= (taken_off := int((off & ~_on_board(setup)).sum())):
             what = '{readings} reading(s) with "{setup}" cannot tell the machine from the set-up'
             remedy = "Take {least} or more with it, or leave it out"
             raise ReadingError(what, remedy, readings=len(mine), setup=setup.name, least=taken_off + 1)
@@ -128,6 +125,9 @@ def datums_of(
     stays = [unknown.std * column for unknown, column, off in found.values() if not off]
     columns, rest = (np.array(each).reshape(-1, len(indices)).T for each in (list(datums.values()), stays))
     inverse = np.linalg.pinv(columns)
+    if round(float(np.trace(columns @ inverse))) >= len(indices):
+        remedy = "Read the artefact where it lies another way as well"
+        raise ReadingError("readings of one artefact cannot tell the machine from it", remedy)
     taken = tuple(
         Datum(*key, found[key][0].std, row, max(float(np.max(np.abs(column))), 1e-12))
         for (key, column), row in zip(datums.items(), inverse, strict=True)
@@ -143,8 +143,8 @@ def fewest(machine: Machine, setup: Setup, poses: Array, tolerance: float) -> in
     towards = [setup.direction if d is None else d for d in directions_of(setup)]
     directions = np.tile(np.array(towards, dtype=float), (len(poses), 1))
     own = _own_rows(machine, setup, np.repeat(poses, len(towards), axis=0), directions)
-    datums = int(_are_datums(setup, own, np.array([unknown.std for unknown in setup.unknowns]), tolerance).sum())
-    return datums // len(towards) + 1
+    off = _are_datums(setup, own, np.array([unknown.std for unknown in setup.unknowns]), tolerance)
+    return int((off & ~_on_board(setup)).sum()) // len(towards) + 1
 
 
 def _own_rows(machine: Machine, setup: Setup, poses: Array, directions: Array) -> Array:
@@ -169,27 +169,41 @@ def _are_datums(setup: Setup, own: Array, stds: Array, tolerance: float) -> NDAr
     )
 
 
-_ROUNDS = 12
-"""Rounds end where the turn stays; this only ends what would go round."""
-_STAYS = 1e-10
-"""rad; a tenth of a nanometre over a metre."""
+def _on_board(setup: Setup) -> NDArray[np.bool_]:
+    """Return which unknowns are coordinates of balls, (unknowns,), which other placements of the artefact share."""
+    balls = {ball.name for ball in setup.artefact.balls} if setup.artefact else set()
+    return np.array([bool(u.owner) and u.name.rpartition("_")[0] in balls for u in setup.unknowns], dtype=bool)
 
 
-def straightened(machine: Machine, setup: Setup, poses: Array, shown: Array, turns: Sequence[str]) -> Array:
-    """Return the readings of one tracker without its turn, (m, 3), m.
+_ROUNDS = 6
+"""Rounds in which turns are found: each leaves a few hundredths of what the last one left, of turns of 20 mrad."""
 
-    poses : (m, q) m or rad; shown : (m, 3) m; turns : the unknown turns that are datums, others are none
+
+def upright(machine: Machine, setups: Sequence[Setup], places: Places, datums: Datums, shown: Array) -> Array:
+    """Return readings as if they were linear in the datums, (m,), m.
+
+    A reading shows f(δ, u) of a deviation δ and the datums u. The result is δ + U u, where f(δ, u) is what was shown
+    and no datum is left in δ.
+
+    places : of the readings; shown : (m,) m, all values of each reading after another
     """
-    line = frames(machine, poses).tcp - (np.zeros(3) if setup.station is None else np.array(setup.station))
-    free = [TURNS.index(name) for name in turns]
-    zeros = np.tile(np.eye(3), (len(poses), 1))
-    tilted = np.stack([np.cross(np.eye(3)[axis], line).ravel() for axis in free], axis=1)
-    inverse, turn = np.linalg.pinv(np.hstack([tilted, zeros])), np.eye(3)
+    values = shown
+    each = np.repeat(np.arange(len(places)), [len(directions_of(setups[s])) for s in places.setups])
     for _ in range(_ROUNDS):
-        step = np.zeros(3)
-        step[free] = (inverse @ ((shown + line) @ turn - line).ravel())[: len(free)]
-        turn = turn @ rigid.rotation(step[None])[0]
-        if np.max(np.abs(step)) < _STAYS:
-            break
-    straight: Array = (shown + line) @ turn - line
-    return straight
+        free, beyond = datums.free @ values, np.zeros_like(values)
+        found = {(datum.setup, datum.unknown): float(datum.row @ values) for datum in datums.taken}
+        for index, mine in places.by_setup():
+            setup, of = setups[index], np.isin(each, mine)
+            keys = {unknown.name: (unknown.owner or setup.name, unknown.name) for unknown in setup.unknowns}
+            own = {name: found[key] for name, key in keys.items() if key in found}
+            towards = [np.array(setup.direction if d is None else d, dtype=float) for d in directions_of(setup)]
+            deviations = free[of].reshape(len(mine), -1) @ np.array(towards)
+            actual = Actual(deviations, np.zeros_like(deviations))
+            place, model = Nominal(machine, places.poses[mine], setup.moves), model_of(setup)
+            parts = []
+            for direction in towards:
+                linear = sum(value * model.unknown_effect(setup, name, direction, place) for name, value in own.items())
+                parts.append(model.shown(setup, direction, place, actual, own) - deviations @ direction - linear)
+            beyond[of] = np.stack(parts, axis=1).ravel()
+        values = shown - beyond
+    return values

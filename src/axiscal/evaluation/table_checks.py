@@ -221,10 +221,10 @@ def _on_chart(
     estimate: Estimate, setups: Sequence[Setup], index: int, part: Part, used: Places, candidates: Places
 ) -> Places:
     """Return those of the candidates on a chart that show a part: nearest to its targets, or what it moves farthest."""
-    mine = np.flatnonzero(candidates.setups == index)
-    fresh = np.array([_fresh(estimate.machine, index, candidates.poses[i], used) for i in mine], dtype=bool)
-    at = candidates.within(mine[fresh])
-    if part.over is None or not len(at):
+    at = candidates.within((candidates.setups == index) & far_from(estimate.machine, candidates, used))
+    if not len(at):
+        return at
+    if part.over is None:
         return at.within(_farthest(taken_away(estimate.machine, part, setups, at).reshape(len(at), -1)))
     if part.over not in setups[index].moves:
         return at.within(slice(0))
@@ -240,7 +240,7 @@ def _on_chart(
 def _farthest(effects: Array) -> NDArray[np.intp]:
     """Return the indices of a few effects that are farthest from their mean, then from each other.  effects : (m, k)"""
     picked = list[int]()
-    apart = np.linalg.norm(effects - effects.mean(axis=0), axis=1) if len(effects) else np.zeros(0)
+    apart = np.linalg.norm(effects - effects.mean(axis=0), axis=1)
     for _ in range(min(_FEW, len(effects))):
         picked.append(int(np.argmax(apart)))
         away = np.linalg.norm(effects - effects[picked[-1]], axis=1)
@@ -271,11 +271,11 @@ def _place(
 ) -> tuple[Array, Array]:
     """Return pose and sides of the place nearest to a target that was not read before."""
     assert over is not None
-    first = _posed(estimate, setup, over, target, _ELSEWHERE[0])
     middle = float(np.mean(estimate.box[over]))
     options = [_posed(estimate, setup, over, target, share) for share in _ELSEWHERE]
     options += [_posed(estimate, setup, over, target + share * (middle - target), 0.5) for share in (0.15, 0.3)]
-    pose = next((one for one in options if _fresh(estimate.machine, index, one, used)), first)
+    places = Places.of_setup(index, np.array(options), np.zeros((len(options), len(options[0]))))
+    pose = options[int(np.argmax(far_from(estimate.machine, places, used)))]  # the first, where none is
     sides = np.zeros(len(pose))
     sides[list(setup.moves)] = setup.sides[0]
     sides[over] = way
@@ -297,10 +297,12 @@ def _posed(estimate: Estimate, setup: Setup, over: int, target: float, share: fl
     return pose
 
 
-def _fresh(machine: Machine, index: int, pose: Array, used: Places) -> bool:
-    lengths = np.array([axis.length for axis in machine.axes])
-    mine, _ = used.of(index)
-    return not len(mine) or bool(np.min(np.max(np.abs(mine - pose) / lengths, axis=1)) >= _FRESH)
+def far_from(machine: Machine, places: Places, used: Places) -> NDArray[np.bool_]:
+    """Return which places are far from every one that their set-up was read at, (m,)."""
+    lengths, far = np.array([axis.length for axis in machine.axes]), np.ones(len(places), dtype=bool)
+    for setup, pose in zip(used.setups, used.poses, strict=True):
+        far &= (places.setups != setup) | (np.max(np.abs(places.poses - pose) / lengths, axis=1) >= _FRESH)
+    return far
 
 
 def _shown(machine: Machine, part: Part, setups: Sequence[Setup], places: Places) -> float:

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.datums import Datums, datums_of, fewest, is_zero, straightened
+from axiscal.evaluation.datums import Datums, datums_of, fewest, is_zero, upright
 from axiscal.evaluation.table_checks import (
     HARDLY,
     Judgement,
     Part,
-    Share,
+    far_from,
     idle_axes,
     shares,
     taken_away,
@@ -29,12 +29,12 @@ from axiscal.evaluation.table_checks import (
 )
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import said
-from axiscal.measurement.instrument import INSTRUMENTS, model_of
+from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.instruments.displacement import Displacement
-from axiscal.measurement.instruments.distance import TURNS, Nest, Tracker
-from axiscal.measurement.instruments.kind import Nominal
+from axiscal.measurement.instruments.distance import Nest, Tracker
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.reading import Places, Reading
+from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_tail
@@ -45,8 +45,8 @@ _DISPLACEMENTS = (Displacement, Nest, Tracker)
 _CHECKING = tuple(sorted(name for name, kind in INSTRUMENTS.items() if isinstance(kind.model, _DISPLACEMENTS)))
 """Instruments that read displacements along fixed directions: the ones a check is made with."""
 _REMEDY = "A check is made with {known}: give the campaign a set-up of that kind"
-_FRESH, _APART = 0.05, 0.15
-"""Shares of the travel: nearer is no new place, wider apart is spread enough; the verdict holds anywhere."""
+_APART = 0.15
+"""Share of the travel: wider apart is spread enough; the verdict holds anywhere."""
 _PER_SETUP = 4
 """So many places a set-up, or mounting it costs more than it tells; the verdict holds for any number."""
 _FEWEST = 2
@@ -124,7 +124,7 @@ def plan_check(
     squares = mean**2 + np.sum(factor**2, axis=1)
     score = np.sqrt(np.bincount(values_at(setups, candidates).of, squares, len(candidates.setups)))
     lengths = np.array([axis.length for axis in estimate.machine.axes])
-    fresh = _fresh(setups, candidates, used, lengths)
+    fresh = far_from(estimate.machine, candidates, places_of(setups, used))
     indices = np.unique(candidates.setups[fresh])
     promising = sorted(indices, key=lambda s: -np.max(score[fresh & (candidates.setups == s)]))
 
@@ -230,29 +230,28 @@ def judge(
     parts : the tables, each of which must work: one that is missing or has the wrong sign fails, whatever the tolerance
     """
     _refuse_different(found, left)
-    names = [setup.name for setup in setups]
-    for other in (setups[names.index(reading.setup)] for reading in left):
+    places = places_of(setups, left)
+    for other in (setups[index] for index in places.setups):
         if other.instrument not in _CHECKING:
             what = '"{setup}" reads no displacement along a direction ({instrument})'
             raise ReadingError(what, _REMEDY, setup=other.name, instrument=other.instrument, known=", ".join(_CHECKING))
-    indices = np.array([names.index(reading.setup) for reading in left])
-    places = Places(
-        indices,
-        np.array([r.pose for r in left], dtype=float),
-        np.array([r.approach for r in left], dtype=float),
-    )
     of, _, directions = values_at(setups, places)
-    datums = datums_of(estimate.machine, setups, indices[of], places.poses[of], directions, tolerance)
-    raw = [_seen(estimate, setups, places, readings) for readings in (found, left)]
-    before, after = (_upright(estimate, setups, places, datums, seen) for seen in raw)
+    datums = datums_of(estimate.machine, setups, places.setups[of], places.poses[of], directions, tolerance)
+    before, after = (_seen(estimate, setups, places, datums, readings) for readings in (found, left))
     mean, factor = expected(estimate, setups, places, control)
-    likely, share = _changed(datums, before, after, expected(estimate, setups, places, None)[0] - mean)
     free, spread = datums.free, datums.spread + np.diag(after.noise**2)
-    std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(raw[1].values, after.noise, tolerance)
+    # a set-up may have been mounted anew between the two
+    apart = free @ (2 * datums.spread + np.diag(before.noise**2 + after.noise**2)) @ free.T
+    change, should = free @ (before.values - after.values), free @ (expected(estimate, setups, places, None)[0] - mean)
+    weight, likely = float(should @ should), _likelihood(change - should, apart)
+    taken = [free @ taken_away(estimate.machine, part, setups, places) for part in parts]
+    each = shares(parts, np.stack(taken, axis=1), change, apart) if parts else ()
+    std, strained = np.sqrt(np.diag(free @ spread @ free.T)), datums.strained(after.values, after.noise, tolerance)
     decided = proved = verdict(free @ after.values, std, tolerance)
-    still, each = _still(left), _shares(estimate, setups, places, datums, (before, after), parts)
-    if any(one.checked and not one.works for one in each):
+    still = _still(left)
+    if any(share.checked and not share.works for share in each):
         decided = "fail"
+    lying = {unknown.owner for setup in setups if setup.balls for unknown in setup.unknowns}
     if decided == "pass" and (likely < HARDLY or strained or still):
         decided = "undecided"
     return Judgement(
@@ -263,8 +262,8 @@ def judge(
         std,
         _likelihood(free @ (after.values - mean), free @ (factor @ factor.T + spread) @ free.T),
         likely,
-        share,
-        datums.lines,
+        float(change @ should) / weight if weight > _NOTHING**2 else None,
+        tuple(name for name in datums.lines if name not in lying),
         strained,
         still,
         each,
@@ -272,24 +271,6 @@ def judge(
         datums.tools,
         proved,
     )
-
-
-def _shares(
-    estimate: Estimate,
-    setups: Sequence[Setup],
-    places: Places,
-    datums: Datums,
-    seen: tuple[_Seen, _Seen],
-    parts: Sequence[Part],
-) -> tuple[Share, ...]:
-    """Return how much of each table shows in the change from as found to as left."""
-    if not parts:
-        return ()
-    before, after = seen
-    free = datums.free
-    columns = np.stack([taken_away(estimate.machine, part, setups, places) for part in parts], axis=1)
-    covariance = free @ (2 * datums.spread + np.diag(before.noise**2 + after.noise**2)) @ free.T
-    return shares(parts, free @ columns, free @ (before.values - after.values), covariance)
 
 
 def _still(readings: Sequence[Reading]) -> tuple[str, ...]:
@@ -307,42 +288,14 @@ class _Seen(NamedTuple):
     noise: Array
 
 
-def _changed(datums: Datums, before: _Seen, after: _Seen, taken: Array) -> tuple[float, float | None]:
-    """Return how as-found minus as-left compares with what the tables take away: changed and share of `Judgement`.
-
-    A set-up may have been mounted anew between the two.  taken : (m,) m
-    """
-    free = datums.free
-    change, should = free @ (before.values - after.values), free @ taken
-    covariance = free @ (2 * datums.spread + np.diag(before.noise**2 + after.noise**2)) @ free.T
-    weight = float(should @ should)
-    share = float(change @ should) / weight if weight > _NOTHING**2 else None
-    return _likelihood(change - should, covariance), share
-
-
-def _seen(estimate: Estimate, setups: Sequence[Setup], places: Places, readings: Sequence[Reading]) -> _Seen:
-    """Return what was read, less what is known of the instruments, such as their growth by temperature."""
-    of = values_at(setups, places).of
-    values = np.array([value for reading in readings for value in reading.values])
-    for index in np.unique(places.setups):
-        mine, setup = places.setups[of] == index, setups[index]
-        place = Nominal(estimate.machine, places.poses[of[mine]], setup.moves)
-        values[mine] -= model_of(setup).nonlinear_part(setup, np.array(setup.direction), place)
+def _seen(
+    estimate: Estimate, setups: Sequence[Setup], places: Places, datums: Datums, readings: Sequence[Reading]
+) -> _Seen:
+    """Return what was read, less what is known of the instruments and not linear in their datums."""
+    shown = np.array([value for reading in readings for value in reading.values])
     own = [np.hypot(setup.noise, setup.lag) for setup in setups]
     noise = np.array([r.std or own[s] for r, s in zip(readings, places.setups, strict=True)])
-    return _Seen(values, noise[of])
-
-
-def _upright(estimate: Estimate, setups: Sequence[Setup], places: Places, datums: Datums, seen: _Seen) -> _Seen:
-    """Return what would have been read by trackers that stand straight, where their turn is a datum."""
-    of, values = values_at(setups, places).of, seen.values.copy()
-    for index in np.unique(places.setups):
-        setup, mine = setups[index], places.setups == index
-        turns = [datum.unknown for datum in datums.taken if datum.setup == setup.name and datum.unknown in TURNS]
-        if turns and isinstance(model_of(setup), Tracker):
-            shown = values[mine[of]].reshape(-1, 3)
-            values[mine[of]] = straightened(estimate.machine, setup, places.poses[mine], shown, turns).ravel()
-    return _Seen(values, seen.noise)
+    return _Seen(upright(estimate.machine, setups, places, datums, shown), noise[values_at(setups, places).of])
 
 
 def _likelihood(values: Array, covariance: Array) -> float:
@@ -362,15 +315,6 @@ def _refuse_different(found: Sequence[Reading], left: Sequence[Reading]) -> None
         if before.setup != after.setup or apart > _SAME or before.approach != after.approach:
             what = "as found and as left were not read at the same place from the same side"
             raise ReadingError(what, "Take both at the same places, in the same order", line=after.line)
-
-
-def _fresh(setups: Sequence[Setup], candidates: Places, used: Sequence[Reading], lengths: Array) -> NDArray[np.bool_]:
-    fresh = np.ones(len(candidates.setups), dtype=bool)
-    for reading in used:
-        same = np.array([setups[s].name == reading.setup for s in candidates.setups])
-        near = np.max(np.abs(candidates.poses - np.array(reading.pose)) / lengths, axis=1) < _FRESH
-        fresh &= ~(same & near)
-    return fresh
 
 
 def _spread(

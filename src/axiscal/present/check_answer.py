@@ -201,10 +201,16 @@ def passed_over(check: Check, places: Places) -> list[str]:
     return [setup.name for setup in setups if setup.name in read - planned]
 
 
-def plan_lines(rows: Sequence[dict[str, object]], unread: Sequence[str]) -> list[str]:
+def read_again(check: Check, places: Places) -> list[str]:
+    """Return the set-ups that the check reads where the campaign has read them: they lack new places."""
+    setups = check.description.setups
+    return [setups[index].name for index, _ in places.by_setup() if setups[index].name in check.exhausted]
+
+
+def plan_lines(rows: Sequence[dict[str, object]], unread: Sequence[str], again: Sequence[str]) -> list[str]:
     """Return how many places a plan has, and what each set-up is expected to show at the most; its file lists them.
 
-    unread : set-ups that it passes over
+    unread : set-ups that it passes over; again : set-ups that it reads at places of the campaign
     """
     lines = [counted("{count} PLACE TO CHECK", "{count} PLACES TO CHECK", len(rows))]
     for setup in dict.fromkeys(row["setup"] for row in rows):
@@ -213,8 +219,14 @@ def plan_lines(rows: Sequence[dict[str, object]], unread: Sequence[str]) -> list
         places = counted("{count} place", "{count} places", len(mine))
         words = '"{setup}": {places}, predicted up to {found} um as found, {left} um as left'
         lines.append(said(words, setup=setup, places=places, found=digits(found), left=digits(left)))
-    names = listed(", ", [put('"{setup}"', setup=name) for name in unread])
-    return [*lines, said("Not checked, for want of new places: {setups}.", setups=names)] if unread else lines
+    if unread:
+        lines.append(said("Not checked, for want of new places: {setups}.", setups=_quoted(unread)))
+    words = "Read again at the same places, for want of new ones: {setups}. This tells whether the tables work."
+    return [*lines, said(words, setups=_quoted(again))] if again else lines
+
+
+def _quoted(names: Sequence[str]) -> str:
+    return listed(", ", [put('"{setup}"', setup=name) for name in names])
 
 
 def _figures(values: Array) -> float | list[float]:

@@ -7,7 +7,8 @@ fifth of the readings is left out. Below 0.001 the readings contradict. A mistak
 - It turns y into y' = T y: values with the wrong sign, two set-ups swapped, places shifted by one, another unit from
   some reading on. Sizes that are learnt hide another unit, so it is sought at the sizes as stated.
 - It turns K into that of a machine with an axis that counts the other way.
-- It adds columns B of standard deviation s: a zero that jumps, or in all directions what stands on the table and moved.
+- It adds columns B of standard deviation s: a zero that jumps; in all directions what stands on the table and moved, or
+  stands elsewhere than said from its first reading on.
 
     gain = ½ (yᵀK⁻¹y − y'ᵀK⁻¹y') + log |det T|     or     ½ gᵀ(F + s⁻²)⁻¹g − ½ log |1 + s² F|,  g = BᵀK⁻¹y, F = BᵀK⁻¹B
 
@@ -54,8 +55,9 @@ _INCH = 25.4
 _FACTORS = (1000.0, 1 / 1000.0, _INCH, 1 / _INCH)
 """By definition: mm for um, and inches for mm."""
 
-Mistake = Literal["jump", "sign", "unit", "swapped", "shifted", "direction"]
-
+Mistake = Literal["jump", "sign", "unit", "swapped", "shifted", "direction", "place"]
+_DESCRIBED = ("direction", "place")
+"""Mistakes of a file, not of readings."""
 
 Turned = tuple[tuple[str, ...], Problem]
 """Names of axes, and the readings as a problem if these count the other way."""
@@ -87,7 +89,7 @@ class Agreement:
     """count : readings that were compared; agreeing : those within three standard deviations of what others say
 
     c2 : c²; p : probability of readings that agree no better; explained : mistakes that are named, likeliest first
-    against : rotary axes that count the other way than described, where nothing explains the readings as well
+    described : what is described wrongly, where nothing explains the readings as well: nobody can accept it
     """
 
     count: int
@@ -95,7 +97,7 @@ class Agreement:
     c2: float
     p: float
     explained: tuple[Explained, ...] = ()
-    against: tuple[str, ...] = ()
+    described: Explained | None = None
 
     @property
     def contradicts(self) -> bool:
@@ -152,10 +154,9 @@ def agreement(
     named = _explained(tried) if tried else []
     p = min([p, *(1 / (1 + each.odds) for each in named)])
     named = named if p < CONTRADICTS else []
-    against = named[0].axes if named else ()
-    # A machine that is described the wrong way is no mistake of readings: nobody can accept it.
-    explained = () if against else tuple(each for each in named if not each.axes)
-    return Agreement(count, int(np.sum(z <= AGREES)), float(np.mean(z**2)), p, explained, against)
+    described = named[0] if named and named[0].mistake in _DESCRIBED else None
+    explained = () if described else tuple(each for each in named if each.mistake not in _DESCRIBED)
+    return Agreement(count, int(np.sum(z <= AGREES)), float(np.mean(z**2)), p, explained, described)
 
 
 class _Tried(NamedTuple):
@@ -189,17 +190,20 @@ def _tried(problem: Problem, found: Weighed, gains: Array, squares: Array, mista
 def _jumps(problem: Problem, found: Weighed, log_weight: float = 0.0) -> Iterator[_Tried]:
     """Yield the likeliest jump of the zero of each set-up, of each size where it is read in several directions.
 
+    What stands on the table may have stood elsewhere since its first reading: then its place is the mistake.
+
     log_weight : of the draws beside what odds are said of
     """
     for setup in np.unique(problem.setup).tolist():
         mine = problem.setup == setup
-        readings = np.unique(problem.reading[mine])[1:]
-        if not len(readings):
+        stands, of = _stands(problem, setup), np.unique(problem.reading[mine])
+        readings = of if stands else of[1:]
+        if len(of) < 2:
             continue
         ways = _ways(problem, mine) / problem.noise * float(np.median(problem.noise[mine]))
         columns = (problem.reading >= readings[:, None])[:, None] * ways
         alone = np.eye(len(ways))
-        sizes = _JUMPS if _stands(problem, setup) else _JUMPS[:1]
+        sizes = _JUMPS if stands else _JUMPS[:1]
         gains = np.empty((len(sizes), len(found.given), len(readings)))
         squares = np.empty_like(gains)
         for draw, given in enumerate(found.given):
@@ -212,7 +216,7 @@ def _jumps(problem: Problem, found: Weighed, log_weight: float = 0.0) -> Iterato
         gains += log_weight - np.log(len(sizes) * len(readings))
         for gain, square in zip(gains, squares, strict=True):
             best = int(np.argmax(found.weights @ np.exp(gain - gain.max())))
-            named = Explained("jump", 0.0, (int(setup),), int(readings[best]))
+            named = Explained("jump" if readings[best] > of[0] else "place", 0.0, (int(setup),), int(readings[best]))
             yield _tried(problem, found, gain[:, best], square[:, best], named)
 
 
