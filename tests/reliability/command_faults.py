@@ -191,7 +191,7 @@ def _warmed(before: Path, folder: Path, command: Command) -> None:
     """
     shutil.copytree(before, folder)
     with (
-        patch.object(printed, "_compiled", return_value=b""),
+        patch.object(printed, "_set", return_value=b""),
         redirect_stdout(StringIO()),
         redirect_stderr(StringIO()),
         chdir(folder),
