@@ -87,7 +87,7 @@ def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", le
     parts = [said("errors × {times}", times=f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}")]
     if volume.aligned:
         parts.append(said("part aligned"))
-    parts += [said("dashed: without errors"), said("thin: {count} machines that the readings allow", count=MACHINES)]
+    parts += [said("dashed: without errors"), said("thin: {count} machines that fit", count=MACHINES)]
     lines = wrapped(" · ".join(parts), width - 2 * _SIDE)
     bar, length = _scale_bar(scale * times, top + 8)
     body += bar + "".join(text(_SIDE + (length if n == 0 else 0), top + 17 + _LINE * n, each, "soft")
