@@ -226,6 +226,16 @@ def test_the_documentation_stays_short() -> None:
     assert _words(evidence.rglob("*.md")) <= OF_EVIDENCE
 
 
+def test_files_that_pages_name_are_there() -> None:
+    named = {
+        name
+        for page in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")]
+        for name in re.findall(r"`((?:[a-z_]+/)+[a-z_]+\.py)`", page.read_text(encoding="utf-8"))
+    }
+    assert "estimation/estimate.py" in named
+    assert [name for name in named if not any((ROOT / where / name).exists() for where in ("", "src/axiscal"))] == []
+
+
 @pytest.mark.parametrize("path", sorted(ROOT.glob("*.md")), ids=lambda path: path.name)
 def test_links_between_pages_lead_somewhere(path: Path) -> None:
     prose = "".join(path.read_text().split("```")[::2])

@@ -26,6 +26,7 @@ from axiscal.planning.plan.greedy import openings
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.proposal import proposed
 from axiscal.present.plan_answer import reach_answer
+from tests.generators.texts import setup_text
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "howto" / "dial-and-square.md"
 DIAL = re.findall(r'```toml title="campaign.toml"\n(.*?)```', HOW_TO.read_text(), re.S)[0]
@@ -114,12 +115,7 @@ def test_a_plan_for_limits_has_as_many_readings_as_reach_them() -> None:
     assert len(planned(replace_readings(tight, 7))) == 7
 
 
-BAR = """[[setups]]
-name = "test bar"
-instrument = "indicator"
-direction = "x"
-moves = ["Z"]
-"""
+BAR = setup_text("test bar", "indicator", direction="x", moves=["Z"])
 
 
 @pytest.mark.long

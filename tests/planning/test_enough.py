@@ -27,6 +27,7 @@ from axiscal.planning.proposal import Thoroughness, proposed
 from axiscal.ports.fleet.rehearsal import measured
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import plan_screen
+from tests.generators.texts import artefact_text, campaign_text, setup_text
 
 WARM = 'temperature = "21 degC"\n'
 FEW = Thoroughness(200)
@@ -99,19 +100,12 @@ origin = ["0 mm", "200 mm", "-250 mm"]
 Y0A = { std = "30 um" }
 Z0A = { std = "30 um" }
 """
-BALL = """machine = "turned"
-[target]
-wants = ["centre of A 15 um"]
-[[artefacts]]
-name = "ball"
-placed = "1 mm"
-[artefacts.balls]
-it = ["0 mm", "240 mm", "-200 mm"]
-[[setups]]
-name = "sphere"
-instrument = "sphere"
-artefact = "ball"
-"""
+BALL = campaign_text(
+    "turned",
+    artefact_text("ball", placed="1 mm", balls={"it": ["0 mm", "240 mm", "-200 mm"]}),
+    setup_text("sphere", "sphere", artefact="ball"),
+    target={"wants": ["centre of A 15 um"]},
+)
 
 
 @pytest.mark.long

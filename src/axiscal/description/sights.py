@@ -1,6 +1,6 @@
-"""Where trackers and tracers stand and what they see: `stations`, `range`, `sight` and `faces` of a set-up.
+"""Whether a set-up can be read where it says: within the travels, within the stroke, on which arc, and in sight.
 
-Whether a set-up can be read where it says: within the travels, within the stroke, on which arc.
+Trackers and tracers say by `stations`, `range`, `sight` and `faces` where they stand and what they see.
 """
 
 from __future__ import annotations

@@ -1,16 +1,15 @@
-"""A machine with what usually goes wrong, the sizes that readings may teach, and a machine with the sizes as learnt.
+"""What usually goes wrong, the sizes that readings may teach, and a machine with its sizes as learnt.
 
-The sizes that readings may teach, as functions of standard normal numbers.
-
-θ = f q(x), x ~ N(0, 1), q the quantile of Student's t of four degrees. In x the prior is exactly normal, so a size of
-which readings tell nothing is drawn exactly. With the tail p = Φ(−|x|) and α = 4 p (1 − p) (Shaw 2006, eq. 37)
-
-    q = ±2 √( cos(⅓ φ)/√α − 1 ) = ±2 √( 2 sin(⅔ φ) sin(⅓ φ)/√α ),    φ = arccos √α
-
-What usually goes wrong: one table, a row a cause. Adding a cause is adding a row and what it does to readings.
+One table has a row for each cause. Adding a cause is adding a row and what it does to readings.
 
 Given the logarithms θ of the sizes all causes are Gaussian, y ~ N(0, K(θ)) with K(θ) = Σ_c s_c(θ)² B_c. A size is the
 default, or what somebody stated, times exp(θ); θ is Student-t of four degrees with the row's factor as its scale.
+
+Sizes are functions of standard normal numbers: θ = f q(x), x ~ N(0, 1), q the quantile of Student's t of four degrees.
+In x the prior is exactly normal, so a size of which readings tell nothing is drawn exactly. With the tail p = Φ(−|x|)
+and α = 4 p (1 − p) (Shaw 2006, eq. 37)
+
+    q = ±2 √( cos(⅓ φ)/√α − 1 ) = ±2 √( 2 sin(⅔ φ) sin(⅓ φ)/√α ),    φ = arccos √α
 """
 
 from __future__ import annotations

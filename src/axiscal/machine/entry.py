@@ -1,10 +1,8 @@
-"""What is known beforehand about one error: an entry of the [errors] table.
+"""Entries of the [errors] table: what is known beforehand about one error, or about what two axes do together (EZXY).
 
 Some errors have a stated shape: EXX_pitch repeats with a period (screw, encoder line), EXX_step has steps at joints.
 
-What is known beforehand about what two axes do together: an entry such as EZXY of the [errors] table.
-
-Names of errors after ISO 230-1: EXX, C0Y, EXX_reversal, and the spellings that people use for them.
+Errors are named after ISO 230-1: EXX, C0Y, EXX_reversal, also in the spellings that people use.
 """
 
 from __future__ import annotations

@@ -1,10 +1,11 @@
-"""The rests of cells: the part of an error that splines miss, one number per short cell, shared by its readings.
+"""Unknowns that readings open: the rests of cells, and how a zero wanders.
 
-How the zero of a set-up wanders while machine and instrument warm up or cool down.
+The rest of a cell is the part of an error that splines miss, one number per short cell, shared by its readings.
 
-The zero moves at a rate that is normal with standard deviation r and forgets itself over a time T. Within minutes it is
-a straight line of unknown slope. Within hours it levels off or turns, as the thermal drift of ISO 230-3. With x = Δ/T,
-φ = exp(−x), d the distance and v the rate (an integrated Ornstein-Uhlenbeck process),
+A zero wanders while machine and instrument warm up or cool down. It moves at a rate that is normal with standard
+deviation r and forgets itself over a time T. Within minutes it is a straight line of unknown slope. Within hours it
+levels off or turns, as the thermal drift of ISO 230-3. With x = Δ/T, φ = exp(−x), d the distance and v the rate (an
+integrated Ornstein-Uhlenbeck process),
 
     d' = d + T (1 − φ) v + ε,   v' = φ v + η,
     var ε = r²T² (2x − 3 + 4φ − φ²),   cov(ε, η) = r²T (1 − φ)²,   var η = r² (1 − φ²)

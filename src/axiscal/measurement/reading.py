@@ -1,8 +1,6 @@
-"""One reading: what an instrument said at one position of the machine.
+"""One reading: what an instrument said at one place of the machine. Many places stand as columns.
 
-Places, directions and approaches as people and files write them: mm and deg, "-y", "X+ Y-".
-
-Where readings are taken: one place, and many of them as columns.
+People and files write places, directions and approaches in mm and deg, "-y", "X+ Y-".
 """
 
 from __future__ import annotations

@@ -3,8 +3,7 @@
 Readings come from the full non-linear kinematics, so what is estimated is never simulated by the formula that
 estimates it.
 
-Curves of known errors: `error,position_mm,value_um`; `position_deg` for rotary axes, `value_urad` for angles.
-
+A file of curves has the columns `error,position_mm,value_um`; `position_deg` for rotary axes, `value_urad` for angles.
 One file may hold both kinds: then exactly one position column and one value column are filled in each line.  A location
 error is one line, its position empty.
 """

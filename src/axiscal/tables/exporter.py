@@ -4,9 +4,8 @@ Whoever writes for a control writes a class with these. Sampling the estimate, a
 comparing are the same for all, here and in `offer`. One reader serves twice: for the files just written and for those
 that were active while the machine was measured.
 
-What a person may choose for an export.
-
-New files beside what a control held while the machine was measured: on top of it, instead of it, or nobody knows.
+`ExportOptions` are what a person may choose, also beside what a control held while the machine was measured: new files
+go on top of it, instead of it, or nobody knows.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Height over the plane: the mean deviation along z at a place (x, y), as a mesh of points with planes between.
+"""What a control with tables does to the TCP: over the volume, and as a mesh of heights over the plane.
 
-What a control with tables does to the TCP over the volume: the deviation that is known before and after.
+The mesh has the mean deviation along z at places (x, y), with planes between.
 
 A control is a function from commands to how far beyond them it sends each axis. Whatever its tables look like, that
 is all they can do.

@@ -1,10 +1,8 @@
-"""What may not be: out of travel, against a ball's stem, or in what stands there.
+"""What every chart answers, and what may not be: out of travel, against a ball's stem, or in what stands there.
 
 Where an axis crosses a level is had in closed form. Along one coordinate an axis goes as a + b u, or as a + c cos u + s
 sin u: then u = φ ± arccos((level − a)/R). A rotary axis in step adds a second harmonic: then exp(iu) are roots of a
 quartic on the unit circle. What follows neither is sampled and bisected.
-
-The questions that every chart answers, and the code that charts share.
 """
 
 from __future__ import annotations

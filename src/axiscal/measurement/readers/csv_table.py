@@ -1,17 +1,14 @@
-"""A CSV table whose header names the units, read strictly.
+"""Files of text, whatever they are encoded in, and CSV tables whose header names the units, read strictly.
 
 One header line, commas between cells, a decimal point in numbers, `#` before a comment line.  A column is
 `stem` (text) or `stem_unit` (a number).  Nothing is guessed: every fault is a `ReadingError` with file, line, value
 and remedy.
 
-Cells of CSV files that people open in spreadsheets: text that would be a formula there is shielded, and read back.
-
-A text whose first character, quotes left aside, is one of `= + - @`, tab or return gets an apostrophe in front. A
-spreadsheet takes that for "this is text"; reading takes one away. Numbers stay. So every text comes back.
+Text that would be a formula in a spreadsheet is shielded, and read back. A text whose first character, quotes left
+aside, is one of `= + - @`, tab or return gets an apostrophe in front. A spreadsheet takes that for "this is text";
+reading takes one away. Numbers stay. So every text comes back.
 
 Axis columns `X_mm … C_deg` and the column `approach`, as readings and poses share them.
-
-A text file of an instrument or a controller: whatever it is encoded in, its lines and their numbers.
 """
 
 from __future__ import annotations
