@@ -29,7 +29,7 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(66_212, 50_000),
+    "lines of src": Budget(66_210, 50_000),
     "files of src": Budget(354, 340),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(36, 15),

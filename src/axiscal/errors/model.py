@@ -238,26 +238,25 @@ class ErrorModel:
 
     def rows(self, poses: Array, approaches: Array) -> Array:
         """Return H(t) (B&H eq. 1, 28), (m, 3, size).  poses : (m, q) m or rad; approaches : (m, q) of +1, −1, 0."""
-        levers = self.levers(poses)
-        return np.stack([self.along(levers[:, :, c], poses, approaches) for c in range(3)], axis=1)
+        return self.along(self.levers(poses).transpose(2, 0, 1), poses, approaches).swapaxes(0, 1)
 
     def angular_rows(self, poses: Array, approaches: Array) -> Array:
         """Return the rows of the tool's orientation deviation, (m, 3, size)."""
-        levers = self.angular_levers(poses)
-        return np.stack([self.along(levers[:, :, c], poses, approaches) for c in range(3)], axis=1)
+        return self.along(self.angular_levers(poses).transpose(2, 0, 1), poses, approaches).swapaxes(0, 1)
 
     def along(self, levers: Array, poses: Array, approaches: Array) -> Array:
-        """Return the rows of a scalar reading with the given levers, (m, size).
+        """Return the rows of scalar readings with the given levers, (..., m, size).
 
-        levers : (terms, m), the effect of each term on the reading
+        levers : (..., terms, m), the effect of each term on the readings
         """
-        result, signed = np.empty((len(poses), self.size)), self.effects(levers, approaches)
+        signed = self.effects(levers, approaches).swapaxes(-1, -2)
+        result = np.empty((*signed.shape[:-1], self.size))
         for group in self._alike:
             values = group.basis.rows(poses[:, group.axis])
-            rows = signed[group.functions].T[:, :, None] * values[:, None, :]
-            result[:, group.columns] = rows.reshape(len(poses), math.prod(rows.shape[1:]))
-        for plane, lever in zip(self.planes, signed[len(self.functions) :], strict=True):
-            result[:, plane.columns] = lever[:, None] * plane.rows(plane.coordinates(poses))
+            rows = signed[..., group.functions, None] * values[:, None, :]
+            result[..., group.columns] = rows.reshape(*signed.shape[:-1], math.prod(rows.shape[-2:]))
+        for number, plane in enumerate(self.planes, start=len(self.functions)):
+            result[..., plane.columns] = signed[..., number, None] * plane.rows(plane.coordinates(poses))
         return result
 
     @cached_property
@@ -284,9 +283,9 @@ class ErrorModel:
         return first
 
     def effects(self, levers: Array, approaches: Array) -> Array:
-        """Return what a unit of each term adds to scalar readings, reversals by their sign, (terms, m)."""
+        """Return what a unit of each term adds to scalar readings, reversals by their sign, (..., terms, m)."""
         effects, reversals = levers.copy(), self._reversals
-        effects[reversals] *= 0.5 * approaches.T[self._moving.axis[reversals]]
+        effects[..., reversals, :] *= 0.5 * approaches.T[self._moving.axis[reversals]]
         return effects
 
     @cached_property

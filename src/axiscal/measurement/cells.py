@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,7 @@ Cell = tuple[int, int]
 class RestEffects(NamedTuple):
     """The effect of the rests of some errors on readings: one row for each error, or for each of its feet.
 
-    functions : (e,) index of the error; reach : (e, m) what a unit of its rest adds
+    functions : (e,) index of the error; reach : (..., e, m) what a unit of its rest adds to each number
     cells : (e, m) the number of the cell that they are in
     """
 
@@ -46,18 +46,18 @@ def rest_effects(
 ) -> RestEffects:
     """Return what the rests of some errors do to readings of a set-up; of each foot where it has feet.
 
-    levers : (terms, m) what a unit of each error adds; poses, approaches : (m, q); among : indices of terms
+    levers : (..., terms, m) what a unit of each error adds; poses, approaches : (m, q); among : indices of terms
     """
     effects = errors.effects(levers, approaches) if len(among) else levers
     if mounted.base is None:
         functions = np.array(among, dtype=np.intp)
-        return RestEffects(functions, effects[functions], _cells_of(errors, functions, poses))
-    felt = [i for i in among if mounted.base and np.any(effects[i])]
+        return RestEffects(functions, effects[..., functions, :], _cells_of(errors, functions, poses))
+    felt = [i for i in among if mounted.base and np.any(effects[..., i, :])]
     parts = list[RestEffects]()  # a base without length is refused where its way has a rest
     for foot in feet(mounted.base) if felt else ():
         functions = np.array(felt, dtype=np.intp)
         at = moved(poses, mounted.moves[0], foot.shift)
-        parts.append(RestEffects(functions, foot.weight * effects[functions], _cells_of(errors, functions, at)))
+        parts.append(RestEffects(functions, foot.weight * effects[..., functions, :], _cells_of(errors, functions, at)))
     return _of_all_feet(parts, len(poses))
 
 
@@ -65,8 +65,11 @@ def _of_all_feet(parts: Sequence[RestEffects], count: int) -> RestEffects:
     """Return the rests under all feet, those of one error beside each other.  count : of readings"""
     if not parts:
         return RestEffects(np.zeros(0, dtype=np.intp), np.zeros((0, count)), np.zeros((0, count), dtype=np.int64))
-    functions, reach, cells = (np.stack(column, axis=1) for column in zip(*parts, strict=True))
-    return RestEffects(functions.ravel(), reach.reshape(-1, count), cells.reshape(-1, count))
+    functions = np.stack([part.functions for part in parts], axis=1)
+    cells = np.stack([part.cells for part in parts], axis=1)
+    reach = np.stack([part.reach for part in parts], axis=-2)
+    whole = reach.reshape(*reach.shape[:-3], -1, count)
+    return RestEffects(functions.ravel(), whole, cells.reshape(-1, count))
 
 
 def _cells_of(errors: ErrorModel, functions: NDArray[np.intp], poses: Array) -> NDArray[np.int64]:
@@ -110,12 +113,14 @@ class CellColumns:
 def add_rests(effects: RestEffects, rests: Array, here: NDArray[np.intp], rows: Array, variances: Array) -> None:
     """Add rests to readings, in place: to the rows where a cell has a column, else to the variances.
 
-    rests : (e,) standard deviations; here : (e, m) columns, -1 where there is none; rows : (m, size); variances : (m,)
+    rests : (e,) standard deviations; here : (e, m) columns, -1 where there is none
+    rows : (..., m, size); variances : (..., m)
     """
     known = here >= 0
     which, reading = np.nonzero(known)
-    np.add.at(rows, (reading, here[which, reading]), effects.reach[which, reading])
-    variances += np.sum(np.where(known, 0.0, (effects.reach * rests[:, None]) ** 2), axis=0)
+    at: tuple[Any, ...] = ..., reading, here[which, reading]
+    np.add.at(rows, at, effects.reach[..., which, reading])
+    variances += np.sum(np.where(known, 0.0, (effects.reach * rests[:, None]) ** 2), axis=-2)
 
 
 MEMORY = 3600.0

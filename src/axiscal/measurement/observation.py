@@ -174,39 +174,38 @@ class Observation:
         times : (m,) of the readings, s; without them, or where one is NaN, the last time that was met
         """
         levers = self._levers_along(self.setups[setup], poses, direction)
-        return self._rows(setup, poses, approaches, direction, levers, times)
+        rows, variances = self._rows(setup, poses, approaches, (direction,), levers[None], times)
+        return Rows(rows[0], variances[0])
 
     def rows_each(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> list[Rows]:
         """Return the same of every number of the readings."""
-        return self._rows_each(setup, poses, approaches, self.levers(setup, poses), times)
-
-    def _rows_each(
-        self, setup: int, poses: Array, approaches: Array, levers: Array, times: Array | None = None
-    ) -> list[Rows]:
-        pairs = zip(directions_of(self.setups[setup]), levers, strict=True)
-        return [self._rows(setup, poses, approaches, along, each, times) for along, each in pairs]
+        every = directions_of(self.setups[setup])
+        return list(map(Rows, *self._rows(setup, poses, approaches, every, self.levers(setup, poses), times)))
 
     def _rows(
         self,
         setup: int,
         poses: Array,
         approaches: Array,
-        direction: Array | None,
+        directions: Sequence[Array | None],
         levers: Array,
         times: Array | None = None,
-    ) -> Rows:
-        mounted, result = self.setups[setup], np.zeros((len(poses), self.size))
-        result[:, : self.errors.size] = self._error_rows(mounted, levers, poses, approaches)
+    ) -> tuple[Array, Array]:
+        """Return rows (k, m, size) and variances (k, m) of k numbers of each reading.  levers : (k, terms, m)"""
+        mounted = self.setups[setup]
+        rows = np.zeros((len(directions), len(poses), self.size))
+        rows[:, :, : self.errors.size] = self._error_rows(mounted, levers, poses, approaches)
         model, nominal = model_of(mounted), self._nominal(mounted, poses, approaches)
-        at = np.array(mounted.direction) if direction is None else direction
-        for column, unknown in zip(self.unknowns_of(setup), mounted.unknowns, strict=True):
-            result[:, column] = model.unknown_effect(mounted, unknown.name, at, nominal)
-        for course, share in self.drifts_shown(setup, at):
-            result[:, list(course.columns)] = share * course.rows(times)
+        for own, direction in zip(rows, directions, strict=True):
+            at = np.array(mounted.direction) if direction is None else direction
+            for column, unknown in zip(self.unknowns_of(setup), mounted.unknowns, strict=True):
+                own[:, column] = model.unknown_effect(mounted, unknown.name, at, nominal)
+            for course, share in self.drifts_shown(setup, at):
+                own[:, list(course.columns)] = share * course.rows(times)
         variances = mounted.noise**2 + self._unknown_sides(mounted, levers, poses, approaches)
         effects = self._rest_effects(mounted, levers, poses, approaches)
-        add_rests(effects, self._stated_rests[effects.functions], self.cell_columns.at(effects), result, variances)
-        return Rows(result, variances)
+        add_rests(effects, self._stated_rests[effects.functions], self.cell_columns.at(effects), rows, variances)
+        return rows, variances
 
     def _error_rows(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
         if mounted.base is None:
@@ -219,29 +218,28 @@ class Observation:
         The rest of a cell not visited yet shows in all numbers of a reading at once.
         """
         levers = self.levers(setup, poses)
-        parts = self._rows_each(setup, poses, approaches, levers)
-        if len(parts) == 1:
-            return JointRows(parts[0].rows[:, None], parts[0].variances[:, None, None])
-        covariances = self._fresh_rests(setup, poses, approaches, levers)
-        every = np.arange(len(parts))
-        covariances[:, every, every] = np.stack([part.variances for part in parts], axis=1)
-        return JointRows(np.stack([part.rows for part in parts], axis=1), covariances)
+        rows, variances = self._rows(setup, poses, approaches, directions_of(self.setups[setup]), levers)
+        covariances = np.zeros((len(poses), len(levers), len(levers)))
+        if len(levers) > 1:
+            covariances = self._fresh_rests(setup, poses, approaches, levers)
+        every = np.arange(len(levers))
+        covariances[:, every, every] = variances.T
+        return JointRows(rows.swapaxes(0, 1), covariances)
 
     def _fresh_rests(self, setup: int, poses: Array, approaches: Array, levers: Array) -> Array:
         """Return the covariances that rests of cells not visited yet give the numbers of each reading, (m, k, k)."""
-        each = [self._rest_effects(self.setups[setup], along, poses, approaches) for along in levers]
-        fresh = self.cell_columns.at(each[0]) < 0
-        rests = np.where(fresh, self._stated_rests[each[0].functions][:, None], 0.0)
-        reach = np.stack([effects.reach * rests for effects in each]).transpose(2, 0, 1)
+        effects = self._rest_effects(self.setups[setup], levers, poses, approaches)
+        rests = np.where(self.cell_columns.at(effects) < 0, self._stated_rests[effects.functions][:, None], 0.0)
+        reach = (effects.reach * rests).transpose(2, 0, 1)
         covariances: Array = reach @ reach.transpose(0, 2, 1)
         return covariances
 
     def _unknown_sides(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
-        """Return what it adds to the variance that nobody said from which side a moving axis came, (m,) m² or rad².
+        """Return what it adds to the variances that nobody said from which side a moving axis came, (k, m) m² or rad².
 
         A reversal then enters with +½ or −½ of its value, as likely one as the other.
         """
-        added = np.zeros(len(poses))
+        added = np.zeros((len(levers), len(poses)))
         if np.all(approaches[:, list(mounted.moves)] != 0):
             return added
         if mounted.lag:
@@ -251,7 +249,7 @@ class Observation:
             if function.kind == "reversal" and function.axis in mounted.moves and not evened:
                 rows = function.basis.rows(poses[:, function.axis])
                 spread = np.einsum("mi,ij,mj->m", rows, function.covariance, rows) + function.rest**2
-                added += np.where(approaches[:, function.axis] == 0, (levers[index] / 2) ** 2 * spread, 0.0)
+                added += np.where(approaches[:, function.axis] == 0, (levers[:, index] / 2) ** 2 * spread, 0.0)
         return added
 
     def nonlinear_part(self, setup: int, poses: Array, approaches: Array) -> Array:
@@ -303,13 +301,12 @@ class Observation:
             numbers.append(number)
         return np.stack(numbers, axis=1)
 
-    def rest_effects(self, setup: int, poses: Array, approaches: Array) -> list[RestEffects]:
-        """Return what the rests do to each number of readings, of cells that were visited or not.
+    def rest_effects(self, setup: int, poses: Array, approaches: Array) -> RestEffects:
+        """Return what the rests do to the numbers of readings, (k, e, m), of cells that were visited or not.
 
         poses, approaches : (m, q)
         """
-        levers, mounted = self.levers(setup, poses), self.setups[setup]
-        return [self._rest_effects(mounted, along, poses, approaches) for along in levers]
+        return self._rest_effects(self.setups[setup], self.levers(setup, poses), poses, approaches)
 
     def _rest_effects(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> RestEffects:
         return rest_effects(self.errors, mounted, levers, poses, approaches, self.with_rest)
@@ -326,24 +323,20 @@ class Observation:
         mounted = self.setups[setup]
         if mounted.base is not None:
             return Way(self.errors, mounted, mounted.base).levers(poses)[None]
-        field = self._field(mounted, poses)
-        return np.array([self._projected(mounted, poses, along, field) for along in directions_of(mounted)])
+        return self._projected(mounted, poses, directions_of(mounted))
 
     def _levers_along(self, mounted: Setup, poses: Array, direction: Array | None) -> Array:
         if mounted.base is not None:
             return Way(self.errors, mounted, mounted.base).levers(poses)
-        return self._projected(mounted, poses, direction, self._field(mounted, poses))
+        levers: Array = self._projected(mounted, poses, (direction,))[0]
+        return levers
 
-    def _field(self, mounted: Setup, poses: Array) -> Array:
-        """Return what a unit of each error does in all directions, (terms, m, 3)."""
-        lengths = model_of(mounted).reads == "length"
-        return self.errors.levers(poses) if lengths else self.errors.angular_levers(poses)
-
-    def _projected(self, mounted: Setup, poses: Array, direction: Array | None, field: Array) -> Array:
-        at = np.array(mounted.direction) if direction is None else direction
-        ways = model_of(mounted).direction_of(mounted, at, self._nominal(mounted, poses))
-        along: Array = np.einsum("fmc,mc->fm", field, ways)
-        return along
+    def _projected(self, mounted: Setup, poses: Array, directions: Sequence[Array | None]) -> Array:
+        """Return what a unit of each error does along directions at the poses, (k, terms, m)."""
+        model, nominal, own = model_of(mounted), self._nominal(mounted, poses), np.array(mounted.direction)
+        field = self.errors.levers(poses) if model.reads == "length" else self.errors.angular_levers(poses)
+        each = [model.direction_of(mounted, own if d is None else d, nominal) for d in directions]
+        return np.array([np.einsum("fmc,mc->fm", field, ways) for ways in each])
 
     def _nominal(self, mounted: Setup, poses: Array, approaches: Array | None = None) -> Nominal:
         actual = self.errors.motion(poses) if isinstance(self.errors, MovedErrors) else None

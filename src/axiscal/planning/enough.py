@@ -129,7 +129,7 @@ def _for_volume(case: Case, task: Task, limits: Limits, readings: Sequence[Readi
     now, known, places = Knowledge(task.observation, task.belief), foreseen(case, readings, left), left
     found, searched = None, _searched(case, known, promised(case, now, places), limits)
     few = _few_candidates(task)
-    setups = () if left else chosen_setups(few, searched)  # what a result counts beside changes the number of readings
+    setups = () if left else chosen_setups(task, searched)  # what a result counts beside changes the number of readings
     for _ in range(0 if left else _ROUNDS):
         places = _picked(case, few, searched, setups)
         known = foreseen(case, readings, places)
@@ -143,8 +143,7 @@ def _for_volume(case: Case, task: Task, limits: Limits, readings: Sequence[Readi
 
 def roughly(case: Case, task: Task, limits: Limits) -> tuple[Place, ...]:
     """Return about as many readings as a plan has, picked from some hundred candidates."""
-    few = _few_candidates(task)
-    return _picked(case, few, limits, chosen_setups(few, limits))
+    return _picked(case, _few_candidates(task), limits, chosen_setups(task, limits))
 
 
 def _picked(case: Case, task: Task, limits: Limits, setups: Setups) -> tuple[Place, ...]:

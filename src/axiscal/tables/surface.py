@@ -150,7 +150,7 @@ def planes_left(estimate: Estimate, control: Control, poses: Array, approaches: 
         return ""
     levers = errors.levers(poses)
     levers[: len(errors.functions)] = 0.0
-    own = np.stack([errors.along(levers[:, :, c], poses, approaches) @ estimate.mean for c in range(3)], axis=1)
+    own = (errors.along(levers.transpose(2, 0, 1), poses, approaches) @ estimate.mean).T
     shape = own - own.mean(axis=0)
     found = left_by(estimate.machine, estimate.deviation, control, poses, approaches)
     held = 1.0 - float(np.sum(shape * found) / max(np.sum(shape**2), np.finfo(float).tiny))

@@ -72,8 +72,8 @@ class Functional:
     def _rests(self, errors: ErrorModel) -> Array:
         """Return what one standard deviation of the rest of each cell of each term does to the row, (k, cells)."""
         levers = (errors.angular_levers if self.angular else errors.levers)(self.poses)
-        ways = [errors.effects(levers[:, :, c], self.sides) for c in range(3)]  # which halve those of reversals
-        effects = np.einsum("kmc,ctm->tkm", self.weights, np.array(ways))
+        ways = errors.effects(levers.transpose(2, 0, 1), self.sides)  # which halve those of reversals
+        effects = np.einsum("kmc,ctm->tkm", self.weights, ways)
         parts = [np.zeros((len(self.weights), 0))]
         for term, effect in zip(errors.terms, effects, strict=True):
             if term.rest > 0:

@@ -205,8 +205,6 @@ _TRACKER_UNKNOWNS: dict[str, Reads] = {
     **dict.fromkeys(TURNS, "angle"),
     **TOOL_READS,
 }
-_STEP = 1e-3
-"""rad; the derivative of a rotation from differences of four places is then right to 1e-13."""
 
 
 class Tracker:
@@ -267,8 +265,7 @@ def _rotation(turn: Array) -> Array:
 
 
 def _derivative(turn: Array, index: int) -> Array:
-    """Return how R(θ) changes with one part of θ, (3, 3)."""
-    step = _STEP * np.eye(3)[index]
-    near, far = (_rotation(turn + k * step) - _rotation(turn - k * step) for k in (1, 2))
-    derivative: Array = (8 * near - far) / (12 * _STEP)
+    """Return how R(θ) changes with one part of θ, (3, 3): that part of the left Jacobian turns R on."""
+    turned = rigid.left_jacobian(turn[None])[:, :, index]
+    derivative: Array = rigid.skew(turned)[0] @ _rotation(turn)
     return derivative

@@ -191,10 +191,9 @@ class Pool:
     def _rests(self, setup: int, candidates: slice) -> RestsInCells:
         """Return what the rests do to the numbers of some candidates, those of one candidate beside each other."""
         part = self.lattice.poses[candidates], self.lattice.approaches[candidates]
-        each = self._bare.rest_effects(setup, *part)
-        reach = np.stack([one.reach for one in each], axis=2).reshape(each[0].reach.shape[0], len(each) * len(part[0]))
-        cells = np.repeat(each[0].cells, len(each), axis=1)
-        return RestsInCells.of(self._bare, RestEffects(each[0].functions, reach, cells))
+        functions, reach, cells = self._bare.rest_effects(setup, *part)
+        inside = reach.transpose(1, 2, 0).reshape(len(functions), len(reach) * len(part[0]))
+        return RestsInCells.of(self._bare, RestEffects(functions, inside, np.repeat(cells, len(reach), axis=1)))
 
     def _rows(self, block: _Block) -> Array:
         if block.rows is not None:

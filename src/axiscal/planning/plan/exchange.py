@@ -170,12 +170,16 @@ _SWEEPS = 50
 """Sweeps end where no exchange helps; this only ends what would go round."""
 _BETTER = 1e-7
 """Rounding of a running gain, with room: what is no better is not exchanged, whatever the last bits say."""
+_SETTLED = 3e-4
+"""Share of J that a sweep must gain to be followed by another: climbing off the lattice brings more than that."""
 _NOTHING = 1e-10
 """Share of what is to be small: readings that hold next to nothing were exchanged for one another without end."""
 _WORTH = 1e-6
 _WORTH_OF_MANY = 2e-3
 _FEW = 120
 _CANDIDATES = 4
+_IDLE, _FEWEST_IDLE = 1 / 3, 8
+"""Share of the readings, and climbs, that find nothing better in a row: the others of a round hardly would either."""
 _WORK = 4e9
 """Floating point operations after which an exchange ends: by work, not by the clock, for the same plan anywhere."""
 
@@ -187,7 +191,7 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: fl
     """
     work, changes, looked = 0.0, 0, dict[int, int]()
     for _ in range(sweeps):
-        before, least = changes, _NOTHING * scores.state.value
+        value, least = scores.state.value, _NOTHING * scores.state.value
         for slot in ranked(-scores.losses(), ALIKE).tolist():
             if looked.get(slot) == changes or scores.held_alone(slot):
                 continue
@@ -200,7 +204,7 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: fl
                 scores.exchange(slot, found.candidate)
                 products = len(scores.pool) * (6.0 * len(scores.places) + 2.0 * scores.pool.size)
                 work, changes = work + products + 20.0 * scores.state.factor.size, changes + 1
-        if changes == before:
+        if value - scores.state.value <= _SETTLED * value:
             return
 
 
@@ -229,8 +233,9 @@ def _move(scores: Scores) -> None:
 
 def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float) -> None:
     """Put the best reading there is, on the lattice or off it, into each slot; work : of one climb, operations"""
+    idle, most = 0, max(_FEWEST_IDLE, _IDLE * len(scores.places))
     for slot in range(len(scores.places)):
-        if patience.spent:
+        if patience.spent or idle > most:
             return
         if scores.held_alone(slot):
             continue
@@ -238,6 +243,7 @@ def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float
         found = _better(scores, slot, allowed)
         if found is not None:
             scores.exchange(slot, found)
+        idle = 0 if found is not None else idle + 1
 
 
 def _better(scores: Scores, slot: int, allowed: Allowed) -> Places | None:

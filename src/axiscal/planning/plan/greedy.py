@@ -17,7 +17,7 @@ from axiscal.planning.gains.covariance import LowRank, RunningAccuracy
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Clock, Limits, Task, clock
 
-_COARSE = 1000
+_COARSE = 500
 _PICKS = 50
 _TRIED = 150
 _EVERY_SUBSET = 4
