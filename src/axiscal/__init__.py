@@ -36,8 +36,7 @@ if TYPE_CHECKING:
     from axiscal.measurement.simulation import Simulator
     from axiscal.numerics.cubic import Constant, CyclicSpline, NaturalSpline
     from axiscal.planning.step.best_step import best_step
-    from axiscal.python.curve import Curve
-    from axiscal.python.estimated import estimate
+    from axiscal.python.estimated import Curve, estimate
     from axiscal.python.measured_case import Case, setup
 
 __version__ = "0.1.0"
@@ -67,7 +66,7 @@ _HOMES = {
     "Campaign": "campaign.campaign",
     "Case": "python.measured_case",
     "Constant": "numerics.cubic",
-    "Curve": "python.curve",
+    "Curve": "python.estimated",
     "CyclicSpline": "numerics.cubic",
     "ErrorModel": "errors.model",
     "Knowledge": "estimation.knowledge",

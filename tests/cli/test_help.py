@@ -73,7 +73,7 @@ def test_a_name_of_no_group_is_refused() -> None:
 def test_help_loads_no_command(words: list[str]) -> None:
     program = (
         f"import sys; sys.argv = ['axiscal', *{words!r}]; from axiscal.cli import main; main();"
-        "sys.exit(' '.join({'axiscal.campaign', 'axiscal.cli.plan', 'axiscal.cli.status'} & set(sys.modules)))"
+        "sys.exit(' '.join({'axiscal.campaign', 'axiscal.cli.plan', 'axiscal.cli.report'} & set(sys.modules)))"
     )
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert "Commands:" in run.stdout

@@ -94,7 +94,7 @@ def test_the_tables_are_those_of_the_controls_that_the_campaign_names(
     (folder / "campaign.toml").write_text(f'controls = ["sinumerik", "klipper", "sinumerik"]\n{CAMPAIGN}')
     assert run(["estimate", "campaign.toml", "readings.csv", "--out", "survey", "--details"]) == 0
     shown = capsys.readouterr().out
-    assert "left: sinumerik" in shown
+    assert "left with sinumerik" in shown
     assert "No table for klipper" in shown
     assert {each.name for each in (folder / "survey" / "tables").iterdir()} == {"sinumerik", "csv"}
     result = json.loads((folder / "survey" / "result.json").read_text())

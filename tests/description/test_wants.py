@@ -44,6 +44,12 @@ def test_rows_with_limits_and_without() -> None:
     assert [want.limit for want in wants] == [5e-6, None, pytest.approx(3e-6), 1e-5, pytest.approx(9.696e-6, rel=1e-3)]
 
 
+@pytest.mark.parametrize("written", ["XZ", "ZX", "xz", "zX"])
+def test_a_plane_is_named_in_any_order_and_case(written: str) -> None:
+    (want,) = _target(f'wants = ["Squareness {written} 10 urad"]').wants
+    assert (want.row.name, want.limit) == ("squareness XZ", 1e-5)
+
+
 def test_a_rotary_axis_has_a_centre_and_is_positioned_by_angles() -> None:
     text = CAMPAIGN.format(line='wants = ["centre of C 3 um", "tilt of B 9 urad", "positioning C 4 urad"]')
     text = text.replace('moves = ["X"]', 'moves = ["X"]\npark = { Y = "0 mm", Z = "250 mm" }')
@@ -73,7 +79,6 @@ def test_a_limit_of_the_volume_is_its_u() -> None:
     ("text", "what", "remedy"),
     [
         ("positionning X 5 um", "no row of an answer", 'Perhaps "positioning X" is meant'),
-        ("squareness YX", "no row of an answer", "is meant"),
         ("hum of the fan", "no row of an answer", 'Ask for rows such as "positioning X"'),
         ("positioning X 5", "no unit", "12 um"),
         ("positioning X 5 urad", "is an angle, not a length", "12 um"),

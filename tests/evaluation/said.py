@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from axiscal.evaluation.at_the_machine import Taken
+from axiscal.evaluation.check import Taken
 from axiscal.evaluation.table_checks import Judgement
 from axiscal.present.check_answer import check_answer, check_details
 

@@ -14,8 +14,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.source import Answer, Request, SimulatedSource, Skip, Source
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.evaluation.at_the_machine import Sheet, Taken
-from axiscal.evaluation.check import Check, requests
+from axiscal.evaluation.check import Check, Sheet, Taken, requests
 from axiscal.exceptions import SourceError, TableError
 from axiscal.measurement.reading import Places
 from axiscal.measurement.simulation import Simulator

@@ -13,8 +13,7 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
-from axiscal.evaluation.at_the_machine import Taken
-from axiscal.evaluation.check import Check
+from axiscal.evaluation.check import Check, Taken
 from axiscal.evaluation.table_checks import Judgement, parts_of, shares
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine

@@ -34,9 +34,8 @@ from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.ports.linuxcnc.lab import can_load
 from axiscal.present.delivery import write_files
-from axiscal.present.drawing.colours import on_paper
-from axiscal.present.drawing.svg_picture import Figure, picture
-from axiscal.present.figures import axis_style, layout
+from axiscal.present.drawing.strokes import on_paper
+from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, line_trace, picture
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
@@ -207,34 +206,24 @@ def _whole(loop: Loop) -> str:
 def drawn(loops: Mapping[str, Loop]) -> str:
     """Return a picture of all machines: bars as found, with tables and with the component, and what was expected."""
     bars, expected = list[Figure](), list[Figure]()
-    names = list[Figure]()
-    top = 1.25 * max(to_unit(loop.before, "um") for loop in loops.values())
-    for place, (name, loop) in enumerate(loops.items(), 1):
+    top = 1.1 * max(to_unit(loop.before, "um") for loop in loops.values())
+    for place, loop in enumerate(loops.values(), 1):
         whole = (loop.whole.after, loop.whole.expected) if loop.whole else (0.0, 0.0)
         shown = ((loop.before, None), (loop.after, loop.expected), whole)
         for i, ((height, foretold), colour) in enumerate(zip(shown, _COLOURS, strict=True)):
-            left = place - 0.36 + 0.25 * i
-            side = {"x0": left, "x1": left + 0.22}
-            bars.append({"type": "rect", "y0": 0, "y1": to_unit(height, "um"), "fillcolor": colour, **side})
+            side = [place - 0.36 + 0.25 * i, place - 0.14 + 0.25 * i]
+            half = to_unit(height, "um") / 2
+            bars.append(band(side, [half] * 2, [half] * 2, colour))
             if foretold:
-                at = to_unit(foretold, "um")
-                expected.append(
-                    {"type": "line", "y0": at, "y1": at, "line": {"color": "var(--ink)", "width": 1.5}, **side}
-                )
-        names.append(_label(name, (place - 0.86) / len(loops), 0.9 * top))
-    said = "as found | with tables | with the component; line: expected"
-    names.append(_label(said, 0.02, 0.98 * top))
-    x = axis_style("machine", range=[0.5, len(loops) + 0.5], dtick=1, showgrid=False)
-    y = axis_style("RMS deviation of the tool (um)", range=[0.0, top])
-    style = layout(x, y, 320) | {"shapes": [*bars, *expected], "annotations": names}
-    return on_paper(picture({"data": [], "layout": style}, 760, "RMS deviation of the tool on every machine"))
+                expected.append(line_trace(side, [to_unit(foretold, "um")] * 2, "var(--ink)", 1.5))
+    names = ", ".join(f"{place} {name}" for place, name in enumerate(loops, 1))
+    x = axis_style(f"{names}: as found, with tables, with the component", range=[0.5, len(loops) + 0.5], dtick=1)
+    y = axis_style("RMS deviation of the tool (um); line: expected", range=[0.0, top])
+    drawing = {"data": [*bars, *expected], "layout": layout(x, y, 320)}
+    return on_paper(picture(drawing, 760, "RMS deviation of the tool on every machine"))
 
 
 _COLOURS = ("var(--soft)", "var(--truth)", "var(--accent)")
-
-
-def _label(text: str, x: float, y: float) -> Figure:
-    return {"text": text, "x": x, "y": y, "font": {"size": 11, "color": "var(--ink)"}}
 
 
 def _timed(name: str, folder: Path) -> tuple[Loop, float]:

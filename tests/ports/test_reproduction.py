@@ -11,8 +11,8 @@ from scipy.interpolate import CubicSpline
 
 from axiscal.cli.app import run as command
 from axiscal.numerics import Array
-from axiscal.ports.paper.paper_page import render
-from axiscal.ports.paper.stack import Experiment, GreedyPlan, document, run, table
+from axiscal.ports.paper.paper_page import render, table
+from axiscal.ports.paper.stack import Experiment, GreedyPlan, document, run
 from benchmarks.beyond import beyond
 from tests.web.browser import Browser
 
@@ -127,7 +127,7 @@ def test_the_command_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFix
     assert printed == json.loads((tmp_path / "paper" / "reproduce.json").read_text())
     page = (tmp_path / "paper" / "reproduce.html").read_text()
     assert len(page) > 1e5
-    assert page.count('class="picture"') == 3 + 2 + 12
+    assert page.count('class="picture"') == 3 + 1 + 12
 
 
 @pytest.mark.long
@@ -147,4 +147,4 @@ def test_a_browser_draws_every_figure(browser: Browser, experiment: Experiment, 
     page.write_text(render(experiment), encoding="utf-8")
     drawn, errors = browser.drawn(page.as_uri())
     assert errors == []
-    assert drawn.count('class="picture"') == 3 + 2 + 12
+    assert drawn.count('class="picture"') == 3 + 1 + 12

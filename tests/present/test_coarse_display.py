@@ -16,7 +16,7 @@ from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.present.doubled import coarse_displays, step_of
+from axiscal.present.findings import coarse_displays, step_of
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
 NOISE = 0.5

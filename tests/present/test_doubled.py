@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from axiscal.cli.app import app
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
-from axiscal.present.doubled import copies, repeated
+from axiscal.present.findings import copies, repeated
 from tests.generators.texts import campaign_text, machine_text, setup_text
 
 NOISE = 0.5e-6

@@ -96,7 +96,7 @@ def _within_budgets(text: str) -> None:
     assert max(map(len, lines)) <= WIDTH, text
     rows = _rows(text)
     beside = [line for line in lines if line not in rows]
-    names = re.compile(r'"[^"]*"')
+    names = re.compile(r'"[^"]*"|„[^“]*“')
     said = [word for word in names.sub("", " ".join(beside)).split() if re.search(r"[^\W\d_]{2}", word)]
     assert len(said) <= WORDS, text
     for row in rows:

@@ -85,11 +85,11 @@ POSITIONING = answer_row(RowName("positioning", ("X",)), MILL)
 @pytest.mark.parametrize(
     ("verdict", "aims", "begins"),
     [
-        ("measured", [], "MEASURED   32 readings, 25 min planned"),
-        ("reached", [aim("rms", 4.876, 5.0, 1.0)], "TARGET REACHED   volume 4.88 of 5 um RMS   32 readings"),
-        ("reached", [aim("U", 8.14, 20.0, 1.0)], "TARGET REACHED   volume 8.1 of 20 um   32 readings"),
+        ("measured", [], "MEASURED   32 readings, 25 min by the plan"),
+        ("reached", [aim("rms", 4.876, 5.0, 1.0)], "TARGET REACHED   volume RMS 4.88 of 5 um   32 readings"),
+        ("reached", [aim("U", 8.14, 20.0, 1.0)], "TARGET REACHED   volume U 8.1 of 20 um   32 readings"),
         ("more", [aim("worst", 7.16, 5.0, 1.0)], "123 MORE READINGS, 57 MIN\n  worst place 7.2 of 5 um   32 readings"),
-        ("unreachable", [aim("rms", 7.16, 5.0, 6.0)], "CANNOT BE REACHED WITH THESE SET-UPS\n  volume 7.2 of 5 um RMS"),
+        ("unreachable", [aim("rms", 7.16, 5.0, 6.0)], "CANNOT BE REACHED WITH THESE SET-UPS\n  volume RMS 7.2 of 5 um"),
         ("contradict", [aim("rms", 4.0, 5.0, 1.0)], "READINGS CONTRADICT   32 readings"),
         ("nothing", [], "NO READINGS YET   32 readings"),
         (
@@ -123,7 +123,7 @@ def test_what_is_not_measured_is_named_with_its_reason() -> None:
     text = " ".join(_screen(answer(rows=rows)).split())
     assert "Not measured: backlash X Y (one reading from the other side: ± 0.84 um)." in text
     far = rows[0].model_copy(update={"one_more": None, "kind": "yaw", "unit": "urad"})
-    assert "yaw X (4 places read: ± 130 urad)" in _screen(answer(rows=[far]))
+    assert "yaw X (4 places read tell too little: ± 130 urad)" in _screen(answer(rows=[far]))
 
 
 def test_before_the_first_reading_nothing_is_measured(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -131,7 +131,7 @@ def test_before_the_first_reading_nothing_is_measured(tmp_path: Path, capsys: py
     Campaign.create(record, CASE.description).close()
     assert run(["status", str(record)]) == 0
     text = " ".join(capsys.readouterr().out.split())
-    assert text.startswith("NO READINGS YET volume 8.0 of 3 um RMS 0 readings")
+    assert text.startswith("NO READINGS YET volume RMS 8.0 of 3 um 0 readings")
     assert "Not measured: positioning X (not read), backlash X (not read), volume (not read)." in text
     assert f"axiscal measure {record}" in text
 
@@ -143,7 +143,7 @@ def test_readings_that_are_left_out_are_not_compared() -> None:
 
 def test_a_check_of_the_tables_says_found_left_and_its_verdict() -> None:
     text = _screen(answer(verdict="reached", rows=[POSITIONING], checked=CHECKED))
-    assert "Checked at 12 new places: found 27 um, left 4.9 um, PASS." in text
+    assert "Checked at 12 new places: 27 um as found, 4.9 um left, PASS." in text
 
 
 def test_no_figure_stands_where_uncertainty_is_withheld() -> None:

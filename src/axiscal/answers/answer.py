@@ -5,6 +5,7 @@ Terminal, page, HTML, PDF, JSON and certificate show this document, and look the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -12,8 +13,38 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from axiscal.description.target import Kind
+from axiscal.exceptions import SummaryError
 from axiscal.planning.helping import Helping
 from axiscal.planning.promise import Alike
+
+_DIGITS = 6
+"""Figures kept, so that the same campaign gives the same bytes on any processor."""
+
+
+_DECIMALS = 9
+"""Of a coordinate, mm or deg: what was commanded, as plans and programs have it, and far below a nanometre."""
+
+
+def coordinate(value: float, what: str) -> float:
+    """Return where an axis stood, at nine decimals; raises SummaryError if it is not finite."""
+    if not math.isfinite(value):
+        raise SummaryError(f"{what} is {value}; the report takes finite figures only.")
+    return round(value, _DECIMALS) + 0.0
+
+
+def number(value: float, what: str) -> float:
+    """Return value at six significant digits; raises SummaryError if it is not finite."""
+    if not math.isfinite(value):
+        raise SummaryError(f"{what} is {value}; the report takes finite figures only.")
+    return float(f"{value:.{_DIGITS}g}") + 0.0  # + 0.0 turns -0.0 into 0.0
+
+
+def numbers(values: Sequence[float], what: str, size: int | None = None) -> list[float]:
+    """Return values at six significant digits; raises SummaryError if one is not finite or their count is not size."""
+    if size is not None and len(values) != size:
+        raise SummaryError(f"{what} has {len(values)} values for {size} positions.")
+    return [number(value, what) for value in values]
+
 
 Verdict = Literal["measured", "reached", "more", "unreachable", "contradict", "nothing"]
 """Nothing was asked for; it is reached; more readings would; none would; readings contradict; none was taken."""

@@ -24,9 +24,10 @@ from axiscal.answers.answer import (
     ResultAnswer,
     StepCode,
     Verdict,
+    coordinate,
+    number,
 )
 from axiscal.answers.answer_words import digits, row_name
-from axiscal.answers.digits import coordinate, number
 from axiscal.answers.rows import AnsweredRow, answered
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import count_reached, known_to

@@ -45,9 +45,9 @@ _ENDS: dict[Verdict, str] = {
 }
 VERDICTS = {"pass": later("PASS"), "fail": later("FAIL"), "undecided": later("UNDECIDED")}
 _AIMS = {
-    "rms": later("volume {now} of {limit} {unit} RMS"),
+    "rms": later("volume RMS {now} of {limit} {unit}"),
     "worst": later("worst place {now} of {limit} {unit}"),
-    "U": later("volume {now} of {limit} {unit}"),
+    "U": later("volume U {now} of {limit} {unit}"),
 }
 
 
@@ -102,7 +102,7 @@ def _first_line(answer: ResultAnswer) -> FirstLine:
         verdict = said(_ENDS[answer.verdict])
     taken = counted("{count} reading", "{count} readings", answer.readings)
     minutes = minutes_text(answer.minutes)
-    time = said("{minutes} min", minutes=minutes) if answer.clocked else said("{minutes} min planned", minutes=minutes)
+    time = said("{minutes} min" if answer.clocked else "{minutes} min by the plan", minutes=minutes)
     aims = "" if answer.verdict == "contradict" else aims_text(answer.aims)
     return FirstLine(verdict, aims, put("{taken}, {time}", taken=taken, time=time))
 
@@ -150,9 +150,9 @@ def controls_of(groups: Sequence[Sequence[AnswerRow]]) -> list[str]:
 
 
 def cells(groups: Sequence[Sequence[AnswerRow]], controls: Sequence[str]) -> list[list[str]]:
-    """Return the heading and a line for each group of rows: its name, found, known to, what each control leaves."""
-    lefts = [said("left: {control}", control=name) if number == 0 else name for number, name in enumerate(controls)]
-    lines = [["", said("found"), said("known to"), *lefts]]
+    """Return the heading and a line for each group of rows: its name, found, U, what each control leaves."""
+    lefts = [said("left with {control}", control=name) if number == 0 else name for number, name in enumerate(controls)]
+    lines = [["", said("found"), "U (95 %)", *lefts]]
     return [
         *lines,
         *([row_names(group), _found(group), known_text(group), *_left(group, controls)] for group in groups),
@@ -193,7 +193,8 @@ def known_text(rows: Sequence[PlannedRow]) -> str:
 
 def _left(rows: Sequence[AnswerRow], controls: Sequence[str]) -> list[str]:
     sizes = [max((row.left[name] for row in rows if name in row.left), default=None) for name in controls]
-    return ["-" if size is None else put("{size} {unit}", size=digits(size), unit=rows[0].unit) for size in sizes]
+    shown = (put("{size} {unit}", size=digits(size), unit=rows[0].unit) if size is not None else "" for size in sizes)
+    return [text or said("no figure") for text in shown]
 
 
 def by_kind(rows: Sequence[_Row]) -> list[list[_Row]]:
@@ -235,7 +236,8 @@ def _why(rows: Sequence[AnswerRow]) -> str:
     if not places:
         return said("not read")
     size = _within(max(row.known_to for row in rows), rows[0].unit)
-    return counted("{count} place read: {size}", "{count} places read: {size}", places, size=size)
+    one, many = "{count} place read tells too little: {size}", "{count} places read tell too little: {size}"
+    return counted(one, many, places, size=size)
 
 
 def _within(size: float, unit: str) -> str:
@@ -248,7 +250,7 @@ def _checked(checked: TablesChecked | None) -> str:
     if checked is None:
         return ""
     return said(
-        "Checked at {places} new places: found {found} um, left {left} um, {verdict}.",
+        "Checked at {places} new places: {found} um as found, {left} um left, {verdict}.",
         places=checked.places,
         found=digits(checked.found),
         left=digits(checked.left, checked.tolerance),

@@ -30,43 +30,43 @@ _MAIN = {
     "init": "init",
     "plan": "plan",
     "measure": "measure",
-    "serve": "serve",
+    "serve": "measure.serve",
     "finish": "report.finish",
     "export": "export",
     "verify": "verify",
     "report": "report",
-    "demo": "demo",
+    "demo": "run_loop.demo",
     "fleet": "folder.fleet",
 }
 """In the order of `--help`: a file with a function of its name, or "file.function"; `app` where it has subcommands."""
 _STEP = {
-    "start": "start",
+    "start": "steps.start",
     "next": "steps.next_reading",
     "record": "record",
     "undo": "steps.undo",
     "accept": "steps.accept",
     "note": "steps.note",
     "skip": "record.skip",
-    "status": "status",
+    "status": "report.status",
     "run": "run_loop",
 }
 _DATA = {
     "estimate": "estimate",
-    "iso230": "iso230",
+    "iso230": "estimate.iso230",
     "predict": "estimate.predict",
     "copy": "records.copy_record",
     "sign": "records.sign",
     "salvage": "records.salvage",
     "schema": "init.schema",
-    "reproduce": "reproduce",
+    "reproduce": "estimate.reproduce",
 }
 _SHOP = {
     "bring": "folder.bring",
     "sync": "sync",
-    "adopt": "adopt",
+    "adopt": "sync.adopt",
     "type": "type",
     "due": "folder.due",
-    "check": "check",
+    "check": "folder.check",
 }
 _GROUPS: Mapping[str, tuple[str, Mapping[str, str]]] = {
     "step": ("Take one step of a campaign per command, as scripts do.", _STEP),

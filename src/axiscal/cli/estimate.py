@@ -1,7 +1,8 @@
-"""`axiscal data estimate` and `predict`."""
+"""`axiscal data estimate`, `predict`, `iso230` and `reproduce`."""
 
 from __future__ import annotations
 
+import json as json_text
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,23 +13,25 @@ import typer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Details, Json, Log, Out, Programs, RecordFile
 from axiscal.cli.outputs import write_outputs
-from axiscal.cli.placed_log import placed_log
-from axiscal.cli.printing import say_either
+from axiscal.cli.printing import say, say_document, say_either, tell
 from axiscal.cli.progress import tell_unasked
+from axiscal.cli.record import placed_log
 from axiscal.description.placed_readings import placed_readings
+from axiscal.document.durable import write_whole
 from axiscal.estimation.prediction import predict_poses
 from axiscal.estimation.wrong_unit import refuse_implausible
-from axiscal.evaluation.one_axis import evaluate, read_iso230
+from axiscal.evaluation.circle import figures_of
+from axiscal.evaluation.one_axis import Positioning, evaluate, read_iso230
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import said
+from axiscal.language.spoken import decimals, later, said
 from axiscal.measurement.readers.csv_table import read_poses
 from axiscal.measurement.readers.files import read_any
 from axiscal.measurement.reading import Reading
 from axiscal.ports.fleet.type_learning import campaign_with_sisters
-from axiscal.present.doubled import copies
-from axiscal.present.findings import untimed
+from axiscal.present.findings import copies, untimed
 from axiscal.present.result_set import RECORD, mend
 from axiscal.present.summarising import Extras, iso230_block
+from axiscal.units import to_unit
 
 
 def predict(
@@ -108,3 +111,102 @@ def estimate(
         again = "give the command again"
         write_outputs(opened, out, as_json=json, details=details, record=kept, extras=extras, again=again)
     tell_unasked(description)
+
+
+_WORDS = {
+    "A": later("accuracy of positioning, bidirectional"),
+    "A_up": later("  in the positive direction"),
+    "A_down": later("  in the negative direction"),
+    "E": later("systematic deviation, bidirectional"),
+    "E_up": later("  in the positive direction"),
+    "E_down": later("  in the negative direction"),
+    "R": later("repeatability, bidirectional"),
+    "R_up": later("  in the positive direction"),
+    "R_down": later("  in the negative direction"),
+    "B": later("reversal, the largest"),
+    "B_mean": later("reversal, the mean"),
+    "M": later("range of the mean deviation"),
+}
+
+
+_CIRCLE = {
+    "G_plus": later("ISO 230-4, circular deviation, counter-clockwise"),
+    "G_minus": later("ISO 230-4, circular deviation, clockwise"),
+    "G_b": later("ISO 230-4, bidirectional circular deviation"),
+    "F_max": later("ISO 230-4, radial deviation, the largest"),
+    "F_min": later("ISO 230-4, radial deviation, the smallest"),
+    "D": later("ISO 230-4, mean bidirectional radial deviation"),
+}
+
+
+def iso230(
+    readings: Annotated[Path, typer.Argument(metavar="READINGS.csv", help="The test; its columns say which one.")],
+    json: Json = False,
+) -> None:
+    """Print the figures of ISO 230-2 or ISO 230-4.
+
+    The columns say what was tested: an axis or a circle.
+
+    Positioning, ISO 230-2: target_mm, direction (+ or -), run, deviation_um; target_deg and deviation_arcsec for a
+    rotary axis; a Renishaw .rtl file of a linear axis does as well. Behind ± stands how far each figure scatters when
+    the test is repeated (k = 2).
+    Circle, ISO 230-4: angle_deg, direction (+ counter-clockwise), deviation_um of the radius.
+
+    \b
+    Example:
+      axiscal data iso230 readings.csv
+    """
+
+    found = figures_of(readings)
+    document = found.as_json()
+    if json:
+        say_document(document)
+        return
+    if isinstance(found, Positioning):
+        _say_positioning(found)
+    else:
+        for name, value in found.figures.items():
+            figure = decimals(f"{to_unit(value, 'um'):10.3f}")
+            say(f"{name:20}{figure} um   {said(_CIRCLE[name])}")
+    for warning in found.warnings:
+        say(warning)
+
+
+def _say_positioning(found: Positioning) -> None:
+    document, unit = found.as_json(), "arcsec" if found.rotary else "um"
+    for name, words in _WORDS.items():
+        value = document[name]
+        figure = f"{said('not measured'):>12}"
+        if value is not None:
+            figure = decimals(f"{value:12.3f} {unit} ± {to_unit(found.uncertainty[name], unit):.3f}")
+        say(f"{name:7}{figure}   {said(words)}")
+    if found.vdi3441:
+        shown = ", ".join(f"{name} {to_unit(value, unit):.3f}" for name, value in found.vdi3441.items())
+        say(decimals(f"VDI/DGQ 3441: {shown} {unit}"))
+
+
+Folder = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for reproduce.html and its numbers.")]
+
+
+def reproduce(out: Folder = None, json: Json = False) -> None:
+    """Simulate the source paper again and draw its figures 4 to 7.
+
+    \b
+    Example:
+      axiscal data reproduce --out paper
+    """
+
+    from axiscal.ports.paper import paper_page, stack  # which no other command here needs
+
+    experiment = stack.run()
+    numbers = stack.document(experiment)
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+        page = out / "reproduce.html"
+        write_whole(page, paper_page.render(experiment).encode())
+        write_whole(out / "reproduce.json", f"{json_text.dumps(numbers, indent=2, allow_nan=False)}\n".encode())
+        tell(f"The figures are in {page}.")
+    if json:
+        say_document(numbers)
+    else:
+        say(paper_page.table(experiment))

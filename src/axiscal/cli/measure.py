@@ -1,22 +1,25 @@
-"""The dialogue at the prompt: one question after the other, until there is none or the person pauses.
+"""The dialogue at the prompt, one question after the other, and the page that takes its place in a browser.
 
-It shows the line on top, the set-up to mount, the reading to take, and what can be typed.
+The prompt shows the line on top, the set-up to mount, the reading to take, and what can be typed.
 """
 
 from __future__ import annotations
 
 from enum import Enum, auto
 from pathlib import Path
+from typing import Annotated
+
+import typer
 
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
 from axiscal.answers.answer_words import answer_text, columns, minutes_text, um_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder
-from axiscal.cli.opened import opened_to_write
 from axiscal.cli.outputs import write_outputs
-from axiscal.cli.printing import ask, say
+from axiscal.cli.printing import ask, say, tell
 from axiscal.cli.progress import tell_out_of_reach
+from axiscal.cli.texts import opened_to_write
 from axiscal.exceptions import AxiscalError, OvertakenError
 from axiscal.language.spoken import counted, decimals, said, speaking, spoken_now
 from axiscal.present.guide.progress import Progress, contradictions, doubted, others_doubted, take_back
@@ -72,7 +75,8 @@ class Prompt:
         question = Question.of(self.campaign, asked)
         if question.setup != self.mounted:
             steps = [f"  {step.name:<9} {step.what}" for step in question.mounting]
-            say("\n".join([f'\n{said("Set-up")} "{question.setup}": {question.mount_sentence}.', *steps]))
+            mounted = said('Set-up "{setup}"', setup=question.setup)
+            say("\n".join([f"\n{mounted}: {question.mount_sentence}.", *steps]))
             then = self._asked(said("Enter when it stands, or ? > "), question, standing=False)
             if then is not _Then.STANDS:
                 return then
@@ -313,3 +317,31 @@ def measure(
                 campaign.sign()
         if not over:
             say(said("Paused; every reading is kept. Go on: axiscal measure {record}", record=record))
+
+
+def serve(
+    record: OwnRecord,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, show_default=False, help="Port; default: any that is free.")
+    ] = 0,
+    language: Language = None,
+) -> None:
+    """Take the readings of a campaign on a page in the browser.
+
+    The page is for this computer only; its address holds a token that is new at every start. Several windows, and
+    `axiscal measure` beside them, may be open at once: each reading is on the disk before the next one is asked for.
+
+    \b
+    Example:
+      axiscal serve mill.axiscal
+    """
+    from axiscal.web.serving import serve_record  # a server, which no prompt needs
+
+    tell("Looking at what is known and planned; a plan that is not made yet takes up to a minute")
+    with speaking(chosen(language)):
+        left = serve_record(
+            record,
+            port,
+            lambda address: say(said("Open {address}\nEnd it with Ctrl-C; every reading is kept.", address=address)),
+        )
+    say(f"{said('Ended; every reading is kept.')} {left}".rstrip())

@@ -1,4 +1,4 @@
-"""`axiscal step record` and `skip`."""
+"""`axiscal step record` and `skip`, and the log of measuring programs as readings of a campaign."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ import typer
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, Log, Programs, RecordFile
-from axiscal.cli.opened import opened_to_write
-from axiscal.cli.placed_log import placed_log
-from axiscal.cli.printing import say_either
-from axiscal.cli.texts import ask_next, next_text, question_document
-from axiscal.description.placed_readings import placed_approach, placed_pose
+from axiscal.cli.printing import say_either, tell
+from axiscal.cli.texts import ask_next, next_text, opened_to_write, question_document
+from axiscal.description.campaign import CampaignDescription
+from axiscal.description.placed_readings import logged_readings, placed_approach, placed_pose, placed_readings
+from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import ReadingError, RecordError
-from axiscal.language.spoken import counted, joined, said
+from axiscal.language.spoken import counted, joined, listed, quoted, said
 from axiscal.machine import Machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose
@@ -224,7 +224,7 @@ def typed_place(campaign: Campaign, setup: str | None, at: str, approach: str | 
 def _setup(campaign: Campaign, name: str | None) -> Setup:
     description, pending = campaign.description, campaign.state.pending
     if name is None and pending is None and len(description.setups) > 1:
-        names = ", ".join(f'"{setup.name}"' for setup in description.setups)
+        names = listed(", ", [quoted(setup.name) for setup in description.setups])
         raise ReadingError("the campaign has several set-ups", "Name one with --setup: {names}", names=names)
     return description.setup(name or (pending.place.setup if pending else description.setups[0].name))
 
@@ -274,3 +274,15 @@ def skip(
       axiscal step skip mill.axiscal "the laser has to go back" --leave
     """
     skipped(record, " ".join(reason), leave=leave, then_next=then_next, as_json=json)
+
+
+def placed_log(log: Path, programs: Path, description: CampaignDescription) -> tuple[Reading, ...]:
+    """Return the readings of a log; raises ReadingError.  programs : the folder of the programs that wrote it"""
+    found = logged_readings(log, programs, description)
+    for sentence in found.said:
+        tell(f"Mind: {sentence}")
+    if not found.readings:
+        raise ReadingError("no reading of this log is whole", "Run the programs again", log)
+    placed = placed_readings(found.readings, description, log)
+    refuse_implausible(placed, description, log)
+    return placed

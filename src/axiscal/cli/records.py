@@ -10,9 +10,8 @@ import typer
 from axiscal.campaign.possible import beginning_of, described
 from axiscal.campaign.salvaging import salvaged
 from axiscal.cli.arguments import Json, OwnRecord, RecordFile
-from axiscal.cli.opened import opened_to_write
 from axiscal.cli.printing import say_either
-from axiscal.cli.texts import count_text, signed_text
+from axiscal.cli.texts import count_text, opened_to_write, signed_text
 from axiscal.exceptions import NewerError
 from axiscal.language.spoken import said
 from axiscal.ports.fleet.type_learning import campaign_with_sisters

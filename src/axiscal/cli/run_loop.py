@@ -1,4 +1,4 @@
-"""`axiscal step run`."""
+"""`axiscal step run` and `demo`: the whole loop without a person."""
 
 from __future__ import annotations
 
@@ -12,13 +12,16 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import CONTRADICT, OUT_OF_REACH, because_text
 from axiscal.campaign.sources import Source, open_source
 from axiscal.cli.arguments import CampaignFile, Details, Json, Out
-from axiscal.cli.outputs import write_outputs
+from axiscal.cli.outputs import tell_details, write_outputs, written_screen
+from axiscal.cli.printing import say
 from axiscal.cli.progress import shown_progress, tell_out_of_reach
 from axiscal.description.campaign import CampaignDescription, read_campaign
+from axiscal.estimation.case import Case
 from axiscal.exceptions import AxiscalError, InputError, RecordError, TargetError
 from axiscal.language.spoken import capital, counted, put, said
 from axiscal.measurement.simulation import Simulator
 from axiscal.ports.fleet.type_learning import with_sisters
+from axiscal.present.demo import description, run_demo
 from axiscal.present.result_set import RECORD, mend
 from axiscal.record.events import Asked, Created, Planned
 from axiscal.record.store import Record
@@ -127,3 +130,35 @@ def _kept(campaign: Campaign, again: str) -> str:
     count = len(campaign.state.readings)
     one, many = "{count} reading is kept in {record}", "{count} readings are kept in {record}"
     return said("{kept}; go on with: {again}", kept=counted(one, many, count, record=campaign.path), again=again)
+
+
+def demo(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the results.")] = Path("axiscal-demo"),
+    details: Details = False,
+) -> None:
+    """Calibrate a built-in five-axis machine, from plan to report.
+
+    Its hidden errors come from measured curves. It plans, measures on a virtual machine, estimates, stops, writes
+    tables and a report, and says what was promised and what was reached.
+
+    \b
+    Example:
+      axiscal demo --out demo-out
+    """
+
+    case, folder = Case(description()), _fresh(out)
+    with shown_progress(case.description.target) as watch:
+        summary = run_demo(case, folder, watch)
+    if details:
+        tell_details(summary, folder)
+    say(written_screen(summary, folder / RECORD, folder))
+
+
+def _fresh(out: Path) -> Path:
+    """Return `out`, or the first of out-2, out-3, ... that holds no campaign yet."""
+    number, folder = 1, out
+    while (folder / RECORD).exists():
+        number += 1
+        folder = out.with_name(f"{out.name}-{number}")
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder

@@ -17,8 +17,7 @@ from axiscal.campaign.sources import Source
 from axiscal.cli.arguments import Details, Json, RecordFile
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.document.durable import write_whole
-from axiscal.evaluation.at_the_machine import Taken
-from axiscal.evaluation.check import USUAL, Check
+from axiscal.evaluation.check import USUAL, Check, Taken
 from axiscal.language.spoken import joined, listed, said
 from axiscal.measurement.reading import Places
 from axiscal.present.check_answer import (

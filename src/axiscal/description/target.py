@@ -94,6 +94,8 @@ def _rows_of(axes: Sequence[Axis]) -> Iterator[RowName]:
 def read_wants(texts: Sequence[str], machine: Machine, document: Document) -> tuple[Want, ...]:
     """Return the rows that are asked for; raises DescriptionError or UnitError at the line of the text."""
     known = {row.name.casefold(): row for row in rows_of(machine)}
+    planes = [row for row in known.values() if row.kind == "squareness"]
+    known |= {RowName(row.kind, row.axes[::-1]).name.casefold(): row for row in planes}
     found = list[Want]()
     for index, text in enumerate(texts):
         with document.placed("target", "wants", index):

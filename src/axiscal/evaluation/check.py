@@ -6,22 +6,24 @@ A virtual machine gives as-found and as-left readings: the same truth without ta
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources import Answer, Request, Source, virtual_machine
+from axiscal.campaign.sources import Answer, Request, Skip, Source, virtual_machine
 from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
+from axiscal.document.durable import write_whole
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.at_the_machine import Sheet
 from axiscal.evaluation.datums import fewest, lines_shared
 from axiscal.evaluation.table_checks import Judgement, Part, far_from, needed, parts_of, taken_away
 from axiscal.evaluation.verification import (
@@ -33,9 +35,10 @@ from axiscal.evaluation.verification import (
     with_displacements,
     without_zeros,
 )
-from axiscal.exceptions import ReadingError, TargetError
-from axiscal.language.stages import stage
-from axiscal.measurement.readers.csv_readings import blank_sheet, read_readings
+from axiscal.exceptions import InputError, ReadingError, SourceError, TargetError
+from axiscal.language.spoken import said
+from axiscal.language.stages import stage, staged
+from axiscal.measurement.readers.csv_readings import blank_sheet, filled_sheet, read_readings
 from axiscal.measurement.reading import Places, Reading, columns_of
 from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.simulation import Simulator, VirtualMachine
@@ -46,6 +49,105 @@ from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.surface import CommandedMachine
 from axiscal.units import parse_quantity
+
+_SAME = 1e-7
+"""m or rad: rounding of a place that was written down."""
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """By whom readings were taken, and with what in force.
+
+    person : who gave the command, "" where nobody knows; source : what read
+    files : SHA-256 of each file that the control itself said was in force, by its name
+    """
+
+    person: str = ""
+    source: str = ""
+    files: Mapping[str, str] = field(default_factory=dict)
+
+    def write(self, file: Path) -> None:
+        """Keep it beside a file of readings, with what that holds; raises OSError."""
+        kept = asdict(self) | {"schema": "axiscal-taken/1", "readings": _digest(file)}
+        write_whole(_beside(file), (json.dumps(kept, indent=1) + "\n").encode())
+
+    @classmethod
+    def of(cls, file: Path) -> Taken:
+        """Return what is kept beside a file of readings, nothing where that was typed or has been changed since."""
+        try:
+            kept = json.loads(_beside(file).read_bytes())
+            if kept.pop("schema") == "axiscal-taken/1" and kept.pop("readings") == _digest(file):
+                return cls(str(kept["person"]), str(kept["source"]), dict(kept["files"]))
+        except (OSError, ValueError, TypeError, KeyError, AttributeError):
+            pass
+        return cls()
+
+
+def _beside(file: Path) -> Path:
+    return file.with_name(f"{file.stem}.taken.json")
+
+
+def _digest(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """A file of readings at places, one after another.
+
+    wanted : a request for each place
+    """
+
+    file: Path
+    description: CampaignDescription
+    wanted: Sequence[Request]
+
+    def held(self) -> tuple[Reading, ...]:
+        """Return the readings that it holds; raises ReadingError where they are of other places."""
+        if not self.file.exists():
+            return ()
+        held = placed_readings(read_readings(self.file), self.description, self.file)
+        for reading, place in zip(held, self.wanted, strict=False):
+            apart = np.max(np.abs(np.subtract(reading.pose, place.pose)))
+            if reading.setup != place.setup.name or apart > _SAME or reading.approach != place.approach:
+                what = "it holds readings of other places than this check"
+                raise ReadingError(what, "Name another file, or give --points as then", self.file, reading.line)
+        if len(held) > len(self.wanted):
+            what = "it holds {count} readings, and this check has {wanted}"
+            remedy = "Name another file, or give --points as then"
+            raise ReadingError(what, remedy, self.file, count=len(held), wanted=len(self.wanted))
+        return held
+
+    def complete(self) -> bool:
+        """Whether it holds all of its readings."""
+        return len(self.held()) == len(self.wanted)
+
+    def fill(self, opened: Callable[[], Source], taken: Taken) -> None:
+        """Read what is missing; raises ReadingError before that, SourceError with how many readings are kept."""
+        readings = list(self.held())
+        if not os.access(self.file.absolute().parent, os.W_OK | os.X_OK):
+            raise ReadingError("nothing can be written there", "Name a file in a folder of yours", self.file)
+        source = opened()
+        try:
+            missing = self.wanted[len(readings) :]
+            for request in staged("readings", missing, len(missing)):
+                answer = source.read(request)
+                if isinstance(answer, Skip):
+                    raise SourceError(
+                        "{reason}", "Name another number of --points, and other files", reason=answer.reason
+                    )
+                at = (request.setup.name, request.pose, request.approach)
+                readings.append(Reading(*at, answer.value, answer.std, others=answer.others))
+                write_whole(self.file, filled_sheet(self.description.machine.axes, readings).encode())
+                taken.write(self.file)
+        except InputError as failure:
+            kept = "{remedy}. {count} of {wanted} readings are kept in {path}; go on with the same command"
+            counts = {"count": len(readings), "wanted": len(self.wanted)}
+            remedy = said(kept, remedy=failure.remedy, path=self.file, **counts)
+            raise type(failure)(failure.what, remedy, failure.file) from failure
+        finally:
+            source.close()
+
 
 USUAL, _FEW = 12, 4
 """Places of a check that nobody gave a number for, and how many of them lie elsewhere than where the tables ask."""

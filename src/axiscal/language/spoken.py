@@ -70,6 +70,11 @@ def listed(separator: str, parts: Sequence[str]) -> str:
     return put(between.join(f"{{{name}}}" for name in names), **dict(zip(names, parts, strict=True)))
 
 
+def quoted(name: str) -> str:
+    """Return a name as it stands in a sentence of the language that is spoken."""
+    return said('"{name}"', name=name)
+
+
 def joined(parts: Sequence[str]) -> str:
     """Return parts as they stand in a sentence: "A, B and C"."""
     if len(parts) < 2:

@@ -12,7 +12,7 @@ from axiscal.description.type_b import MEASURED_TEMPERATURE, TEMPERATURE
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.known import known_rows
 from axiscal.exceptions import InputError, PlanError
-from axiscal.language.spoken import joined, put, said
+from axiscal.language.spoken import joined, put, quoted, said
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.setup import Setup
 from axiscal.planning.enough import enough, reached_by
@@ -82,7 +82,7 @@ def _tooled(setup: Setup) -> Setup:
 
 def helping_words(found: Helping) -> str:
     """Return in words what would help."""
-    names = joined([f'"{name}"' for name in found.setups])
+    names = joined([quoted(name) for name in found.setups])
     if found.measured:
         names = said("the temperature (to {size})", size=said_quantity(MEASURED_TEMPERATURE.size, "K"))
     elif found.tool:

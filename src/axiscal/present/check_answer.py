@@ -10,11 +10,10 @@ from pydantic import Field
 
 from axiscal.answers.answer import AnswerDocument, TablesChecked
 from axiscal.answers.answer_words import VERDICTS, digits, row_name, wrapped
-from axiscal.evaluation.at_the_machine import Taken
-from axiscal.evaluation.check import Check
+from axiscal.evaluation.check import Check, Taken
 from axiscal.evaluation.datums import GUARD
 from axiscal.evaluation.table_checks import WORKS, Judgement, Verdict
-from axiscal.language.spoken import counted, later, listed, put, said
+from axiscal.language.spoken import counted, later, listed, quoted, said
 from axiscal.measurement.reading import Places, approach_text, place_text, shown_pose
 from axiscal.numerics import Array
 from axiscal.units import to_unit
@@ -67,7 +66,7 @@ class CheckAnswer(AnswerDocument):
     """What a check says; fields as of `evaluation.table_checks.Judgement`.
 
     decision : what the as-left readings prove of the tolerance, by ISO 14253-1; U_um : largest of theirs, k = 2
-    person, source, in_force : as of `evaluation.at_the_machine.Taken`
+    person, source, in_force : as of `evaluation.check.Taken`
     expected_um : U over the volume with the tables loaded
     places : how many were read, each without the tables and with them
     found_rms_um, left_rms_um : over the places, in space where a reading has three values
@@ -226,7 +225,7 @@ def plan_lines(rows: Sequence[dict[str, object]], unread: Sequence[str], again: 
 
 
 def _quoted(names: Sequence[str]) -> str:
-    return listed(", ", [put('"{setup}"', setup=name) for name in names])
+    return listed(", ", list(map(quoted, names)))
 
 
 def _figures(values: Array) -> float | list[float]:

@@ -91,7 +91,7 @@ def write_report(summary: Summary, path: Path, language: str | None = None) -> N
     kind = path.suffix.lower()
     with speaking("en" if kind == ".xml" else language_of_report(summary.particulars, language)):
         if kind == ".xml":
-            from axiscal.present.calibration_certificate import certificate
+            from axiscal.present.printed import certificate
 
             content = certificate(summary)
         elif kind == ".pdf":

@@ -3,7 +3,6 @@
 Positioning as of ISO 230-2: both directions of approach, found and left, where it was read. The circle of a ball bar as
 of ISO 230-4, enlarged: as it was read, and what tables leave of the machine's share.
 
-    picture = positioning_figure(curve)
     picture = circle_picture(circle, 340)
 """
 

@@ -1,8 +1,25 @@
-"""What a person has to be told about an estimate: what could not be seen, and what does not fit."""
+"""What a person has to be told about readings and an estimate: what does not fit, and what could not be seen.
+
+Readings twice: a file that was added twice, a block that was pasted again, a frozen display. A value is shown once more
+with a probability of at most p = q/(σ√2π), q the step of the values and σ the noise. L values in a row come again
+somewhere among m by chance in at most m²/2 p^L files.
+
+Coarse steps that nobody stated: a display's, or those of decimals that were not written. The search is for the largest
+step q of whose multiples all values of a set-up differ, to the last decimal d written. Suppose a display no coarser
+than p = q/m ≤ 3σ. A different value then falls on the steps of q with a probability of 1/m (3d/q if d hides that q is
+no decimal). One that was there before comes again with at most
+
+    r = Σⱼ Φ((jq + p/2)/σ) − Φ((jq − p/2)/σ)
+
+Let a different values come beside the first, and b come again. Chance then leaves Σ m^−a r^b over all m from the one
+found on, at most m^−a (1 + m/(a − 1)) r^b.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,13 +30,197 @@ from axiscal.estimation.agreement_words import STRANGE, farthest, membership_wor
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, paths
 from axiscal.estimation.inheritance import changes
+from axiscal.estimation.intervals import COARSE
 from axiscal.estimation.promise.agreement import AGREES
 from axiscal.language.spoken import capital, later, listed, put, said
+from axiscal.measurement.instrument import values_of
 from axiscal.measurement.reading import Reading, reading_unit, value_names
-from axiscal.measurement.setup import Setup
-from axiscal.present.doubled import coarse_displays
+from axiscal.measurement.setup import FINEST, Setup
+from axiscal.numerics import Array
 from axiscal.present.summary import Finding
-from axiscal.units import said_quantity, to_unit
+from axiscal.units import format_quantity, said_quantity, to_unit
+
+_RARELY = 1e-2
+"""Of displays as coarse as may be and curves that stay where they show the same, one in a hundred; hardly any other."""
+_FEWEST_VALUES = 3
+"""Two different values are any step apart."""
+_TOLD = 6.0
+"""Last decimals within which a step that is no decimal can be told from its neighbours: ±1 is a third of it."""
+_DIGITS = range(2, 7)
+"""A step is written with as few digits as tell it."""
+
+_BY_CHANCE = 1e-4
+"""A right file is taken for one with copies once in ten thousand."""
+_FEWEST = 3
+"""Two values that are the same in a row are none, however fine they are: a place read again and its neighbour."""
+_FINEST = 6
+"""Decimals of um or urad: values with more were not read off a display."""
+
+
+@dataclass(frozen=True, slots=True)
+class Copies:
+    """Readings that show what others showed: indices of the first and the last one, there and before; how many."""
+
+    before: tuple[int, int]
+    again: tuple[int, int]
+    count: int
+
+
+def copies(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
+    """Yield warnings of set-ups whose readings in a file show the same values, one by one, as others before them."""
+    text = (
+        '{count} values of "{setup}" in {again} repeat those in {before}, in the same order. By chance that comes '
+        "in less than one file of ten thousand. Take out what was copied (a file added twice, a block pasted "
+        "again, a display that froze): it counts as read. If all of it was read, state a smaller noise."
+    )
+    for setup in setups:
+        mine = [reading for reading in readings if reading.setup == setup.name]
+        found = repeated(mine, setup.noise)
+        if found is not None:
+            where = {"again": _lines(mine, found.again), "before": _lines(mine, found.before)}
+            yield Finding("copies", None, said(text, setup=setup.name, count=found.count, **where))
+
+
+def _lines(readings: Sequence[Reading], ends: tuple[int, int]) -> str:
+    """Return where readings stand in their file, else among the readings of their set-up."""
+    first, last = (readings[end].line for end in ends)
+    if first is None or last is None:
+        return said("its readings {first} to {last}", first=ends[0] + 1, last=ends[1] + 1)
+    return said("lines {first} to {last}", first=first, last=last)
+
+
+def repeated(readings: Sequence[Reading], noise: float) -> Copies | None:
+    """Return the first readings of one set-up that come again so many in a row that it is no chance, if any do.
+
+    noise : m or rad
+    """
+    values = [reading.values for reading in readings]
+    length = _telling(values, noise)
+    seen: dict[tuple[tuple[float, ...], ...], int] = {}
+    for at in range(len(values) - length + 1):
+        start = seen.setdefault(tuple(values[at : at + length]), at)
+        if at - start >= length:
+            count = _run(values, start, at)
+            return Copies((start, start + count - 1), (at, at + count - 1), count)
+    return None
+
+
+def _telling(values: Sequence[tuple[float, ...]], noise: float) -> int:
+    """Return how many values in a row do not come again by chance; more than there are where no number does."""
+    step = last_decimal(np.array([number for value in values for number in value]))
+    same = step / (noise * math.sqrt(2 * math.pi)) if noise > 0 else math.inf
+    if same >= 1 or not values:
+        return len(values) + 1
+    each = len(values[0]) * math.log(same)
+    return max(_FEWEST, math.ceil((math.log(_BY_CHANCE) - math.log(len(values) ** 2 / 2)) / each))
+
+
+def last_decimal(numbers: Array) -> float:
+    """Return the step of the last decimal of um or urad that numbers use, m or rad.  numbers : (m,) m or rad"""
+    micro = numbers * 1e6
+    for decimals in range(_FINEST):
+        shown = np.round(micro, decimals)
+        if np.all(np.abs(micro - shown) <= 1e-9 * np.maximum(np.abs(micro), 1.0)):
+            return float(10.0 ** -(6 + decimals))
+    return float(10.0 ** -(6 + _FINEST))
+
+
+def _run(values: Sequence[tuple[float, ...]], start: int, at: int) -> int:
+    """Return how many values from one place on are those from another one on, as far as the other one."""
+    count = 0
+    while count < at - start and at + count < len(values) and values[start + count] == values[at + count]:
+        count += 1
+    return count
+
+
+def coarse_displays(readings: Sequence[Reading], setups: Sequence[Setup]) -> Iterator[Finding]:
+    """Yield warnings of set-ups whose values move in steps that are coarse beside the noise and not stated."""
+    text = (
+        'The values of "{setup}" move in steps of {step}, {times:.3g} times its noise: as they stand, the same number '
+        'read again passes for better knowledge. State resolution = "{written}" or, if the display shows finer steps '
+        "and the values were written with too few decimals, write them all. {effect}"
+    )
+    for setup in setups:
+        mine = [each for each in readings if each.setup == setup.name and each.std is None]
+        step = step_of(np.array([number for each in mine for number in each.values]), setup.noise)
+        if step is None or step <= setup.interval * (1 + 1e-6):
+            continue
+        effect = said("Each reading counts as the interval it fell into where that is stated.")
+        if values_of(setup) > 1:
+            effect = said("What is rounded off counts as noise where that is stated.")
+        unit = reading_unit(setup)
+        shown, written = said_quantity(step, unit, 6), format_quantity(step, unit)
+        times = step / setup.noise
+        yield Finding(
+            "resolution", None, said(text, setup=setup.name, step=shown, times=times, written=written, effect=effect)
+        )
+
+
+def step_of(values: Array, noise: float) -> float | None:
+    """Return the step in which values move, m or rad, where it is coarse beside the noise and no chance; else None.
+
+    values : (m,) m or rad; noise : m or rad
+    """
+    if len(values) < _FEWEST_VALUES:
+        return None
+    decimal = last_decimal(values)
+    whole = np.unique(np.rint(values / decimal))
+    if len(whole) < _FEWEST_VALUES:
+        return None
+    again = len(values) - len(whole)
+    exact = float(np.gcd.reduce(np.diff(whole).astype(np.int64)))
+    if exact < _TOLD:
+        found = _hidden(whole, noise / decimal, again)
+        if found is not None:
+            return found * decimal
+    told = exact * decimal > max(COARSE * noise, FINEST) and _chance(exact * decimal / noise, len(whole), again)
+    return exact * decimal if told else None
+
+
+def _chance(steps: float, different: int, again: int) -> bool:
+    """Return whether no chance puts so many values on steps of so many noises that are written out."""
+    finer, beside = math.ceil(steps / COARSE), different - 1
+    tail = float(finer) ** -beside * (1 + finer / (beside - 1))
+    return tail * _same(steps, steps / finer) ** again <= _RARELY
+
+
+def _same(steps: float, finer: float) -> float:
+    """Return how probable it is at most that a display of finer steps, in noises, shows one of the coarse ones."""
+    edges = [(j * steps - finer / 2, j * steps + finer / 2) for j in (-1, 0, 1)]
+    return min(1.0, sum(math.erf(high / math.sqrt(2)) - math.erf(low / math.sqrt(2)) for low, high in edges) / 2)
+
+
+def _hidden(whole: Array, noise: float, again: int) -> float | None:
+    """Return the largest step that is hidden by rounding to whole numbers, if there is one that is no chance.
+
+    whole : (m,) increasing; noise : in their unit
+    """
+    gaps = np.sort(np.diff(whole))
+    further = np.concatenate([gaps, whole[1:] - whole[0]])
+    for parts in range(1, int(gaps[0] / max(COARSE * noise, _TOLD)) + 1):
+        step = float(gaps[0]) / parts
+        finer = math.ceil(step / (COARSE * noise))
+        each = max(3.0 / step, 1.0 / finer)
+        if parts * each ** (len(whole) - 2) * _same(step / noise, step / noise / finer) ** again > _RARELY:
+            return None  # smaller parts are rather by chance still
+        found = _within(further, step, 1.0 / parts)
+        if found is not None:
+            return found
+    return None
+
+
+def _within(gaps: Array, step: float, slack: float) -> float | None:
+    """Return the step, off by up to `slack`, of which all gaps, each off by up to 1, are multiples; None if none is."""
+    low, high = step - slack, step + slack
+    for gap in gaps.tolist():
+        count = round(gap / ((low + high) / 2))
+        low, high = max(low, (gap - 1) / count), min(high, (gap + 1) / count)
+        if low > high:
+            return None
+    middle = (low + high) / 2
+    rounded = (float(f"{middle:.{digits}g}") for digits in _DIGITS)
+    return next((each for each in rounded if low <= each <= high), middle)
+
 
 _FAR_FROM_STATED = 3.0
 """Factor from which on a size is not as stated."""

@@ -9,49 +9,28 @@ from typing import Any
 
 from markupsafe import Markup
 
-from axiscal.answers.digits import number, numbers
+from axiscal.answers.answer import number, numbers
 from axiscal.estimation.accuracy.expanded import BAND
-from axiscal.language.spoken import capital, joined, later, resaid, said
-from axiscal.present import figures, sentences
-from axiscal.present.drawing.svg_picture import Figure, shown
-from axiscal.present.drawn_by_standards import circle_picture
-from axiscal.present.figures import axis_style, band, finite_range, layout, line_trace
+from axiscal.language.spoken import joined, resaid, said
+from axiscal.present import sentences
+from axiscal.present.drawing.svg_picture import Figure, axis_style, band, finite_range, layout, line_trace, shown
+from axiscal.present.drawn_by_standards import PositioningCurve, circle_picture
 from axiscal.present.found_and_left import found_and_left_shown
 from axiscal.present.result_document import listed
-from axiscal.present.sentences import UNSAID, axis_unit, figure, files_of_controls, pairs, quantity, unit_text, words
-from axiscal.present.standalone import environment, inlined
+from axiscal.present.sentences import (
+    UNSAID,
+    axis_unit,
+    environment,
+    figure,
+    files_of_controls,
+    inlined,
+    quantity,
+    unit_text,
+)
 from axiscal.present.statement import answered, statement
 from axiscal.present.summary import CurvePoint, CurveSummary, HistoryRow, Summary
 from axiscal.present.volume_error import PlaneSummary
 
-FILTERS = {
-    "figure": sentences.figure,
-    "quantity": sentences.quantity,
-    "unit": sentences.unit_text,
-    "iso_name": sentences.iso_name,
-    "approach_words": sentences.approach_words,
-    "as_read": sentences.as_read,
-    "left_out_words": sentences.left_out_words,
-    "values_text": sentences.values_text,
-    "position": sentences.position_text,
-    "position_heading": sentences.position_heading,
-    "standardised": sentences.standardised,
-    "spelt": sentences.spelt,
-    "curve_note": sentences.curve_note,
-    "beginning": capital,
-}
-_CODES = {
-    "accepted": later("accepted mistake"),
-    "prior-misfit": later("not as stated beforehand"),
-    "copies": later("readings that come twice"),
-    "resolution": later("steps of the display"),
-    "drift": later("drift"),
-    "outlier": later("reading that does not fit"),
-    "unobservable": later("cannot be seen"),
-    "not-a-sister": later("not like its sisters"),
-    "not-gaussian": later("not linear enough"),
-}
-"""What the kinds of warnings are called on a page."""
 _CIRCLE = 340.0
 """Pixels of the picture of a ball bar: a third of a page on a screen, and the whole of a telephone's."""
 
@@ -69,7 +48,6 @@ def render(summary: Summary) -> str:
         "code": Markup("<code>{}</code>").format,
     }
     templates = environment("axiscal.present")
-    templates.filters |= FILTERS
     page = templates.get_template("report.html").render(report_values(summary) | drawn | inlined())
     return page.encode("utf-8", "replace").decode("utf-8")  # a file name may hold bytes that are no text
 
@@ -82,20 +60,33 @@ def report_values(summary: Summary) -> dict[str, Any]:
         "reversal_groups": groups(summary.reversals, summary.chain),
         "planes": [PlanePanel(plane, _maps(plane, summary.history)) for plane in summary.planes],
         "constants": sentences.constant_rows(summary),
-        "positioning": [(each, figures.positioning_figure(each)) for each in summary.positioning],
+        "positioning": [(each, positioning_figure(each)) for each in summary.positioning],
         **answered(summary)._asdict(),
         "stated": statement(summary),
         "files_of": files_of_controls(summary.tables),
-        "codes": {code: said(words) for code, words in _CODES.items()},
         "unsaid": said(UNSAID),
         "volume_words": sentences.volume_words(summary),
         "first_number": sentences.first_number_words(summary),
-        "pairs": pairs(summary),
-        "words": words(),
         "before": [row for row in summary.history if not row.position],
         "listed": listed(summary),
         "flagged": {warning.error: warning.code for warning in summary.warnings if warning.error},
     }
+
+
+def positioning_figure(curve: PositioningCurve) -> Figure:
+    """Return positioning from below, solid, and from above, dashed: found, and left over it, both with 95 %."""
+    at, bands, lines = numbers(curve.position, f"positions of {curve.axis}"), list[Figure](), list[Figure]()
+    shown = [(curve.found, "var(--truth)", "var(--truth-band)")]
+    shown += [] if curve.left is None else [(curve.left, "var(--read)", "var(--read-band)")]
+    for sides, colour, fill in shown:
+        for values, half, dash in zip(sides, curve.half, ("solid", "dash"), strict=True):
+            middle = numbers(values, f"deviations of {curve.axis}")
+            bands.append(band(at, middle, numbers(half, "a band"), fill))
+            lines.append(line_trace(at, middle, colour, 2.0, dash))
+    x = axis_style(f"{curve.axis}, {unit_text(curve.position_unit)}", nticks=6)
+    title = said("deviation, {unit}", unit=unit_text(curve.value_unit))
+    y = axis_style(title, nticks=6, zeroline=True, zerolinecolor="var(--rule)")
+    return {"data": [*bands, *lines], "layout": layout(x, y, 260)}
 
 
 _MAP_HEIGHT = 290

@@ -81,7 +81,7 @@ def _cells(rows: Sequence[PlannedRow], room: int) -> list[list[str]]:
     groups = [[row] for row in rows] if len(rows) <= room else by_kind(rows)
     shown = [*groups[: room - 1], groups[-1]] if len(groups) > room else groups  # the volume stays
     lines = [[row_names(each), _before(each), _after(each)] for each in shown]
-    return [["", said("before"), said("then known to")], *lines]
+    return [["", said("U before"), said("U after")], *lines]
 
 
 def _before(rows: Sequence[PlannedRow]) -> str:
@@ -99,7 +99,7 @@ def _mounted(answer: PlannedAnswer) -> str:
         return ""
     first, *others = answer.setups
     begin = counted('"{setup}" ({count} reading)', '"{setup}" ({count} readings)', first.readings, setup=first.setup)
-    parts = [begin, *(put('"{setup}" ({count})', setup=each.setup, count=each.readings) for each in others)]
+    parts = [begin, *(said('"{setup}" ({count})', setup=each.setup, count=each.readings) for each in others)]
     return said("Mount in turn: {setups}.", setups=listed(", ", parts))
 
 
@@ -160,7 +160,7 @@ def plan_list(answer: PlanAnswer) -> Iterator[str]:
     for number, point in enumerate(answer.points):
         if point.setup != mounted:
             mounted = point.setup
-            yield f'{said("Set-up")} "{mounted}"'
+            yield said('Set-up "{setup}"', setup=mounted)
         after = f"RMS {um_text(point.rms_um):>8}, {point.minutes:6.1f} min"
         yield f"{number + 1:4}  {where[number]:{wide}}  {come[number]:{beside}}  {after}"
     yield bound_sentence(answer)

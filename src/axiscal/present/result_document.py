@@ -9,8 +9,7 @@ from collections.abc import Iterator, Sequence
 from hashlib import sha256
 from typing import Any, NamedTuple
 
-from axiscal.answers.answer import ReadingAgreement, ResultAnswer
-from axiscal.answers.digits import coordinate, number, numbers
+from axiscal.answers.answer import ReadingAgreement, ResultAnswer, coordinate, number, numbers
 from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.csv_readings import FOUND

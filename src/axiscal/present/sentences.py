@@ -1,43 +1,31 @@
-"""Figures and sentences of the report as text; nothing here is markup."""
+"""Figures and sentences of the report as text, and the templates that lay them out.
+
+Nothing here is markup but what a page carries inside itself, scripts and styles: it asks the network for nothing.
+"""
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import math
 import re
-from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Sequence
+from importlib import resources
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from markupsafe import Markup, escape
 from numpy.typing import ArrayLike
 
-from axiscal.description.campaign import Equipment
 from axiscal.estimation.accuracy.expanded import BAND
-from axiscal.language.spoken import counted, decimals, joined, later, said
+from axiscal.language.spoken import capital, counted, decimals, joined, later, said, spoken_now
+from axiscal.present.drawing.strokes import IN_DARK, IN_LIGHT, variables
 from axiscal.present.summary import ConstantSummary, CurveSummary, HistoryRow, Iso230, Position, Summary, TableOffer
 
-UNSAID = later("not stated")
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
-_WORDS = {
-    later("Tool point"): later(
-        "where the tool cuts, relative to the workpiece. Errors and uncertainties are those of this point over the "
-        "volume that is stated."
-    ),
-    later("U"): later(
-        "expanded uncertainty: with 95 % the error that is left after correcting by the estimate is not larger, over "
-        "the volume. In space it is a length, along an axis a ±. k is U over the standard uncertainty."
-    ),
-    later("RMS"): later("root of the mean square over the volume."),
-    later("Band, ±"): later("95 %, with what the model cannot follow."),
-    later("EXX, EYX, ECX …"): later(
-        "errors after ISO 230-1: E, the direction of the error (X, Y, Z along, A, B, C about an axis), the axis that "
-        "moves. C0Y: how far Y is out of square about C. A reversal is what an error differs by between both sides "
-        "from which an axis comes."
-    ),
-    later("Before measuring"): later("what was stated of the machine before any reading: how large each error may be."),
-    later("Surprise"): later(
-        "a reading less what was expected of it just before, in standard deviations of that difference."
-    ),
-}
+UNSAID = later("not stated")
 
 UNITS = {"um": "µm", "urad": "µrad", "arcsec": "″", "deg": "°", "mm": "mm", "min": "min"}
 _SHOWN = {"um": "µm", "urad": "µrad", "degC": "°C"}
@@ -236,38 +224,6 @@ def files_of_controls(offers: Sequence[TableOffer]) -> list[FilesOfControl]:
     return [FilesOfControl(name, left or said("They leave nothing."), files) for (name, left), files in found.items()]
 
 
-def words() -> list[tuple[str, str]]:
-    """Return each word with what it means."""
-    return [(said(word), said(meaning)) for word, meaning in _WORDS.items()]
-
-
-def pairs(summary: Summary) -> list[tuple[str, str]]:
-    """Return the facts on machine and people that somebody stated, each with its name."""
-    known, measured = summary.particulars, summary.date
-    if summary.ended and summary.ended != summary.date:
-        measured = said("{begun} to {ended}", begun=summary.date, ended=summary.ended)
-    rows = [
-        (said("Machine"), ", ".join(each for each in (summary.machine, known.maker) if each)),
-        (said("Serial number"), known.serial),
-        (said("Chain of axes"), summary.chain),
-        (said("Customer"), known.customer),
-        (said("Laboratory"), known.laboratory),
-        (said("Place"), known.place),
-        (said("Operator"), known.operator),
-        (said("Responsible"), known.responsible),
-        (said("Temperature"), spelt(known.temperature)),
-        (said("Measured"), measured),
-        (said("Remarks"), known.remarks),
-    ]
-    artefacts = [(said("Artefact {name}", name=name), _equipment(each)) for name, each in known.artefacts.items()]
-    return [(name, text) for name, text in (*rows, *artefacts) if text]
-
-
-def _equipment(each: Equipment) -> str:
-    certificate = said("certificate {number}", number=each.certificate) if each.certificate else ""
-    return ", ".join(part for part in (each.serial, certificate) if part)
-
-
 _CAUSES = {
     "scale": later("Scale of the {owner}"),
     "air": later("Refraction of air"),
@@ -287,3 +243,62 @@ _CAUSES = {
 def cause_words(name: str, owner: str) -> str:
     """Return a cause in words.  name : of its row; owner : the instrument or set-up that it belongs to, if any"""
     return said(_CAUSES[name], owner=said(owner) if owner else "")
+
+
+def environment(package: str, written: Callable[[object], object] | None = None) -> Environment:
+    """Return what renders the templates of a package, which may extend `standalone.html`.
+
+    A name that has no value is a fault, and no value is markup. All functions here are filters.
+    written : how a value is written, as markup, in a template that is not HTML
+    """
+    from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined  # which no question needs
+
+    made = Environment(
+        loader=ChoiceLoader([PackageLoader(package), PackageLoader("axiscal.present")]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        finalize=written,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.filters |= {name: each for name, each in globals().items() if callable(each)} | {"capital": capital}
+    made.globals |= {"said": said, "counted": counted, "rich": _rich, "language": spoken_now}
+    return made
+
+
+def page_of(package: str, template: str, **values: object) -> str:
+    """Return a template of a package as a page, with what every page needs beside its own values."""
+    text: str = environment(package).get_template(template).render(values | inlined())
+    return text
+
+
+def _rich(message: str, **values: str) -> Markup:
+    """Return a message with markup among its values: what is no markup is made safe, the message as well."""
+    words = said(message, **{name: f"{{{name}}}" for name in values})
+    return Markup(escape(words)).format(**values)
+
+
+def inlined() -> dict[str, Any]:
+    """Return what a template needs beside its own values: `css`, `scripts`, and the `policy` that allows just these."""
+    scripts = [static_text("report.js")]
+    dark = f"@media screen and (prefers-color-scheme:dark){{:root{{{variables(IN_DARK)}}}}}"
+    return {
+        "css": Markup(f":root{{{variables(IN_LIGHT)}}}\n{dark}\n" + static_text("report.css")),
+        "scripts": [Markup(s) for s in scripts],
+        "policy": policy(scripts),
+    }
+
+
+def policy(scripts: Iterable[str]) -> str:
+    """Return a content security policy under which these scripts run, and nothing else runs or is fetched."""
+    digests = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii") for script in scripts)
+    hashes = " ".join(f"'sha256-{digest}'" for digest in digests)
+    return (
+        f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data: blob:; "
+        "base-uri 'none'; form-action 'none'"
+    )
+
+
+def static_text(name: str) -> str:
+    """Return a text file of this package."""
+    return resources.files("axiscal.present").joinpath("static", name).read_text(encoding="utf-8")

@@ -13,7 +13,7 @@ from axiscal.answers.answer import AnswerLine
 from axiscal.answers.answer_words import AnswerText, answer_text, digits, row_name
 from axiscal.estimation.accuracy.expanded import BAND, LEVEL
 from axiscal.estimation.case import Case
-from axiscal.language.spoken import counted, later, listed, put, said
+from axiscal.language.spoken import counted, later, listed, put, quoted, said
 from axiscal.measurement.reading import reading_unit
 from axiscal.measurement.setup import SaidOfDrift, Setup
 from axiscal.present.result_set import RECORD
@@ -93,7 +93,7 @@ def _source(row: BudgetRow) -> list[str]:
 
 def answered(summary: Summary) -> AnswerText:
     """Return the answer of a report in words."""
-    record = RECORD if summary.record is None else summary.record.file
+    record = RECORD if summary.record is None or summary.tables else summary.record.file  # with tables come copies
     return answer_text(summary.answer, summary.agreement.words, record)
 
 
@@ -209,7 +209,7 @@ def drift_words(setups: Sequence[Setup]) -> list[str]:
 def _named(setups: Sequence[Setup]) -> str:
     if len(setups) > _MANY:
         return said("{count} set-ups", count=len(setups))
-    return listed(said(" and "), [f'"{setup.name}"' for setup in setups])
+    return listed(said(" and "), [quoted(setup.name) for setup in setups])
 
 
 def _rate(setup: Setup) -> str:

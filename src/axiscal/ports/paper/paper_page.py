@@ -12,16 +12,13 @@ from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
 from axiscal.ports.paper.stack import SHOWN_SINGLE, SHOWN_STACKED, SIMULATED, UNIT, Experiment, GreedyPlan, Simulated
-from axiscal.present.drawing.svg_picture import Figure, shown
-from axiscal.present.figures import axis_style, band, layout
-from axiscal.present.standalone import page_of
+from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, shown
+from axiscal.present.sentences import page_of
 
 _POINTS = 301
 """Points of a drawn curve."""
 _MARGIN = {"l": 46, "r": 10, "t": 10, "b": 42}
 """Pixels; a matter of taste."""
-_KNEE = {"line": {"color": "var(--soft)", "width": 1, "dash": "dot"}, "type": "line", "yref": "paper", "y0": 0, "y1": 1}
-"""A dotted line; a matter of taste."""
 
 
 def single_spline(experiment: Experiment) -> list[Figure]:
@@ -100,21 +97,20 @@ def _readings(plan: GreedyPlan, shown: Simulated, readings: int, function: Error
     return {**_scatter(x, values, "markers"), **common, "error_y": bars}
 
 
-def decrease(experiment: Experiment, *, logarithmic: bool) -> Figure:
+def decrease(experiment: Experiment) -> Figure:
     """Return figure 5: the overall variance against the squared error that many simulated splines really have."""
     variances, errors = experiment.single.overall_variances, experiment.squared_errors
     steps = list(range(len(variances)))
     mean, std = errors.mean(axis=0), errors.std(axis=0, ddof=1) / np.sqrt(len(errors))
     whiskers = {"array": (BAND * std).tolist(), "color": "var(--accent)", "thickness": 1.4}
     traces = [
+        _points([7, 7], [0.0, variances[0]], "seven readings", "var(--soft)", "lines", width=1, dash="dot"),
         _points(steps, variances, "overall variance J", "var(--truth)", "lines", width=2.6),
         _points(steps, experiment.spline_errors.tolist(), "the spline of figure 4", "var(--soft)", "lines", dash="dot"),
         {**_points(steps, mean.tolist(), "mean squared error", "var(--accent)", "markers"), "error_y": whiskers},
     ]
-    scale: dict[str, Any] = {"type": "log"} if logarithmic else {"rangemode": "tozero"}
-    title = "variance × length" + (", logarithmic" if logarithmic else "")
-    drawn = layout(axis_style("readings", dtick=1), axis_style(title, **scale), 330, margin={**_MARGIN, "l": 54})
-    return {"data": traces, "layout": {**drawn, "shapes": [{**_KNEE, "x0": 7, "x1": 7}]}}
+    y = axis_style("variance × length", rangemode="tozero")
+    return {"data": traces, "layout": layout(axis_style("readings", dtick=1), y, 330, margin={**_MARGIN, "l": 54})}
 
 
 def _points(x: Sequence[float], y: Sequence[float], name: str, colour: str, mode: str, **line: Any) -> Figure:
@@ -124,10 +120,19 @@ def _points(x: Sequence[float], y: Sequence[float], name: str, colour: str, mode
 
 def render(experiment: Experiment) -> str:
     """Return the page as self-contained HTML."""
-    values = {
+    return page_of("axiscal.ports.paper", "reproduce.html", **_values(experiment))
+
+
+def table(experiment: Experiment) -> str:
+    """Return the numbers as a table for people."""
+    return page_of("axiscal.ports.paper", "reproduce.jinja", **_values(experiment))
+
+
+def _values(experiment: Experiment) -> dict[str, Any]:
+    return {
         "draw": shown,
         "single": list(zip(SHOWN_SINGLE, single_spline(experiment), strict=True)),
-        "decrease": [decrease(experiment, logarithmic=logarithmic) for logarithmic in (False, True)],
+        "decrease": decrease(experiment),
         "stacked": list(zip(SHOWN_STACKED, stacked(experiment), strict=True)),
         "simulated": SIMULATED,
         "variances": experiment.single.overall_variances,
@@ -136,6 +141,7 @@ def render(experiment: Experiment) -> str:
         "last": SHOWN_STACKED[-1],
         "rows": list(enumerate(experiment.single.overall_variances)),
         "positions": experiment.single.positions[:, 0].tolist(),
+        "joints": experiment.stacked.positions.tolist(),
+        "kept": experiment.stacked.stack.variance_left,
         "errors": experiment.squared_errors.mean(axis=0).tolist(),
     }
-    return page_of("axiscal.ports.paper", "reproduce.html", **values)

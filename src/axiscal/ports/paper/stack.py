@@ -113,40 +113,6 @@ def document(experiment: Experiment) -> dict[str, object]:
     }
 
 
-def table(experiment: Experiment) -> str:
-    """Return the same as a table for people."""
-    single, stacked = experiment.single, experiment.stacked
-    heights = [value**0.5 for value in stacked.height_variances]
-    mean = experiment.squared_errors.mean(axis=0)
-    lines = [
-        "One spline, 7 control points, variance of a reading 0.01 (figures 4 and 5)",
-        f"{'reading':>7} {'position':>9} {'J':>10} {'mean squared error':>19}",
-        *(
-            f"{k:7d} {position:>9} {value:10.5f} {error:19.5f}"
-            for k, (position, value, error) in enumerate(
-                zip(_texts(single), single.overall_variances, mean, strict=True)
-            )
-        ),
-        "",
-        "Three stacked joints, variance of a reading 0.0001 (figures 6 and 7)",
-        f"{'reading':>7} {'joints at':>20} {'J':>9} {'height':>8}",
-        *(
-            f"{k:7d} {at:>20} {value:9.5f} {height:8.5f}"
-            for k, (at, value, height) in enumerate(
-                zip(_texts(stacked), stacked.overall_variances, heights, strict=True)
-            )
-        ),
-        "",
-        f"J keeps {stacked.stack.variance_left:.5f}: two combinations of the three constants show in no reading.",
-        "height: its standard deviation, RMS over the travel.",
-    ]
-    return "\n".join(lines)
-
-
-def _texts(plan: GreedyPlan) -> list[str]:
-    return ["–", *(" ".join(f"{x:.4f}"[:6] for x in position) for position in plan.positions)]
-
-
 def _simulated(plan: GreedyPlan, seed: int) -> Simulated:
     truth = plan.stack.prior.sample(np.random.default_rng(seed), 1)[0]
     values = plan.read(truth, seed)

@@ -3,13 +3,10 @@
 A line carries its SHA-256. One that is torn or was changed is no result, and its case is worked on again.
 
 Work in processes of this computer, each with one thread; one that is killed is replaced, and nothing is lost.
-
-Every process is alone in its pool, so the pool tells what a process worked on when it ended.
 """
 
 from __future__ import annotations
 
-import contextlib
 import csv
 import hashlib
 import io
@@ -17,12 +14,12 @@ import json
 import multiprocessing
 import os
 import signal
-import threading
+from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, closing, contextmanager, suppress
-from itertools import chain
+from itertools import chain, islice
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -37,54 +34,28 @@ _TRIES = 4
 """Processes that one question may bring to their end before it is given up: the first and three more."""
 
 
-class _Lane:
-    """One process, and what it works on."""
-
-    def __init__(self) -> None:
-        self._context = multiprocessing.get_context("spawn")
-        self._pool, self._process = self._begun()
-        self.question: WorkItem | None = None
-
-    def _begun(self) -> tuple[ProcessPoolExecutor, int]:
-        pool = ProcessPoolExecutor(1, self._context, _prepare)
-        try:
-            return pool, pool.submit(os.getpid).result()
-        except BrokenProcessPool:
-            what = "a process that should work on cases ended before it began"
-            raise StudyError(what, "See whether memory is left, or work in this process with --workers 1") from None
-
-    def submit(self, solve: Solve, question: WorkItem) -> Future[Done]:
-        """Work on a question."""
-        self.question = question
-        try:
-            return self._pool.submit(answered, solve, question)
-        except BrokenProcessPool:  # it was killed while it had nothing to do
-            self.renew()
-            return self._pool.submit(answered, solve, question)
-
-    def renew(self) -> None:
-        """Replace the process, which has ended, by another."""
-        self._pool.shutdown()
-        self._pool, self._process = self._begun()
-
-    def end(self) -> None:
-        """End the process at once."""
-        with contextlib.suppress(OSError):
-            os.kill(self._process, signal.SIGTERM)
-        self._pool.shutdown(cancel_futures=True)
-
-
-def _prepare() -> None:
-    """Leave Ctrl-C to the head, and end when it is gone."""
+def _work(solve: Solve, pipe: Connection) -> None:
+    """Answer questions until the head is gone; Ctrl-C is its business."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_head, daemon=True).start()
+    pipe.send(None)
+    with suppress(EOFError, OSError):
+        while True:
+            pipe.send(answered(solve, pipe.recv()))
 
 
-def _end_with_head() -> None:
-    head = multiprocessing.parent_process()
-    if head is not None:
-        head.join()
-        os._exit(1)
+def _begun(solve: Solve) -> tuple[BaseProcess, Connection]:
+    """Return a new process that works, and the pipe to it; raises StudyError where it ends before it begins."""
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    process = context.Process(target=_work, args=(solve, theirs), daemon=True)
+    process.start()
+    theirs.close()
+    try:
+        ours.recv()
+    except EOFError:
+        what = "a process that should work on cases ended before it began"
+        raise StudyError(what, "See whether memory is left, or work in this process with --workers 1") from None
+    return process, ours
 
 
 class Processes:
@@ -95,45 +66,47 @@ class Processes:
 
     def __call__(self, solve: Solve, questions: Iterable[WorkItem]) -> Generator[Done]:
         """Yield what comes of questions; raises StudyError where no process can be started."""
-        waiting, tried = iter(questions), dict[str, int]()
-        with _lanes(self._count) as lanes:
-            running = dict[Future[Done], _Lane]()
-            for lane, question in zip(lanes, waiting, strict=False):
-                running[lane.submit(solve, question)] = lane
-            while running:
-                for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    lane = running.pop(future)
-                    found = self._come(lane, future, tried)
-                    again = lane.question if found is None else next(waiting, None)
-                    if again is not None:
-                        running[lane.submit(solve, again)] = lane
-                    if found is not None:
-                        yield found
+        waiting, tried, working = iter(questions), Counter[str](), list[BaseProcess]()
+        running = dict[Connection, WorkItem]()
 
-    def _come(self, lane: _Lane, future: Future[Done], tried: dict[str, int]) -> Done | None:
-        """Return what came of a question; None where it is to be tried again."""
-        question = lane.question
-        assert question is not None
+        def asked(pipe: Connection | None, question: WorkItem) -> None:
+            """Let a process work on a question, a new one where there is none."""
+            if pipe is None:
+                process, pipe = _begun(solve)
+                working.append(process)
+            running[pipe] = question
+            with suppress(OSError):  # of one that was killed while it had nothing to do its pipe tells next
+                pipe.send(question)
+
         try:
-            return future.result()
-        except BrokenProcessPool:
-            lane.renew()
-            tried[question.key] = tried.get(question.key, 0) + 1
-            if tried[question.key] < _TRIES:
-                return None
-            return Done(question.key, None, f"the process that worked on it ended without a word, {_TRIES} times")
+            with _one_thread_each():
+                for question in islice(waiting, self._count):
+                    asked(None, question)
+                while running:
+                    for pipe in wait(list(running)):
+                        assert isinstance(pipe, Connection)
+                        question = running.pop(pipe)
+                        again, found = _come(pipe, question, tried)
+                        if (coming := question if found is None else next(waiting, None)) is not None:
+                            asked(pipe if again else None, coming)
+                        if found is not None:
+                            yield found
+        finally:
+            for process in working:
+                process.terminate()
+                process.join()
 
 
-@contextmanager
-def _lanes(count: int) -> Iterator[list[_Lane]]:
-    lanes = list[_Lane]()
+def _come(pipe: Connection, question: WorkItem, tried: Counter[str]) -> tuple[bool, Done | None]:
+    """Return whether the process is still there, and what came of its question: None where it is to be tried again."""
     try:
-        with _one_thread_each():
-            lanes += [_Lane() for _ in range(count)]
-            yield lanes
-    finally:
-        for lane in lanes:
-            lane.end()
+        done: Done = pipe.recv()
+        return True, done
+    except (EOFError, OSError):
+        tried[question.key] += 1
+        if tried[question.key] < _TRIES:
+            return False, None
+        return False, Done(question.key, None, f"the process that worked on it ended without a word, {_TRIES} times")
 
 
 @contextmanager

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from axiscal.answers.digits import number
+from axiscal.answers.answer import number
 from axiscal.campaign.ending import reaches
 from axiscal.campaign.sources.source import Request, SimulatedSource
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from axiscal.answers.digits import number
+from axiscal.answers.answer import number
 from axiscal.ports.study.comparing import (
     ChoiceChange,
     Mean,
@@ -18,10 +18,8 @@ from axiscal.ports.study.comparing import (
 )
 from axiscal.ports.study.study_case import FIGURES, Done
 from axiscal.ports.study.study_file import Study
-from axiscal.present.drawing.svg_picture import Figure, shown
-from axiscal.present.figures import SYMBOLS, axis_style, colour, layout, line_trace
-from axiscal.present.sentences import figure, short
-from axiscal.present.standalone import page_of
+from axiscal.present.drawing.svg_picture import SYMBOLS, Figure, axis_style, colour, layout, line_trace, shown
+from axiscal.present.sentences import figure, page_of, short
 
 _HEIGHT = 360
 """Pixels; a matter of taste."""

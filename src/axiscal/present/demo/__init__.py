@@ -18,8 +18,7 @@ from axiscal.campaign.sources.source import SimulatedSource
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.errors.model import ErrorFunction, ErrorModel
 from axiscal.estimation.case import Case
-from axiscal.evaluation.at_the_machine import Taken
-from axiscal.evaluation.check import Check
+from axiscal.evaluation.check import Check, Taken
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator, TruthCurve, VirtualMachine
 from axiscal.numerics import Array

@@ -16,16 +16,27 @@ from typing import Any, NamedTuple
 
 from markupsafe import Markup
 
+from axiscal.answers.answer import numbers
 from axiscal.language.spoken import decimals
-from axiscal.present.drawing.colours import IN_DARK, IN_LIGHT, map_image, on_paper, variables
-from axiscal.present.drawing.strokes import Point, dots, line, mark, short_number, text_safe, title, way, words
+from axiscal.present.drawing.strokes import (
+    IN_DARK,
+    IN_LIGHT,
+    Point,
+    dots,
+    line,
+    map_image,
+    mark,
+    on_paper,
+    short_number,
+    text_safe,
+    title,
+    variables,
+    way,
+    words,
+)
 
 _SLACK = 1e-9
 """Share of a step by which a tick may lie outside through rounding."""
-_WIDE_DECADES = 1.6
-"""From so many decades on, ticks stand at 1 alone."""
-_FINE_DECADES = 0.5
-"""Up to so many decades ticks stand as on a linear axis: 1, 2 and 5 would leave one or two."""
 
 Figure = dict[str, Any]
 
@@ -37,6 +48,50 @@ _BAR = 9.0
 """Pixels; a matter of taste."""
 _APART = {"x": 46.0, "y": 26.0}
 """Pixels between two ticks at least: a number has to fit between them."""
+
+
+SYMBOLS = ("circle", "square", "diamond", "triangle-up", "cross", "x", "triangle-down", "pentagon", "star", "hexagon")
+"""Marker of each set-up, in order; they repeat after the last."""
+
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31", "#7b4173")
+"""Of lines that are compared; they repeat after the last."""
+
+
+def colour(number: int) -> str:
+    """Return the colour of a line that is compared with others, counted from 0."""
+    return COLOURS[number % len(COLOURS)]
+
+
+def axis_style(title: str, **more: Any) -> Figure:
+    """Return the common style of a plot axis."""
+    return {"gridcolor": "var(--grid)", "linecolor": "var(--rule)", "title": {"text": title}, **more}
+
+
+def layout(x: Figure, y: Figure, height: int, **more: Any) -> Figure:
+    """Return the common layout of a plot; height in pixels."""
+    return {"height": height, "margin": {"l": 46, "r": 10, "t": 8, "b": 42}, "xaxis": x, "yaxis": y, **more}
+
+
+def line_trace(x: Sequence[float], y: Sequence[float], colour: str, width: float, dash: str = "solid") -> Figure:
+    """Return a line through points.  width : pixels"""
+    return {"type": "scatter", "mode": "lines", "x": x, "y": y, "line": {"color": colour, "width": width, "dash": dash}}
+
+
+def band(position: list[float], middle: list[float], half: list[float], fill: str) -> Figure:
+    """Return a filled band middle ± half as one closed outline."""
+    upper = [m + h for m, h in zip(middle, half, strict=True)]
+    lower = [m - h for m, h in zip(middle, half, strict=True)]
+    outline = {"x": position + position[::-1], "y": numbers(upper + lower[::-1], "a band")}
+    style = {"fill": "toself", "fillcolor": fill, "mode": "lines"}
+    return {"type": "scatter", **outline, **style}
+
+
+def finite_range(values: Sequence[float]) -> list[float]:
+    """Return an axis range with a margin around values, at least as wide as a picture needs."""
+    low, high = min(values, default=-1.0), max(values, default=1.0)
+    margin = max(0.08 * (high - low), 1e-3 * max(abs(low), abs(high)), 1e-9)
+    return numbers([low - margin, high + margin], "range") if math.isfinite(margin) else [-1.0, 1.0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +117,6 @@ def picture(figure: Figure, width: int, label: str = "") -> str:
     parts = [
         f'<svg class="picture" viewBox="0 0 {width} {height}" width="{width}" height="{height}" role="img" ',
         f'aria-label="{text_safe(label)}">',
-        *(_shape(shape, frame) for shape in layout.get("shapes", [])),
         *_axes(layout, frame),
         f'<svg {span} height="{short_number(frame.y.start - top)}" ',
         f'viewBox="{short_number(left)} {short_number(top)} {short_number(frame.x.end - left)} ',
@@ -71,7 +125,6 @@ def picture(figure: Figure, width: int, label: str = "") -> str:
         "</g></svg>",
         *(part for trace in beyond for part in _trace(trace, frame)),
         *(part for trace in figure["data"] if "colorbar" in trace for part in _colour_bar(trace, frame)),
-        *(_annotation(each, frame) for each in layout.get("annotations", [])),
         "</svg>",
     ]
     return "".join(parts)
@@ -89,19 +142,16 @@ def _frame(figure: Figure, width: int, height: int) -> Frame:
 
 def _scale(figure: Figure, name: str, start: float, end: float) -> PixelScale:
     axis = figure["layout"][f"{name}axis"]
-    logarithmic = axis.get("type") == "log"
     if "range" in axis:
-        return PixelScale(axis["range"][0], axis["range"][1], start, end, logarithmic)
+        return PixelScale(axis["range"][0], axis["range"][1], start, end)
     values = [value for trace in figure["data"] for value in trace[name]]
-    probe = PixelScale(0.0, 1.0, 0.0, 1.0, logarithmic)
-    low, high = spread_of([probe.pixel(value) for value in values], axis.get("rangemode") == "tozero")
-    return PixelScale(low, high, start, end, logarithmic)
+    return PixelScale(*spread_of(values, axis.get("rangemode") == "tozero"), start, end)
 
 
 def _axes(layout: Figure, frame: Frame) -> Iterator[str]:
     yield from _upright(layout["yaxis"], frame.x, frame.y)
     x, foot = layout["xaxis"], frame.y.start
-    for at, text in frame.x.ticks(_room(frame.x, "x", x), x.get("dtick") if frame.x.logarithmic is False else None):
+    for at, text in frame.x.ticks(_room(frame.x, "x", x), x.get("dtick")):
         if x.get("showgrid", True):
             yield line(way([(at, frame.y.end), (at, foot)]), x["gridcolor"], 1)
         yield words(text, (at, foot + 14), _TICK_SIZE, "var(--soft)", "middle")
@@ -112,7 +162,7 @@ def _axes(layout: Figure, frame: Frame) -> Iterator[str]:
 
 def _upright(y: Figure, across: PixelScale, scale: PixelScale) -> Iterator[str]:
     left, right = across.start, across.end
-    for at, text in scale.ticks(_room(scale, "y", y), None if scale.logarithmic else y.get("dtick")):
+    for at, text in scale.ticks(_room(scale, "y", y), y.get("dtick")):
         if y.get("showgrid", True):
             yield line(way([(left, at), (right, at)]), y["gridcolor"], 1)
         yield words(text, (left - 6, at + 3.5), _TICK_SIZE, "var(--soft)", "end")
@@ -127,29 +177,6 @@ def _upright(y: Figure, across: PixelScale, scale: PixelScale) -> Iterator[str]:
 def _room(scale: PixelScale, name: str, axis: Figure) -> int:
     wanted: int = axis.get("nticks", 10)
     return min(wanted, max(1, int(abs(scale.end - scale.start) / _APART[name])))
-
-
-def _shape(shape: Figure, frame: Frame) -> str:
-    x0, x1 = _place(frame.x, shape, "x", 0), _place(frame.x, shape, "x", 1)
-    y0, y1 = _place(frame.y, shape, "y", 0), _place(frame.y, shape, "y", 1)
-    if shape["type"] == "line":
-        look = shape["line"]
-        return line(way([(x0, y0), (x1, y1)]), look["color"], look["width"], look.get("dash", ""))
-    sizes = (min(x0, x1), min(y0, y1), abs(x1 - x0), abs(y1 - y0))
-    x, y, across, up = (short_number(size) for size in sizes)
-    return f'<rect x="{x}" y="{y}" width="{across}" height="{up}" fill="{shape["fillcolor"]}"/>'
-
-
-def _place(scale: PixelScale, shape: Figure, name: str, end: int) -> float:
-    value: float = shape[f"{name}{end}"]
-    if shape.get(f"{name}ref") == "paper":
-        return scale.start + value * (scale.end - scale.start)
-    return scale.pixel(value)
-
-
-def _annotation(label: Figure, frame: Frame) -> str:
-    x = frame.x.start + label["x"] * (frame.x.end - frame.x.start)
-    return words(label["text"], (x, frame.y.of_range(label["y"]) + 4), label["font"]["size"], label["font"]["color"])
 
 
 def _trace(trace: Figure, frame: Frame) -> Iterator[str]:
@@ -173,14 +200,9 @@ def _trace(trace: Figure, frame: Frame) -> Iterator[str]:
 def _whiskers(trace: Figure, points: Sequence[Point], frame: Frame) -> str:
     bars, d = trace["error_y"], []
     for point, y, half in zip(points, trace["y"], bars["array"], strict=True):
-        low, high = (short_number(_edge(frame, y + sign * half)) for sign in (-1, 1))
+        low, high = (short_number(frame.y.pixel(y + sign * half)) for sign in (-1, 1))
         d.append(f"M{short_number(point[0])} {low}V{high}")
     return line("".join(dict.fromkeys(d)), bars["color"], bars.get("thickness", 1))
-
-
-def _edge(frame: Frame, value: float) -> float:
-    """Return where a whisker ends; on a logarithmic axis one that goes below 0 ends at the foot."""
-    return frame.y.start if frame.y.logarithmic and value <= 0 else frame.y.pixel(value)
 
 
 def _marks(trace: Figure, points: Sequence[Point]) -> Iterator[str]:
@@ -222,40 +244,24 @@ def _colour_bar(trace: Figure, frame: Frame) -> Iterator[str]:
 
 @dataclass(frozen=True, slots=True)
 class PixelScale:
-    """low, high : range, logarithms to base ten where `logarithmic`; start, end : pixels"""
+    """low, high : range; start, end : pixels"""
 
     low: float
     high: float
     start: float
     end: float
-    logarithmic: bool = False
 
     def pixel(self, value: float) -> float:
         """Return where a value stands."""
-        return self.of_range(math.log10(value) if self.logarithmic else value)
-
-    def of_range(self, place: float) -> float:
-        """Return where a place of the range stands: a value, or its logarithm."""
-        return self.start + (place - self.low) / (self.high - self.low) * (self.end - self.start)
+        return self.start + (value - self.low) / (self.high - self.low) * (self.end - self.start)
 
     def ticks(self, count: int, step: float | None = None) -> list[tuple[float, str]]:
         """Return about so many ticks as (pixel, text).  step : between two of them, where it is given"""
-        values = self._decades(count) if self.logarithmic else _even(self.low, self.high, count, step)
-        return [(self.pixel(value), tick_text(value)) for value in values]
-
-    def _decades(self, count: int) -> list[float]:
-        if self.high - self.low < _FINE_DECADES:
-            return [value for value in _even(10**self.low, 10**self.high, count, None) if value > 0]
-        factors = (1,) if self.high - self.low > _WIDE_DECADES and count < _MANY else (1, 2, 5)
-        powers = range(math.floor(self.low), math.ceil(self.high) + 1)
-        values = [factor * 10.0**power for power in powers for factor in factors]
-        return [value for value in values if self.low <= math.log10(value) <= self.high]
+        return [(self.pixel(value), tick_text(value)) for value in _even(self.low, self.high, count, step)]
 
 
 _FEWEST = 2
 """Ticks without which a picture has no scale."""
-_MANY = 5
-"""Ticks from which there is room for 1, 2 and 5 of several decades."""
 
 
 def tick_text(value: float) -> str:
