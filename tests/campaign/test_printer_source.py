@@ -181,7 +181,8 @@ def test_the_bed_is_probed_where_it_was_planned(printer: Server, alone: bool) ->
         assert answer.live
     source.close()
     lifted = [code for code in printer.told if code.startswith("G1 Z5.000")]
-    assert len(lifted) == 2  # over the bed before it goes across
+    assert len(lifted) == 4  # over the bed before it goes across, and off what it has met
+    assert printer.told[-2:] == [lifted[-1], "M400"]
 
 
 def test_a_side_is_come_from(printer: Server) -> None:

@@ -293,6 +293,8 @@ def test_the_details_say_u_and_what_it_holds_for_and_the_tables_stand_beside_it(
     assert result["k"] == pytest.approx(result["U_um"] / result["rms_um"], rel=1e-5)
     assert f"Agreement: {result['agreement']['text']}" in lines
     assert {table["controller"] for table in result["tables"]} == {"linuxcnc", "csv"}
+    (left,) = (line for line in lines if line.startswith("linuxcnc: All files together take"))
+    assert left.partition(" With ")[2] in Path("d/tables/linuxcnc/README.txt").read_text()  # one U of the files
     assert [row["row"] for row in result["rows"]] == ["positioning X", "backlash X", "volume"]
     assert result["rows"][-1]["known_to"] == result["U_um"]
     assert any(line.startswith("MEASURED   5 readings") for line in lines)

@@ -177,6 +177,7 @@ def read(printer: Printer) -> tuple[Array, Array]:
     printer.told("AXISCAL ENABLE=0")
     source = open_source(f"moonraker:{printer.host}", SIMULATOR)
     found = [source.read(_request(x, y)) for x, y, _ in _PLACES]
+    assert printer.status("toolhead")["position"][2] == pytest.approx(5.0)  # lifted: a printer homes with dragging else
     heights = np.array([-1e3 * each.value for each in found if isinstance(each, Answer)])
     bed = np.array([meets(x, y) for x, y, _ in _PLACES])
     return heights - heights[0], bed - bed[0]

@@ -57,14 +57,14 @@ def write_outputs(
 
 
 def tell_details(summary: Summary, out: Path) -> None:
-    """Print the statement of uncertainty, where the files are, and all warnings."""
+    """Print the statement of uncertainty, where the files are, what each control's leave, and all warnings."""
     tables = "" if summary.answer.withheld else f", {out / 'tables'}"
     for line in statement(resaid(summary)).lines:
         say(line)
     say(f"Files: {out / 'report.html'}, {out / 'report.pdf'}, {out / 'result.json'}{tables}")
-    for offer in summary.tables:
-        if not offer.axis:
-            say(f"No table for {offer.controller}: {offer.left_out}")
+    for offer in {each.controller: each for each in summary.tables}.values():
+        none = "" if offer.axis else "No table for "
+        say(f"{none}{offer.controller}: {offer.left_out}")
     for warning in summary.warnings:
         say(f"Mind: {warning.text}")
 

@@ -221,9 +221,8 @@ class Moonraker(Printer):
             raise self._not_ready("the printer {host} has its whole correction in force", "Send AXISCAL ENABLE=0 first")
         heights = found_at(found, "bed_mesh", "probed_matrix") if profile else None
         if mesh is not None and not holds_heights(heights, mesh):
-            raise self._not_ready(
-                "the printer {host} does not have the exported mesh in force", "Send BED_MESH_PROFILE LOAD=NAME first"
-            )
+            what = "the printer {host} does not have the exported mesh in force"
+            raise self._not_ready(what, "Send BED_MESH_PROFILE LOAD=NAME first")
         held = found_at(found, "axiscal", "checksum") if whole else None
         if checksum is not None and held != checksum:
             what = "the printer {host} does not have the exported axiscal.vcomp in force"

@@ -255,10 +255,10 @@ class PrinterSource:
     def _height(self, request: Request) -> Answer:
         side = {axis.name: sign for axis, sign in zip(request.axes, request.approach, strict=True)}
         at = {axis.name: float(to_unit(value, "mm")) for axis, value in zip(request.axes, request.pose, strict=True)}
-        overrun = {axis.name: float(to_unit(axis.overrun, "mm")) for axis in request.axes}
-        beside = {name: at[name] - overrun[name] * side[name] for name in "XY"}
+        beside = {each.name: at[each.name] - to_unit(each.overrun, "mm") * side[each.name] for each in request.axes}
         stops = [beside, at] if any(side[name] for name in "XY") else [at]
-        height = self._printer.probed(self._way(_CLEAR, stops, self._aside), self._way(_CLEAR, [at], (0.0, 0.0)))
+        height = self._printer.probed(self._way(_CLEAR, stops, self._aside), self._way(_CLEAR, [at]))
+        self._printer.moved(self._way(_CLEAR, []))  # homing would drag what still touches
         if not abs(height) <= _FARTHEST:
             what = "the probe met something {height:.3f} mm off the bed's zero"
             remedy = "Look at the probe and its offset; beyond {most:g} mm nothing is believed"
@@ -279,12 +279,13 @@ class PrinterSource:
         for hit in hits:
             stop = {name: float(to_unit(hit[machine.index(name)], "mm")) for name in "XY"}
             hit[z] = from_unit(self._printer.probed(self._way(clear, [stop], self._aside), []), "mm")
+        self._printer.moved(self._way(clear, []))
         value, *others = read_as(machine, setup, pose, list(hits), met)
         return Answer(value, others=tuple(others), live=True)
 
     def _put_down(self, standing: str, clear: float) -> None:
         """Lift the probe, and wait until the artefact is put down at its next place."""
-        self._printer.moved(["G21", "G90", f"G1 Z{clear:.3f} F{_LIFT}", "M400"])
+        self._printer.moved(self._way(clear, []))
         answer = self._asked(said("Put it down: {artefact}. Enter goes on, stop ends: ", artefact=standing)).strip()
         if answer:
             remedy = "Give the command again when it is clear"
@@ -293,14 +294,14 @@ class PrinterSource:
         self._printer.refuse_unready()
 
     @staticmethod
-    def _way(clear: float, stops: Sequence[Mapping[str, float]], aside: tuple[float, float]) -> list[str]:
+    def _way(clear: float, stops: Sequence[Mapping[str, float]], aside: tuple[float, float] = (0, 0)) -> list[str]:
         """Return the lines that lift the tool and bring what is beside the nozzle over stops, mm."""
         codes = ["G21", "G90", f"G1 Z{clear:.3f} F{_LIFT}"]
         codes += [f"G1 X{stop['X'] - aside[0]:.3f} Y{stop['Y'] - aside[1]:.3f} F{_TRAVEL}" for stop in stops]
         return [*codes, "M400"]
 
     def close(self) -> None:
-        """There is nothing to let go of: the tool stays where it is, over the bed."""
+        """There is nothing to let go of: the tool stays where it is, lifted off what was probed last."""
 
     @staticmethod
     def _refuse_others(request: Request) -> None:
