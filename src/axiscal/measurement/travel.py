@@ -129,7 +129,7 @@ def way_seconds(
     """Return the time of ways in one set-up.
 
     start, stop : (..., q) m or rad; approach : (..., q) from where each axis comes, +1, −1, 0 for any side
-    straight : ways in touch are taken as straight, also where they go round what is out of travel
+    straight : ways in touch are taken as straight, also where they go one coordinate after the other
     """
     if setup.chart is None or setup.contact == "free":
         return approach_seconds(machine, start, stop, approach, setup.driving)
@@ -240,7 +240,7 @@ def short_way(
     """Return an order of poses of a set-up, (m,), and the seconds from each to the next, overrun included, (m - 1,).
 
     approaches : (m, q), 0 where any side will do; first : (m,) seconds to each from where the machine stands
-    exact : ways in touch that lead round, or off and back, count as what they take; else every way as if straight
+    exact : ways in touch that lead aside, or off and back, count as what they take; else every way as if straight
     The ways of an order are looked at, what they take is put in, and an order is sought anew until all are known.
     """
     table = way_seconds(machine, setup, poses[:, None], poses[None], approaches[None], straight=True)

@@ -1,4 +1,4 @@
-"""Ways in touch round what is in the way: every place on them can be taken, and none over the lattice is shorter."""
+"""Ways in touch aside of what is in the way: every place on them can be taken, and their time is that of their legs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from axiscal.measurement.charts.held import Held
-from axiscal.measurement.charts.ways import _lattice, way_round
 from axiscal.measurement.travel import held_seconds, short_way, way_seconds
 from axiscal.numerics import Array
 from axiscal.numerics.short_way import route_seconds
@@ -30,53 +29,31 @@ def reachable(chart: Held, count: int) -> Array:
 def test_a_way_in_touch_can_be_gone_at_every_place(ball: str) -> None:
     chart = held(ball)
     places = reachable(chart, 24)
-    round_about = gone = 0
+    aside = gone = 0
     for start, stop in pairwise(places):
         legs = chart.between(start, stop)
         if legs is None:
             continue
         gone += 1
-        round_about += len(legs) > 3
+        aside += len(legs) > 2
         np.testing.assert_array_equal(legs[[0, -1]], [start, stop])
         for a, b in pairwise(legs):
             for pose in chart.poses(a + np.linspace(0, 1, 40)[:, None] * (b - a)):
                 assert in_travel(DMU, pose)
                 assert np.linalg.norm(tip(DMU, pose) - BALLS[ball]) < 1e-9
                 assert math.degrees(math.acos(np.clip(stem(DMU, pose)[2], -1, 1))) <= 100 + 1e-6
-    assert gone >= 20
-    assert round_about >= 1 or ball != "low"  # the others are reached in all that matters by two legs
+    assert gone >= 12  # between the others the tool goes off and comes back
+    assert aside >= 1
 
 
 @pytest.mark.long
-def test_no_way_over_the_lattice_is_shorter() -> None:
-    chart = held()
-    lattice = _lattice(chart, chart.room)
-    count = len(lattice.places)
-    far = np.full((count, count), np.inf)
-    np.fill_diagonal(far, 0.0)
-    for here, near in enumerate(lattice.near):
-        for there in near:
-            far[here, there] = np.linalg.norm(lattice.places[here] - lattice.places[there])
-    for middle in range(count):  # Floyd and Warshall
-        far = np.minimum(far, far[:, middle, None] + far[None, middle])
-    rng = np.random.default_rng(5)
-    for start, stop in rng.choice(count, (20, 2)):
-        legs = way_round(chart, chart.room, lattice.places[start], lattice.places[stop])
-        if legs is None:
-            assert np.isinf(far[start, stop])
-            continue
-        length = sum(float(np.linalg.norm(b - a)) for a, b in pairwise(legs))
-        assert length <= far[start, stop] + 1e-9
-
-
-@pytest.mark.long
-def test_the_way_round_takes_the_time_of_its_legs() -> None:
+def test_a_way_aside_takes_the_time_of_its_legs() -> None:
     chart = held()
     places = reachable(chart, 40)
     found = 0
     for start, stop in pairwise(places):
         legs = chart.between(start, stop)
-        if legs is None or len(legs) < 4:
+        if legs is None or len(legs) < 3:
             continue
         found += 1
         poses = chart.poses(np.stack([start, stop]))
@@ -89,7 +66,7 @@ def test_the_way_round_takes_the_time_of_its_legs() -> None:
 
 
 def test_an_order_counts_what_ways_really_take() -> None:
-    """Against all orders of seven places, with the seconds of ways that go straight, round, or off and back."""
+    """Against all orders of seven places, with the seconds of ways that go straight, aside, or off and back."""
     poses, free = held().poses(reachable(held(), 40)[4:11]), np.zeros((7, 5))
     real = way_seconds(DMU, NEST, poses[:, None], poses[None], free[None])
     thought = way_seconds(DMU, NEST, poses[:, None], poses[None], free[None], straight=True)
