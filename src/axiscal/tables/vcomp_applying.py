@@ -26,8 +26,8 @@ from axiscal.tables.conditional import taken_by_rotor
 from axiscal.tables.surface import Control, Mesh, by_linear_axes, mesh_control
 from axiscal.units import from_unit, to_unit
 
-AXES, JOINTS, KNOTS, MOTIONS = 6, 9, 96, 6
-"""By the component's source: axes, joint numbers, knots of an axis, error motions of an axis."""
+KNOTS, MOTIONS = 96, 6
+"""By the component's source: knots of an axis, error motions of an axis."""
 LEAST_DETERMINANT = 0.2
 """By the component's source: of the directions of the linear axes; less is a fault."""
 FADE_MM, FADE_DEG = 5.0, 5.0
