@@ -26,6 +26,7 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.cells import Cell, CellColumns, Course, RestEffects, add_rests, rest_effects
 from axiscal.measurement.instrument import model_of, values_of
+from axiscal.measurement.instruments.distance import found_unknowns
 from axiscal.measurement.instruments.kind import Actual, Nominal
 from axiscal.measurement.setup import About, Setup, Unknown
 from axiscal.measurement.travel import Way
@@ -258,9 +259,13 @@ class Observation:
         if self.about is not None:
             point = self.about.point
             return self.shown(setup, poses, approaches, point) - self._first_order(setup, poses, approaches, point)
-        nominal, own = Nominal(self.machine, poses, mounted.moves), np.array(mounted.direction)
-        each = [own if direction is None else direction for direction in directions_of(mounted)]
-        return np.stack([model.nonlinear_part(mounted, direction, nominal) for direction in each], axis=1)
+        nominal, found = Nominal(self.machine, poses, mounted.moves), found_unknowns(mounted)
+        still, numbers = Actual(*np.zeros((2, len(poses), 3))), []
+        for along in directions_of(mounted):
+            at = np.array(mounted.direction) if along is None else along
+            linear = [value * model.unknown_effect(mounted, name, at, nominal) for name, value in found.items()]
+            numbers.append(model.shown(mounted, at, nominal, still, found) - sum(linear))
+        return np.stack(numbers, axis=1)
 
     def shown(self, setup: int, poses: Array, approaches: Array, point: Array) -> Array:
         """Return what each number of readings would show, nothing linearised, (m, k).

@@ -134,10 +134,6 @@ class Displacement(LinearModel):
         shown: Array = actual.displacement @ direction + unknowns.get("zero", 0.0) + tilted + turned + grown + late
         return shown
 
-    def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return the growth that is known, (m,)."""
-        return _grown(setup.growth, direction, nominal)
-
 
 def _grown(strain: float, direction: Array, nominal: Nominal) -> Array:
     """Return by what a strain of the material lengthens the readings, (m,), m."""

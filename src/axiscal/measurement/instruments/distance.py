@@ -135,13 +135,6 @@ class Distance:
         shown: Array = seen - np.linalg.norm(nominal.tcp - station.stated, axis=1) + own.get("zero", 0.0)
         return shown
 
-    def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return |p − station − s| − |p − station| + uᵀs, with s the shift found and u the unit vectors there, (m,)."""
-        station = _Station.meant(setup, direction)
-        now, first = (np.linalg.norm(nominal.tcp - at, axis=1) for at in (station.found, station.stated))
-        part: Array = now - first + self.direction_of(setup, direction, nominal) @ (station.found - station.stated)
-        return part
-
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""
         if not setup.stations:
@@ -175,6 +168,13 @@ class _Station(NamedTuple):
 def shifts_of(number: int) -> tuple[str, ...]:
     """Return the names of where the station of a number is found, x, y, z.  number : from 0"""
     return tuple(_numbered(name, number) for name in SHIFTS)
+
+
+def found_unknowns(setup: Setup) -> dict[str, float]:
+    """Return where its stations are found, or how a tracker is turned, by the names of its unknowns, m or rad."""
+    several = [name for number in range(len(setup.stations)) for name in shifts_of(number)]
+    names = TURNS if setup.instrument == "tracker" else several or SHIFTS
+    return dict(zip(names, setup.found or (), strict=False))
 
 
 def of_each(unknowns: Sequence[Unknown], count: int) -> tuple[Unknown, ...]:
@@ -238,13 +238,6 @@ class Tracker:
         seen = (nominal.tcp + displaced(nominal, actual, unknowns) - _station(setup)) @ turn.T + _station(setup) + zero
         shown: Array = (seen - nominal.tcp) @ direction
         return shown
-
-    def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return dᵀ( R(θ₀) − 1 − Σ θ₀ᵢ ∂R/∂θᵢ )(p − station), (m,)."""
-        turn = _found(setup)
-        linear = sum(turn[i] * _derivative(turn, i) for i in range(3))
-        beyond: Array = (nominal.tcp - _station(setup)) @ (_rotation(turn) - np.eye(3) - linear).T @ direction
-        return beyond
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""

@@ -106,9 +106,6 @@ class Model(Protocol):
     ) -> Array:
         """Return what it would show, nothing linearised, noise left out, (m,)."""
 
-    def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return what a reading shows beside its rows times the unknowns, where it is not linear in them, (m,)."""
-
     def check(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError for a set-up that makes no sense on a machine."""
 
@@ -119,10 +116,6 @@ class LinearModel:
     def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return d for every reading, (m, 3)."""
         return along(direction, nominal.count)
-
-    def nonlinear_part(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return nothing: it is linear, (m,)."""
-        return np.zeros(nominal.count)
 
     def check(self, setup: Setup, machine: Machine) -> None:
         """Everything makes sense."""
