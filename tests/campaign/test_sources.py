@@ -320,6 +320,11 @@ def test_a_table_answers_in_its_order(table: Callable[[str], Source]) -> None:
         source.read(replace(REQUEST, reading=9))
 
 
+def test_a_table_answers_with_the_three_values_of_a_sphere(table: Callable[[str], Source]) -> None:
+    source = table("value_x_um,value_y_um,value_z_um\n1,2,3\n")
+    assert source.read(replace(REQUEST, setup=replace(SETUP, instrument="sphere"))) == Answer(1e-6, others=(2e-6, 3e-6))
+
+
 def test_a_resumed_run_goes_on_in_the_table(tmp_path: Path) -> None:
     (tmp_path / "r.csv").write_text("value_um\n1\n2\n3\n")
     source = open_source(f"csv:{tmp_path}/r.csv", SIMULATOR, taken=2)
@@ -345,24 +350,23 @@ def test_a_row_may_name_the_sides_of_several_axes(table: Callable[[str], Source]
     ("text", "says"),
     [
         ("setup,value_um\nball bar,1\n", "line 2.*set-up 'ball bar'"),
-        ("X_mm,value_um\n121,1\n", r"line 2.*X_mm = 121.*X = 120 mm"),
-        ("C_deg,value_um\n30.1,1\n", r"C_deg = 30\.1.*C = 30 deg"),
+        ("X_mm,value_um\n121,1\n", r"line 2.*X = 121 mm.*X = 120 mm"),
+        ("C_deg,value_um\n30.1,1\n", r"C = 30\.1 deg.*C = 30 deg"),
         ("approach,value_um\nX-,1\n", r"approach X-.*X\+"),
         ("approach,value_um\nX+ C+,1\n", r"approach X\+ C\+.*X\+"),
-        ("W_mm,value_um\n1,1\n", "no axis 'W'"),
+        ("W_mm,value_um\n1,1\n", "W = 1 mm, but .* W = none"),
         ("value_urad\n1\n", "reads a length"),
-        ("value_um,std_urad\n1,1\n", "reads a length"),
-        ("value_um,std_um\n1,0\n", "not positive"),
+        ("value_um,std_urad\n1,1\n", "does not fit"),
+        ("value_um,std_um\n1,0\n", "std_um is 0"),
         ("value_um,value_urad\n1,1\n", "both filled"),
-        ("setup,value_um\nlaser along X,\n", "there is no value"),
+        ("setup,value_um\nlaser along X,\n", "the line has no value"),
         ("value_um\nnan\n", "not finite"),
         ('value_um\n"1,5"\n', "decimal comma"),
     ],
 )
 def test_a_row_that_does_not_fit_is_refused(table: Callable[[str], Source], text: str, says: str) -> None:
-    source = table(text)
     with pytest.raises(InputError, match=says):
-        source.read(REQUEST)
+        table(text).read(REQUEST)
 
 
 @pytest.mark.parametrize("text", ["reading\n1\n", "value\n1\n", "", "value_um\n", "value_um,day\n1,2\n"])

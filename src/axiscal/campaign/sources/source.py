@@ -8,20 +8,19 @@
 from __future__ import annotations
 
 import math
-import re
 import sys
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
-from axiscal.exceptions import SourceError
+from axiscal.exceptions import ReadingError, SourceError
+from axiscal.language.spoken import said
 from axiscal.machine import Axis
 from axiscal.measurement.instrument import INSTRUMENTS
-from axiscal.measurement.readers.csv_table import Column, Row, read_table
+from axiscal.measurement.readers.csv_readings import RawReading, read_readings
 from axiscal.measurement.reading import approach_text, reading_unit, shown_approach, shown_pose
 from axiscal.measurement.setup import Setup
-from axiscal.units import dimension_of, to_unit
+from axiscal.units import format_quantity
 
 if TYPE_CHECKING:
     from axiscal.measurement.simulation import VirtualMachine
@@ -124,96 +123,63 @@ _SAME = {False: 1e-6, True: math.radians(1e-5)}
 
 
 class CsvSource:
-    """A table with a column `value_um` or `value_urad`, one row per reading.
+    """READINGS.csv, one row for each reading in the order asked; set-ups and places may be left out.
 
-    Further columns of READINGS.csv (setup, X_mm, approach) may be there; a row that contradicts the question is
-    refused. Raises ReadingError for a file that is no such table.
+    A row that contradicts the question is refused.  Raises ReadingError for a file that is no such table.
     """
 
     def __init__(self, path: Path) -> None:
-        self._table = table = read_table(path)
-        self._rows: Iterator[Row] = iter(table.rows)
-        self._values, self._stds = table.all_of("value"), table.all_of("std")
-        texts = {column.stem: column for column in table.columns if column.unit is None}
-        self._setup, self._approach = texts.pop("setup", None), texts.pop("approach", None)
-        self._places = [c for c in table.columns if c.unit is not None and c.stem not in ("value", "std")]
-        if not self._values:
-            raise table.fail("there is no column 'value_um' or 'value_urad'", "Name the column of the readings so")
-        if texts:
-            remedy = "Known are setup, approach, value_um, value_urad, std_um, and positions such as X_mm"
-            raise table.fail("column '{column}' is not known", remedy, column=next(iter(texts)))
+        self._file, self._rows, self._next = str(path), read_readings(path, bare=True), 0
 
     def read(self, request: Request) -> Answer:
-        """Return the next row's value; raises SourceError when there is none or it is of another position."""
-        row = next(self._rows, None)
-        if row is None:
+        """Return the next row's values; raises SourceError when there is none or it is of another position."""
+        if self._next == len(self._rows):
             what = "there are {rows} readings in it, and reading {reading} was asked for"
             remedy = "Add readings, or ask for fewer by the target `readings`"
-            raise SourceError(what, remedy, self._table.file, rows=len(self._table.rows), reading=request.reading)
-        self._refuse_other_place(row, request)
-        return self._answer(row, request)
+            raise SourceError(what, remedy, self._file, rows=len(self._rows), reading=request.reading)
+        row = self._rows[self._next]
+        self._next += 1
+        if other := _other_place(row, request):
+            what = "this row is of {found}, but reading {reading} is asked for at {asked}"
+            remedy = "Give the readings in the order asked, or evaluate them as they are with `axiscal data estimate`"
+            found, asked = other
+            raise SourceError(what, remedy, self._file, row.line, found=found, reading=request.reading, asked=asked)
+        _refuse_other_dimension(row, request, self._file)
+        return Answer(row.value, row.std, row.others)
 
     def close(self) -> None:
         """Nothing is held."""
 
     def pass_over(self, count: int) -> None:
         """Leave out rows that an earlier run has used; raises SourceError if there are not so many."""
-        for _ in range(count):
-            if next(self._rows, None) is None:
-                what = "it has fewer readings than the {count} that the record has taken from it"
-                raise SourceError(what, "Give the file the record was begun with", self._table.file, count=count)
-
-    def _answer(self, row: Row, request: Request) -> Answer:
-        column = row.only_filled(self._values)
-        if column is None:
-            raise row.fail("there is no value", "Write the number that was read, or take out the line")
-        _refuse_other_dimension(row, column, request)
-        spread = row.only_filled(self._stds)
-        if spread is None:
-            return Answer(row.quantity(column))
-        _refuse_other_dimension(row, spread, request)
-        if (std := row.quantity(spread)) <= 0:
-            remedy = "Give a std above 0, or leave it empty"
-            raise row.fail("{spread} {text} is not positive", remedy, spread=spread.name, text=row.text(spread))
-        return Answer(row.quantity(column), std)
-
-    def _refuse_other_place(self, row: Row, request: Request) -> None:
-        if self._setup and row.text(self._setup) not in ("", request.setup.name):
-            raise _other(row, f"set-up '{row.text(self._setup)}'", f"'{request.setup.name}'", request)
-        for column in self._places:
-            self._refuse_other_coordinate(row, column, request)
-        if self._approach:
-            # a row may leave axes out, or all of them
-            text = row.text(self._approach)
-            asked = approach_text(request.axes, request.approach)
-            if not set(re.split(r"[\s;]+", text)) <= {"", *asked.split()}:
-                raise _other(row, f"approach {text}", asked or "none", request)
-
-    def _refuse_other_coordinate(self, row: Row, column: Column, request: Request) -> None:
-        names = [axis.name for axis in request.axes]
-        if column.stem not in names:
-            remedy = "The machine has {names}"
-            raise row.fail("there is no axis '{stem}'", remedy, stem=column.stem, names=", ".join(names))
-        if not row.text(column):
-            return
-        axis, asked = request.axes[names.index(column.stem)], request.pose[names.index(column.stem)]
-        if abs(row.quantity(column) - asked) > _SAME[axis.rotary]:
-            unit = column.unit or ""
-            raise _other(
-                row, f"{column.name} = {row.text(column)}", f"{axis.name} = {to_unit(asked, unit):.9g} {unit}", request
-            )
+        if count > len(self._rows):
+            what = "it has fewer readings than the {count} that the record has taken from it"
+            raise SourceError(what, "Give the file the record was begun with", self._file, count=count)
+        self._next = count
 
 
-def _refuse_other_dimension(row: Row, column: Column, request: Request) -> None:
+def _other_place(row: RawReading, request: Request) -> tuple[str, str] | None:
+    """Return what a row is of and what is asked for, where these are not the same."""
+    if row.setup not in ("", request.setup.name):
+        return f"set-up '{row.setup}'", f"'{request.setup.name}'"
+    axes = {axis.name: axis for axis in request.axes}
+    asked = dict(zip(axes, request.pose, strict=True))
+    for name, value in row.position.items():
+        if name not in axes or abs(value - asked[name]) > _SAME[axes[name].rotary]:
+            unit = axes[name].unit if name in axes else "mm"
+            place = format_quantity(asked[name], unit, 9) if name in axes else said("none")
+            return f"{name} = {format_quantity(value, unit, 9)}", f"{name} = {place}"
+    sides = dict(zip(axes, request.approach, strict=True))
+    if any(sides.get(name) != side for name, side in row.approach.items()):
+        found = " ".join(f"{name}{'+' if side > 0 else '-'}" for name, side in row.approach.items())
+        return f"approach {found}", approach_text(request.axes, request.approach) or "none"
+    return None
+
+
+def _refuse_other_dimension(row: RawReading, request: Request, file: str) -> None:
     reads = INSTRUMENTS[request.setup.instrument].reads
-    if dimension_of(column.unit or "") != reads:
-        what = "'{column}' is filled, but the {instrument} reads a length"
-        what = "'{column}' is filled, but the {instrument} reads an angle" if reads == "angle" else what
+    if row.dimension != reads:
+        what = "the row has an angle, but the {instrument} reads a length"
+        what = "the row has a length, but the {instrument} reads an angle" if reads == "angle" else what
         remedy, unit = "Give the value as value_{unit}", reading_unit(request.setup)
-        raise row.fail(what, remedy, column=column.name, instrument=request.setup.instrument, unit=unit)
-
-
-def _other(row: Row, found: str, asked: str, request: Request) -> SourceError:
-    what = "this row is of {found}, but reading {reading} is asked for at {asked}"
-    remedy = "Give the readings in the order asked, or evaluate them as they are with `axiscal data estimate`"
-    return SourceError(what, remedy, row.file, row.line, found=found, reading=request.reading, asked=asked)
+        raise ReadingError(what, remedy, file, row.line, instrument=request.setup.instrument, unit=unit)

@@ -95,17 +95,20 @@ class RawReading:
     by_station: bool = False
 
 
-def read_readings(path: str | Path) -> tuple[RawReading, ...]:
-    """Read the readings of a table of either kind, in its order; raises ReadingError."""
-    return readings_of(read_table(path))
+def read_readings(path: str | Path, bare: bool = False) -> tuple[RawReading, ...]:
+    """Read the readings of a table of either kind, in its order; arguments and failures as of `readings_of`."""
+    return readings_of(read_table(path), bare)
 
 
-def readings_of(table: CsvTable) -> tuple[RawReading, ...]:
-    """Return the readings of a table of either kind, in its order; raises ReadingError."""
+def readings_of(table: CsvTable, bare: bool = False) -> tuple[RawReading, ...]:
+    """Return the readings of a table of either kind, in its order; raises ReadingError.
+
+    bare : lines need no set-up
+    """
     if {column.stem for column in table.columns} >= STEMS:
         return of_positioning(positioning_rows(table))
     table.allow(_LAYOUT | axis_layout(table))
-    setup = table.one_of("setup", "setup")
+    setup = next(iter(table.all_of("setup")), None) if bare else table.one_of("setup", "setup")
     if not any(table.all_of(first) for first in ("value", _THREE[0], _STATIONS[0])):
         table.one_of("value", "value_um")
     used = next(iter(table.all_of("used")), None)
@@ -115,7 +118,7 @@ def readings_of(table: CsvTable) -> tuple[RawReading, ...]:
     faults, readings = Faults(), list[RawReading]()
     for row in table.rows:
         with faults.noted():
-            readings.append(_reading(table, row, setup))
+            readings.append(_reading(table, row, "" if setup is None else row.text(setup), bare))
     faults.refuse()
     times = read_times(table.rows, next(iter(table.all_of("time")), None))
     numbers = _numbers(table)
@@ -150,13 +153,13 @@ def of_positioning(test: PositioningRows) -> tuple[RawReading, ...]:
     )
 
 
-def _reading(table: CsvTable, row: Row, setup: Column) -> RawReading:
+def _reading(table: CsvTable, row: Row, setup: str, bare: bool) -> RawReading:
     three = [row.only_filled(table.all_of(stem)) for stem in _THREE]
     stations = [row.only_filled(table.all_of(stem)) for stem in _STATIONS]
     column = row.only_filled([*table.all_of("value"), *table.all_of("value_x"), *table.all_of("value_1")])
     if column is None:
         raise row.fail("the line has no value", "write the deviation that was read, or take out the line")
-    if not row.text(setup):
+    if not (setup or bare):
         raise row.fail("the line has no set-up", "write the name of the set-up as the campaign has it")
     value, std = row.quantity(column), _std(table, row, column)
     position, approach = read_position(table, row), read_approach(table, row)
@@ -167,8 +170,7 @@ def _reading(table: CsvTable, row: Row, setup: Column) -> RawReading:
     elif by_station:
         what = "a station between others has no value"
         others = _beside(row, stations, 1, what, "fill value_1, value_2 and so on, one for each station")
-    name = unshielded(row.text(setup))
-    raw = RawReading(name, position, approach, value, std, column.dimension, row.line, others)
+    raw = RawReading(unshielded(setup), position, approach, value, std, column.dimension, row.line, others)
     return replace(raw, by_station=by_station)
 
 
