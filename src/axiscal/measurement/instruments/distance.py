@@ -232,11 +232,11 @@ class Tracker:
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
     ) -> Array:
-        """Return dᵀ( R(turn)(p + δp + R tool − station) + station + zero − p ), (m,)."""
+        """Return dᵀ( R(turn)(p + δp + R tool − station) − (p − station) + zero ), (m,)."""
         turn = rigid.rotation(np.array([[unknowns.get(name, 0.0) for name in TURNS]]))[0]
         zero = np.array([unknowns.get(name, 0.0) for name in _TRACKER_ZEROS])
-        seen = (nominal.tcp + displaced(nominal, actual, unknowns) - _station(setup)) @ turn.T + _station(setup) + zero
-        shown: Array = (seen - nominal.tcp) @ direction
+        line = nominal.tcp - _station(setup)
+        shown: Array = ((line + displaced(nominal, actual, unknowns)) @ turn.T - line + zero) @ direction
         return shown
 
     def check(self, setup: Setup, machine: Machine) -> None:
