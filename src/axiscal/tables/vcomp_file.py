@@ -41,8 +41,8 @@ def read(text: str, name: str = "axiscal.vcomp", with_bed: bool = False) -> Vcom
         tool, (count,) = lines.numbers("tool"), lines.after("axes")
         axes = tuple(_axis(lines) for _ in range(int(count)))
         return VcompFile(campaign, unit, limit, limit_deg, tool, axes, _bed(lines) if with_bed else None)
-    except (ValueError, LookupError) as fault:
-        raise TableError("this is no file of the form {form}: {fault}", _AGAIN, name, form=_FORM, fault=fault) from None
+    except (ValueError, LookupError):
+        raise TableError("this is no file of the form {form}", _AGAIN, name, form=_FORM) from None
 
 
 def read_among(files: Sequence[OldFile], with_bed: bool = False) -> tuple[VcompFile, ...]:
