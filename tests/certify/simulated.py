@@ -15,12 +15,11 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
-from axiscal.ports.linuxcnc.lab import Joint, Settings
-from axiscal.ports.linuxcnc.lab.configuration import files
 from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.programs import dialect, programs
 from tests.certify.gcode import plan_on, random_machine, setups_of
 from tests.generators.texts import campaign_text, setup_text
+from tests.linuxcnc.lab import Joint, Settings, files
 
 PROGRAMS = 8
 """For each machine: one LinuxCNC runs them one after the other."""

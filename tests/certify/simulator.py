@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from axiscal.machine.axis import Axis
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.lab import available
 from tests.certify.kept import Kept
 from tests.certify.simulated import ACCELERATION, PROGRAMS, Job, Simulated, random_simulated
 from tests.generators.kinematics import tip
+from tests.linuxcnc.lab import available
 from tests.linuxcnc.watched import WatchedSession
 
 _FINE = 1000.0

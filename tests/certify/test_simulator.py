@@ -11,11 +11,11 @@ import pytest
 from numpy.typing import NDArray
 
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.lab import available
 from tests.certify.kept import Kept
 from tests.certify.simulated import Simulated, random_simulated
 from tests.certify.simulator import Judge, Trace, verdicts
 from tests.generators.program_ways import words
+from tests.linuxcnc.lab import available
 
 APART, BAR = 4, 3
 """Seeds of a machine that is driven in its own coordinates, and of one that carries a bar."""

@@ -10,13 +10,13 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.lab import available, can_load
 from axiscal.tables.surface import Mesh
 from tests.certify.gcode import interpreted, random_plan
 from tests.certify.gcode_traces import interpreter
 from tests.controls import duet, klipper_host, live_printer, marlin
 from tests.controls.fetched import MissingError, run
 from tests.controls.known import BED, OWN, PLANE, SQUARE, STRAIGHT, TRAVELS, TURNS, Known, Row, known
+from tests.linuxcnc.lab import available, can_load
 from tests.linuxcnc.virtual import LinuxcncMachine
 
 LOST = {f"E{axis}{axis}_reversal": "20 um" for axis in "XYZ"}

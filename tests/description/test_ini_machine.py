@@ -16,8 +16,8 @@ from axiscal.description.ini_machine import IniMachine, machine_of
 from axiscal.exceptions import AxiscalError
 from axiscal.machine import Machine, load_machine, machine_from_text
 from axiscal.measurement.readers.csv_table import MOST_LINES
-from axiscal.ports.linuxcnc.lab.configuration import Joint, Settings, files
 from axiscal.ports.linuxcnc.tables import pivots
+from tests.linuxcnc.lab import Joint, Settings, files
 
 EXAMPLES = Path("/usr/share/doc/linuxcnc/examples/sample-configs")
 SMALL = """\

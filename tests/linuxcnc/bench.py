@@ -8,9 +8,9 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from axiscal.ports.linuxcnc.lab import Joint, Settings
 from axiscal.ports.linuxcnc.live import connection
 from tests.generators import touched_table as table
+from tests.linuxcnc.lab import Joint, Settings
 from tests.linuxcnc.watched import WatchedSession
 
 NAMES = "XYZAC"

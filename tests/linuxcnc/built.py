@@ -13,9 +13,9 @@ from axiscal.machine import Axis
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.lab import Joint, Settings
 from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.units import to_unit
+from tests.linuxcnc.lab import Joint, Settings
 from tests.linuxcnc.probing import Probe, ball
 from tests.linuxcnc.spheres import TouchedSpheres
 from tests.linuxcnc.virtual import LinuxcncMachine

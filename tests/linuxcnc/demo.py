@@ -32,7 +32,6 @@ from axiscal.exceptions import AxiscalError
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.ports.linuxcnc.lab import can_load
 from axiscal.present.delivery import write_files
 from axiscal.present.drawing.strokes import on_paper
 from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, line_trace, picture
@@ -42,6 +41,7 @@ from axiscal.tables.registry import export
 from axiscal.tables.surface import left_by, rms
 from axiscal.units import to_unit
 from tests.linuxcnc.built import Build, BuiltMachine, BuiltSource
+from tests.linuxcnc.lab import can_load
 from tests.linuxcnc.probing import Probe
 
 _TABLE = Build(tcp=True), ExportOptions(pivots=True)

@@ -23,10 +23,9 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-from axiscal.ports.linuxcnc.lab import Joint, Settings
-from axiscal.ports.linuxcnc.lab.configuration import files
 from axiscal.ports.linuxcnc.lab.session import MODULES
 from tests.docs.howtos import DOCS
+from tests.linuxcnc.lab import Joint, Settings, files
 
 PAGE, ROOT = DOCS / "linuxcnc.md", DOCS.parent
 _BLOCK = re.compile(r"^[ \t]*```sh\n(.*?)^[ \t]*```", re.MULTILINE | re.DOTALL)

@@ -16,8 +16,7 @@ import numpy as np
 from axiscal.exceptions import ControlError
 from axiscal.measurement.touched import Sphere, centred
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.lab.configuration import signals
-from axiscal.ports.linuxcnc.lab.session import Session
+from tests.linuxcnc.lab import Session, signals
 
 _AXES = "xyz"
 _AFAR = 1e6

@@ -18,8 +18,8 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.measurement.touched import Sphere
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.lab.session import Session
 from axiscal.units import from_unit, to_unit
+from tests.linuxcnc.lab import Session
 from tests.linuxcnc.probing import Probe, Touch, cycle, placed, touched
 
 _TOUCHES = 2

@@ -14,11 +14,10 @@ from axiscal.description.campaign import read_campaign
 from axiscal.measurement import touched
 from axiscal.measurement.candidates import spread
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.lab import Joint, Settings, available, can_load
-from axiscal.ports.linuxcnc.lab.configuration import files
 from axiscal.ports.linuxcnc.live import InForce, LiveSource, attached, connection
 from axiscal.ports.linuxcnc.live.connection import Connection
 from tests.linuxcnc.bench import Bench, running
+from tests.linuxcnc.lab import Joint, Settings, available, can_load, files
 
 pytestmark = [
     pytest.mark.linuxcnc,

@@ -21,7 +21,6 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.measurement.touched import centred
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available, can_load
 from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.ports.linuxcnc.tables.writer import write
 from axiscal.tables.exporter import ExportOptions
@@ -30,6 +29,7 @@ from axiscal.tables.surface import left_by, table_control
 from axiscal.tables.table import CompensationTable
 from tests.linuxcnc.built import Build, BuiltMachine
 from tests.linuxcnc.demo import EXAMPLES, FOLDER, MACHINES, Loop, close_loop, description
+from tests.linuxcnc.lab import Joint, Session, Settings, available, can_load
 from tests.linuxcnc.probing import Probe, Touch, ball, cycle, placed, touched
 from tests.linuxcnc.virtual import LinuxcncMachine
 

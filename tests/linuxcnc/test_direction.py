@@ -15,8 +15,8 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available
 from tests.linuxcnc import tilting_table
+from tests.linuxcnc.lab import Joint, Session, Settings, available
 
 pytestmark = [
     pytest.mark.linuxcnc,

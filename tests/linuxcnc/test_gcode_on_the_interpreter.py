@@ -15,10 +15,10 @@ from axiscal.machine.motion import inward
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.lab import Joint, Session, Settings
 from axiscal.programs import dialect, programs
 from tests.certify.gcode import HOSTILE, Plan, interpreted, interpreter_verdicts, random_plan, reader_verdicts
 from tests.certify.gcode_traces import canonical_calls, interpreter, read_canonical
+from tests.linuxcnc.lab import Joint, Session, Settings
 from tests.linuxcnc.watched import run
 
 pytestmark = [

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from axiscal.cli.app import run
-from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available
 from axiscal.ports.linuxcnc.tables import cross
 from axiscal.tables.table import CompensationTable
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
+from tests.linuxcnc.lab import Joint, Session, Settings, available
 from tests.linuxcnc.watched import WatchedSession
 
 pytestmark = [

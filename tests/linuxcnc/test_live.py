@@ -22,11 +22,11 @@ from axiscal.exceptions import SourceError
 from axiscal.machine.description import Machine
 from axiscal.measurement import touched
 from axiscal.measurement.reading import Place
-from axiscal.ports.linuxcnc.lab import available, can_load
 from axiscal.ports.linuxcnc.live import InForce, LiveSource, attached, connection
 from axiscal.ports.linuxcnc.live.connection import Connection
 from tests.generators import touched_table as table
 from tests.linuxcnc.bench import Bench, running
+from tests.linuxcnc.lab import available, can_load
 
 pytestmark = [
     pytest.mark.linuxcnc,

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from axiscal.description.placed_readings import logged_readings
-from axiscal.ports.linuxcnc.lab import Settings, available, can_load
 from axiscal.programs import write_programs
 from tests.generators import touched_table as table
 from tests.linuxcnc import bench
+from tests.linuxcnc.lab import Settings, available, can_load
 from tests.linuxcnc.watched import WatchedSession
 
 pytestmark = [

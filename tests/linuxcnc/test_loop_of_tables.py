@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from axiscal.ports.linuxcnc.lab import available
 from tests.linuxcnc.demo import MACHINES, close_loop
+from tests.linuxcnc.lab import available
 from tests.linuxcnc.test_closed_loop import MILLS, the_loop_holds
 
 pytestmark = [

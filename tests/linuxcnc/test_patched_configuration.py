@@ -9,10 +9,10 @@ import pytest
 
 from axiscal.exceptions import ControlError, InputError
 from axiscal.ports.linuxcnc.configuring import export_into, software_only
-from axiscal.ports.linuxcnc.lab import Joint, Settings, available, can_load
-from axiscal.ports.linuxcnc.lab.configuration import files as lab_files
 from axiscal.ports.linuxcnc.patching import Configuration
 from axiscal.tables.exporter import ExportOptions
+from tests.linuxcnc.lab import Joint, Settings, available, can_load
+from tests.linuxcnc.lab import files as lab_files
 from tests.linuxcnc.test_closed_loop import known
 
 pytestmark = pytest.mark.long

@@ -9,9 +9,9 @@ import pytest
 
 from axiscal.exceptions import ControlError
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.lab import Ending, Joint, available
 from axiscal.ports.linuxcnc.tables.writer import notes, parse, write
 from axiscal.tables.table import CompensationTable
+from tests.linuxcnc.lab import Ending, Joint, available
 from tests.linuxcnc.watched import Run, run
 from tests.tables.linuxcnc_model import correction
 

@@ -13,11 +13,11 @@ import pytest
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.reading import Place
-from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available
 from axiscal.ports.linuxcnc.tables import pivots
 from axiscal.programs import Program, dialect, programs
 from tests.generators.texts import artefact_text, campaign_text, setup_text
 from tests.linuxcnc import tilting_table
+from tests.linuxcnc.lab import Joint, Session, Settings, available
 from tests.linuxcnc.test_direction import machine
 
 pytestmark = [

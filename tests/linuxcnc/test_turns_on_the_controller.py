@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from axiscal.ports.linuxcnc.lab import Joint, available
+from tests.linuxcnc.lab import Joint, available
 from tests.linuxcnc.watched import run
 from tests.tables.test_rotary_turns import deviation, exported, known
 

@@ -10,7 +10,6 @@ import pytest
 
 from axiscal.exceptions import ControlError
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available, can_load
 from axiscal.tables import vcomp_applying
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
@@ -21,6 +20,7 @@ from axiscal.tables.vcomp_file import read
 from tests.figures import held
 from tests.linuxcnc.built import BuiltMachine
 from tests.linuxcnc.demo import EXAMPLES
+from tests.linuxcnc.lab import Joint, Session, Settings, available, can_load
 from tests.linuxcnc.test_closed_loop import known, rms, spread
 from tests.linuxcnc.watched import WatchedSession
 

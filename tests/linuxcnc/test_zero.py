@@ -11,9 +11,9 @@ import pytest
 
 from axiscal.cli.app import run
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
+from tests.linuxcnc.lab import Joint, Session, Settings, available
 
 pytestmark = [
     pytest.mark.linuxcnc,

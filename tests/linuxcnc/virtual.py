@@ -16,9 +16,9 @@ from axiscal.exceptions import ControlError, SourceError
 from axiscal.machine import Axis
 from axiscal.measurement.simulation import VirtualMachine
 from axiscal.numerics import Array
-from axiscal.ports.linuxcnc.lab import Joint, Session, Settings
 from axiscal.tables.surface import CommandedMachine
 from axiscal.units import to_unit
+from tests.linuxcnc.lab import Joint, Session, Settings
 
 _ORDER = "XYZABCUVW"
 _OVERRUN = 2.0

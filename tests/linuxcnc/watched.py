@@ -3,30 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from axiscal.exceptions import ControlError
-from axiscal.ports.linuxcnc.lab import Ending, Joint, Session, Settings
-from axiscal.ports.linuxcnc.lab.session import DRIVER
-
-_DRIVER = Path(__file__).with_name("watched_driver.py")
+from tests.linuxcnc.lab import Ending, Joint, Session
 
 
 class WatchedSession(Session):
     """A LinuxCNC that also takes `run PROGRAM` and `home JOINT` among its lines."""
 
-    def __init__(self, joints: Sequence[Joint], settings: Settings, timeout: float = 60.0) -> None:
-        drivers = {
-            "driver.py": _DRIVER.read_text(encoding="utf-8"),
-            "plain_driver.py": DRIVER.read_text(encoding="utf-8"),
-        }
-        super().__init__(joints, replace(settings, beside={**settings.beside, **drivers}), timeout)
+    driver = Path(__file__).with_name("watched_driver.py")
 
     def sample(self, codes: Sequence[str]) -> tuple[tuple[float, ...], ...]:
         """Execute lines and return what the loaded `sampler` took meanwhile, one row for each servo cycle."""
         result = self._ask({"sample": list(codes)})
-        self.errors += tuple(result["errors"])
         if result["overruns"]:
             raise ControlError(f"{result['overruns']} samples were lost", "Give sampler more depth")
         return tuple(tuple(row) for row in result["samples"])

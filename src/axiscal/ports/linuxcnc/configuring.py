@@ -88,7 +88,7 @@ def started(found: Configured, changed: Configuration, offered: Export, machine:
         return "It was not started here: Debian's linuxcnc-uspace-dev and gcc are not installed."
     own = software_only(changed)
     with Session(_joints(found), _settings(found, changed, offered, own)) as session:
-        session.move(["setp axiscal-vcomp.enable 1"])
+        session.set("axiscal-vcomp.enable", "1")
         end = time.monotonic() + _COMING
         while session.read([_GAIN]) < (1.0,):
             if time.monotonic() > end:

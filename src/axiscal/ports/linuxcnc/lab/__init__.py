@@ -1,6 +1,6 @@
-"""Debian's LinuxCNC without screen or motors, for one job after another: configuration text in, positions out."""
+"""Debian's LinuxCNC without screen or motors, for one job after another: configuration text in, pins out."""
 
 from axiscal.ports.linuxcnc.lab.configuration import Joint, Settings
-from axiscal.ports.linuxcnc.lab.session import Ending, Session, available, can_load
+from axiscal.ports.linuxcnc.lab.session import Session, available, can_load
 
-__all__ = ["Ending", "Joint", "Session", "Settings", "available", "can_load"]
+__all__ = ["Joint", "Session", "Settings", "available", "can_load"]

@@ -11,18 +11,13 @@ from typing import Self
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """A joint of an axis in machine units, mm or inch, deg and seconds, with the text of its COMP_FILE.
-
-    home_offset : coordinate of the place where it is homed
-    """
+    """A joint of an axis in machine units, mm or inch, deg and seconds."""
 
     axis: str
-    low: float = -500.0
-    high: float = 500.0
-    velocity: float = 5000.0
-    acceleration: float = 5e5
-    table: str | None = None
-    home_offset: float = 0.0
+    low: float
+    high: float
+    velocity: float
+    acceleration: float
 
     @property
     def rotary(self) -> bool:
@@ -34,7 +29,7 @@ class Joint:
 class Settings:
     """What a LinuxCNC is given besides its joints.
 
-    hal : text that is run after motion has been loaded, such as corrections over other axes
+    hal : text of the component, which stands between motion and the motors; "" where nothing does
     kinematics : name of the module; unit : mm or in
     beside : files that lie beside the configuration; sources : of a realtime component, X.comp and what it includes
     """
@@ -55,13 +50,12 @@ class Settings:
 
 def files(joints: Sequence[Joint], settings: Settings) -> Mapping[str, str]:
     """Return name and text of every file that LinuxCNC reads."""
-    tables = {f"joint{number}.comp": joint.table for number, joint in enumerate(joints) if joint.table is not None}
     return {
         "machine.ini": _ini(joints, settings),
-        "machine.hal": _hal(joints, settings.hal),
+        "machine.hal": _hal(len(joints), settings.hal),
         "sim.tbl": "T1 P1 D6 Z0\n",
         **settings.beside,
-    } | tables
+    }
 
 
 def _ini(joints: Sequence[Joint], settings: Settings) -> str:
@@ -103,59 +97,27 @@ def _axis(number: int, joint: Joint) -> dict[str, dict[str, object]]:
         "MAX_ACCELERATION": joint.acceleration,
     }
     drive = {"TYPE": "ANGULAR" if joint.rotary else "LINEAR", "FERROR": 100, "MIN_FERROR": 100}
-    home = {"HOME": 0, "HOME_OFFSET": joint.home_offset, "HOME_SEQUENCE": 0}
-    table = {} if joint.table is None else {"COMP_FILE": f"joint{number}.comp", "COMP_FILE_TYPE": 0}
-    return {f"AXIS_{joint.axis}": limits, f"JOINT_{number}": drive | limits | home | table}
+    home = {"HOME": 0, "HOME_OFFSET": 0, "HOME_SEQUENCE": 0}
+    return {f"AXIS_{joint.axis}": limits, f"JOINT_{number}": drive | limits | home}
 
 
-def motors(joints: Sequence[Joint], hal: str) -> list[str]:
-    """Return the pin or signal of each joint that holds the position its motor is sent to."""
-    moved = _moved(hal)
-    return [moved.get(n, f"joint.{n}.motor-pos-cmd") for n in range(len(joints))]
+MOTION = """\
+loadrt [KINS]KINEMATICS
+loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS
+addf motion-command-handler servo-thread
+addf motion-controller servo-thread
+net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in
+net tool-prep iocontrol.0.tool-prepare => iocontrol.0.tool-prepared
+net tool-chg iocontrol.0.tool-change => iocontrol.0.tool-changed
+"""
+"""What every configuration loads and joins."""
 
 
-def signals(count: int, hal: str) -> list[str]:
-    """Return the signal of each of the first joints that holds the position its motor is sent to."""
-    moved = _moved(hal)
-    return [moved.get(n, f"j{n}m") for n in range(count)]
+def fed_back(joint: int) -> str:
+    """Return the line by which a motor stands where it is sent."""
+    return f"net j{joint}m joint.{joint}.motor-pos-cmd => joint.{joint}.motor-pos-fb\n"
 
 
-def _moved(hal: str) -> dict[int, str]:
-    """Return the signals that hold where motors are sent, of the joints whose motors the text moves."""
-    tables = re.findall(r"net (\S+)-seen => joint\.(\d+)\.motor-pos-fb", hal)
-    whole = re.findall(r"net (vc)-fb-(\d+) \S+ => joint\.\2\.motor-pos-fb", hal)
-    return {int(n): f"{name}-motor" for name, n in tables} | {int(n): f"{name}-drv-{n}" for name, n in whole}
-
-
-def _hal(joints: Sequence[Joint], hal: str) -> str:
-    lines = [
-        "loadrt [KINS]KINEMATICS",
-        "loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD num_joints=[KINS]JOINTS",
-        "addf motion-command-handler servo-thread",
-        "addf motion-controller servo-thread",
-        "net estop-loop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in",
-        "net tool-prep iocontrol.0.tool-prepare => iocontrol.0.tool-prepared",
-        "net tool-chg iocontrol.0.tool-change => iocontrol.0.tool-changed",
-    ]
-    moved = _moved(hal)
-    fed_back = (n for n in range(len(joints)) if n not in moved)
-    lines += [f"net j{n}m joint.{n}.motor-pos-cmd => joint.{n}.motor-pos-fb" for n in fed_back]
-    # where a motor really turns, its encoder shows where it was sent
-    wired = re.sub(r"(axiscal-[a-z0-9-]+)-encoder", r"\1-motor", re.sub(r"net vc-enc-(\d)", r"net vc-drv-\1", hal))
-    return "\n".join(lines) + "\n" + _loaded_once(wired)
-
-
-def _loaded_once(hal: str) -> str:
-    """Return HAL text in which a module that several parts load is loaded once, with all their names."""
-    names: dict[str, list[str]] = {}
-    for module, given in _LOADED.findall(hal):
-        names.setdefault(module, []).append(given)
-
-    def first(found: re.Match[str]) -> str:
-        given = names.pop(found[1], None)
-        return "" if given is None else f"loadrt {found[1]} names={','.join(given)}\n"
-
-    return _LOADED.sub(first, hal)
-
-
-_LOADED = re.compile(r"^loadrt (\S+) names=(\S+)\n", re.MULTILINE)
+def _hal(count: int, hal: str) -> str:
+    """Return HAL text; where the component stands before the motors, their encoders show where it has sent them."""
+    return MOTION + (re.sub(r"net vc-enc-(\d)", r"net vc-drv-\1", hal) or "".join(map(fed_back, range(count))))

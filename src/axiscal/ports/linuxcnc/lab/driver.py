@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The DISPLAY program of a headless LinuxCNC: homes, then makes the moves that come through a socket.
+"""The DISPLAY program of a headless LinuxCNC: homes, then sets and reads the pins that are asked for through a socket.
 
 It runs under the system's Python, which alone has the modules `linuxcnc` and `hal`. One JSON line answers one.
 """
@@ -9,14 +9,10 @@ from __future__ import annotations
 import json
 import socket
 import time
-from pathlib import Path
 from typing import Any
 
 import hal  # type: ignore[import-not-found]
 import linuxcnc  # type: ignore[import-not-found]
-
-UNFINISHED = -1
-"""By LinuxCNC's Python interface."""
 
 
 def wait(condition: Any, seconds: float) -> bool:
@@ -30,13 +26,9 @@ def wait(condition: Any, seconds: float) -> bool:
 
 
 class RunningControl:
-    """The running LinuxCNC.
+    """The running LinuxCNC."""
 
-    motors : the pin or signal of each joint that holds the position its motor is sent to
-    """
-
-    def __init__(self, motors: list[str]) -> None:
-        self.motors, self.joints = motors, range(len(motors))
+    def __init__(self) -> None:
         self.command, self.stat, self.channel = linuxcnc.command(), linuxcnc.stat(), linuxcnc.error_channel()
         self.component = hal.component("axiscal")
         self.component.ready()
@@ -53,44 +45,17 @@ class RunningControl:
         self.command.wait_complete(5)
 
     def answer(self, asked: Any) -> dict[str, Any]:
-        """Make the moves, or read pins; whatever goes wrong is reported: LinuxCNC hides a program's exit status."""
+        """Do what is asked; whatever goes wrong is reported: LinuxCNC hides a program's exit status."""
         try:
-            return {"steps": [], "errors": [], "failure": None, **self.done(asked)}
+            return {"failure": None, **self.done(asked), "errors": self.errors()}
         except Exception as error:  # noqa: BLE001
-            return {"steps": [], "errors": [], "failure": f"{type(error).__name__}: {error}"}
+            return {"failure": f"{type(error).__name__}: {error}"}
 
     def done(self, asked: Any) -> dict[str, Any]:
-        """Make the moves of a list, or read the pins of {"read": names}."""
-        if isinstance(asked, dict):
-            return {"values": [float(hal.get_value(name)) for name in asked["read"]]}
-        return {"steps": [self.move(code) for code in asked], "errors": self.errors()}
-
-    def move(self, code: str) -> dict[str, Any]:
-        """Execute a line and wait until the correction, which is ramped, has arrived as well."""
-        self.execute(code)
-        settled = wait(self._settled, 0.5) and wait(self._still, 3.0)
-        self.stat.poll()
-        tripped = [list(self.stat.probed_position)[:6], bool(self.stat.probe_tripped)]
-        return {"settled": settled, "motor": self.sent(), "command": self.pins("pos-cmd"), "probe": tripped}
-
-    def execute(self, code: str) -> None:
-        """Execute a G-code line, or `setp PIN VALUE`."""
-        if code.startswith("setp "):
-            hal.set_p(*code.split()[1:])
-            return
-        self.command.mdi(code)
-        while (ended := self.command.wait_complete(1)) == UNFINISHED:
-            pass
-        if ended != linuxcnc.RCS_DONE:
-            raise RuntimeError(f"{code} was not completed: {self.errors()}")
-
-    def sent(self) -> list[float]:
-        """Read the position that every motor is sent to."""
-        return [hal.get_value(name) for name in self.motors]
-
-    def pins(self, name: str) -> list[float]:
-        """Read one pin of every joint."""
-        return [hal.get_value(f"joint.{joint}.{name}") for joint in self.joints]
+        """Set the pins of {"set": values by name}, or read those of {"read": names}."""
+        for name, value in asked.get("set", {}).items():
+            hal.set_p(name, value)
+        return {"values": [float(hal.get_value(name)) for name in asked.get("read", ())]}
 
     def errors(self) -> list[str]:
         """Drain the error channel."""
@@ -102,24 +67,11 @@ class RunningControl:
     def homed(self) -> bool:
         """Return whether every joint was homed."""
         self.stat.poll()
-        return all(self.stat.homed[joint] for joint in self.joints)
-
-    def _still(self) -> bool:
-        before = self.pins("pos-cmd"), self.sent()  # a correction over another axis comes at a limited speed
-        for _ in range(4):  # on a busy computer without real time the next servo cycle may be late
-            time.sleep(0.003)  # three servo cycles: "in position" may come a cycle early
-            if (self.pins("pos-cmd"), self.sent()) != before:
-                return False
-        return True
-
-    def _settled(self) -> bool:
-        self.stat.poll()
-        return self.stat.inpos and self.pins("backlash-filt") == self.pins("backlash-corr")
+        return all(self.stat.homed[joint] for joint in range(self.stat.joints))
 
 
 def main(control: type[RunningControl] = RunningControl) -> None:
     """Serve until the other side closes the socket."""
-    job = json.loads(Path("job.json").read_text())
     with socket.socket(socket.AF_UNIX) as line:
         line.connect("socket")
         stream = line.makefile("rw", encoding="utf-8")
@@ -129,11 +81,11 @@ def main(control: type[RunningControl] = RunningControl) -> None:
             stream.flush()
 
         try:
-            machine = control(job["motors"])
+            machine = control()
             machine.home()
-            tell({"start": machine.sent(), "failure": None})
+            tell({"failure": None})
         except Exception as error:  # noqa: BLE001
-            tell({"start": [], "failure": f"{type(error).__name__}: {error}"})
+            tell({"failure": f"{type(error).__name__}: {error}"})
             return
         for request in stream:
             tell(machine.answer(json.loads(request)))

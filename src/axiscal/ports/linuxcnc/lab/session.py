@@ -1,4 +1,4 @@
-"""Runs Debian's LinuxCNC headless, apart from everything else on the machine, and moves it.
+"""Runs Debian's LinuxCNC headless, apart from everything else on the machine.
 
 LinuxCNC is one per machine: fixed shared-memory keys, one port, and a stop script that ends others by name.  So it gets
 its own namespaces where the kernel allows them. Elsewhere one run waits for the other, and none starts beside another
@@ -23,14 +23,13 @@ import tempfile
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, Self
 
 from axiscal.exceptions import ControlError
 from axiscal.language.spoken import put
-from axiscal.ports.linuxcnc.lab.configuration import Joint, Settings, files, motors
+from axiscal.ports.linuxcnc.lab.configuration import Joint, Settings, files
 
 DRIVER = Path(__file__).with_name("driver.py")
 """The DISPLAY program; a file of this name beside the configuration stands in for it."""
@@ -55,26 +54,12 @@ def can_load(component: str) -> bool:
     return can_compile() and (_spaces_allowed() or (MODULES / f"{component}.so").exists())
 
 
-@dataclass(frozen=True, slots=True)
-class Ending:
-    """Positions at the end of a move, one number for each joint in mm or deg.
-
-    motor : where the motors are sent; command : the positions that LinuxCNC shows; settled : the correction had arrived
-    probe : position and whether the probe touched, of the last probing move
-    """
-
-    motor: tuple[float, ...]
-    command: tuple[float, ...]
-    settled: bool
-    probe: tuple[tuple[float, ...], bool]
-
-
 class Session:
-    """A LinuxCNC that is switched on, homed, and takes G-code lines; a context manager.
+    """A LinuxCNC that is switched on and homed; a context manager.
 
     joints : in the order of their numbers; settings : what LinuxCNC is given besides them
-    start : where the motors were sent after homing; errors : messages to the operator so far
-    Raises ControlError when LinuxCNC is missing, does not start, does not finish in time, or refuses a move.
+    errors : messages to the operator so far
+    Raises ControlError when LinuxCNC is missing, does not start, does not finish in time, or refuses what is asked.
     """
 
     def __init__(self, joints: Sequence[Joint], settings: Settings | None = None, timeout: float = 60.0) -> None:
@@ -89,11 +74,9 @@ class Session:
             self.close()
             raise
 
-    def move(self, codes: Sequence[str]) -> tuple[Ending, ...]:
-        """Execute G-code lines or `setp PIN VALUE`, and return where each ended."""
-        result = self._ask(list(codes))
-        self.errors += tuple(result["errors"])
-        return tuple(_step(each) for each in result["steps"])
+    def set(self, pin: str, value: str) -> None:
+        """Set a HAL pin."""
+        self._ask({"set": {pin: value}})
 
     def read(self, pins: Sequence[str]) -> tuple[float, ...]:
         """Return the values of HAL pins or signals."""
@@ -112,7 +95,7 @@ class Session:
     def _begin(self, joints: Sequence[Joint], settings: Settings) -> None:
         self._work = Path(tempfile.mkdtemp(prefix="axiscal-linuxcnc-", dir=_BASE))
         self._stack.callback(shutil.rmtree, self._work, ignore_errors=True)
-        _fill(self._work, motors(joints, settings.hal), files(joints, settings))
+        _fill(self._work, self._texts(joints, settings))
         if settings.sources:
             add_modules(self._work, settings.sources, _spaces_allowed())
         listener = self._stack.enter_context(socket.socket(socket.AF_UNIX))
@@ -122,7 +105,11 @@ class Session:
         self._process = self._stack.enter_context(_started(self._work))
         self._line = self._stack.enter_context(self._accepted(listener))
         self._stack.callback(self._line.shutdown, socket.SHUT_RDWR)
-        self.start = tuple(self._answer(time.monotonic() + _START)["start"])
+        self._answer(time.monotonic() + _START)
+
+    def _texts(self, joints: Sequence[Joint], settings: Settings) -> Mapping[str, str]:
+        """Return the files of its folder by name."""
+        return {"driver.py": DRIVER.read_text(encoding="utf-8"), **files(joints, settings)}
 
     def _accepted(self, listener: socket.socket) -> socket.socket:
         end = time.monotonic() + _START
@@ -136,7 +123,9 @@ class Session:
 
     def _ask(self, message: object) -> dict[str, Any]:
         self._line.sendall((json.dumps(message) + "\n").encode())
-        return self._answer(time.monotonic() + self._timeout)
+        result = self._answer(time.monotonic() + self._timeout)
+        self.errors += tuple(result["errors"])
+        return result
 
     def _answer(self, end: float) -> dict[str, Any]:
         received = b""
@@ -159,16 +148,10 @@ class Session:
 _LOOK = "Look at its last words above"
 
 
-def _step(found: dict[str, Any]) -> Ending:
-    position, tripped = found["probe"]
-    return Ending(tuple(found["motor"]), tuple(found["command"]), found["settled"], (tuple(position), tripped))
-
-
-def _fill(work: Path, motors: Sequence[str], texts: Mapping[str, str]) -> None:
+def _fill(work: Path, texts: Mapping[str, str]) -> None:
     work.chmod(0o755)
-    for name, text in {"driver.py": DRIVER.read_text(encoding="utf-8"), **texts}.items():
+    for name, text in texts.items():
         (work / name).write_text(text, encoding="utf-8", newline="")
-    (work / "job.json").write_text(json.dumps({"motors": list(motors)}))
     (work / "driver.py").chmod(0o755)
     (work / "rt").mkdir()
     if os.geteuid() == 0:
