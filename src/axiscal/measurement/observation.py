@@ -259,7 +259,7 @@ class Observation:
         if self.about is not None:
             point = self.about.point
             return self.shown(setup, poses, approaches, point) - self._first_order(setup, poses, approaches, point)
-        nominal, found = Nominal(self.machine, poses, mounted.moves), found_unknowns(mounted)
+        nominal, found = Nominal(self.machine, poses, mounted.moves), found_unknowns(mounted) if mounted.found else {}
         still, numbers = Actual(*np.zeros((2, len(poses), 3))), []
         for along in directions_of(mounted):
             at = np.array(mounted.direction) if along is None else along
