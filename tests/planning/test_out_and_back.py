@@ -175,3 +175,17 @@ def test_of_several_axes_a_place_that_is_read_again_is_read_last() -> None:
     order = in_order(task, Places.joined([places, places.at(2)]))
     assert np.array_equal(order.poses[-1], places.poses[2])
     assert order.same_as(Places.joined([places, places.at(2)]))
+
+
+def test_many_readings_along_an_axis_lie_one_in_each_part_and_few_where_the_plan_has_them() -> None:
+    _, task = one_axis("+")
+    low, high = task.observation.machine.axes[0].travel
+    at = {
+        (count, usual): np.sort(make_plan(task, Limits(count), patience=0.0, usual=usual).places.poses[:, 0])
+        for count in (7, 20)
+        for usual in (True, False)
+    }
+    assert np.floor(20 * (at[20, True] - low) / (high - low)).tolist() == list(range(20))
+    assert np.diff(at[20, True]).max() > 2 * np.diff(at[20, True]).min()
+    assert np.any(np.floor(20 * (at[20, False] - low) / (high - low)) != np.arange(20))
+    assert np.array_equal(at[7, True], at[7, False])
