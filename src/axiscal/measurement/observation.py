@@ -220,10 +220,9 @@ class Observation:
         """
         levers = self.levers(setup, poses)
         rows, variances = self._rows(setup, poses, approaches, directions_of(self.setups[setup]), levers)
-        covariances = np.zeros((len(poses), len(levers), len(levers)))
-        if len(levers) > 1:
-            covariances = self._fresh_rests(setup, poses, approaches, levers)
-        every = np.arange(len(levers))
+        if len(levers) == 1:
+            return JointRows(rows[0][:, None], variances[0][:, None, None])
+        covariances, every = self._fresh_rests(setup, poses, approaches, levers), np.arange(len(levers))
         covariances[:, every, every] = variances.T
         return JointRows(rows.swapaxes(0, 1), covariances)
 
