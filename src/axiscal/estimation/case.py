@@ -26,7 +26,7 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.artefact import reads_as
 from axiscal.measurement.candidates import spread
 from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.distance import SHIFTS, TURNS, shifts_of
+from axiscal.measurement.instruments.distance import TURNS, location_unknowns
 from axiscal.measurement.observation import Observation, Rows
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import About, Setup, Unknown
@@ -335,8 +335,8 @@ def _located_by(setup: Setup, unknowns: set[str]) -> tuple[str, ...] | None:
     The centre of a bar is where its ball is found; what touches a ball is linear in where that stands.
     """
     if setup.artefact is None:
-        several = tuple(name for number in range(len(setup.stations)) for name in shifts_of(number))
-        return next((names for names in (several or SHIFTS, TURNS) if set(names) & unknowns), None)
+        names = location_unknowns(setup)
+        return names if set(names) & unknowns else None
     if setup.length is None or setup.artefact.calibrated is not None:
         return None
     ball = setup.artefact.balls[setup.balls[0]].name

@@ -26,7 +26,7 @@ from axiscal.machine.description import Machine
 from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.cells import Cell, CellColumns, Course, RestEffects, add_rests, rest_effects
 from axiscal.measurement.instrument import model_of, values_of
-from axiscal.measurement.instruments.distance import found_unknowns
+from axiscal.measurement.instruments.distance import location_unknowns
 from axiscal.measurement.instruments.kind import Actual, Nominal
 from axiscal.measurement.setup import About, Setup, Unknown
 from axiscal.measurement.travel import Way
@@ -258,7 +258,8 @@ class Observation:
         if self.about is not None:
             point = self.about.point
             return self.shown(setup, poses, approaches, point) - self._first_order(setup, poses, approaches, point)
-        nominal, found = Nominal(self.machine, poses, mounted.moves), found_unknowns(mounted) if mounted.found else {}
+        nominal = Nominal(self.machine, poses, mounted.moves)
+        found = dict(zip(location_unknowns(mounted), mounted.found or (), strict=False))
         still, numbers = Actual(*np.zeros((2, len(poses), 3))), []
         for along in directions_of(mounted):
             at = np.array(mounted.direction) if along is None else along

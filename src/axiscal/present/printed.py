@@ -1,4 +1,7 @@
-"""The report on paper: the same summary, set by typst into a PDF that asks for no network and no font of the system."""
+"""The report on paper, and the Digital Calibration Certificate: the same summary as PDF by typst, and as signed XML.
+
+The PDF asks for no network and no font of the system.
+"""
 
 from __future__ import annotations
 

@@ -165,16 +165,11 @@ class _Station(NamedTuple):
         return stem if stem in _OWN else unknown
 
 
-def shifts_of(number: int) -> tuple[str, ...]:
-    """Return the names of where the station of a number is found, x, y, z.  number : from 0"""
-    return tuple(_numbered(name, number) for name in SHIFTS)
-
-
-def found_unknowns(setup: Setup) -> dict[str, float]:
-    """Return where its stations are found, or how a tracker is turned, by the names of its unknowns, m or rad."""
-    several = [name for number in range(len(setup.stations)) for name in shifts_of(number)]
-    names = TURNS if setup.instrument == "tracker" else several or SHIFTS
-    return dict(zip(names, setup.found or (), strict=False))
+def location_unknowns(setup: Setup) -> tuple[str, ...]:
+    """Return the unknowns that say where stations are found, x, y, z of each, or how a tracker is turned."""
+    if setup.instrument == "tracker":
+        return TURNS
+    return tuple(_numbered(name, number) for number in range(len(setup.stations)) for name in SHIFTS) or SHIFTS
 
 
 def of_each(unknowns: Sequence[Unknown], count: int) -> tuple[Unknown, ...]:

@@ -147,8 +147,8 @@ _SHAKES, _SHARE, _SEED = 10, 0.02, 1
 _FEWEST = 8
 """Readings of a set-up below which every place counts more than what may repeat."""
 _DRAWN, _AS_GOOD = 0.8, 1.05
-"""Share of its part in which a place is drawn, and times J: on 28 measured lines such readings miss as little as even
-ones, and on drawn shapes less (`benchmarks/bench_grid.py`)."""
+"""Share of its part in which a place is drawn, and times J: of drawn shapes such readings miss less than those of the
+plan (`benchmarks/bench_grid.py`)."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -208,7 +208,7 @@ def make_plan(
 
     patience : operations that climbing off the lattice may take; the same plan on any machine, and under any load
     bounded : whether the lower bound is wanted
-    usual : with what usually goes wrong: places are shaken off their regular distances, and their order is interleaved
+    usual : with what usually goes wrong: places keep no regular distances, and their order is interleaved
     """
     _refuse(task, limits)
     times = clock(task)
@@ -219,7 +219,8 @@ def make_plan(
     with stage("off the lattice"):
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
     places = fitted(task, limits, times, trial).scores.places
-    places = _spread_if_as_good(task, limits, shaken(task, places)) if usual else places
+    if usual:
+        places = _spread_if_as_good(task, limits, shaken(task, places))
     order = interleaved(task, limits, in_order(task, places)) if usual else in_order(task, places)
     return judged(task, limits, replace(order, approaches=arriving(task, order)), bounded)
 

@@ -1,4 +1,4 @@
-"""Elements of SVG as text: lines through points with as few of them as the eye needs, marks, escaped words.
+"""Elements of SVG as text: lines through points with as few of them as the eye needs, marks, words, colours, maps.
 
 Labels know how wide they are, and stand so that none lies over another.
 """
