@@ -28,7 +28,7 @@ approach = "both"
 
 INSTRUMENT = """import json, math, sys
 for number, line in enumerate(sys.stdin):
-    value = 8 * math.sin(json.loads(line)["position"]["X"] / 90)
+    value = 6 + 2 * math.sin(json.loads(line)["position"]["X"] / 90)  # never so small that mm look like inches
     print(json.dumps({"value": value, "unit": "um" if number < 5 else "mm"}), flush=True)
 """
 
