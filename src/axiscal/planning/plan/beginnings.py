@@ -8,8 +8,6 @@ here; the caller compares the true J.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -146,7 +144,7 @@ class _Plans:
     def _swept(self, points: Points, c: Array) -> Points:
         """Return the plans after every coordinate of every reading was exchanged once.  c : C of each"""
         both = np.stack([c, c @ self._weights @ c])
-        grids = {setup: list(self._grids(setup)) for setup in self._stacks}
+        grids = {s: list(zip(stack.grids, self._squares[s], strict=True)) for s, stack in self._stacks.items()}
         for slot, setup in enumerate(self._setups.tolist()):
             stack, at = self._stacks[setup], points[:, slot]
             row, noise = _seen(stack, at)
@@ -160,10 +158,6 @@ class _Plans:
                 noise += grid.variances[at[:, number]]
             self._change(both, row, noise, leaves=False)
         return points
-
-    def _grids(self, setup: int) -> Iterator[tuple[Grid, Array]]:
-        """Yield the grids of a set-up with the products of each row's entries, (c², positions)."""
-        return zip(self._stacks[setup].grids, self._squares[setup], strict=True)
 
     def _covariances(self, points: Points) -> Array:
         """Return C of each plan, (plans, n, n)."""

@@ -178,14 +178,14 @@ _WORTH = 1e-6
 _WORTH_OF_MANY = 2e-3
 _FEW = 120
 _CANDIDATES = 4
-_IDLE, _FEWEST_IDLE = 1 / 3, 8
-"""Share of the readings, and climbs, that find nothing better in a row: the others of a round hardly would either."""
+_IDLE = 8
+"""Climbs that find nothing better in a row: the others of a round hardly would either."""
 _WORK = 4e9
 """Floating point operations after which an exchange ends: by work, not by the clock, for the same plan anywhere."""
 
 
-def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: float = _BETTER) -> None:
-    """Exchange readings for candidates until a whole sweep finds nothing better, within a fixed amount of work.
+def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: float = _BETTER) -> float:
+    """Exchange readings for candidates until a whole sweep finds nothing better; return the work, in operations.
 
     better : by this share of what a reading brings, another one must bring more
     """
@@ -196,7 +196,7 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: fl
             if looked.get(slot) == changes or scores.held_alone(slot):
                 continue
             if work > _WORK:
-                return
+                return work
             looked[slot] = changes
             found = scores.replacement(slot, allowed(scores, slot))
             work += 4.0 * len(scores.pool)
@@ -205,7 +205,8 @@ def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: fl
                 products = len(scores.pool) * (6.0 * len(scores.places) + 2.0 * scores.pool.size)
                 work, changes = work + products + 20.0 * scores.state.factor.size, changes + 1
         if value - scores.state.value <= _SETTLED * value:
-            return
+            break
+    return work
 
 
 def polish(scores: Scores, allowed: Allowed, rounds: int, patience: Patience) -> None:
@@ -233,9 +234,9 @@ def _move(scores: Scores) -> None:
 
 def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float) -> None:
     """Put the best reading there is, on the lattice or off it, into each slot; work : of one climb, operations"""
-    idle, most = 0, max(_FEWEST_IDLE, _IDLE * len(scores.places))
+    idle = 0
     for slot in range(len(scores.places)):
-        if patience.spent or idle > most:
+        if patience.spent or idle > _IDLE:
             return
         if scores.held_alone(slot):
             continue

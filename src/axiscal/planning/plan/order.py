@@ -171,25 +171,20 @@ def out_and_back(machine: Machine, setup: Setup, places: Places, counted: Array,
     counted : (m, q) approaches, 0 where any side will do; here : (q,) where the machine stands if it is mounted
     """
     (k,) = setup.moves
-    rises = _rises(places.poses[:, k], _told(setup, counted[:, k]))
+    rises = _rises(setup, places.poses[:, k], counted[:, k])
     along = np.argsort(places.poses[:, k], kind="stable")
     out, back = along[rises[along]], along[~rises[along]][::-1]
     return places.within(_shorter(machine, setup, places, counted, out, back, here))
 
 
-def _told(setup: Setup, sides: Array) -> Array | None:
-    """Return from which side places are come to, (m,); None where that does not say on which way."""
-    return sides if len(setup.sides) > 1 and np.all(sides != 0) else None
+def _rises(setup: Setup, at: Array, sides: Array) -> NDArray[np.bool_]:
+    """Return which readings are taken on the way that rises, (m,): by their sides where these say it, else by turns.
 
-
-def _rises(at: Array, sides: Array | None) -> NDArray[np.bool_]:
-    """Return which readings are taken on the way that rises, (m,).
-
-    at : (m,) m or rad along the axis; sides : (m,) from where it comes; None where the way is free
+    at : (m,) m or rad along the axis; sides : (m,) from where it comes
     """
-    rank = np.empty(len(at), dtype=np.intp)
-    rank[np.argsort(at, kind="stable")] = np.arange(len(at))
-    return np.asarray(rank % 2 == 0 if sides is None else sides > 0)
+    if len(setup.sides) > 1 and np.all(sides != 0):
+        return np.asarray(sides > 0)
+    return np.asarray(np.argsort(np.argsort(at, kind="stable")) % 2 == 0)
 
 
 def _shorter(

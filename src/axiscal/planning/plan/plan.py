@@ -14,6 +14,7 @@ plan is no worse than the old one, and little has to be looked at.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,7 +26,7 @@ from axiscal.language.stages import stage
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.numerics.ties import ALIKE, first_best
+from axiscal.numerics.ties import ALIKE, ranked
 from axiscal.planning.bound.lower_bound import Bound, lower_bound
 from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import RunningAccuracy, along
@@ -140,6 +141,8 @@ def _filled(task: Task, limits: Limits, times: Clock, trial: Trial, others: NDAr
 
 _RANDOM = 0.05
 """Share of the patience that random starts may take besides."""
+_MUCH = 1e9
+"""Operations of exchange from which on only the best beginning goes on after its first sweep."""
 _ROUNDS = 6
 """Rounds end where no reading moves; this only ends what would go round."""
 _SHAKES, _SHARE, _SEED = 10, 0.02, 1
@@ -252,9 +255,16 @@ def _together(task: Task, limits: Limits, times: Clock, setups: Setups, work: fl
         scores = base.fork()
         scores.enter_all(begun)
         trials.append(replace(greedy, scores=scores))
-    for trial in trials:
-        exchange(trial.scores, affordable(times, setups, limits.slack))
-    return trials[first_best(-np.array([trial.scores.state.value for trial in trials]), ALIKE)]
+    allowed = affordable(times, setups, limits.slack)
+    done = sum([exchange(trial.scores, allowed, 1) for trial in trials])
+    for trial in (best_first := _best_first(trials)):
+        if done < _MUCH or trial is best_first[0]:
+            done += exchange(trial.scores, allowed)
+    return _best_first(trials)[0]
+
+
+def _best_first(trials: Sequence[Trial]) -> list[Trial]:
+    return [trials[k] for k in ranked(-np.array([trial.scores.state.value for trial in trials]), ALIKE)]
 
 
 def judged(task: Task, limits: Limits, places: Places, bounded: bool = True) -> Plan:
