@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -59,6 +63,28 @@ def _summed(text: str) -> str:
     """Return a text with the checksum that is right for it."""
     body = text.rpartition("end ")[0] or text
     return f"{body}end {fnv1a(body.encode()):08x}\n"
+
+
+def test_one_line_installs_it_and_does_so_once(export: Export, tmp_path: Path) -> None:
+    home, here, programs = (tmp_path / name for name in ("home", "here", "programs"))
+    for folder in (home / "klipper/klippy/extras", home / "printer_data/config", here, programs):
+        folder.mkdir(parents=True)
+    for name in ("axiscal.py", "axiscal.vcomp"):
+        (here / name).write_text(export.files[name])
+    config = home / "printer_data/config/printer.cfg"
+    config.write_text("[mcu]\nserial: /dev/ttyACM0\n")
+    (programs / "sudo").write_text('#!/bin/sh\necho "$@"\n')
+    (programs / "sudo").chmod(0o755)
+    line = export.readme.partition("these files: ")[2].partition(" restart klipper")[0]
+    env = {"HOME": str(home), "PATH": f"{programs}:{os.environ['PATH']}"}
+    for _ in range(2):
+        done = subprocess.run(
+            f"{' '.join(line.split())} restart klipper", shell=True, cwd=here, env=env, capture_output=True, text=True
+        )
+        assert done.stdout == "systemctl restart klipper\n", done.stderr
+    assert config.read_text() == "[axiscal]\n[mcu]\nserial: /dev/ttyACM0\n"
+    assert (home / "klipper/klippy/extras/axiscal.py").read_text() == export.files["axiscal.py"]
+    assert (home / "printer_data/config/axiscal.vcomp").read_text() == export.files["axiscal.vcomp"]
 
 
 def test_a_machine_that_turns_and_an_old_compensation_are_refused(printer: Known) -> None:

@@ -1,7 +1,4 @@
-"""Klipper: a `bed_mesh` profile in the saved block of printer.cfg, and `SET_SKEW` with a skew profile.
-
-Klipper: the whole estimate as a move transform, an extra of Klipper with a file of the campaign.
-"""
+"""Klipper: a `bed_mesh` profile with `SET_SKEW`, or the whole estimate as a move transform in an extra."""
 
 from __future__ import annotations
 
@@ -31,6 +28,10 @@ from axiscal.tables.vcomp_applying import component_control, whole_control
 from axiscal.units import from_unit, to_unit
 
 _FILE, _EXTRA, _SOURCE = "axiscal.vcomp", "axiscal.py", "klipper_extra.py"
+_INSTALL = (
+    f"cp {_EXTRA} ~/klipper/klippy/extras/ && cp {_FILE} ~/printer_data/config/ && cd ~/printer_data/config && "
+    r"{ grep -qx '\[axiscal\]' printer.cfg || sed -i '1i [axiscal]' printer.cfg; } && sudo systemctl restart klipper"
+)
 _STEP = 1e-8
 """m: what two rounds and twelve digits may leave."""
 _NOTHING = 1e-12
@@ -89,9 +90,8 @@ def _bed(estimate: Estimate, count: int) -> Mesh:
 
 def _notes(limit: float) -> tuple[str, ...]:
     return (
-        f"Copy {_EXTRA} into klippy/extras of Klipper (~/klipper/klippy/extras) and {_FILE} beside printer.cfg, write "
-        "the line [axiscal] into printer.cfg, and start the service Klipper again. A later campaign brings a new "
-        f"{_FILE} only: copy it, then FIRMWARE_RESTART.",
+        f"Install it with one line, in a folder of the printer that holds these files: {_INSTALL}",
+        f"A later campaign brings a new {_FILE} only: copy it beside printer.cfg, then FIRMWARE_RESTART.",
         "It takes the place of bed_mesh and skew_correction: a move beside an active mesh or skew is refused. Take "
         "BED_MESH_PROFILE LOAD and SKEW_PROFILE LOAD out of the start of prints.",
         "AXISCAL ENABLE=0 switches it off, for measuring; AXISCAL ENABLE=1 on. After each start it is on. Homing and "
