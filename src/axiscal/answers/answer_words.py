@@ -20,6 +20,8 @@ LINES, WIDTH = 14, 80
 """Of a terminal that nobody scrolls."""
 _LEFT = 2
 """Controls whose tables are shown beside each other."""
+_TOLD = 0.9
+"""Of the U before the first reading: what is known no better was not read."""
 _NEAR = 0.1
 """Share of a limit within which a number has three digits."""
 ROOM = 12
@@ -233,9 +235,11 @@ def _why(rows: Sequence[AnswerRow]) -> str:
     if then:
         return said("one reading from the other side: {size}", size=_within(max(then), rows[0].unit))
     places = min((line.read for row in rows for line in row.lines), default=0)
+    least = max(rows, key=lambda row: row.known_to)
+    size = _within(least.known_to, least.unit)
     if not places:
-        return said("not read")
-    size = _within(max(row.known_to for row in rows), rows[0].unit)
+        told = least.known_to < _TOLD * least.known_before
+        return said("readings elsewhere tell too little: {size}", size=size) if told else said("not read")
     one, many = "{count} place read tells too little: {size}", "{count} places read tell too little: {size}"
     return counted(one, many, places, size=size)
 

@@ -219,9 +219,7 @@ def polish(scores: Scores, allowed: Allowed, rounds: int, patience: Patience) ->
             _move(scores)
             patience.take(work * len(scores.places))
         _climb_all(scores, allowed, patience, work)
-        if patience.spent:
-            return
-        if before - scores.state.value <= least * before:
+        if patience.spent or before - scores.state.value <= least * before:
             return
 
 

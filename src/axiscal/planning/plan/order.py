@@ -198,8 +198,6 @@ def _shorter(
 ) -> NDArray[np.intp]:
     """Return the shorter of both ways round, the rising one if equal, (m,); out, back : readings in either order."""
     ways = [np.concatenate(way) for way in ((out, back), (back, out))]
-    if not len(ways[0]):
-        return ways[0]
     first, second = (_seconds(machine, setup, places.within(way), counted[way], here) for way in ways)
     return ways[int(second < first - _LONGER)]
 
