@@ -67,10 +67,10 @@ def fixed_candidates() -> None:
     for name, problem in (("(c), 2,000", stacked(CASES[2], 2000)), ("five axes, 100,000", five_axis(100_000))):
         scores = Scores(Pool(problem.observation, problem.lattice), problem.state)
         pick = timed(lambda s=scores: s.enter(int(s.gains.argmax())))  # type: ignore[misc]
-        source = np.ones(int(scores.pool.bytes / 8))
+        source = np.ones(int(scores.pool.numbers[scores.pool.lattice.setups].sum()) * scores.pool.size)
         copied = np.empty_like(source)
         copy = timed(lambda a=copied, b=source: np.copyto(a, b)) / 2  # type: ignore[misc]
-        size = scores.pool.bytes / 1e6
+        size = source.nbytes / 1e6
         print(f"{name} candidates: a pick {1e3 * pick:.2f} ms; fetching {size:.0f} MB once {1e3 * copy:.2f} ms")
 
 

@@ -54,7 +54,7 @@ class _Block:
 class Pool:
     """The candidates of a lattice, sorted by set-up.
 
-    memory : bytes that the rows may take; beyond it they are made anew for every product, at the cost of time
+    memory : bytes that the rows may take; those beyond are made anew for every product, at the cost of time
     numbers : of a reading of each set-up; width : w, the most of them: every candidate has so many rows, some nought
     """
 
@@ -66,8 +66,7 @@ class Pool:
         self.numbers = numbers_of_setups(observation.setups)
         self.width = int(self.numbers.max())
         self.memory = memory
-        self.bytes = 8.0 * float(self.numbers[self.lattice.setups].sum()) * self.size
-        self._kept = self.bytes <= memory
+        self._bytes = 8.0 * self.size * np.cumsum(self.numbers[self.lattice.setups])
         self._blocks = [self._block(setup, where) for setup, where in self._slices()]
 
     def __len__(self) -> int:
@@ -182,7 +181,7 @@ class Pool:
         shown = cells_shown(self._bare, setup, self.lattice.poses[candidates])
         rests, every = self._rests(setup, candidates), np.arange(self.size)
         block = _Block(setup, candidates, int(self.numbers[setup]), None, every, rests, shown)
-        if not self._kept:
+        if self._bytes[candidates.stop - 1] > self.memory:
             return block
         rows = self._rows(block)
         felt = np.flatnonzero(np.any(rows != 0, axis=0))

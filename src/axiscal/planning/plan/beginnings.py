@@ -8,6 +8,8 @@ here; the caller compares the true J.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -91,7 +93,11 @@ class _Plans:
         self._factor = task.state.factor[: self._bare.size]
         root = np.pad(task.root.matrix, ((0, 0), (0, self._bare.size - task.root.size)))
         self._weights, self._rng = root.T @ root, np.random.default_rng(_SEED)
-        self._squares = {setup: [_squares(grid) for grid in stack.grids] for setup, stack in self._stacks.items()}
+
+    @cached_property
+    def _squares(self) -> dict[int, list[Array]]:
+        """Products of the entries of each row by set-up and grid: gigabytes, where splines have hundreds of knots."""
+        return {setup: [_squares(grid) for grid in stack.grids] for setup, stack in self._stacks.items()}
 
     @property
     def work(self) -> float:
@@ -207,24 +213,20 @@ def _forms(both: Array, row: Array, grid: Grid, squares: Array) -> Array:
     return forms
 
 
-Counts = list[tuple[int, int]]
-"""(set-up, number of readings) for each set-up in use."""
-
-
-def plain_designs(task: Task, counts: Counts) -> list[Places]:
+def plain_designs(task: Task, counts: list[tuple[int, int]]) -> list[Places]:
     """Return the usual and the space-filling readings; once where every set-up is read on a chart, and both are one."""
     evenly, filling = evenly_spaced(task, counts), space_filling(task, counts)
     return [evenly] if evenly.same_as(filling) else [evenly, filling]
 
 
-def space_filling(task: Task, counts: Counts) -> Places:
+def space_filling(task: Task, counts: list[tuple[int, int]]) -> Places:
     """Return so many readings per set-up, spread over everything that may move."""
     machine, setups = task.observation.machine, task.observation.setups
     parts = [(index, count, spread(machine, (setups[index],), max(count, 2))) for index, count in counts]
     return Places.joined([Places.of_setup(i, part.poses[:count], part.approaches[:count]) for i, count, part in parts])
 
 
-def evenly_spaced(task: Task, counts: Counts) -> Places:
+def evenly_spaced(task: Task, counts: list[tuple[int, int]]) -> Places:
     """Return so many readings per set-up, the usual way: one axis at a time from end to end, the others parked."""
     machine, setups = task.observation.machine, task.observation.setups
     parts = [
@@ -237,11 +239,16 @@ def evenly_spaced(task: Task, counts: Counts) -> Places:
 
 
 def _axis_by_axis(machine: Machine, setup: Setup, count: int) -> tuple[Array, Array]:
-    """Return poses and approaches of so many readings, shared between the axes that move, each (count, q)."""
+    """Return poses and approaches of so many readings, shared between the axes that move, each (count, q).
+
+    Where both sides are allowed they take turns.
+    """
     shares = np.array_split(np.arange(count), len(setup.moves))
     lines = [_line(machine, setup, axis, len(share)) for axis, share in zip(setup.moves, shares, strict=True)]
-    numbers = np.concatenate([np.arange(len(line)) for line in lines])
-    return np.concatenate(lines), _approaches(setup, numbers)
+    even = np.concatenate([np.arange(len(line)) for line in lines]) % 2 == 0
+    approaches = np.zeros((count, len(setup.park)))
+    approaches[:, list(setup.moves)] = np.where(even, setup.sides[0], setup.sides[-1])[:, None]
+    return np.concatenate(lines), approaches
 
 
 def _line(machine: Machine, setup: Setup, axis: int, count: int) -> Array:
@@ -249,10 +256,3 @@ def _line(machine: Machine, setup: Setup, axis: int, count: int) -> Array:
     poses = np.tile(np.array(setup.park), (count, 1))
     poses[:, axis] = np.linspace(*setup.span(machine.axes[axis], axis), count) if count > 1 else setup.park[axis]
     return snapped(machine, setup, poses)
-
-
-def _approaches(setup: Setup, numbers: Array) -> Array:
-    """Return the approaches (m, q) of readings by their numbers (m,); where both sides are allowed they take turns."""
-    result = np.zeros((len(numbers), len(setup.park)))
-    result[:, list(setup.moves)] = np.where(numbers % 2 == 0, setup.sides[0], setup.sides[-1])[:, None]
-    return result

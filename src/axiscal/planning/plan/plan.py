@@ -139,7 +139,7 @@ def _filled(task: Task, limits: Limits, times: Clock, trial: Trial, others: NDAr
     return filled(trial.scores, meter, replace(limits, budget=None), times, trial.setups, 1, most, longest, begun=0.0)
 
 
-_RANDOM = 0.05
+_RANDOM = 0.2
 """Share of the patience that random starts may take besides."""
 _MUCH = 1e9
 """Operations of exchange from which on only the best beginning goes on after its first sweep."""

@@ -147,8 +147,8 @@ def clock(task: Task) -> Clock:
     return Clock(np.array(mounting), np.array(readings))
 
 
-PATIENCE = 4e11
-"""Operations that climbing off the lattice may take unless said otherwise: a minute or two."""
+PATIENCE = 1e11
+"""Operations that climbing off the lattice may take unless said otherwise: half a minute."""
 _LOOKS = 400
 """Places at which a climb looks, roughly: stencils around five places, then lines."""
 _CALLS = 2e7
