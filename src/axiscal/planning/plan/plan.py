@@ -312,10 +312,10 @@ def shaken(task: Task, places: Places) -> Places:
 
 
 def _spread_if_as_good(task: Task, limits: Limits, places: Places) -> Places:
-    """Return a reading in each of as many equal parts, where set-ups move one axis each and J is hardly larger.
+    """Return a reading in each of equal parts, where set-ups move one axis each and J is hardly larger.
 
     Real errors are rougher than any model of them. Of two plans as good by J the evener one misses less, and places
-    drawn within their parts hide no period.
+    drawn within their parts hide no period. Two stand at each end: a slip alone there would pass for a detail.
     """
     setups, axes = task.observation.setups, task.observation.machine.axes
     if not np.all(np.any(_reach(task, places), axis=1)) or any(len(setups[s].moves) > 1 for s in places.setups):
@@ -324,7 +324,8 @@ def _spread_if_as_good(task: Task, limits: Limits, places: Places) -> Places:
     for setup, mine in even.by_setup():
         (axis,), drawn = setups[setup].moves, np.random.default_rng(_SEED).uniform(-0.5, 0.5, len(mine))
         low, high = setups[setup].span(axes[axis], axis)
-        even.poses[mine, axis] = low + (high - low) * (np.arange(len(mine)) + 0.5 + _DRAWN * drawn) / len(mine)
+        parts = np.clip(np.arange(-1, len(mine) - 1), 0, len(mine) - 3) + 0.5
+        even.poses[mine, axis] = low + (high - low) * (parts + _DRAWN * drawn) / (len(mine) - 2)
     before, after = task.state.after_readings(places), task.state.after_readings(even)
     reached = not limits.accurate or limits.met(RunningAccuracy.of(task.yardstick, after.factor).accuracy)
     return even if reached and after.value <= _AS_GOOD * before.value else places
