@@ -135,17 +135,25 @@ complete in the volume and missing in readings that come soon after the axis has
 
 _SINCE = """
 ## Since then
-As above, planned, {machines} machines: readings along one axis are interleaved, and reversals have one row more.
+As above, planned, {machines} machines: a line has two readings at each of its ends.
 (`make trust PART=since MACHINES={machines}`)
 
 | inside, ratio, above 1.5, withheld | planned |
 |---|---|
 """
 _CHANGED = (
-    "nothing", "zero", "growth", "one bad", "step", "pitch of 10 mm, 5 µm", "reversal", "7 readings", "lengths: 20",
-    "air",
-)  # fmt: skip
-"""Attacks on one axis that interleaved readings, or the rows of reversals, bear on."""
+    "nothing",
+    "a fifth as smooth",
+    "one bad",
+    "three bad",
+    "step",
+    "pitch",
+    "bump",
+    "reversal",
+    "sawtooth",
+    "rough",
+)
+"""Attacks on one axis that tell most of where readings lie."""
 
 _BEDS = """
 ## Beds of printers
