@@ -142,17 +142,8 @@ As above, planned, {machines} machines: a line has two readings at each of its e
 |---|---|
 """
 _CHANGED = (
-    "nothing",
-    "a fifth as smooth",
-    "one bad",
-    "three bad",
-    "step",
-    "pitch",
-    "bump",
-    "reversal",
-    "sawtooth",
-    "rough",
-)
+    "nothing", "a fifth as smooth", "one bad", "three bad", "step", "pitch", "bump", "reversal", "sawtooth", "rough",
+)  # fmt: skip
 """Attacks on one axis that tell most of where readings lie."""
 
 _BEDS = """

@@ -235,10 +235,10 @@ def _why(rows: Sequence[AnswerRow]) -> str:
     if then:
         return said("one reading from the other side: {size}", size=_within(max(then), rows[0].unit))
     places = min((line.read for row in rows for line in row.lines), default=0)
-    least = max(rows, key=lambda row: row.known_to)
-    size = _within(least.known_to, least.unit)
+    worst = max(rows, key=lambda row: row.known_to)
+    size = _within(worst.known_to, worst.unit)
     if not places:
-        told = least.known_to < _TOLD * least.known_before
+        told = worst.known_to < _TOLD * worst.known_before
         return said("readings elsewhere tell too little: {size}", size=size) if told else said("not read")
     one, many = "{count} place read tells too little: {size}", "{count} places read tell too little: {size}"
     return counted(one, many, places, size=size)

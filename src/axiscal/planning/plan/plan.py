@@ -257,8 +257,8 @@ def _together(task: Task, limits: Limits, times: Clock, setups: Setups, work: fl
         trials.append(replace(greedy, scores=scores))
     allowed = affordable(times, setups, limits.slack)
     done = sum([exchange(trial.scores, allowed, 1) for trial in trials])
-    for trial in (best_first := _best_first(trials)):
-        if done < _MUCH or trial is best_first[0]:
+    for place, trial in enumerate(_best_first(trials)):
+        if place == 0 or done < _MUCH:
             done += exchange(trial.scores, allowed)
     return _best_first(trials)[0]
 
@@ -315,7 +315,7 @@ def _spread_if_as_good(task: Task, limits: Limits, places: Places) -> Places:
     """Return a reading in each of equal parts, where set-ups move one axis each and J is hardly larger.
 
     Real errors are rougher than any model of them. Of two plans as good by J the evener one misses less, and places
-    drawn within their parts hide no period. Two stand at each end: a slip alone there would pass for a detail.
+    drawn within their parts hide few periods. Two stand at each end: a slip alone there would pass for a detail.
     """
     setups, axes = task.observation.setups, task.observation.machine.axes
     if not np.all(np.any(_reach(task, places), axis=1)) or any(len(setups[s].moves) > 1 for s in places.setups):
