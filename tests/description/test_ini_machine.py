@@ -68,6 +68,13 @@ def test_limits_speeds_and_names_are_those_of_the_file(tmp_path: Path) -> None:
     assert found(tmp_path, SMALL).compensated == ()
 
 
+def test_a_joint_whose_axis_is_not_among_the_coordinates_stands(tmp_path: Path) -> None:
+    text = SMALL.replace("trivkins", "trivkins coordinates=XYZ").replace("= X Y Z", "= X Z")
+    read = found(tmp_path, text.replace("[AXIS_Y]\nMIN_LIMIT = 0\nMAX_LIMIT = 400\n", ""))
+    assert {axis.letter: axis.joints for axis in read.axes} == {"X": (0,), "Z": (2,)}
+    assert set(built(read).chain.replace("'", "")) & set("XYZ") == {"X", "Z"}
+
+
 def test_it_reads_what_the_real_controller_takes(tmp_path: Path) -> None:
     joints = [Joint("X", 0, 24, 10, 50), Joint("Y", 0, 12, 10, 50), Joint("Z", -10, 0, 5, 20, table="0 0 0\n")]
     read = of_lab(tmp_path, joints, Settings(unit="in"))
@@ -130,7 +137,7 @@ def test_a_rotary_axis_without_end_has_a_turn_of_travel_and_its_limits(tmp_path:
         ("MAX_LIMIT = 600", "MAX_LIMIT = six", "line 11: MAX_LIMIT = six is not a number"),
         ("MAX_LIMIT = 600", "MAX_LIMIT = 1e400", "line 11: MAX_LIMIT = 1e400 is not a number"),
         ("MAX_LIMIT = 600", "MAX_LIMIT = -1", "line 11: MAX_LIMIT of X is -1, and MIN_LIMIT is 0"),
-        ("MAX_LIMIT = 600\n", "", "line 10: The INI file says no MAX_LIMIT of X"),
+        ("MAX_LIMIT = 600\n", "", 'MAX_LIMIT = 500, or add --limits "X 0 500"'),
         ("MAX_VELOCITY = 100", "MAX_VELOCITY = 0", "line 12: MAX_VELOCITY = 0 is not above zero"),
         ("LINEAR_UNITS = mm", "LINEAR_UNITS = furlong", "line 8: LINEAR_UNITS = furlong is no unit known here"),
         ("COORDINATES = X Y Z", "COORDINATES = Q", "line 7: 'Q' names no axes"),

@@ -73,9 +73,8 @@ class IniMachine:
 
 def lacking_limits(ini: IniFile) -> dict[str, str]:
     """Return the unit of each linear axis of which an INI file leaves open from where to where it moves."""
-    unit, letters = _unit(ini, "LINEAR_UNITS", _LINEAR, "mm"), _letters(ini)
-    linear = [letter for letter in dict.fromkeys(letters) if letter not in "ABC"]
-    return {letter: unit for letter in linear if not says_limits(ini, letter, letters.index(letter))}
+    unit, joints = _unit(ini, "LINEAR_UNITS", _LINEAR, "mm"), _joints(ini)
+    return {name: unit for name in joints if name not in "ABC" and not says_limits(ini, name, joints[name][0])}
 
 
 def machine_of(ini: IniFile, given: Mapping[str, tuple[float, float]] | None = None) -> IniMachine:
@@ -84,11 +83,10 @@ def machine_of(ini: IniFile, given: Mapping[str, tuple[float, float]] | None = N
     given : the limits of the axes that it leaves open, in its unit
     Raises DescriptionError with the line of what cannot be.
     """
-    letters, given = _letters(ini), given or {}
+    joints, given = _joints(ini), given or {}
     if given:
         _refuse_unasked(ini, given)
     linear, angular = _unit(ini, "LINEAR_UNITS", _LINEAR, "mm"), _unit(ini, "ANGULAR_UNITS", _ANGULAR, "degree")
-    joints = {letter: tuple(n for n, each in enumerate(letters) if each == letter) for letter in dict.fromkeys(letters)}
     build = build_of(ini, tuple(joints), tuple(name for name in joints if len(joints[name]) > 1), linear)
     built = [name for name in joints if name in re.findall(r"[A-Z]", build.chain)]
     axes = tuple(_axis(ini, name, joints[name], angular if name in "ABC" else linear, given) for name in built)
@@ -97,7 +95,7 @@ def machine_of(ini: IniFile, given: Mapping[str, tuple[float, float]] | None = N
         name=(named.text if named and named.text else ini.path.stem)[:80],
         axes=axes,
         build=build,
-        compensated=tuple(n for n in range(len(letters)) if _compensated(ini, n)),
+        compensated=tuple(n for n in sorted(sum(joints.values(), ())) if _compensated(ini, n)),
         servo_period=None if period is None else period.number("SERVO_PERIOD") * 1e-9,
     )
 
@@ -114,19 +112,19 @@ def _refuse_unasked(ini: IniFile, given: Mapping[str, tuple[float, float]]) -> N
             raise DescriptionError(what, "The lower limit comes first", letter=letter, low=low, high=high)
 
 
-def _letters(ini: IniFile) -> str:
-    """Return the axis of each joint: of KINEMATICS where it says coordinates=, else of COORDINATES."""
+def _joints(ini: IniFile) -> dict[str, tuple[int, ...]]:
+    """Return the joints of each axis of COORDINATES; KINEMATICS may number more, as the Y of a lathe, which stands."""
     stated = ini.needed("TRAJ", "COORDINATES", "XYZ")
-    kinematics = ini.get("KINS", "KINEMATICS")
-    given = re.search(r"coordinates=(\w+)", kinematics.text) if kinematics is not None else None
-    letters = "".join((given[1] if given else stated.text).split()).upper()
-    named = kinematics if given is not None and kinematics is not None else stated
-    if not letters or set(letters) - set("XYZABCUVW"):
+    kinematics = ini.get("KINS", "KINEMATICS") or stated
+    given, moving = re.search(r"coordinates=(\w+)", kinematics.text), "".join(stated.text.split()).upper()
+    named, letters = (kinematics, given[1].upper()) if given else (stated, moving)
+    axes = [letter for letter in dict.fromkeys(letters) if letter in moving]
+    if not axes or set(letters) - set("XYZABCUVW"):
         raise named.fail("{text!r} names no axes", "Write their letters, of X Y Z A B C U V W", text=named.text)
-    if len(set(letters)) > _MOST:
+    if len(axes) > _MOST:
         remedy = "Describe those that are to be calibrated by hand"
-        raise named.fail("{letters} are more than {most} axes", remedy, letters=letters, most=_MOST)
-    return letters
+        raise named.fail("{letters} are more than {most} axes", remedy, letters="".join(axes), most=_MOST)
+    return {axis: tuple(n for n, each in enumerate(letters) if each == axis) for axis in axes}
 
 
 def _unit(ini: IniFile, key: str, known: Mapping[str, str], usual: str) -> str:
@@ -210,7 +208,7 @@ def limits(ini: IniFile, letter: str, joint: int, unit: str) -> tuple[float, flo
     for key, found in stated.items():
         if letter not in "ABC" and _left_open(found, key):
             what = "The INI file says no {key} of {letter}"
-            remedy = "Write it under [AXIS_{letter}], as in {key} = {example}"
+            remedy = 'Write it under [AXIS_{letter}], as in {key} = {example}, or add --limits "{letter} 0 500"'
             place = ini.place(*axis_sections(letter, joint)) if found is None else (found.file, found.line)
             example = "0" if key == "MIN_LIMIT" else "500"
             raise DescriptionError(what, remedy, *place, key=key, letter=letter, example=example)
