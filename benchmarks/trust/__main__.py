@@ -133,19 +133,6 @@ complete in the volume and missing in readings that come soon after the axis has
 |---|---|---|---|
 """
 
-_SINCE = """
-## Since then
-As above, planned, {machines} machines: a line has two readings at each of its ends.
-(`make trust PART=since MACHINES={machines}`)
-
-| inside, ratio, above 1.5, withheld | planned |
-|---|---|
-"""
-_CHANGED = (
-    "nothing", "a fifth as smooth", "one bad", "three bad", "step", "pitch", "bump", "reversal", "sawtooth", "rough",
-)  # fmt: skip
-"""Attacks on one axis that tell most of where readings lie."""
-
 _BEDS = """
 ## Beds of printers
 The densest bed map of each owner's printer, {machines} of five types, is the truth, the plane of best fit taken off.
@@ -299,15 +286,6 @@ def _foreign(args: argparse.Namespace) -> Iterator[str]:
     yield from foreign_lines(kept, machines)
 
 
-def _since(args: argparse.Namespace) -> Iterator[str]:
-    which, planned = beginning_with(_CHANGED), ("planned",)
-    kept, machines = attacked(args.attacked, args.processes, 60 * args.minutes, which, planned)
-    if not machines:
-        return
-    yield _SINCE.format(machines=machines).strip("\n")
-    yield from attack_rows(kept, machines, which, planned)
-
-
 def _beds(_: argparse.Namespace) -> Iterator[str]:
     if not available():
         return
@@ -340,7 +318,6 @@ PARTS: dict[str, Callable[[argparse.Namespace], Iterator[str]]] = {
     "display": _displays,
     "attacks": _attacks,
     "foreign": _foreign,
-    "since": _since,
     "tables": _tables,
 }
 

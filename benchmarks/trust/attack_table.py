@@ -45,20 +45,18 @@ def beginning_with(words: Sequence[str]) -> tuple[int, ...]:
     return tuple(number for number in (*KNOWN, *UNKNOWN) if EVERY[number].words.startswith(tuple(words)))
 
 
-def attacked(
-    machines: int, processes: int, seconds: float, which: Sequence[int] = KNOWN, places: Sequence[str] = PLACES
-) -> tuple[Outcomes, int]:
+def attacked(machines: int, processes: int, seconds: float, which: Sequence[int] = KNOWN) -> tuple[Outcomes, int]:
     """Try the machines that are missing, one of every cell after the other; return the outcomes of this version.
 
     seconds : after which no more are begun; what is done is kept, and the next run goes on from there
-    which : numbers of the attacks; places : choices of places
+    which : numbers of the attacks
     Returns with them how many machines every cell has. Raises StudyError where one could not be tried.
     """
-    wanted = [Trial(number, where, FIRST + index) for index, number, where in product(range(machines), which, places)]
+    wanted = [Trial(number, where, FIRST + index) for index, number, where in product(range(machines), which, PLACES)]
     beside = [Path(__file__).with_name(name) for name in ("attacks.py", "benches.py")]
     found = Keeping("attacks", beside, processes, seconds, KEPT).found(tried, wanted)
     outcomes = {Trial(*key): _outcome(result) for key, result in found.items()}
-    return outcomes, _complete(outcomes, machines, which, places)
+    return outcomes, _complete(outcomes, machines, which)
 
 
 def tried(trial: Trial) -> dict[str, Any]:
@@ -72,20 +70,18 @@ def _outcome(result: Found) -> Outcome:
     return Outcome(ratio, inside, bool(result["withheld"]))
 
 
-def _complete(kept: Outcomes, machines: int, which: Sequence[int], places: Sequence[str]) -> int:
+def _complete(kept: Outcomes, machines: int, which: Sequence[int]) -> int:
     """Return how many of the first machines are there in every cell."""
     for index in range(machines):
-        if any(Trial(number, where, FIRST + index) not in kept for number, where in product(which, places)):
+        if any(Trial(number, where, FIRST + index) not in kept for number, where in product(which, PLACES)):
             return index
     return machines
 
 
-def attack_rows(
-    kept: Outcomes, machines: int, which: Sequence[int] = KNOWN, places: Sequence[str] = PLACES
-) -> Iterator[str]:
+def attack_rows(kept: Outcomes, machines: int, which: Sequence[int] = KNOWN) -> Iterator[str]:
     """Yield the lines of the table: one for each attack, a cell for each choice of places."""
     for number in which:
-        cells = [_cell(_outcomes(kept, number, where, machines)) for where in places]
+        cells = [_cell(_outcomes(kept, number, where, machines)) for where in PLACES]
         yield f"| {EVERY[number].words} | {' | '.join(cells)} |"
 
 

@@ -176,7 +176,8 @@ class VirtualMachine:
         wander = self.drifts.get(setup.name)
         moved = np.zeros(values_of(setup)) if wander is None else wander(seconds)
         each = (v + d + _scattered(setup, rng) for v, d in zip(shown, moved, strict=False))
-        return tuple(_displayed(value, setup.resolution) for value in each)
+        step = setup.resolution
+        return tuple(round(value / step) * step if step else value for value in each)
 
     def exactly(self, setup: Setup, pose: Array, actual: Actual, approach: Array | None = None) -> list[float]:
         """Return what a set-up would show of what the machine does, nothing linearised, without drift and noise.
@@ -265,11 +266,6 @@ def _scattered(setup: Setup, rng: np.random.Generator) -> float:
     if setup.one_sided and rng.uniform() < _CHIPS:
         off += setup.one_sided * (1 + rng.standard_normal())
     return float(off)
-
-
-def _displayed(value: float, resolution: float) -> float:
-    """Return a value as a display that moves in steps shows it, m or rad."""
-    return round(value / resolution) * resolution if resolution else value
 
 
 def _wandering(rate: float, count: int, rng: np.random.Generator) -> Wander:

@@ -33,6 +33,8 @@ LINES = 16
 """Of a terminal that nobody scrolls."""
 _MUCH = 0.5
 """Share of the bound from which it is worth a sentence."""
+_READ = 0.9
+"""Share of the U before below which a plan measures a row."""
 
 
 def plan_screen(answer: PlannedAnswer, campaign: str, files: Sequence[str] = ()) -> str:
@@ -90,7 +92,8 @@ def _before(rows: Sequence[PlannedRow]) -> str:
 
 
 def _after(rows: Sequence[PlannedRow]) -> str:
-    return known_text(rows) if all(row.measured for row in rows) else said("not measured")
+    read = all(row.measured or row.known_to < _READ * row.known_before for row in rows)
+    return known_text(rows) if read else said("not measured")
 
 
 def _mounted(answer: PlannedAnswer) -> str:
