@@ -21,7 +21,7 @@ from axiscal.measurement.candidates import chart_candidates
 from axiscal.measurement.reading import Place
 from axiscal.numerics import Array
 from axiscal.programs import Program, controllers, dialect, programs
-from axiscal.programs.gliding import SlideDriver, TipDriver
+from axiscal.programs.gliding import TipDriver
 from axiscal.programs.in_touch import Ways
 from axiscal.programs.scale import AxisScale
 from axiscal.programs.steps import groups
@@ -287,8 +287,8 @@ def a_way_that_swings_out(machine: Machine) -> tuple[Array, Array]:
 def test_a_way_in_touch_that_leaves_the_travels_is_refused() -> None:
     machine = load_machine("dmu60")
     scales = [AxisScale.of(axis, 4) for axis in machine.axes]
-    slides, ways = SlideDriver(scales, groups(machine, Driving()), None), np.stack(a_way_that_swings_out(machine))
-    held = TipDriver(machine, slides, scales, Decimal("0.0001"), 500)
+    ways = np.stack(a_way_that_swings_out(machine))
+    held = TipDriver(machine, scales, groups(machine, Driving()), None, Decimal("0.0001"), 500)
     for _ in held.begin(ways[0]):
         pass
     with pytest.raises(ProgramError, match="a way in touch leaves the travels"):
@@ -296,7 +296,7 @@ def test_a_way_in_touch_that_leaves_the_travels_is_refused() -> None:
     beyond = ways[0].copy()
     beyond[machine.index("X")] = 9.0
     with pytest.raises(ProgramError, match="a way in touch leaves the travel of X"):
-        slides.written(beyond)
+        held.written(beyond)
 
 
 def test_a_control_holds_the_tool_point_of_slides_called_x_y_and_z_alone() -> None:

@@ -13,7 +13,6 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 
@@ -187,31 +186,11 @@ _SAMPLES = 33
 Words = tuple[tuple[str, str], ...]
 
 
-class Driver(Protocol):
-    """Drives along poses that are close to each other."""
-
-    @property
-    def holding(self) -> bool:
-        """Whether the control holds the tool point now."""
-
-    def written(self, pose: Array) -> Decimals:
-        """Return the axes of a pose in the numbers of the program."""
-
-    def begin(self, pose: Array) -> Iterator[Step]:
-        """Yield the way from wherever the axes stand to a pose at which nothing is in touch."""
-
-    def along(self, poses: Array, gently: bool = False) -> Iterator[Step]:
-        """Yield straight moves through poses (p, q), from the first, at which the axes stand."""
-
-    def end(self) -> Iterator[Step]:
-        """Yield what is to be done when nothing is in touch any more."""
-
-    def cleared(self) -> Iterator[Step]:
-        """Yield the way to where the axes are clear."""
-
-
 class SlideDriver:
-    """Linear axes go together, in the machine's coordinates; no rotary axis turns."""
+    """Drives along poses that are close to each other: linear axes go together, and no rotary axis turns.
+
+    holding : whether the control holds the tool point now
+    """
 
     def __init__(self, scales: Sequence[AxisScale], groups: Sequence[Group], clearance: Clearance | None) -> None:
         self._scales, self._groups, self._clearance = scales, groups, clearance
@@ -226,11 +205,6 @@ class SlideDriver:
                 remedy = "Read nearer to the middle of the travels"
                 raise ProgramError("a way in touch leaves the travel of {axis}", remedy, axis=scale.axis.name)
         return tuple(number for number in numbers if number is not None)
-
-    def stands(self, pose: Array) -> Decimals:
-        """Return the axes of a pose, at which something else has brought them."""
-        self._standing = self.written(pose)
-        return self._standing
 
     def begin(self, pose: Array) -> Iterator[Step]:
         """Yield the way to the start; what goes clear does so before the others move."""
@@ -274,33 +248,31 @@ class SlideDriver:
             raise ProgramError("{names} move together while the instrument is in touch", remedy, names=names)
 
 
-class TipDriver:
+class TipDriver(SlideDriver):
     """The control holds the tool point on the workpiece while rotary axes turn.
 
     step : the last decimal of a place of the tool point, mm; gentle : feed into touch and out of it, mm/min
     """
 
     def __init__(
-        self, machine: Machine, slides: SlideDriver, scales: Sequence[AxisScale], step: Decimal, gentle: int
+        self,
+        machine: Machine,
+        scales: Sequence[AxisScale],
+        groups: Sequence[Group],
+        clearance: Clearance | None,
+        step: Decimal,
+        gentle: int,
     ) -> None:
-        self._machine, self._slides, self._scales, self._step, self._gentle = machine, slides, scales, step, gentle
+        super().__init__(scales, groups, clearance)
+        self._machine, self._step, self._gentle = machine, step, gentle
         self._room, self._rotary = Room.empty(machine), [k for k, axis in enumerate(machine.axes) if axis.rotary]
         self._last: dict[str, str] = {}
         self._at: Array | None = None
 
-    @property
-    def holding(self) -> bool:
-        """Whether the control holds the tool point now."""
-        return self._at is not None
-
-    def written(self, pose: Array) -> Decimals:
-        """Return the axes of a pose in the numbers of the program."""
-        return self._slides.written(pose)
-
     def begin(self, pose: Array) -> Iterator[Step]:
         """Yield the way to the gate, where the tool point begins to be held."""
-        yield from self._slides.begin(pose)
-        self._at, self._last = pose, {}
+        yield from super().begin(pose)
+        self._at, self._last, self.holding = pose, {}, True
         yield Hold(self._tip(pose))
 
     def along(self, poses: Array, gently: bool = False) -> Iterator[Step]:
@@ -315,14 +287,10 @@ class TipDriver:
     def end(self) -> Iterator[Step]:
         """Yield the end of holding, where the axes are: from there they go on in the machine's coordinates."""
         assert self._at is not None, "every way begins with `begin`"
-        at = self._slides.stands(self._at)
+        at = self._standing = self.written(self._at)
         named = zip(self._machine.axes, self._scales, at, strict=True)
         yield Release(tuple((axis.name, scale.written(value)) for axis, scale, value in named if not axis.rotary))
-        self._at = None
-
-    def cleared(self) -> Iterator[Step]:
-        """Yield the way of the axis that goes clear."""
-        yield from self._slides.cleared()
+        self._at, self.holding = None, False
 
     def _changed(self, pose: Array) -> Words:
         turned = ((self._scales[k], self.written(pose)[k]) for k in self._rotary)

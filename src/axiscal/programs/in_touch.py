@@ -26,7 +26,7 @@ from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import SideTouch, cycle_of, touches
 from axiscal.measurement.travel import sides_of
 from axiscal.numerics import Array
-from axiscal.programs.gliding import Driver, KeptOut
+from axiscal.programs.gliding import KeptOut, SlideDriver
 from axiscal.programs.scale import AxisScale, Decimals, ReadingTarget, exact
 from axiscal.programs.steps import Arrival, Group, Halt, Remark, Step, Touched, dwells, moves
 from axiscal.units import to_unit
@@ -107,7 +107,7 @@ Entrance = tuple[Array, Array, Array]
 class InTouch:
     """Goes through the readings of one set-up; raises ProgramError for what the machine cannot do in one piece."""
 
-    def __init__(self, setup: Setup, ways: Ways, driver: Driver) -> None:
+    def __init__(self, setup: Setup, ways: Ways, driver: SlideDriver) -> None:
         self._setup, self._ways, self._driver = setup, ways, driver
 
     def run_through(self, readings: Sequence[tuple[int, Place]], reading: float | None) -> Iterator[Step]:

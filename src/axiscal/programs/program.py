@@ -21,7 +21,7 @@ from axiscal.measurement.readers.touch_log import plan_code
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.programs.dialect import Dialect, filled, head
-from axiscal.programs.gliding import GENTLE, Driver, KeptOut, SlideDriver, TipDriver, refuse_kept_out
+from axiscal.programs.gliding import GENTLE, KeptOut, SlideDriver, TipDriver, refuse_kept_out
 from axiscal.programs.in_touch import InTouch, SphereCycle, Ways
 from axiscal.programs.listing import Listed, listing
 from axiscal.programs.scale import AxisScale, ReadingTarget, target
@@ -162,12 +162,12 @@ class _Writer:
 
     def _in_touch(self, chart: Chart) -> InTouch:
         """Return what drives a set-up in touch; raises ProgramError where the control cannot."""
-        setup, slides = self._setup, SlideDriver(self._scales, self._groups, self._clearance)
-        driver: Driver = slides
+        setup, machine, known = self._setup, self._machine, (self._scales, self._groups, self._clearance)
+        driver = SlideDriver(*known)
         if _turns(setup, self._machine):
             self._dialect.refuse_no_tip(self._machine)
             step = Decimal(1).scaleb(-self._dialect.tip_decimals)
-            driver = TipDriver(self._machine, slides, self._scales, step, self._gentle)
+            driver = TipDriver(machine, *known, step, self._gentle)
         from_zero = self._holds and self._dialect.from_zero
         ways = Ways(self._machine, setup, chart, from_zero, self._inside(self._clearance))
         return InTouch(setup, ways, driver)
