@@ -197,44 +197,25 @@ def knots_of(estimate: Estimate, axis: int) -> list[Array]:
     return own + [knots for plane in estimate.model.planes for knots in plane.knots_along(axis)]
 
 
-class _NearestLine(NamedTuple):
-    """The line of a table that is nearest to curves.
-
-    free : (s, points) its values by the sides it is reached from, before the constant is taken off
-    anchor : that constant; departure : from the curves at most
-    """
-
-    free: Array
-    anchor: float
-    departure: float
-
-
 def _nearest(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
     """Return the table with as many points, set so that its line is nearest to the curve; never farther than `hats`."""
     shown, at = curves @ estimate.mean, places(*hats.points[[0, -1]])
     knots = np.concatenate([np.zeros(0), *knots_of(estimate, over)])
     other = hats_along(estimate, over, closest(shown @ hats.carried(at).T, at, knots, hats.points))
-    carried = hats.carried(other.nodes)
-    even, found = (_line(estimate, axis, over, *each) for each in ((hats, shown), (other, shown @ carried.T)))
-    nearer = found.departure < even.departure - _NOTHING  # along a straight line any points are as near
-    return _fitted(estimate, axis, over, *((other, carried @ curves) if nearer else (hats, curves)))
-
-
-def _line(estimate: Estimate, axis: int, over: int, hats: Hats, shown: Array) -> _NearestLine:
-    """Return the line nearest to curves that are believed, (s, nodes), forward and reverse."""
-    free = hats.best(shown.T).T
-    anchor = float(_anchor(estimate, axis, over, hats, shown, free))
-    departure = max(hats.departure(curve, values) for curve, values in zip(shown - anchor, free - anchor, strict=True))
-    return _NearestLine(free, anchor, departure)
+    pairs = (hats, curves), (other, hats.carried(other.nodes) @ curves)
+    even, found = (_fitted(estimate, axis, over, *pair) for pair in pairs)
+    return found if found.departure < even.departure - _NOTHING else even  # along a straight line any are as near
 
 
 def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
     """Return the table nearest to curves given as rows (s, nodes, size), forward and reverse."""
-    line = _line(estimate, axis, over, hats, curves @ estimate.mean)
     free = np.stack([hats.best(side) for side in curves])
     anchor = _anchor(estimate, axis, over, hats, curves, free)
+    shown = curves @ estimate.mean - anchor @ estimate.mean
+    values = hats.best(shown.T).T
     known, before = (_Spread.of(free, anchor, root) for root in (estimate.factor, estimate.model.prior_root()))
-    values = line.free - line.anchor + _rest_read(estimate, axis, over, hats.points)
+    departure = max(hats.departure(curve, line) for curve, line in zip(shown, values, strict=True))
+    values = values + _rest_read(estimate, axis, over, hats.points)
     own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
     rest = float(sum(estimate.model.functions[index].rest for index in _followed(estimate, axis, over)))
     return CompensationTable(
@@ -246,7 +227,7 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array)
         np.hypot(known.anchored, rest),
         looked_up.name,
         _silent(before, known),
-        line.departure,
+        departure,
         float(np.hypot(np.sqrt(np.mean(known.shape**2)), rest)),
     )
 
