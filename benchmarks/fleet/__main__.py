@@ -12,8 +12,11 @@ from typing import Any
 import numpy as np
 from scipy.stats import ttest_1samp
 
+from axiscal.errors.model import ErrorModel
 from axiscal.numerics.threads import one_thread
-from axiscal.ports.fleet.type_learning import lesson
+from axiscal.ports.fleet.hierarchy import prior_units
+from axiscal.ports.fleet.sister_records import equations_of, read_records
+from axiscal.ports.fleet.type_learning import taught
 from benchmarks.fleet.left_out import COUNTS, each_way
 from benchmarks.fleet.printers import DATA, printers, types
 
@@ -75,12 +78,15 @@ def _measure(kind: str) -> None:
         return
     with TemporaryDirectory() as folder:
         files = [each.write_record(Path(folder)) for each in machines]
-        taught = lesson(files, machines[0].described().machine)
-        digests = {record.file: record.digest for record in taught.records}
+        reference = machines[0].described().machine
+        units = prior_units(ErrorModel(reference))
+        records, equations = equations_of(read_records(files)[0], reference, units.root)
+        digests = {record.file: record.digest for record in records}
         for machine, file in zip(machines, files, strict=True):
             if (kind, machine.name) in done:
                 continue
-            prior = taught.learnt(without=frozenset({digests[file.name]})).text()
+            others = {digest: each for digest, each in equations.items() if digest != digests[file.name]}
+            prior = taught(reference, units, tuple(records), others).text()
             found = {count: each_way(machine, prior, count) for count in COUNTS}
             ways = {str(count): {way: list(each) for way, each in of.items()} for count, of in found.items()}
             with KEPT.open("a", encoding="utf-8") as kept:

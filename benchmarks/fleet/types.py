@@ -18,7 +18,7 @@ from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import TypePrior, rivals
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.ports.fleet.type_learning import Lesson
+from axiscal.ports.fleet.type_learning import taught
 from benchmarks.fleet.until_target import Reached, plan_as_stated, reached
 from benchmarks.fleet.virtual_types import Bench, Form, VirtualType
 
@@ -124,8 +124,8 @@ def _measured(bench: Bench, plan: list[int], form: Form, seed: int) -> dict[str,
     if form == STRANGERS:
         strangers = dict(changed(bench, kind.machine(_NEW)))
         strangers["of another type"] = VirtualType(bench, form, _OTHER + seed).machine(_NEW)
-        taught = priors[str(max(SISTERS))]
-        row["strangers"] = {name: reached(bench, taught, errors, (seed, 0)) for name, errors in strangers.items()}
+        known = priors[str(max(SISTERS))]
+        row["strangers"] = {name: reached(bench, known, errors, (seed, 0)) for name, errors in strangers.items()}
     return row | {"seconds": time.process_time() - begun}
 
 
@@ -136,7 +136,7 @@ def equations_of(bench: Bench, plan: list[int], kind: VirtualType, count: int, s
 
 def lesson_of(bench: Bench, equations: dict[str, DataEquation], count: int) -> TypePrior:
     taken = dict(list(equations.items())[:count])
-    return Lesson(bench.case.description.machine, bench.units, (), taken).learnt()
+    return taught(bench.case.description.machine, bench.units, (), taken)
 
 
 def _stated(bench: Bench) -> Rival:

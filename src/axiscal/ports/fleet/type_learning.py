@@ -33,62 +33,15 @@ FEW = 3
 """Fewer sisters than this hardly teach what is common, and teach only in which sizes the tolerances are wrong."""
 
 
-@dataclass(frozen=True, eq=False)
-class Lesson:
-    """Errors of a type as its records show them, each by itself.
-
-    machine : over whose errors; records : all that were looked at; equations : of those that count, by their digests
-    """
-
-    machine: Machine
-    units: PriorUnits
-    records: tuple[SisterRecord, ...]
-    equations: Mapping[str, DataEquation]
-
-    @one_thread()
-    def learnt(
-        self,
-        directions: int = DIRECTIONS,
-        doubt: float = DOUBT,
-        without: frozenset[str] = frozenset(),
-    ) -> TypePrior:
-        """Return what they teach.
-
-        without : digests of records that are to teach nothing
-        Raises RecordError where no record is left.
-        """
-        taken = [digest for digest in self.equations if digest not in without]
-        if not taken:
-            raise _nothing(self.records)
-
-        data, seed = [self.equations[digest] for digest in taken], [int(digest[:15], 16) for digest in taken]
-        found = sister_prior(data, Hierarchy(self.units.blocks, directions), seed)
-        return self._prior(found, directions, doubt)
-
-    def _prior(self, found: SisterPrior, directions: int, doubt: float) -> TypePrior:
-        root, cut = self.units.root, self.units.cut
-        covariance = root @ found.covariance @ root.T + cut
-        own = root @ (found.covariance - found.common) @ root.T + cut
-        learned = {name: self._learned(found, name) for name in dict.fromkeys(b.name for b in self.units.blocks)}
-        whole, mine = ((matrix + matrix.T) / 2 for matrix in (covariance, own))
-        text, knots, mean = self.machine.text, self.machine.fine_knots, root @ found.mean
-        return TypePrior(text, self.records, learned, directions, doubt, mean, whole, mine, knots)
-
-    def _learned(self, found: SisterPrior, name: str) -> Learned:
-        """Return what was learnt of an error, the mean over its coarse and fine parts by the variance they hold."""
-        mine = [index for index, block in enumerate(self.units.blocks) if block.name == name]
-        weights = np.array([self.units.blocks[index].weight for index in mine])
-        figures = (found.scales, found.scale_stds, found.shares, found.share_stds)
-        return Learned(*(float(weights @ each[mine] / weights.sum()) for each in figures))
-
-
 @one_thread()
-def lesson(
+def learnt_type(
     files: Iterable[Path],
     machine: Machine | None = None,
+    directions: int = DIRECTIONS,
+    doubt: float = DOUBT,
     named: str | None = None,
-) -> Lesson:
-    """Return what records say of a type.
+) -> TypePrior:
+    """Return what records teach of a type: the same for the same records in any order.
 
     machine : over whose errors; None for the description that most of them have
     named : only machines of this name, None for all
@@ -105,18 +58,37 @@ def lesson(
     records = tuple(sorted([*seen, *left], key=lambda record: (record.digest, record.file)))
     if not equations:
         raise _nothing(records)
-    return Lesson(reference, units, records, equations)
+    return taught(reference, units, records, equations, directions, doubt)
 
 
-def learnt_type(
-    files: Iterable[Path],
-    machine: Machine | None = None,
+def taught(
+    machine: Machine,
+    units: PriorUnits,
+    records: tuple[SisterRecord, ...],
+    equations: Mapping[str, DataEquation],
     directions: int = DIRECTIONS,
     doubt: float = DOUBT,
-    named: str | None = None,
 ) -> TypePrior:
-    """Return what records teach of a type: the same for the same records in any order; arguments as for `lesson`."""
-    return lesson(files, machine, named).learnt(directions, doubt)
+    """Return what the errors of a type teach as records show them, each by itself.
+
+    machine : over whose errors; records : all that were looked at; equations : of those that count, by their digests
+    """
+    seed = [int(digest[:15], 16) for digest in equations]
+    found = sister_prior(list(equations.values()), Hierarchy(units.blocks, directions), seed)
+    covariance = units.root @ found.covariance @ units.root.T + units.cut
+    own = units.root @ (found.covariance - found.common) @ units.root.T + units.cut
+    learned = {name: _learned(found, units, name) for name in dict.fromkeys(block.name for block in units.blocks)}
+    whole, mine = ((matrix + matrix.T) / 2 for matrix in (covariance, own))
+    mean = units.root @ found.mean
+    return TypePrior(machine.text, records, learned, directions, doubt, mean, whole, mine, machine.fine_knots)
+
+
+def _learned(found: SisterPrior, units: PriorUnits, name: str) -> Learned:
+    """Return what was learnt of an error, the mean over its coarse and fine parts by the variance they hold."""
+    mine = [index for index, block in enumerate(units.blocks) if block.name == name]
+    weights = np.array([units.blocks[index].weight for index in mine])
+    figures = (found.scales, found.scale_stds, found.shares, found.share_stds)
+    return Learned(*(float(weights @ each[mine] / weights.sum()) for each in figures))
 
 
 def _as_stated(machine: Machine) -> Machine:
