@@ -12,7 +12,7 @@ from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
 from axiscal.ports.paper.stack import SHOWN_SINGLE, SHOWN_STACKED, SIMULATED, UNIT, Experiment, GreedyPlan, Simulated
-from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, shown
+from axiscal.present.drawing.svg_picture import Figure, axis_style, band, layout, line_trace, shown
 from axiscal.present.sentences import page_of
 
 _POINTS = 301
@@ -46,7 +46,7 @@ def _curve(
     rows[:, columns] = basis.rows(t)
     traces = [
         *_estimate(t, belief, rows),
-        _line(t, rows @ shown.truth, "var(--truth)", width=2.2, name="real spline"),
+        line_trace((t / UNIT).tolist(), (rows @ shown.truth / UNIT).tolist(), "var(--truth)", 2.2),
         _control_points(basis.knots, belief.mean[columns]),
         _readings(plan, shown, readings, function, span[0]),
     ]
@@ -59,28 +59,17 @@ def _estimate(t: Array, belief: Belief, rows: Array) -> list[Figure]:
     mean, std = belief.predict(rows)
     x, middle, half = (t / UNIT).tolist(), (mean / UNIT).tolist(), (std / UNIT).tolist()
     edges = [[m + sign * s for m, s in zip(middle, half, strict=True)] for sign in (1, -1)]
-    dashed = [
-        {**_scatter(x, edge), "line": {"color": "var(--accent)", "width": 1, "dash": "4px,3px"}} for edge in edges
-    ]
-    return [
-        band(x, middle, half, "var(--whole)"),
-        *dashed,
-        _line(t, mean, "var(--accent)", width=1.8, name="estimated spline"),
-    ]
+    dashed = [line_trace(x, edge, "var(--accent)", 1, "4px,3px") for edge in edges]
+    return [band(x, middle, half, "var(--whole)"), *dashed, line_trace(x, middle, "var(--accent)", 1.8)]
 
 
-def _line(t: Array, values: Array, colour: str, width: float, name: str) -> Figure:
-    style = {"line": {"color": colour, "width": width}}
-    return {**_scatter((t / UNIT).tolist(), (values / UNIT).tolist()), **style}
-
-
-def _scatter(x: Sequence[float], y: Sequence[float], mode: str = "lines") -> Figure:
-    return {"type": "scatter", "mode": mode, "x": list(x), "y": list(y)}
+def _markers(x: Sequence[float], y: Sequence[float]) -> Figure:
+    return {"type": "scatter", "mode": "markers", "x": x, "y": y}
 
 
 def _control_points(knots: Array, values: Array) -> Figure:
     marker = {"symbol": "square-open", "size": 7, "color": "var(--accent)", "line": {"width": 1.6}}
-    points = _scatter((knots / UNIT).tolist(), (values / UNIT).tolist(), "markers")
+    points = _markers((knots / UNIT).tolist(), (values / UNIT).tolist())
     return {**points, "marker": marker, "cliponaxis": False}
 
 
@@ -91,10 +80,10 @@ def _readings(plan: GreedyPlan, shown: Simulated, readings: int, function: Error
     common = {"marker": marker, "cliponaxis": False, "text": [f"reading {k + 1}" for k in range(readings)]}
     if len(plan.stack.machine.axes) > 1:
         marker |= {"symbol": "circle-open", "line": {"color": "var(--ink)", "width": 1.4}}
-        return {**_scatter(x, [floor + 0.22] * readings, "markers"), **common}
+        return {**_markers(x, [floor + 0.22] * readings), **common}
     bars = {"array": [plan.stack.std] * readings, "thickness": 1.2, "color": "var(--ink)"}
     values = (shown.values[:readings] / UNIT).tolist()
-    return {**_scatter(x, values, "markers"), **common, "error_y": bars}
+    return {**_markers(x, values), **common, "error_y": bars}
 
 
 def decrease(experiment: Experiment) -> Figure:
@@ -103,19 +92,15 @@ def decrease(experiment: Experiment) -> Figure:
     steps = list(range(len(variances)))
     mean, std = errors.mean(axis=0), errors.std(axis=0, ddof=1) / np.sqrt(len(errors))
     whiskers = {"array": (BAND * std).tolist(), "color": "var(--accent)", "thickness": 1.4}
+    marker = {"color": "var(--accent)", "size": 7, "symbol": "square"}
     traces = [
-        _points([7, 7], [0.0, variances[0]], "seven readings", "var(--soft)", "lines", width=1, dash="dot"),
-        _points(steps, variances, "overall variance J", "var(--truth)", "lines", width=2.6),
-        _points(steps, experiment.spline_errors.tolist(), "the spline of figure 4", "var(--soft)", "lines", dash="dot"),
-        {**_points(steps, mean.tolist(), "mean squared error", "var(--accent)", "markers"), "error_y": whiskers},
+        line_trace([7, 7], [0.0, variances[0]], "var(--soft)", 1, "dot"),
+        line_trace(steps, variances, "var(--truth)", 2.6),
+        line_trace(steps, experiment.spline_errors.tolist(), "var(--soft)", 1.5, "dot"),
+        {**_markers(steps, mean.tolist()), "marker": marker, "error_y": whiskers},
     ]
     y = axis_style("variance × length", rangemode="tozero")
     return {"data": traces, "layout": layout(axis_style("readings", dtick=1), y, 330, margin={**_MARGIN, "l": 54})}
-
-
-def _points(x: Sequence[float], y: Sequence[float], name: str, colour: str, mode: str, **line: Any) -> Figure:
-    style = {"line": {"color": colour, **line}, "marker": {"color": colour, "size": 7, "symbol": "square"}}
-    return {**_scatter(x, y, mode), **style}
 
 
 def render(experiment: Experiment) -> str:
