@@ -77,7 +77,7 @@ def draw_tour(folder: Path) -> None:
         summary = summarise(campaign, known, Extras())
     _keep_volume("volume.svg", known, "linuxcnc")
     curve = next(curve for curve in summary.curves if curve.name == "EXX")
-    figure = groups([curve])[0].rows[0][0].figure
+    figure = groups([curve])[0][2][0][0][1]
     _keep("curve.svg", paper_svg(figure, 700).replace("<svg ", '<svg style="background:#fff" ', 1))
 
 

@@ -105,5 +105,5 @@ def test_readings_with_a_gap_are_no_such_test() -> None:
 
 def test_a_sentence_about_many_files_is_said_once() -> None:
     offers = [TableOffer(f"tables/linuxcnc/{n}.comp", "linuxcnc", n, "They leave 1 um.") for n in "XYZ"]
-    (one,) = files_of_controls(offers)
-    assert (one.sentence, len(one.files)) == ("They leave 1 um.", 3)
+    ((_, sentence, files),) = files_of_controls(offers)
+    assert (sentence, len(files)) == ("They leave 1 um.", 3)

@@ -120,8 +120,8 @@ _MANY = LISTED + 3
 
 def test_a_usual_campaign_is_listed_whole() -> None:
     summary = five_axis_summary(40)
-    assert len(listed(summary).rows) == 40
-    assert listed(summary).words == ""
+    rows, others = listed(summary)
+    assert (len(rows), others) == (40, "")
     assert "SHA-256 is" not in render(summary)
 
 

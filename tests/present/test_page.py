@@ -307,8 +307,8 @@ def test_bands_are_196_standard_deviations_around_the_mean(summary: Summary) -> 
 
 
 def test_panels_of_one_row_share_their_scale_and_hold_everything(summary: Summary) -> None:
-    panels = [panel for group in groups(summary.curves[:3]) for row in group.rows for panel in row]
-    (shared,) = {tuple(panel.figure["layout"]["yaxis"]["range"]) for panel in panels}
+    panels = [panel for _, _, rows in groups(summary.curves[:3]) for row in rows for panel in row]
+    (shared,) = {tuple(figure["layout"]["yaxis"]["range"]) for _, figure in panels}
     for curve in summary.curves[:3]:
         assert shared[0] < min(m - 1.96 * s for m, s in zip(curve.mean, curve.std, strict=True))
         assert shared[1] > max(m + 1.96 * s for m, s in zip(curve.mean, curve.std, strict=True))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
@@ -54,11 +53,12 @@ def render(summary: Summary) -> str:
 
 def report_values(summary: Summary) -> dict[str, Any]:
     """Return what both reports, the page and the PDF, are filled with, in the language that is spoken."""
+    listed_rows, others_words = listed(summary)
     return {
         "s": summary,
         "groups": groups(summary.curves, summary.chain),
         "reversal_groups": groups(summary.reversals, summary.chain),
-        "planes": [PlanePanel(plane, _maps(plane, summary.history)) for plane in summary.planes],
+        "planes": [(plane, _maps(plane, summary.history)) for plane in summary.planes],
         "constants": sentences.constant_rows(summary),
         "positioning": [(each, positioning_figure(each)) for each in summary.positioning],
         **answered(summary)._asdict(),
@@ -68,7 +68,8 @@ def report_values(summary: Summary) -> dict[str, Any]:
         "volume_words": sentences.volume_words(summary),
         "first_number": sentences.first_number_words(summary),
         "before": [row for row in summary.history if not row.position],
-        "listed": listed(summary),
+        "listed_rows": listed_rows,
+        "others_words": others_words,
         "flagged": {warning.error: warning.code for warning in summary.warnings if warning.error},
     }
 
@@ -102,30 +103,19 @@ _HEIGHT, _HEIGHT_ALONE = 210, 360
 """Pixels; a matter of taste."""
 
 
-@dataclass(frozen=True, slots=True)
-class Panel:
-    """A curve and its picture."""
-
-    curve: CurveSummary
-    figure: Figure
+Panel = tuple[CurveSummary, Figure]
+"""A curve and its picture."""
 
 
-@dataclass(frozen=True, slots=True)
-class AxisGroup:
-    """The panels of one axis, in rows of one unit.  note : what has to be known of all of them"""
+def groups(curves: Sequence[CurveSummary], chain: str = "") -> list[tuple[str, str, list[list[Panel]]]]:
+    """Return each axis in order of appearance, what has to be known of all its curves, and these in rows of one unit.
 
-    axis: str
-    note: str
-    rows: Sequence[Sequence[Panel]]
-
-
-def groups(curves: Sequence[CurveSummary], chain: str = "") -> list[AxisGroup]:
-    """Return the curves grouped by axis in order of appearance, and by unit within.  chain : of the machine"""
+    chain : of the machine
+    """
     axes = dict.fromkeys(curve.axis for curve in curves)
     height = _HEIGHT_ALONE if len(curves) == 1 else _HEIGHT
     return [
-        AxisGroup(axis, _turned(axis, chain), _rows([curve for curve in curves if curve.axis == axis], height))
-        for axis in axes
+        (axis, _turned(axis, chain), _rows([curve for curve in curves if curve.axis == axis], height)) for axis in axes
     ]
 
 
@@ -145,7 +135,7 @@ def _rows(curves: list[CurveSummary], height: int) -> list[list[Panel]]:
 
 def _row(curves: list[CurveSummary], height: int) -> list[Panel]:
     shared = finite_range([value for curve in curves for value in _content(curve)])
-    return [Panel(curve, panel_figure(curve, shared, height)) for curve in curves]
+    return [(curve, panel_figure(curve, shared, height)) for curve in curves]
 
 
 def _content(curve: CurveSummary) -> list[float]:
@@ -217,15 +207,8 @@ def _point_text(point: CurvePoint, unit: str) -> str:
     return f"{label}{point.setup}\n{figure(point.value)} ± {quantity(BAND * point.std, unit)}"
 
 
-@dataclass(frozen=True, slots=True)
-class PlanePanel:
-    """A plane with its maps, each with the words under it."""
-
-    plane: PlaneSummary
-    maps: Sequence[tuple[Figure, str]]
-
-
 def _maps(plane: PlaneSummary, rows: Sequence[HistoryRow]) -> list[tuple[Figure, str]]:
+    """Return the maps of a plane, each with the words under it."""
     unit = unit_text(plane.value_unit)
     bands = [[BAND * value for value in row] for row in plane.whole_std]
     alone = [[plane.sign * value for value in row] for row in plane.mean]

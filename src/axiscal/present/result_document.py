@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from hashlib import sha256
-from typing import Any, NamedTuple
+from typing import Any
 
 from axiscal.answers.answer import ReadingAgreement, ResultAnswer, coordinate, number, numbers
 from axiscal.estimation.accuracy.expanded import LEVEL
@@ -62,18 +62,14 @@ def _figure(value: float | None) -> str:
     return "" if value is None else f"{number(value, 'a figure of a CSV file'):.6g}"
 
 
-class ReadingsListed(NamedTuple):
-    """rows : that are listed; words : where the others are, empty where there are none."""
+def listed(summary: Summary) -> tuple[list[HistoryRow], str]:
+    """Return the readings that are listed and where the others are, "" where there are none.
 
-    rows: Sequence[HistoryRow]
-    words: str
-
-
-def listed(summary: Summary) -> ReadingsListed:
-    """Return the readings that are listed; raises SummaryError for a figure that is not finite."""
+    Raises SummaryError for a figure that is not finite.
+    """
     rows = [row for row in summary.history if row.position]
     if len(rows) <= LISTED:
-        return ReadingsListed(rows, "")
+        return rows, ""
     words = said(
         "The first {count} of {whole} readings are listed here. All of them stand in {file} of the results, whose "
         "SHA-256 is {hash}.",
@@ -82,7 +78,7 @@ def listed(summary: Summary) -> ReadingsListed:
         file=f"data/{READINGS}",
         hash=sha256(readings_csv(summary)).hexdigest(),
     )
-    return ReadingsListed(rows[:LISTED], words)
+    return rows[:LISTED], words
 
 
 _CURVE = "axis position mean std position_unit value_unit std_seen prior_std from_readings"

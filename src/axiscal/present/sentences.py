@@ -11,7 +11,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Sequence
 from importlib import resources
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from markupsafe import Markup, escape
@@ -208,20 +208,12 @@ def _minus(text: str) -> str:
     return text.replace("-", "−")
 
 
-class FilesOfControl(NamedTuple):
-    """The files of one control, and what they leave, in a sentence."""
-
-    controller: str
-    sentence: str
-    files: Sequence[str]
-
-
-def files_of_controls(offers: Sequence[TableOffer]) -> list[FilesOfControl]:
-    """Return the files of each control under one sentence."""
+def files_of_controls(offers: Sequence[TableOffer]) -> list[tuple[str, str, list[str]]]:
+    """Return each control with what its files leave, in a sentence, and the files."""
     found: dict[tuple[str, str], list[str]] = {}
     for offer in offers:
         found.setdefault((offer.controller, offer.left_out), []).append(offer.file)
-    return [FilesOfControl(name, left or said("They leave nothing."), files) for (name, left), files in found.items()]
+    return [(name, left or said("They leave nothing."), files) for (name, left), files in found.items()]
 
 
 _CAUSES = {
