@@ -113,7 +113,7 @@ class Prompt:
             case "pause":
                 return _Then.PAUSE
             case "undo":
-                say(f"  {take_back(self.campaign).sentence}")
+                say(f"  {take_back(self.campaign)[1]}")
                 return _Then.ANEW
             case "skip":
                 self._costs(rest=False)
@@ -209,7 +209,7 @@ class Prompt:
                 self.campaign.next(beyond=True)
                 return _Then.ANEW
             case "undo":
-                say(f"  {take_back(self.campaign).sentence}")
+                say(f"  {take_back(self.campaign)[1]}")
                 return _Then.ANEW
             case "note":
                 self._note(rest)

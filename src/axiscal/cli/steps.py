@@ -124,9 +124,8 @@ def undo(record: OwnRecord, json: Json = False) -> None:
     """
 
     with opened_to_write(record) as campaign:
-        taken = take_back(campaign)
-    document = {"undone": taken.kind, "reading": taken.number, "readings": taken.left}
-    say_either(json, "axiscal-undo/1", document, [taken.sentence])
+        document, sentence = take_back(campaign)
+    say_either(json, "axiscal-undo/1", document, [sentence])
 
 
 def note(

@@ -16,11 +16,11 @@ from axiscal.exceptions import ReadingError, TableError
 from axiscal.language.spoken import said, speaking
 from axiscal.language.stages import stage
 from axiscal.numerics.threads import one_thread
-from axiscal.present.result_document import READINGS, readings_csv, result_json
+from axiscal.present.result_document import EFFECT, READINGS, readings_csv, result_json
 from axiscal.present.result_set import RECORD, result_set, write_manifest
 from axiscal.present.statement import NOT_KNOWN
 from axiscal.present.summarising import Extras, record_state, summarise
-from axiscal.present.summary import RecordState, Summary, TableEffect, TableOffer
+from axiscal.present.summary import RecordState, Summary, TableOffer
 from axiscal.present.whose_language import named_language
 from axiscal.tables import registry
 from axiscal.tables.offer import Export, effect_sentence
@@ -120,7 +120,9 @@ def _offers(controller: str, made: Export | str) -> list[TableOffer]:
     if isinstance(made, str):
         return [TableOffer("none written", controller, "", made)]
     left = effect_sentence(said("All files together"), made.effect, made.U)
-    effect = TableEffect(*(to_unit(each, "um") for each in (*made.effect, made.expected, made.U)))
+    effect = {
+        name: to_unit(each, "um") for name, each in zip(EFFECT, (*made.effect, made.expected, made.U), strict=True)
+    }
     axes = {name: name.partition(".")[0].replace("_", " ") for name in made.files}
     return [TableOffer(f"tables/{controller}/{name}", controller, axis, left, effect) for name, axis in axes.items()]
 

@@ -81,6 +81,8 @@ def listed(summary: Summary) -> tuple[list[HistoryRow], str]:
     return rows[:LISTED], words
 
 
+EFFECT = ("before_um", "after_um", "expected_um", "U_um")
+"""Figures of a table."""
 _CURVE = "axis position mean std position_unit value_unit std_seen prior_std from_readings"
 _PLANE = "axes position mean std position_unit value_unit prior_std whole_mean whole_std from_readings"
 _VOLUME = "axes parked tcp_mm found_um half_um left_um controller"
@@ -189,16 +191,8 @@ def _answer(answer: ResultAnswer) -> dict[str, Any]:
 
 
 def _table(offer: TableOffer, summary: Summary) -> dict[str, Any]:
-    found = offer.effect
-    return _kept(
-        offer,
-        "controller axis left_out",
-        file=offer.file if found is not None else None,
-        before_um=None if found is None else found.before,
-        after_um=None if found is None else found.after,
-        expected_um=None if found is None else found.expected,
-        U_um=None if found is None or summary.answer.withheld else found.U,
-    )
+    found = {**dict.fromkeys(EFFECT), **offer.effect, **({"U_um": None} if summary.answer.withheld else {})}
+    return _kept(offer, "controller axis left_out", file=offer.file if offer.effect else None, **found)
 
 
 def _rejection(rejection: HistoryRow) -> dict[str, Any]:

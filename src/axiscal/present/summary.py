@@ -135,28 +135,15 @@ class Finding:
 class TableOffer:
     """A compensation file, and what it leaves uncorrected in words (empty: nothing).
 
-    effect : of all files of the control together; None where none is written
+    effect : of all files of the control together on the tool point over the volume, um, as `result.json` names it: RMS
+    before and after, of the deviation as estimated; expected, with what is not known; U of the export
     """
 
     file: str
     controller: str
     axis: str
     left_out: str = ""
-    effect: TableEffect | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class TableEffect:
-    """Effect of the files of one control on the tool point over the volume, RMS, um.
-
-    before, after : of the deviation as estimated; expected : with what is not known, a standard uncertainty
-    U : of the export
-    """
-
-    before: float
-    after: float
-    expected: float
-    U: float
+    effect: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -238,9 +238,9 @@ class Desk:
     def undo(self, after: int) -> str:
         """Take back the last reading, skip or end."""
         self._refuse_overtaken(after)
-        taken = take_back(self.campaign)
+        _, sentence = take_back(self.campaign)
         self._show()
-        return taken.sentence
+        return sentence
 
     def go_on(self, after: int) -> str:
         """Ask for one more reading although a target is reached."""

@@ -8,7 +8,6 @@ Words say what `undo` would take back or has taken back, and which readings are 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Literal
 
@@ -29,31 +28,16 @@ from axiscal.record.events import Recorded, Skipped
 from axiscal.units import format_quantity, said_quantity, to_unit
 
 
-@dataclass(frozen=True, slots=True)
-class TakenBack:
-    """What was taken back.
+def take_back(campaign: Campaign) -> tuple[dict[str, object], str]:
+    """Take back the last reading, skip, accepted mistake or finish; raises RecordError for none.
 
-    kind : "recorded", "skipped", "accepted" or "finished"; what : the same in words
-    number : of the reading; left : readings
+    Returns the kind of its event, the number of its reading and how many readings are kept, and a sentence of it.
     """
-
-    kind: str
-    what: str
-    number: int | None
-    left: int
-
-    @property
-    def sentence(self) -> str:
-        """What was taken back and what is kept."""
-        kept = counted("{count} reading is kept", "{count} readings are kept", self.left)
-        return said("Took back {what}; {kept}.", what=self.what, kept=kept)
-
-
-def take_back(campaign: Campaign) -> TakenBack:
-    """Take back the last reading, skip, accepted mistake or finish, and return it; raises RecordError for none."""
     what, number = last_step(campaign)
-    kind = type(campaign.undo().event).__name__.lower()
-    return TakenBack(kind, what, number, len(campaign.state.readings))
+    undone, left = type(campaign.undo().event).__name__.lower(), len(campaign.state.readings)
+    kept = counted("{count} reading is kept", "{count} readings are kept", left)
+    sentence = said("Took back {what}; {kept}.", what=what, kept=kept)
+    return {"undone": undone, "reading": number, "readings": left}, sentence
 
 
 def last_step(campaign: Campaign) -> tuple[str, int | None]:
