@@ -10,7 +10,6 @@ import hashlib
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
-from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.language.spoken import capital, counted, decimals, joined, later, said, spoken_now
-from axiscal.present.drawing.strokes import IN_DARK, IN_LIGHT, variables
+from axiscal.present.drawing.strokes import static_text
 from axiscal.present.summary import ConstantSummary, CurveSummary, HistoryRow, Iso230, Position, Summary, TableOffer
 
 if TYPE_CHECKING:
@@ -273,9 +272,8 @@ def _rich(message: str, **values: str) -> Markup:
 def inlined() -> dict[str, Any]:
     """Return what a template needs beside its own values: `css`, `scripts`, and the `policy` that allows just these."""
     scripts = [static_text("report.js")]
-    dark = f"@media screen and (prefers-color-scheme:dark){{:root{{{variables(IN_DARK)}}}}}"
     return {
-        "css": Markup(f":root{{{variables(IN_LIGHT)}}}\n{dark}\n" + static_text("report.css")),
+        "css": Markup(static_text("report.css")),
         "scripts": [Markup(s) for s in scripts],
         "policy": policy(scripts),
     }
@@ -289,8 +287,3 @@ def policy(scripts: Iterable[str]) -> str:
         f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data: blob:; "
         "base-uri 'none'; form-action 'none'"
     )
-
-
-def static_text(name: str) -> str:
-    """Return a text file of this package."""
-    return resources.files("axiscal.present").joinpath("static", name).read_text(encoding="utf-8")

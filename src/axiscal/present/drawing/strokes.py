@@ -14,6 +14,7 @@ import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
+from importlib import resources
 
 import numpy as np
 
@@ -264,62 +265,30 @@ _FINER = 4
 _VARIABLE = re.compile(r'(?<==")var\((--[a-z-]+)\)(?=")')
 """As the value of an attribute; quotes in words are escaped, so that none of them is one."""
 
-IN_LIGHT: Mapping[str, str] = {
-    "--edge": "#8b96a3",
-    "--bed": "#c9d0d8",
-    "--table": "#dfe4ea",
-    "--head": "#eef1f5",
-    "--part": "#2f6fc4",
-    "--stone": "#6b7683",
-    "--beam": "#d1342c",
-    "--read": "#0b6e4f",
-    "--read-band": "rgba(11, 110, 79, 0.18)",
-    "--gold": "#b7791f",
-}
-"""What the variables of a drawn machine are on a light ground; matters of taste."""
-IN_DARK: Mapping[str, str] = {
-    "--edge": "#5d6a78",
-    "--bed": "#2a333d",
-    "--table": "#3a4551",
-    "--head": "#4a5664",
-    "--part": "#7db0ff",
-    "--stone": "#8fa0b3",
-    "--beam": "#ff6b61",
-    "--read": "#4fd1a5",
-    "--read-band": "rgba(79, 209, 165, 0.18)",
-    "--gold": "#f0b95a",
-}
-"""The same on a dark ground."""
-ON_PAPER: Mapping[str, str] = {
-    **IN_LIGHT,
-    "--paper": "#ffffff",
-    "--card": "#ffffff",
-    "--ink": "#1b2328",
-    "--soft": "#55606a",
-    "--rule": "#c9c6bd",
-    "--grid": "#ecebe6",
-    "--accent": "#0b5c8a",
-    "--worst": "#a3690c",
-    "--truth": "#c2491d",
-    "--truth-band": "rgba(194, 73, 29, 0.22)",
-    "--alarm": "#b3261e",
-    "--seen": "rgba(11, 92, 138, 0.42)",
-    "--whole": "rgba(11, 92, 138, 0.17)",
-    "--prior": "rgba(110, 108, 100, 0.09)",
-    "--whisker": "rgba(27, 35, 40, 0.35)",
-    "--prior-line": "#c9c6bd",
-}
-"""What the variables of the page are on paper; matters of taste."""
+_COLOUR = re.compile(r"(--[a-z-]+): ([^;]+);")
+"""As the style sheet of pages sets a variable."""
 
 
-def variables(values: Mapping[str, str]) -> str:
-    """Return values of variables as CSS."""
-    return "".join(f"{name}:{value};" for name, value in values.items())
+def static_text(name: str) -> str:
+    """Return a text file of what pages carry inside themselves."""
+    return resources.files("axiscal.present").joinpath("static", name).read_text(encoding="utf-8")
+
+
+def page_colours() -> tuple[dict[str, str], dict[str, str]]:
+    """Return the variables of pages by their style sheet, as they are on paper, and on a dark screen."""
+    light, dark, *_, printed = (dict(_COLOUR.findall(part)) for part in static_text("report.css").split("@media"))
+    return light | printed, dark
+
+
+def variables(svg: str, values: Mapping[str, str]) -> str:
+    """Return values of the variables that a picture names, as CSS."""
+    return "".join(f"{name}:{value};" for name, value in values.items() if f"var({name})" in svg)
 
 
 def on_paper(svg: str) -> str:
     """Return a picture with the colours of paper instead of the page's variables."""
-    return _VARIABLE.sub(lambda found: ON_PAPER[found[1]], svg)
+    paper, _ = page_colours()
+    return _VARIABLE.sub(lambda found: paper[found[1]], svg)
 
 
 def colours_of(values: Array, scale: ColourScale, low: float, high: float) -> Array:

@@ -19,14 +19,13 @@ from markupsafe import Markup
 from axiscal.answers.answer import numbers
 from axiscal.language.spoken import decimals
 from axiscal.present.drawing.strokes import (
-    IN_DARK,
-    IN_LIGHT,
     Point,
     dots,
     line,
     map_image,
     mark,
     on_paper,
+    page_colours,
     short_number,
     text_safe,
     title,
@@ -299,8 +298,7 @@ def spread_of(values: Sequence[float], from_nought: bool) -> tuple[float, float]
 
 SCREENS = (1400.0, 768.0, 390.0)
 """Pixels of a computer, a tablet and a telephone."""
-_LIGHT = {**IN_LIGHT, "--paper": "#ffffff", "--ink": "#1b2328", "--soft": "#55606a"}
-_DARK = {**IN_DARK, "--paper": "#13181b", "--ink": "#e8eaea", "--soft": "#9eaab2"}
+_GROUND = '<rect width="100%" height="100%" fill="var(--paper)"/>'
 _FONT = "system-ui,-apple-system,'Segoe UI',Roboto,'Noto Sans','Liberation Sans','DejaVu Sans',sans-serif"
 
 FONT = "Libertinus Serif"
@@ -359,14 +357,15 @@ def picture_file(drawings: Sequence[Drawing], label: str) -> str:
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{widest.width:g}" height="{widest.height:g}" role="img" '
         f'aria-label="{text_safe(label)}"><title>{text_safe(label)}</title><style>{_style(drawings)}</style>'
-        f'<rect width="100%" height="100%" fill="var(--paper)"/>{"".join(shown)}</svg>\n'
+        f"{_GROUND}{''.join(shown)}</svg>\n"
     )
 
 
 def _style(drawings: Sequence[Drawing]) -> str:
     """Return colours for both kinds of light, and which drawing is shown at which width."""
-    rules = [f":root{{{variables(_LIGHT)}font-family:{_FONT}}}"]
-    rules.append(f"@media(prefers-color-scheme:dark){{:root{{{variables(_DARK)}}}}}")
+    svg = "".join(each.body for each in drawings) + _GROUND
+    light, dark = (variables(svg, values) for values in page_colours())
+    rules = [f":root{{{light}font-family:{_FONT}}}", f"@media(prefers-color-scheme:dark){{:root{{{dark}}}}}"]
     rules += [f".w{each.width:g}{{display:none}}" for each in drawings[1:]]
     for wider, each in pairwise(drawings):
         size = f":root{{width:{each.width:g}px;height:{each.height:g}px}}"
