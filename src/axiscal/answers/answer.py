@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict
 
 from axiscal.description.target import Kind
 from axiscal.exceptions import SummaryError
@@ -220,53 +220,6 @@ class ResultAnswer(AnswerDocument):
     withheld: bool
     steps: Sequence[NextStep]
     checked: TablesChecked | None = None
-
-
-class StatusTarget(AnswerDocument):
-    """Limits that end the campaign; None for one that does not count."""
-
-    rms_um: float | None
-    worst_um: float | None
-    readings: int | None
-    budget_min: float | None
-
-
-class StatusNote(AnswerDocument):
-    """A person's note, its time, and the reading before it."""
-
-    text: str
-    at: str
-    after_reading: int
-
-
-class StatusAnswer(AnswerDocument):
-    """Where a campaign stands.
-
-    answer : the same as of the last screen; question : the open one, as a source is asked
-    reached, finished : why it may end, and has, as the record keeps it; mind : what readings contradict
-    planned : what is known after the plan, before the first reading
-    newer : kinds of entries that a newer version has written; skipped : readings that could not be taken
-    """
-
-    kind: Literal["axiscal-status/1"] = Field("axiscal-status/1", alias="schema")
-    machine: str
-    readings: int
-    minutes: float
-    rms_um: float
-    worst_um: float
-    answer: ResultAnswer
-    planned: PlannedAnswer | None
-    target: StatusTarget
-    reached: str | None
-    finished: str | None
-    agreement: Mapping[str, Any]
-    mind: Sequence[str]
-    sisters: str | None
-    question: Mapping[str, Any] | None
-    accepted: Sequence[str]
-    notes: Sequence[StatusNote]
-    newer: Sequence[str]
-    skipped: Sequence[Mapping[str, Any]]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from axiscal.answers.answer import StatusAnswer, StatusNote, StatusTarget
 from axiscal.answers.answer_of_campaign import results_of, standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text
@@ -104,7 +103,7 @@ def status(record: OwnRecord, details: Details = False, json: Json = False) -> N
 
     with Campaign.open(record, write=False) as campaign:
         if json:
-            say_document(_document(campaign).model_dump(mode="json", by_alias=True))
+            say_document(_document(campaign))
             return
         if details:
             say("\n".join(_lines(campaign)))
@@ -148,32 +147,40 @@ def _sisters(campaign: Campaign) -> str:
     return membership_words(campaign.estimate()) if is_type_text(campaign.description.prior_text) else ""
 
 
-def _document(campaign: Campaign) -> StatusAnswer:
-    status = campaign.status()
-    state = status.state
-    target = campaign.description.target
+def _document(campaign: Campaign) -> dict[str, object]:
+    """Return where a campaign stands.
+
+    answer : the same as of the last screen; question : the open one, as a source is asked
+    target : limits that end the campaign; None for one that does not count
+    reached, finished : why it may end, and has, as the record keeps it; mind : what readings contradict
+    planned : what is known after the plan, before the first reading
+    newer : kinds of entries that a newer version has written; skipped : readings that could not be taken
+    """
+    status, planned = campaign.status(), coming_answer(campaign)
+    state, target = status.state, campaign.description.target
     rms, worst = (None if value is None else to_unit(value, "um") for value in (target.rms, target.worst))
     budget = None if target.budget is None else to_unit(target.budget, "min")
-    return StatusAnswer(
-        machine=campaign.description.machine.name,
-        readings=len(state.readings),
-        minutes=to_unit(status.seconds, "min"),
-        rms_um=to_unit(status.accuracy.rms, "um"),
-        worst_um=to_unit(status.accuracy.worst, "um"),
-        answer=standing_answer(campaign),
-        planned=coming_answer(campaign),
-        target=StatusTarget(rms_um=rms, worst_um=worst, readings=target.readings, budget_min=budget),
-        reached=status.reached,
-        finished=state.finished,
-        agreement=agreement_document(status.agreement),
-        mind=contradictions(campaign),
-        sisters=_sisters(campaign) or None,
-        question=campaign.request(state.pending).message() if state.pending else None,
-        accepted=[change_words(each) for each in state.accepted],
-        notes=[StatusNote(text=note.text, at=note.at, after_reading=note.after) for note in state.notes],
-        newer=[each.kind for each in state.newer],
-        skipped=[
+    return {
+        "schema": "axiscal-status/1",
+        "machine": campaign.description.machine.name,
+        "readings": len(state.readings),
+        "minutes": to_unit(status.seconds, "min"),
+        "rms_um": to_unit(status.accuracy.rms, "um"),
+        "worst_um": to_unit(status.accuracy.worst, "um"),
+        "answer": standing_answer(campaign).model_dump(mode="json"),
+        "planned": None if planned is None else planned.model_dump(mode="json"),
+        "target": {"rms_um": rms, "worst_um": worst, "readings": target.readings, "budget_min": budget},
+        "reached": status.reached,
+        "finished": state.finished,
+        "agreement": agreement_document(status.agreement),
+        "mind": contradictions(campaign),
+        "sisters": _sisters(campaign) or None,
+        "question": campaign.request(state.pending).message() if state.pending else None,
+        "accepted": [change_words(each) for each in state.accepted],
+        "notes": [{"text": note.text, "at": note.at, "after_reading": note.after} for note in state.notes],
+        "newer": [each.kind for each in state.newer],
+        "skipped": [
             campaign.request(gap.asked).message() | {"reason": gap.reason, "set_up_left": gap.whole}
             for gap in state.skipped
         ],
-    )
+    }
