@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from axiscal.answers.answer import ReadingAgreement
 from axiscal.errors.iso230 import words
+from axiscal.estimation.promise.agreement import Agreement
 from axiscal.exceptions import SummaryError
 from axiscal.language.spoken import speaking
 from axiscal.machine import load_machine
@@ -91,27 +91,28 @@ def test_a_curve_whose_lengths_differ_is_refused_by_name(field: str) -> None:
         render(_bare(curves=[curve]))
 
 
-AT_ODDS = ReadingAgreement(24, 11, 80.0, 1e-9, True, words="The readings contradict each other (p = 1e-09)")
+CONTRADICT = "The readings contradict each other (p = 1e-09)"
+AT_ODDS: dict[str, Any] = {"agreement": Agreement(24, 11, 80.0, 1e-9), "agreement_words": CONTRADICT}
 
 
 def test_readings_that_contradict_each_other_leave_no_uncertainty() -> None:
     withheld = answer(verdict="contradict", withheld=True)
-    summary = _bare(agreement=AT_ODDS, answer=withheld, readings=24, curves=[_plain_curve([0.0], 9.0)])
+    summary = _bare(**AT_ODDS, answer=withheld, readings=24, curves=[_plain_curve([0.0], 9.0)])
     page, result = render(summary), result_json(summary)
     assert "<strong>READINGS CONTRADICT</strong>" in page
-    assert f"<p>{AT_ODDS.words}.</p>" in page
+    assert f"<p>{AT_ODDS['agreement_words']}.</p>" in page
     assert "23.4" not in page
     assert "14.2\u00a0µm RMS" not in page
-    assert f'<p class="mark">{AT_ODDS.words}</p>' in page
+    assert f'<p class="mark">{CONTRADICT}</p>' in page
     assert [result[name] for name in ("U_um", "U_axis_um", "U_worst_um", "k", "rms_um", "worst_um")] == [None] * 6
-    assert (result["agreement"]["contradict"], result["agreement"]["text"]) == (True, AT_ODDS.words)
+    assert (result["agreement"]["contradict"], result["agreement"]["text"]) == (True, CONTRADICT)
     assert b"valueExpandedMUXMLList" not in certificate(summary)
 
 
 def test_what_is_printed_anyway_says_on_each_page_that_readings_contradict() -> None:
-    summary = _bare(agreement=AT_ODDS, readings=24)
+    summary = _bare(**AT_ODDS, readings=24)
     assert result_json(summary)["U_um"] == 23.4
-    assert f'<p class="mark">{AT_ODDS.words}</p>' in render(summary)
+    assert f'<p class="mark">{CONTRADICT}</p>' in render(summary)
     assert 'class="mark"' not in render(_bare())
 
 

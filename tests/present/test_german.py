@@ -41,7 +41,7 @@ def summary(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
 
 def _sentences(summary: Summary) -> Iterator[str]:
     """Yield every text of a summary that is a sentence for people, and no name that somebody gave."""
-    yield from (summary.title, summary.stopped_because, summary.agreement.words)
+    yield from (summary.title, summary.stopped_because, summary.agreement_words)
     yield from (summary.expanded.conditions, *summary.observability, *summary.questions)
     yield from (finding.text for finding in summary.warnings)
     yield from (curve.caption for curve in (*summary.curves, *summary.reversals))
@@ -50,7 +50,7 @@ def _sentences(summary: Summary) -> Iterator[str]:
     yield from (row.words for row in summary.budget)
     yield from (rejection.reason for rejection in summary.rejected)
     yield from (use.instrument for use in summary.setups)
-    yield from (mistake.words for mistake in summary.agreement.explained)
+    yield from (mistake.words for mistake in summary.mistakes)
 
 
 def test_every_sentence_can_be_said_again(summary: Summary) -> None:
@@ -75,7 +75,7 @@ def test_numbers_have_a_comma(summary: Summary) -> None:
 def test_results_stay_english_whoever_asks(summary: Summary) -> None:
     usual = result_json(summary)
     with speaking("de"):
-        assert resaid(summary).agreement.words != summary.agreement.words
+        assert resaid(summary).agreement_words != summary.agreement_words
         assert result_json(summary) == usual
 
 

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axiscal.answers.answer import NextStep, ReadingAgreement, ResultAnswer
+from axiscal.answers.answer import NextStep, ResultAnswer
 from axiscal.description.target import rows_of
 from axiscal.errors.iso230 import words
+from axiscal.estimation.promise.agreement import Agreement
 from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import load_machine
 from axiscal.present.page import groups, panel_figure, render
@@ -168,7 +169,8 @@ def five_axis_summary(readings: int = 60) -> Summary:
         target_rms_um=2.0,
         target_worst_um=4.0,
         iso230=[block],
-        agreement=ReadingAgreement(60, 59, 1.03, 0.4, words="59 of 60 readings agree with the others"),
+        agreement=Agreement(60, 59, 1.03, 0.4),
+        agreement_words="59 of 60 readings agree with the others",
         versions={"axiscal": "0.1.0", "numpy": "2.2.0"},
     )
 

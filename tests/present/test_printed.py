@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.present.printed import pdf
-from tests.present.test_edges import AT_ODDS, _bare
+from tests.present.test_edges import AT_ODDS, CONTRADICT, _bare
 from tests.present.test_page import HOSTILE, _with_every_text, five_axis_summary
 
 
@@ -59,6 +59,6 @@ def test_a_campaign_without_readings_can_be_printed(tmp_path: Path) -> None:
 
 
 def test_readings_that_contradict_each_other_are_marked_on_each_page(tmp_path: Path) -> None:
-    pages = _words(pdf(replace(five_axis_summary(20), agreement=AT_ODDS)), tmp_path).split("\f")[:-1]
+    pages = _words(pdf(replace(five_axis_summary(20), **AT_ODDS)), tmp_path).split("\f")[:-1]
     assert len(pages) > 2
-    assert all(AT_ODDS.words in page for page in pages)
+    assert all(CONTRADICT in page for page in pages)

@@ -230,29 +230,3 @@ class NamedMistake:
     odds: float
     setups: Sequence[str]
     words: str
-
-
-@dataclass(frozen=True, slots=True)
-class ReadingAgreement:
-    """Whether the readings agree with each other.
-
-    count : readings that were compared; agreeing : those that agree with the others; c2 : mean square of what they are
-    off, in standard deviations; p : probability of readings that agree no better; contradict : p is too small
-    explained : mistakes that are named, the likeliest first; words : all that in a sentence, "" before the first
-    """
-
-    count: int = 0
-    agreeing: int = 0
-    c2: float = 1.0
-    p: float = 1.0
-    contradict: bool = False
-    explained: Sequence[NamedMistake] = ()
-    words: str = ""
-
-    @property
-    def mark(self) -> str:
-        """What stands on each page of a report whose readings contradict; else ""."""
-        return self.words if self.contradict else ""
-
-
-NOTHING_READ = ReadingAgreement()

@@ -20,7 +20,6 @@ from axiscal.answers.answer import (
     AnswerRow,
     NamedMistake,
     NextStep,
-    ReadingAgreement,
     ResultAnswer,
     StepCode,
     Verdict,
@@ -31,7 +30,7 @@ from axiscal.answers.answer_words import digits, row_name
 from axiscal.answers.rows import AnsweredRow, answered
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import count_reached, known_to
-from axiscal.estimation.agreement_words import agreement_words, mistake_words
+from axiscal.estimation.agreement_words import mistake_words
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.functional import AxisLine
 from axiscal.estimation.functionals.known import KnownRow, known_rows
@@ -127,17 +126,15 @@ def _controls(known: Estimation) -> Iterator[tuple[str, Control]]:
             yield name, offered(known, name).control
 
 
-def agreement_of(estimation: Estimation) -> ReadingAgreement:
-    """Return whether the readings agree with each other."""
-    found, setups = estimation.agreement, estimation.stated.description.setups
-    named = [
+def named_mistakes(estimation: Estimation) -> list[NamedMistake]:
+    """Return the mistakes that explain readings that contradict, the likeliest first."""
+    setups = estimation.stated.description.setups
+    return [
         NamedMistake(
             each.mistake, each.odds, [setups[index].name for index in each.setups], mistake_words(each, estimation)
         )
-        for each in found.explained
+        for each in estimation.agreement.explained
     ]
-    words = agreement_words(estimation) if found.count else ""
-    return ReadingAgreement(found.count, found.agreeing, found.c2, found.p, found.contradicts, named, words)
 
 
 def best_control(rows: Sequence[AnsweredRow], names: Sequence[str]) -> str:

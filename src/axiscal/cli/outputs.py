@@ -84,7 +84,7 @@ def _delivered(campaign: Campaign, out: Path, extras: Extras, again: str) -> Sum
 
 def written_screen(summary: Summary, record: Path, out: Path) -> str:
     """Return the screen of a campaign whose results are written.  record : where it stays"""
-    return screen(summary.answer, summary.agreement.words, str(record), str(out), str(out / "report.pdf"))
+    return screen(summary.answer, summary.agreement_words, str(record), str(out), str(out / "report.pdf"))
 
 
 def standing_screen(campaign: Campaign) -> str:

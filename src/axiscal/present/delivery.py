@@ -61,7 +61,7 @@ def _delivered(
         if live is None:
             campaign.copy(folder / RECORD)
         warnings = [each.text for each in summary.warnings]
-        told = warnings, summary.agreement.words, summary.record
+        told = warnings, summary.agreement_words, summary.record
         for name, each in made.items():
             if isinstance(each, Export):
                 write_files(introduced(each, *told), folder / "tables" / name)

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from hashlib import sha256
 from typing import Any
 
-from axiscal.answers.answer import ReadingAgreement, ResultAnswer, coordinate, number, numbers
+from axiscal.answers.answer import ResultAnswer, coordinate, number, numbers
 from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.csv_readings import FOUND
@@ -93,7 +93,7 @@ def result_json(summary: Summary) -> dict[str, Any]:
     return {
         "schema": "axiscal-result/1",
         **_kept(summary, "machine readings minutes stopped_because"),
-        "agreement": _agreement(summary.agreement),
+        "agreement": _agreement(summary),
         **_expanded(summary),
         **_kept(summary, "unseen_rms_um"),
         "budget": [_kept(row, "rms_um share", source=row.words) for row in summary.budget],
@@ -156,9 +156,10 @@ def _targets(summary: Summary) -> dict[str, Any]:
     )
 
 
-def _agreement(found: ReadingAgreement) -> dict[str, Any]:
-    explained = [_kept(each, "mistake odds setups", text=each.words) for each in found.explained]
-    return _kept(found, "count agreeing c2 p contradict") | {"explained": explained, "text": found.words}
+def _agreement(summary: Summary) -> dict[str, Any]:
+    found = _kept(summary.agreement, "count agreeing c2 p", contradict=summary.agreement.contradicts)
+    explained = [_kept(each, "mistake odds setups", text=each.words) for each in summary.mistakes]
+    return found | {"explained": explained, "text": summary.agreement_words}
 
 
 def _expanded(summary: Summary) -> dict[str, Any]:

@@ -69,7 +69,7 @@ def statement(summary: Summary) -> Statement:
     conditions = [
         (said("Quantity"), said("length of the tool's deviation less the estimated one")),
         (said("Holds"), found.conditions.rpartition(" (")[0] or found.conditions),
-        (said("Agreement"), summary.agreement.words),
+        (said("Agreement"), summary.agreement_words),
         (said("Ended"), summary.stopped_because),
     ]
     named = [(name, spelt(text)) for name, text in conditions if text]
@@ -94,7 +94,7 @@ def _source(row: BudgetRow) -> list[str]:
 def answered(summary: Summary) -> AnswerText:
     """Return the answer of a report in words."""
     record = RECORD if summary.record is None or summary.tables else summary.record.file  # with tables come copies
-    return answer_text(summary.answer, summary.agreement.words, record)
+    return answer_text(summary.answer, summary.agreement_words, record)
 
 
 def _figures(summary: Summary) -> Iterator[tuple[str, str]]:

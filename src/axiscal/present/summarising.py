@@ -14,13 +14,13 @@ from pathlib import Path
 import numpy as np
 
 from axiscal.answers.answer import ResultAnswer, TablesChecked
-from axiscal.answers.answer_of_campaign import agreement_of, answer_of
+from axiscal.answers.answer_of_campaign import answer_of, named_mistakes
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import because_text, reaches
 from axiscal.campaign.possible import versions
 from axiscal.description.campaign import CampaignDescription, Equipment
 from axiscal.description.type_b import Distribution
-from axiscal.estimation.agreement_words import change_words
+from axiscal.estimation.agreement_words import agreement_words, change_words
 from axiscal.estimation.budget import BudgetShare, budget
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
@@ -233,7 +233,9 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         iso230=extras.iso230 or iso230_blocks(description, campaign.state.readings, estimation.left_out),
         versions=versions(),
         record=record_state(campaign),
-        agreement=agreement_of(estimation),
+        agreement=estimation.agreement,
+        agreement_words=agreement_words(estimation) if estimation.agreement.count else "",
+        mistakes=named_mistakes(estimation),
         volume=volume_error(estimation, *left_by) if campaign.state.readings else None,
         bent=bent_volume(estimation, *left_by) if campaign.state.readings else None,
         positioning=positioning_curves(estimation, *left_by),

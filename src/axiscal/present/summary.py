@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from axiscal.answers.answer import NOTHING_READ, ReadingAgreement, ResultAnswer
+from axiscal.answers.answer import NamedMistake, ResultAnswer
 from axiscal.description.campaign import NOTHING_SAID, Particulars
+from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.present.drawn_by_standards import BallBarCircle, PositioningCurve
 from axiscal.present.volume_error import BentVolume, PlaneSummary, VolumeError
 
@@ -206,6 +207,8 @@ class Summary:
     """Everything the report shows.
 
     answer : what is said first; without what tables leave until they are made
+    agreement_words : whether the readings agree, in a sentence, "" before the first
+    mistakes : what explains readings that contradict, the likeliest first
     """
 
     title: str
@@ -238,7 +241,9 @@ class Summary:
     iso230: Sequence[Iso230] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     record: RecordState | None = None
-    agreement: ReadingAgreement = NOTHING_READ
+    agreement: Agreement = NOTHING_READ
+    agreement_words: str = ""
+    mistakes: Sequence[NamedMistake] = ()
     volume: VolumeError | None = None
     bent: BentVolume | None = None
     positioning: Sequence[PositioningCurve] = ()
