@@ -228,6 +228,7 @@ def test_what_is_asked_stays_asked_when_a_mistake_is_accepted_and_taken_back() -
         '{"mistake":"swapped","setups":["a","a"],"reading":0,"factor":1.0,"name":""}',
         '{"mistake":"unit","setups":["a"],"reading":0,"factor":0.0,"name":""}',
         '{"mistake":"unit","setups":["a"],"reading":0,"factor":1e300,"name":""}',
+        f'{{"mistake":"unit","setups":["a"],"reading":0,"factor":1{"0" * 400},"name":""}}',
         '{"mistake":"shifted","setups":["a"],"reading":0,"factor":2.0,"name":""}',
         '{"mistake":"jump","setups":["a"],"reading":3,"factor":1.0,"name":""}',
         '{"mistake":"jump","setups":["a"],"reading":"3","factor":1.0,"name":"b"}',

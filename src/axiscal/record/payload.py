@@ -64,7 +64,7 @@ def decode(kind: str, text: str) -> Event:
         if kind in _READ and found.keys() <= _KEYS[kind]:
             return _READ[kind](found)
         return Newer(kind, text, kind != "noted" if kind in _READ else not _OF_READINGS.isdisjoint(found))
-    except (KeyError, TypeError, ValueError, RecursionError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
         raise PayloadError(f"an entry of kind {kind!r} cannot be read: {error}") from error
 
 

@@ -16,7 +16,8 @@ import numpy as np
 from axiscal.errors.gauge import unseen_factor
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import volume_moments, whole_travel
-from axiscal.estimation.accuracy.criterion import Root, joint_root
+from axiscal.estimation.accuracy import criterion
+from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.language.stages import stage
@@ -87,13 +88,8 @@ class Experiment:
 
 @stage("the readings of the paper's figures")
 def run() -> Experiment:
-    """Return the experiment with its readings chosen.
-
-    A single spline of seven control points on 0 to 10, with readings of variance 0.01, and the paper's sample machine:
-    three such splines, with readings of variance 0.0001.
-    """
-    one, three = machine_from_text(_ONE_JOINT, "the paper's joint"), load_machine("paper-three-stacked")
-    return Experiment(greedy(Stack(one, 0.1), SINGLE_READINGS), greedy(Stack(three, 0.01), STACKED_READINGS))
+    """Return the experiment with its readings chosen."""
+    return Experiment(greedy(one_joint(), SINGLE_READINGS), greedy(three_joints(), STACKED_READINGS))
 
 
 def document(experiment: Experiment) -> dict[str, object]:
@@ -173,7 +169,12 @@ class Stack:
     @cached_property
     def joint(self) -> Root:
         """V of the paper's criterion, the variances of all splines, summed (B&H eq. 26, 36)."""
-        return joint_root(self.errors)
+        return criterion.joint_root(self.errors)
+
+    @cached_property
+    def volume(self) -> Root:
+        """V of the criterion `volume`, the mean variance of the height."""
+        return criterion.Root.of_gram(volume_moments(self.errors, whole_travel(self.errors)).gram)
 
     @cached_property
     def candidates(self) -> Places:
@@ -190,10 +191,19 @@ class Stack:
         """Return what readings at poses would see.  poses : (m, q) m; returns (m, size)."""
         return self.observation.rows(0, poses, np.ones_like(poses)).rows
 
+    def height_variance(self, belief: Belief) -> float:
+        """Return the mean variance of the height over the travel, paper units."""
+        return self.volume.value(belief.factor) / UNIT**2
+
     @property
     def variance_left(self) -> float:
         """Limit of J for endless readings, paper units."""
         return self.joint.value(self.unseen) / UNIT**3
+
+    @property
+    def length(self) -> float:
+        """The travel of all joints, summed, paper units."""
+        return sum(axis.length for axis in self.machine.axes) / UNIT
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -222,8 +232,7 @@ class GreedyPlan:
     @property
     def height_variances(self) -> list[float]:
         """The mean variance of the height before the first reading and after each."""
-        volume = Root.of_gram(volume_moments(self.stack.errors, whole_travel(self.stack.errors)).gram)
-        return [volume.value(belief.factor) / UNIT**2 for belief in self.beliefs]
+        return [self.stack.height_variance(belief) for belief in self.beliefs]
 
     def read(self, truth: Array, seed: int) -> Array:
         """Return the readings of one simulated machine, (m,) m.
@@ -246,6 +255,16 @@ class GreedyPlan:
         errors = np.array([belief.mean - truth for belief in self.believed(self.read(truth, seed))])
         squares: Array = np.sum((errors @ self.stack.joint.matrix.T) ** 2, axis=1) / UNIT**3
         return squares
+
+
+def one_joint() -> Stack:
+    """Return the paper's single spline: seven control points on 0 to 10, readings of variance 0.01."""
+    return Stack(machine_from_text(_ONE_JOINT, "the paper's joint"), std=0.1)
+
+
+def three_joints() -> Stack:
+    """Return the paper's sample machine: three such splines, readings of variance 0.0001."""
+    return Stack(load_machine("paper-three-stacked"), std=0.01)
 
 
 def greedy(stack: Stack, count: int) -> GreedyPlan:
