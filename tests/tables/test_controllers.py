@@ -369,6 +369,8 @@ def test_a_fanuc_template_that_is_not_one_is_refused(text: str | None, message: 
     [
         (None, "Give it: --template FILE"),
         ("hello", "this is not a .COM table"),
+        (COM.replace(".COM MM", ".COM INCH"), "line 1: .* is not in millimetres from the machine datum"),
+        (COM.replace(".COM MM", ".COM MM DATUM:+100.000"), "line 1: .* is not in millimetres from the machine datum"),
         (COM.replace("AXISPOS", "POS"), "line 2: the column heads are"),
         (COM.replace("1          0.0000", "1          zero"), "line 4: .* does not fit the column heads"),
         (COM.replace("0.0000", "0.0"), "the values have 1 decimals"),

@@ -112,6 +112,9 @@ def read_layout(text: str, file: str) -> Layout:
     lines = [line.rstrip() for line in text.splitlines() if line.strip()]
     if len(lines) < 4 or not re.match(r"BEGIN \S+?\s*\.COM\b", lines[0]) or not lines[-1].startswith("[END]"):
         raise TableError("this is not a .COM table", _EXPECTED, file)
+    if re.search(r"\bINCH\b|DATUM:[-+]?[0.]*[1-9]", lines[0]):
+        what = "{text!r} is not in millimetres from the machine datum"
+        raise TableError(what, "save a table in MM with DATUM:+0", file, 1, text=lines[0].strip()[:60])
     heads = tuple(lines[1].split())
     if "AXISPOS" not in heads or "BACKLASH" not in heads or len(set(heads)) < len(heads):
         raise TableError("the column heads are {text!r}", _EXPECTED, file, 2, text=lines[1].strip()[:60])
