@@ -90,6 +90,11 @@ POSITIONING = answer_row(RowName("positioning", ("X",)), MILL)
         ("reached", [aim("U", 8.14, 20.0, 1.0)], "TARGET REACHED   volume U 8.1 of 20 um   32 readings"),
         ("more", [aim("worst", 7.16, 5.0, 1.0)], "123 MORE READINGS, 57 MIN\n  worst place 7.2 of 5 um   32 readings"),
         ("unreachable", [aim("rms", 7.16, 5.0, 6.0)], "CANNOT BE REACHED WITH THESE SET-UPS\n  volume RMS 7.2 of 5 um"),
+        (
+            "unreachable",
+            [aim("positioning X", 20, 4, 1), aim("positioning Z", 8, 4, 5, reachable=False)],
+            "CANNOT BE REACHED WITH THESE SET-UPS\n  0 of 2 limits: positioning Z 8.0 of 4 um",
+        ),
         ("contradict", [aim("rms", 4.0, 5.0, 1.0)], "READINGS CONTRADICT   32 readings"),
         ("nothing", [], "NO READINGS YET   32 readings"),
         (

@@ -149,7 +149,8 @@ def best_control(rows: Sequence[AnsweredRow], names: Sequence[str]) -> str:
 def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str, written: bool) -> Iterator[NextStep]:
     """Yield what to do next: read on or accept a mistake where that helps, else load tables and check, or end."""
     ended = campaign.state.finished is not None
-    if verdict in ("more", "contradict", "nothing"):
+    planned = verdict == "unreachable" and not ended and campaign.state.coming
+    if planned or verdict in ("more", "contradict", "nothing"):
         if ended:
             yield NextStep(code="undo")
         explained = known.agreement.explained if verdict == "contradict" else ()

@@ -115,14 +115,15 @@ def minutes_text(minutes: float, *, coming: bool = False) -> str:
 
 
 def aims_text(aims: Sequence[Aim]) -> str:
-    """Return the figure that decides: of what is missing the farthest, else of what is reached the nearest."""
+    """Return the figure that decides: what no reading reaches, else what is missing, else the nearest."""
     volume = [aim for aim in aims if aim.name in _AIMS]
     best = [min(volume, key=lambda aim: aim.now / aim.limit)] if volume else []
     each = [*best, *(aim for aim in aims if aim.name not in _AIMS)]
     if not each:
         return ""
     missing = [aim for aim in each if not aim.reached]
-    farthest = max(missing or each, key=lambda aim: aim.now / aim.limit)
+    hopeless = [aim for aim in missing if not aim.reachable]
+    farthest = max(hopeless or missing or each, key=lambda aim: aim.now / aim.limit)
     text = aim_text(farthest)
     if len(each) == 1:
         return text
@@ -234,8 +235,8 @@ def _why(rows: Sequence[AnswerRow]) -> str:
     then = [row.one_more for row in rows if row.one_more is not None]
     if then:
         return said("one reading from the other side: {size}", size=_within(max(then), rows[0].unit))
-    places = min((line.read for row in rows for line in row.lines), default=0)
     worst = max(rows, key=lambda row: row.known_to)
+    places = min((line.read for line in worst.lines), default=0)
     size = _within(worst.known_to, worst.unit)
     if not places:
         told = worst.known_to < _TOLD * worst.known_before
