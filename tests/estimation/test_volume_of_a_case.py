@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from axiscal.estimation.estimate import concluded
 from axiscal.measurement.reading_rows import seen
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.laser_axis import CAMPAIGN, MACHINE
+from tests.generators.texts import machine_text
 
 
 def aligned(part: bool = True) -> Case:
@@ -100,9 +102,10 @@ def test_each_source_is_what_its_part_of_the_prior_leaves() -> None:
     assert found["drift", ""] == pytest.approx(of(drifts), rel=1e-4)
     rest = known.case.yardstick.moments.rest
     assert found["detail", ""] == pytest.approx(np.sqrt(of(cells) ** 2 + rest), rel=1e-4)
-    never = float(np.linalg.norm(case.yardstick.root.matrix @ case.yardstick.unseen))  # shifts that do not count too
+    sized = known.case.yardstick_as_sized
+    never = float(np.linalg.norm(sized.root.matrix @ sized.unseen))  # shifts that do not count too
     assert found["prior", ""] == pytest.approx(np.sqrt(of(range(size)) ** 2 - never**2), rel=1e-4)
-    assert found["unseen", ""] == pytest.approx(case.yardstick.unseen_rms)
+    assert found["unseen", ""] == pytest.approx(sized.unseen_rms)
     assert (found["temperature", ""], found["artefact", ""]) == (0.0, 0.0)
 
 
@@ -113,4 +116,22 @@ def test_before_the_first_reading_all_is_prior_but_for_detail_and_what_nothing_s
     rest, unseen = np.sqrt(case.yardstick.moments.rest), case.yardstick.unseen_rms
     assert found == pytest.approx(
         {"detail": rest, "unseen": unseen, "prior": np.sqrt(whole**2 - rest**2 - unseen**2)}, rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("middle", [0, -250, 2000])
+def test_where_the_zero_of_the_machine_lies_is_no_matter(middle: int) -> None:
+    """Readings that see a squareness see how far it moves the volume; they still do not see where the volume lies."""
+    errors = dict.fromkeys(("EXX", "EYX", "EXY", "EYY"), 'std = "20 um", knots = 5, length = "100 mm"')
+    machine = machine_text("w-b-Y-X-t", {"X": (0, 200), "Y": (middle - 110, middle + 110)}, errors | {"C0Y": "1 mrad"})
+    setups = "".join(
+        f'[[setups]]\nname = "{way} along {axis}"\ninstrument = "indicator"\ndirection = "{way}"\nmoves = ["{axis}"]\n'
+        'unknowns = { zero = "1 mm" }\n'
+        for way, axis in product("xy", "XY")
+    )
+    text = f'machine = "machine.toml"\nusual = "off"\n[target]\nreadings = 9\naligned = false\n{setups}'
+    assert Case(campaign_from_texts(text, "campaign.toml", machine, "machine.toml")).yardstick.zeroed == (
+        True,
+        True,
+        False,
     )

@@ -106,7 +106,7 @@ def _of_unknowns(known: Estimation, spread: Array) -> Iterator[BudgetShare]:
     found = dict.fromkeys(("set-up", "drift", "temperature", "artefact", "detail"), 0.0)
     for column, (kind, variance) in enumerate(_sources(observation), start=own):
         found[kind] += float(spread[:, column] @ spread[:, column]) / variance if variance > 0 else 0.0
-    yardstick = case.yardstick
+    yardstick = case.yardstick_as_sized
     found["detail"] += yardstick.moments.rest
     whitened = np.linalg.lstsq(case.prior.factor[:own], spread[:, :own].T)[0]
     errors = float(np.sum(whitened**2)) - yardstick.root.value(yardstick.unseen)

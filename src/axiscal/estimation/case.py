@@ -229,14 +229,18 @@ class Case:
         moments = of_rests(self.errors, moments)
         factor, left = self.prior.factor, self._left
         unseen = left[:, : factor.shape[1]]
-        before, after = (np.sum((moments.mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
+        mean = (
+            moments.mean.copy()
+        )  # of tilts as about the middle of the volume: where the machine's zero lies is no matter
+        mean[:, self.errors.tilts] = 0.0
+        before, after = (np.sum((mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
         x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
         box = self.description.target.volume
         return Yardstick(self.errors, box, moments, unseen, left, (x, y, z), sample, alignment)
 
     @cached_property
     def yardstick_as_sized(self) -> Yardstick:
-        """The same with what endless readings leave of errors as large as they are here, not as they were stated."""
+        """The same with what endless readings leave of errors, and nothing sees, as large as they are here."""
         return self.yardstick.with_rests_of(self.errors, self._left)
 
     @property

@@ -149,7 +149,7 @@ def check_answer(judgement: Judgement, places: int, promised: float, taken: Take
         tables=[
             TableShare(
                 table=share.name,
-                share=_or_none(share.value),
+                share=share.value if np.isfinite(share.std) else None,
                 share_std=_or_none(share.std),
                 checked=share.checked,
                 works=share.works,

@@ -273,7 +273,7 @@ def untimed(readings: Sequence[Reading], setups: Sequence[Setup]) -> list[Findin
 
 
 def _unobservable(estimation: Estimation) -> Iterator[Finding]:
-    yardstick = estimation.case.yardstick
+    yardstick = estimation.case.yardstick_as_sized
     if yardstick.unseen_rms > _MATTERS * estimation.accuracy.rms:
         text = "No allowed reading can bring the RMS below {size}: see what could not be seen."
         yield Finding("unobservable", None, said(text, size=said_quantity(yardstick.unseen_rms, "um")))

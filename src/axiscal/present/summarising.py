@@ -214,7 +214,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         minutes=rows[-1].minutes,
         rms_um=rows[-1].rms_um,
         worst_um=rows[-1].worst_um,
-        unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
+        unseen_rms_um=to_unit(case.yardstick_as_sized.unseen_rms, "um"),
         history=rows,
         expanded=expanded,
         answer=answer.model_copy(update={"checked": extras.checked}),

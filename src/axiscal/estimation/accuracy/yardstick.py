@@ -52,11 +52,9 @@ def attainable(limit: float, floor: float) -> float:
     return limit if floor <= limit else _NEAR * floor
 
 
-_BY_PLACES = (
-    "_shift", "root", "unseen_rms", "_unseen_total", "_unseen_shift", "shifts", "poses", "places", "rows",
-    "_every_row", "_here", "_hidden", "evenly",
-)  # fmt: skip
-"""What a yardstick has found that depends on no size of a rest."""
+_BY_PLACES = ("_shift", "root", "shifts", "poses", "places", "rows", "_every_row", "evenly")
+_OF_UNSEEN = ("unseen_rms", "_unseen_total", "_unseen_shift", "_here", "_hidden")
+"""What a yardstick has found that depends on no size of an error, and on no other size than those of the unseen."""
 
 
 def _summed(parts: Array) -> Array:
@@ -92,11 +90,13 @@ class Yardstick:
     def with_rests_of(self, errors: ErrorModel, left: Array | None = None) -> Yardstick:
         """Return the same yardstick for errors of other sizes: what follows from places alone is not found again.
 
-        left : what endless readings leave of these errors; None where that stays
+        left : what endless readings leave of these errors, with what is unseen; None where both stay
         """
+        stays, moments = left is None, of_rests(errors, self.moments)
         left = self.left if left is None else left
-        other = replace(self, errors=errors, moments=of_rests(errors, self.moments), left=left)
-        for name in _BY_PLACES:
+        unseen = self.unseen if stays else left[:, : self.unseen.shape[1]]
+        other = replace(self, errors=errors, moments=moments, unseen=unseen, left=left)
+        for name in (*_BY_PLACES, *(_OF_UNSEEN if stays else ())):
             other.__dict__[name] = getattr(self, name)
         return other
 
