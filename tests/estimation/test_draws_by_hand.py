@@ -28,12 +28,13 @@ from axiscal.estimation.promise.posterior import (
     _moved_in,
     _sizes,
     _surely,
+    sorted_out,
 )
 from axiscal.estimation.promise.problem import Problem, _cell_root
 from axiscal.estimation.promise.spaces import Space
 from axiscal.estimation.promise.unknowns import space_of
 from axiscal.machine import load_machine
-from tests.generators.problems import asked, sized
+from tests.generators.problems import asked, case_of, readings_of, sized, stated
 
 
 @cache
@@ -222,6 +223,16 @@ def test_a_detail_is_no_larger_than_two_stated_sizes_of_the_curves() -> None:
     for times, may in ((1.99, True), (2.01, False)):
         left = LeftOut(np.array([-times * size]), np.eye(1), 0.0, 0.0)
         assert _may_be_a_detail(problem, index, left) == may
+
+
+@pytest.mark.parametrize("slip", [8e-6, 20e-6])
+def test_a_second_reading_at_its_place_tells_a_slip_from_a_detail(slip: float) -> None:
+    case = case_of("axis")
+    right = readings_of(case, 24, 4)
+    wrong = replace(right[7], value=right[7].value + slip)
+    alone, again = (sorted_out(stated(case, [*right[:7], wrong, *right[8:], *more])) for more in ([], [right[7]]))
+    assert ([*alone.bad], alone.with_details is None) == ([7], False)
+    assert ([*again.bad], again.with_details is None) == ([7], True)
 
 
 def test_what_stands_on_a_table_may_have_moved_where_three_of_its_readings_are_bad() -> None:

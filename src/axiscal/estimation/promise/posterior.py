@@ -14,8 +14,8 @@ eq. 5.12). It is bad with odds, sizes integrated out, of
 
 the sizes as stated among the draws, whatever their weight: a bad reading hides behind the noise that it teaches. Above
 1 the worst is taken out, with those of nearly the same odds, and again, up to a fifth of the readings. One reading
-alone cannot tell a slip from a detail of the machine. The answers with it and without it count one half each if errors
-of the stated size could be as large:
+alone cannot tell a slip from a detail of the machine; a second one at its place can. The answers with it and without it
+count one half each if errors of the stated size could be as large, and no other reading tells the same:
 
     m = ½ (m₀ + m₁),    C = ½ (C₀ + C₁) + ¼ (m₀ − m₁)(m₀ − m₁)ᵀ
 """
@@ -48,6 +48,8 @@ _DOUBTED = 3.0
 """Standard deviations from which on all draws are asked about one of many readings."""
 _DETAIL = 2.0
 """Stated sizes: a detail is no larger, and what is larger is a slip."""
+_SAME = 0.9999
+"""Cosine of what two readings show of the errors: more is the same place."""
 _ALL_ALIKE = 1e-6
 """Of a variance: draws that differ by no more know it."""
 _RENEWED = 10.0
@@ -167,7 +169,8 @@ def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] 
         if highest <= 0 or len(bad) + len(worst) > MOST_BAD * count:
             break
         bad |= {i: mine.left[i] for i in worst}
-        details += [i for i in worst if _may_be_a_detail(problem, i, bad[i])]
+        others = [i for i in mine.left if i not in worst]
+        details += [i for i in worst if _may_be_a_detail(problem, i, bad[i]) and not _read_again(problem, i, others)]
         mine = _judged(problem, [*apart, *bad])
         if not details:
             with_details, slips = mine, [*bad]
@@ -216,6 +219,15 @@ def _may_be_a_detail(problem: Problem, index: int, left: LeftOut) -> bool:
         shown = problem.rows[mine][:, curves.columns].transpose(1, 0, 2) @ curves.roots(theta)
         largest += np.sum(shown**2, axis=(0, 2))
     return bool(np.all(left.residual**2 < _DETAIL**2 * largest))
+
+
+def _read_again(problem: Problem, index: int, others: Sequence[int]) -> bool:
+    """Return whether one of other readings shows the same of all errors as each number of this one."""
+    shown = problem.rows[:, problem.first_cell : problem.rows.shape[1] - problem.unknowns]
+    sizes = np.linalg.norm(shown, axis=1)
+    mine, counts = problem.reading == index, np.isin(problem.reading, others)
+    alike = np.abs(shown[counts] @ shown[mine].T) >= _SAME * np.outer(sizes[counts], sizes[mine])
+    return bool(np.all(np.any(alike, axis=0)))
 
 
 def _half_and_half(one: Mapping[_Owned, float], other: Mapping[_Owned, float]) -> dict[_Owned, float]:
