@@ -136,7 +136,7 @@ def test_the_joints_of_a_gantry_can_be_named_as_in_its_ini_file(
     capsys.readouterr()
     for arguments, said in (
         (["linuxcnc", "--coordinates", "XYYZ", "--number", "Y=1"], "both --number and --coordinates"),
-        (["sinumerik", "--coordinates", "XYZ"], "sinumerik has no coordinates"),
+        (["sinumerik", "--coordinates", "XYZ"], "it is for linuxcnc and linuxcnc-volumetric"),
         (["linuxcnc", "--coordinates", "XQZ"], "no axis"),
     ):
         assert run(["export", str(record), "--out", str(tmp_path / "c"), "--to", *arguments]) == 1

@@ -130,7 +130,7 @@ def test_the_dead_band_is_where_the_warning_says(step: float, stuck: bool) -> No
     """With 50 m/s² and 1 ms a reversal step above 12.5 um and up to 25 um is never carried out."""
     positions, level = np.array([-0.1, 0.1]), np.zeros(2)
     table = CompensationTable("X", False, positions, level, level - step * 1e-3, level)
-    said = notes(table, "mm", acceleration=50.0)
+    said = notes(table, "mm", (0,), acceleration=50.0)
     ended = run([Joint("X", acceleration=50000.0, table=write(table, "mm"))], ["G0 X5", "G0 X2"])
     assert any(note.startswith("WARNING") for note in said) is stuck
     assert ended.steps[1].settled is not stuck

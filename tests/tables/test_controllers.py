@@ -277,7 +277,7 @@ def test_a_name_that_could_do_harm_is_refused(name: str) -> None:
             r"makes 601 points of X, this control holds 200. 200 fit: take 3.015 mm or more",
         ),
         (ExportOptions(numbers={"X": (2,)}), "same number"),
-        (ExportOptions(unit="in"), "written in mm and deg"),
+        (ExportOptions(unit="in"), "sinumerik does not take --unit"),
     ],
 )
 def test_sinumerik_refuses_before_writing(options: ExportOptions, message: str) -> None:
@@ -428,7 +428,7 @@ def test_meshes_are_read_row_by_row() -> None:
 
 
 def test_marlin_has_no_backlash_that_runs_ahead() -> None:
-    play = contents.backlash(known("small")[0])
+    play = contents.play_of(contents.content_of(known("small")[0], ExportOptions(), 5))
     assert all(value > 0 for value in play.values())
 
 

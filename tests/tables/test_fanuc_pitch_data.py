@@ -121,7 +121,10 @@ def test_the_note_says_which_directions_the_file_holds() -> None:
     draft = exporter("fanuc").make(estimate, ExportOptions(template=template()))
     said = tried_out("fanuc", estimate, draft).readme
     assert "the mean of both directions of X, Y" in said
-    assert "parameter 1851" in said
+    at = np.linspace(*estimate.machine.axis("X").travel, 2001)
+    lost = 1e6 * float(np.mean(deviation(estimate, "X", at, -1) - deviation(estimate, "X", at, 1)))
+    assert abs(lost) > 1
+    assert f"Add to parameter 1851 (backlash): X {lost:+.0f}, in 0.001 mm or 0.001 deg." in said
 
 
 @pytest.mark.parametrize(
@@ -209,7 +212,7 @@ def test_points_that_are_no_turn_are_refused_with_those_that_are() -> None:
 
 def test_rotary_axes_without_parameters_are_left_out_and_named() -> None:
     made = turning(N3620="A1P50", N3621="A1P51", N3622="A1P60", N3623="A1P1", N3624="A1P20.0")
-    assert "Left out: C, B (no parameters 3620 to 3624" in made.readme
+    assert "Left out: C, B (3624 is 0, no parameters 3620 to 3624" in made.readme
 
 
 @pytest.mark.parametrize("parameter", ["3620", "3621", "3622", "3623"])

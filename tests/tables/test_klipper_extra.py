@@ -13,7 +13,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import machine_from_text
 from axiscal.ports.printers.klipper_extra import Correction
 from axiscal.tables.exporter import ExportOptions
-from axiscal.tables.loaded import Loaded
+from axiscal.tables.loaded import OldFile
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import exporter
 from axiscal.tables.round_trip import drawn_and_known
@@ -91,6 +91,5 @@ def test_a_machine_that_turns_and_an_old_compensation_are_refused(printer: Known
     turning = machine_from_text(machine_text("w-C'-X'-b-Y-Z-t", travels, {"EXX": "10 um"}))
     with pytest.raises(TableError, match="This control is for X, Y and Z"):
         control.make(drawn_and_known(turning), ExportOptions())
-    old = ExportOptions(old=Loaded(), old_files=(object(),))  # type: ignore[arg-type]
-    with pytest.raises(TableError, match="cannot go on top"):
-        control.make(printer.estimate, old)
+    with pytest.raises(TableError, match="A whole correction goes on top of none"):
+        printer.exported("klipper-volumetric", old_files=(OldFile("axiscal.vcomp", ""),))

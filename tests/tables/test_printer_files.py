@@ -15,7 +15,7 @@ from axiscal.numerics import Array
 from axiscal.ports.printers import contents, klipper, marlin, reprapfirmware
 from axiscal.tables.exporter import Exporter, ExportOptions
 from axiscal.tables.loaded import Loaded, Lookup, OldFile, both_ways
-from axiscal.tables.sampling import axis_tables
+from axiscal.tables.sampling import axis_tables, backlash
 from axiscal.tables.surface import Mesh, Skew, skew_control, skew_of
 from tests.tables.test_controllers import known
 from tests.tables.test_sampling import known as drawn_machine
@@ -146,9 +146,11 @@ def test_one_backlash_is_the_mean_of_what_coming_from_above_is_more_than_from_be
         apart = np.interp(np.linspace(*SMALL.box[MACHINE.index(name)], 20_001), table.positions, table.reverse)
         apart = apart - np.interp(np.linspace(*SMALL.box[MACHINE.index(name)], 20_001), table.positions, table.forward)
         expected[name] = float(np.mean(apart))
-    found = contents.backlash(SMALL)
-    assert found == pytest.approx({name: value for name, value in expected.items() if value > 0}, rel=2e-3)
-    assert found
+    found = backlash(SMALL)
+    assert found == pytest.approx(expected, rel=2e-3)
+    assert contents.play_of(contents.content_of(SMALL, ExportOptions(), 5)) == pytest.approx(
+        {name: value for name, value in found.items() if value > 0}
+    )
 
 
 @pytest.mark.parametrize(

@@ -144,8 +144,6 @@ def test_the_component_refuses_nonsense_with_a_good_checksum(core: Core, what: s
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (ExportOptions(pivots=True), "this file holds them already"),
-        (ExportOptions(spacing=0.01), "Leave --spacing out"),
         (ExportOptions(numbers={"X": (5,)}), "have a gap"),
         (ExportOptions(numbers={"X": (0, 6, 5), "Y": (1,), "Z": (2,), "B": (3,), "C": (4,)}), "X has 3 joints"),
     ],

@@ -14,10 +14,9 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Anyway, Json, RecordFile
 from axiscal.cli.printing import say, say_document
-from axiscal.document import shown
 from axiscal.document.file import bounded_content
+from axiscal.document.ports import ours
 from axiscal.estimation.agreement_words import agreement_words
-from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.language.spoken import said, speaking
 from axiscal.machine.axis import ROTARY_LETTERS
@@ -114,10 +113,11 @@ def export(
     if to == "list":
         say("\n".join(registry.controllers()))
         return
+    to = registry.named(to)
     options = ExportOptions(
         spacing=_spacing(spacing or []),
         unit=unit,
-        numbers=_numbers(number or [], coordinates, to),
+        numbers=_numbers(number or [], coordinates),
         template=None if template is None else _text(template),
         template_name=str(template or "the template"),
         name=name,
@@ -125,18 +125,18 @@ def export(
         flip=flip,
         pivots=pivots,
         encoder=measuring_system,
+        old_files=read_old(on_top_of or ()),
     )
-    loader = None
-    if load is not None:
-        from axiscal.ports.printers.printer_source import loader_at
-
-        loader = loader_at(load, to)
-    options = replace(options, old_files=read_old(on_top_of or ()))
+    others = {"--coordinates": coordinates, "--ini": ini, "--load": load}
+    registry.refuse_untaken(to, [*(name for name, value in others.items() if value is not None), *options.given])
+    loader = None if load is None else ours("ports.printers.printer_source:loader_at")(load, to)
     with speaking("en"), Campaign.open(record, write=False) as campaign:  # README.txt is in English
         estimation = campaign.estimate(ended=True)
         options = informed(options, estimation.case.description, to)
         options = replace(options, origin=record_state(campaign).hash)
-        offered = _offered(estimation.estimate(), to, options, ini)
+        into = None if ini is None else ours("ports.linuxcnc.configuring:export_into")
+        estimate = estimation.estimate()
+        offered = registry.export(estimate, to, options) if into is None else into(ini, estimate, options)
         if estimation.agreement.withheld and not anyway:
             remedy = "Take readings again, or write the files all the same with --anyway"
             raise TableError(agreement_words(estimation, record), remedy, record)
@@ -162,18 +162,6 @@ def export(
         say(done)
 
 
-def _offered(estimate: Estimate, to: str, options: ExportOptions, ini: Path | None) -> Export:
-    """Return the files, with those of the owner's configuration where it is given."""
-    if ini is None:
-        return registry.export(estimate, to, options)
-    if to.casefold() != "linuxcnc-volumetric":
-        remedy = "Leave --ini out, or take linuxcnc-volumetric"
-        raise TableError("{to} puts nothing into an INI file", remedy, to=shown(to))
-    from axiscal.ports.linuxcnc.configuring import export_into
-
-    return export_into(ini, estimate, options)
-
-
 def _spacing(texts: list[str]) -> float | dict[str, float] | None:
     """Return the distance of the points of all linear axes, or of some axes by name; raises TableError, UnitError."""
     found = dict[str, float]()
@@ -192,13 +180,10 @@ def _spacing(texts: list[str]) -> float | dict[str, float] | None:
     return found.get("", found or None)
 
 
-def _numbers(texts: list[str], coordinates: str | None, controller: str) -> dict[str, tuple[int, ...]]:
+def _numbers(texts: list[str], coordinates: str | None) -> dict[str, tuple[int, ...]]:
     """Return the numbers of axes, one for each of their joints; raises TableError."""
     numbered = [_numbered(text) for text in texts]
     if coordinates is not None:
-        if not controller.startswith("linuxcnc"):
-            what = "{controller} has no coordinates such as {coordinates}"
-            raise TableError(what, "Write --number X=1", controller=controller, coordinates=shown(coordinates))
         if numbered:
             raise TableError("both --number and --coordinates say which joints are whose", "Give one of them")
         numbered = [(letter, joint) for joint, letter in enumerate(coordinates.upper().replace(" ", ""))]

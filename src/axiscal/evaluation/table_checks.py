@@ -26,7 +26,7 @@ from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
 from axiscal.tables.offer import Export, title
-from axiscal.tables.surface import Control, added_by, table_control
+from axiscal.tables.surface import Control, sum_of, table_control
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity
 
@@ -95,7 +95,8 @@ class Share:
 def parts_of(estimate: Estimate, offered: Export) -> tuple[Part, ...]:
     """Return the parts of an export that move anything: its tables, and what else its files hold as one."""
     parts = [part for table in offered.tables for part in _of_table(estimate, table)]
-    rest = added_by(offered.control, table_control(estimate.machine, offered.tables))
+    tables = table_control(estimate.machine, offered.tables)
+    rest = sum_of(offered.control, lambda at, sides: -tables(at, sides))
     low, high = np.array(estimate.box).T
     poses: Array = low + (high - low) * np.random.default_rng(0).uniform(size=(64, len(low)))
     ways = np.where(np.arange(64)[:, None] % 2 == 0, 1.0, -1.0) * np.ones_like(poses)

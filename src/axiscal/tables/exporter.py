@@ -26,7 +26,7 @@ from axiscal.machine.description import Machine
 from axiscal.tables.loaded import Loaded, OldFile, read_old
 from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import MOST_POINTS, Multiples, axis_tables, cross_tables
-from axiscal.tables.surface import Control, Mesh, added_by, table_control, with_height
+from axiscal.tables.surface import Control, Mesh, sum_of, table_control, with_height
 from axiscal.tables.table import CompensationTable
 
 _KINDS = "a table, backlash, pitch or sag compensation, a bed mesh or skew correction"
@@ -36,6 +36,7 @@ _BEGINNING = later(
     "campaign.toml. New tables go on top of what was active; until it is said they are written as if nothing was, and "
     "ask."
 )
+FLIP = "After loading check one point with a dial gauge: where the error has doubled, export again with --flip."
 REPORTS = ("csv",)
 """What is read by people or other programs, not loaded in place of something."""
 _QUESTION = (
@@ -74,24 +75,25 @@ def on_top(estimate: Estimate, draft: Draft, old: Loaded, options: ExportOptions
         f"These files hold what was active while measuring ({names}) and on top of it what was found: load them in its "
         "place, not beside it. The figures above count from the machine as it was measured, with the old compensation."
     )
-    control, wanted = (added_by(whole, held) for whole in (draft.control, draft.wanted))
+    control, wanted = (sum_of(whole, lambda at, ways: -held(at, ways)) for whole in (draft.control, draft.wanted))
     return replace(draft, control=control, wanted=wanted, notes=(note, *draft.notes))
 
 
-def asked_about(controller: str, draft: Draft, options: ExportOptions) -> Draft:
+def asked_about(controller: str, instead: Mapping[str, str], draft: Draft, options: ExportOptions) -> Draft:
     """Return a draft with the question whether something was active, where nobody said.
 
-    Raises TableError where something was and files would take its place.
+    Raises TableError where something was and files would take its place.  instead : of `Exporter`
     """
     if options.active and controller not in REPORTS:
         what = "a compensation was active while measuring (compensation_active), and these files would take its place"
-        raise TableError(what, "give the files that were active: axiscal export ... --on-top-of OLD")
+        raise TableError(what, instead["--on-top-of"] if "--on-top-of" in instead else _ON_TOP)
     if options.active:
         note = "The deviations are those that were left by the compensation that was active while measuring."
         return replace(draft, notes=(note, *draft.notes))
     return draft if options.active is False else replace(draft, notes=(_QUESTION, *draft.notes))
 
 
+_ON_TOP = later("give the files that were active: axiscal export ... --on-top-of OLD")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
 
 _HASH = re.compile(r"[0-9a-f]{0,128}")
@@ -100,9 +102,24 @@ _LARGEST_MESH = 50
 _USUAL = "XYZABCUVWPQR"
 
 
+_OPTIONS = {
+    "spacing": "--spacing",
+    "unit": "--unit",
+    "numbers": "--number",
+    "template": "--template",
+    "name": "--name",
+    "mesh": "--mesh",
+    "flip": "--flip",
+    "pivots": "--pivots",
+    "encoder": "--measuring-system",
+    "old_files": "--on-top-of",
+}
+"""Field of the choices -> option of the command line, as `Exporter.takes` names it."""
+
+
 @dataclass(frozen=True, slots=True)
 class ExportOptions:
-    """Choices; a controller ignores those that it has no use for.
+    """Choices; a controller refuses those that it does not take.
 
     spacing : distance of the points of linear axes, m, or of some axes by name, m or rad
     unit : of the machine, mm or in
@@ -132,6 +149,24 @@ class ExportOptions:
     old: Loaded = field(default_factory=Loaded)
     active: bool | None = None
     origin: str = ""
+
+    @property
+    def sign(self) -> int:
+        """-1 where the control takes the values with the other sign."""
+        return -1 if self.flip else 1
+
+    def saved(self, controller: str) -> str:
+        """Return the text of the file that the control saved; raises TableError where there is none."""
+        if self.template is None:
+            what = "{controller} files are made from one of your control"
+            raise TableError(what, "give it: --template FILE", controller=controller)
+        return self.template
+
+    @property
+    def given(self) -> list[str]:
+        """The options of the command line that are other than usual."""
+        usual = ExportOptions()
+        return [option for name, option in _OPTIONS.items() if getattr(self, name) != getattr(usual, name)]
 
     def numbered(self, machine: Machine, first: int = 1) -> dict[str, int]:
         """Return the number of each axis in the control: from `first` in the order X Y Z A B C … unless chosen.
@@ -222,11 +257,14 @@ class Exporter(ABC):
 
     holds, left_out : what its files hold, and what not, each a sentence for README.txt
     tried : whether a real control of this kind has been seen to take them
+    takes : options of the command line that it has a use for; instead : what to do in place of another one
     """
 
     holds: ClassVar[str]
     left_out: ClassVar[str]
     tried: ClassVar[bool] = False
+    takes: ClassVar[frozenset[str]] = frozenset()
+    instead: ClassVar[Mapping[str, str]] = {}
 
     @abstractmethod
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
@@ -268,6 +306,7 @@ class TableFormat(Exporter):
     both_ways: ClassVar[bool] = False
     on_top: ClassVar[int | None] = None
     even: ClassVar[bool] = True
+    takes = frozenset({"--spacing", "--on-top-of"})
 
     @abstractmethod
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
@@ -291,6 +330,8 @@ class TableFormat(Exporter):
 
 class MapFormat(Exporter):
     """A control of X, Y and Z whose files hold the height over the plane, and what else a printer knows."""
+
+    takes = frozenset({"--mesh", "--on-top-of"})
 
     @abstractmethod
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:

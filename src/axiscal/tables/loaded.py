@@ -213,17 +213,11 @@ class Loaded:
         if not mine:
             return base
         at = _positions(base, mine, most, even=even or machine.axis(base.axis).cyclic)
-        sides = (base.deviation(at, side) - _added(mine, at, side) for side in (1, -1))
-        forward, reverse = sides
+        added = (np.sum([one.at(at, np.full(len(at), side)) for one in mine], axis=0) for side in (1.0, -1.0))
+        forward, reverse = (base.deviation(at, side) - old for side, old in zip((1, -1), added, strict=True))
         silent = np.interp(at, base.positions, base.prior_only.astype(float)) > 1 - _APART
         std = np.interp(at, base.positions, base.std)
         return replace(base, positions=at, forward=forward, reverse=reverse, std=std, prior_only=silent)
-
-
-def _added(old: Sequence[Lookup], at: Array, side: int) -> Array:
-    ways = np.full(len(at), float(side))
-    total: Array = np.sum([one.at(at, ways) for one in old], axis=0)
-    return total
 
 
 def _nothing(kind: tuple[str, str], old: Sequence[Lookup], machine: Machine) -> CompensationTable:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +12,7 @@ from axiscal.document.ports import names, one_of, ours
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import AxiscalError, TableError
+from axiscal.language.spoken import joined, later
 from axiscal.language.stages import stage
 from axiscal.machine.description import Machine
 from axiscal.numerics.threads import one_thread
@@ -35,6 +36,7 @@ CONTROLLERS = {
     "sinumerik": "tables.controllers.sinumerik:Sinumerik",
 }
 """Name -> place of its class."""
+_OTHERS = later("leave it out: it is for {takers}")
 PORTS = "axiscal.exporters"
 """Group of the entry points by which packages bring controls."""
 
@@ -43,14 +45,31 @@ PORTS = "axiscal.exporters"
 @stage("tables")
 def export(estimate: Estimate, controller: str, options: ExportOptions) -> Export:
     """Return the files for one controller, tried out; raises TableError for an unknown one, or what it cannot hold."""
-    name = next((known for known in CONTROLLERS if known == controller.casefold()), controller)
-    make = exporter(name).make
+    name = named(controller)
+    refuse_untaken(name, options.given)
+    made = exporter(name)
     for axis in options.spacing if isinstance(options.spacing, Mapping) else ():
         estimate.machine.index(axis)
     if not options.old_files:
-        return tried_out(name, estimate, asked_about(name, make(estimate, options), options))
+        return tried_out(name, estimate, asked_about(name, made.instead, made.make(estimate, options), options))
     old = loaded(name, estimate.machine, options)
-    return tried_out(name, estimate, on_top(estimate, make(estimate, replace(options, old=old)), old, options))
+    return tried_out(name, estimate, on_top(estimate, made.make(estimate, replace(options, old=old)), old, options))
+
+
+def refuse_untaken(controller: str, given: Sequence[str]) -> None:
+    """Raise TableError for the first option of the command line that a control has no use for."""
+    made = exporter(controller)
+    for option in given:
+        if option not in made.takes:
+            takers = joined([name for name in CONTROLLERS if option in exporter(name).takes])
+            remedy = made.instead[option] if option in made.instead else _OTHERS
+            what = "{controller} does not take {option}"
+            raise TableError(what, remedy, controller=controller, option=option, takers=takers)
+
+
+def named(controller: str) -> str:
+    """Return the name of a control that is written in capitals too; any other one as it is."""
+    return next((known for known in CONTROLLERS if known == controller.casefold()), controller)
 
 
 def offered(known: Estimation, controller: str) -> Export:

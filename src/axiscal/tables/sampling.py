@@ -68,7 +68,8 @@ def axis_tables(
     Raises TableError for a spacing that does not divide a travel, or needs more points than fit.
     """
     model = estimate.model
-    axes = [(k, axis.rotary) for k, axis in enumerate(estimate.machine.axes) if _has_errors(model, k)]
+    known = {function.axis for function in model.functions}
+    axes = [(k, axis.rotary) for k, axis in enumerate(estimate.machine.axes) if k in known]
     grids = ((k, points(model, k, spacing, most, multiples[rotary])) for k, rotary in axes)
     tables = (own_table(estimate, k, positions) for k, positions in grids)
     return tuple(table for table in tables if _says_something(table))
@@ -93,6 +94,15 @@ def cross_tables(
         moved = [k for k in axes if k != over]
         tables += _tables(estimate, moved, over, at, uneven)
     return tuple(table for table in tables if _says_something(table))
+
+
+def backlash(estimate: Estimate) -> dict[str, float]:
+    """Return by how much each axis stops short after it has turned round, m or rad; below zero where it runs ahead."""
+    found = {}
+    for table in axis_tables(estimate):
+        at = np.linspace(*estimate.box[estimate.machine.index(table.axis)], 1001)
+        found[table.axis] = float(np.mean(table.deviation(at, -1) - table.deviation(at, 1)))
+    return found
 
 
 def own_table(estimate: Estimate, axis: int, positions: Array, uneven: bool = False) -> CompensationTable:
@@ -151,10 +161,6 @@ def _spaced(axis: Axis, spacing: float, most: int) -> Array:
         remedy = "{most} fit: take {fits} or more"
         raise TableError(what, remedy, shown=shown, count=count + 1, name=name, most=most, fits=fits)
     return np.linspace(start, stop, count + 1)
-
-
-def _has_errors(model: ErrorModel, axis: int) -> bool:
-    return any(f.axis == axis for f in model.functions)
 
 
 def _tables(

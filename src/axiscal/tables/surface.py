@@ -43,16 +43,6 @@ _HELD = 0.9
 """Share from which a plane counts as held: a mesh of straight lines leaves some of a bend."""
 
 
-def added_by(whole: Control, part: Control) -> Control:
-    """Return what a control adds beyond what a part of it does."""
-
-    def control(poses: Array, approaches: Array) -> Array:
-        beyond: Array = whole(poses, approaches) - part(poses, approaches)
-        return beyond
-
-    return control
-
-
 class Effect(NamedTuple):
     """RMS of the TCP deviation over the volume, m, before and after the tables, less what no one counts (`rms`)."""
 

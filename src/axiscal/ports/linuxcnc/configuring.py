@@ -23,14 +23,13 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import ControlError, TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.csv_table import read_text
-from axiscal.numerics import Array
 from axiscal.ports.linuxcnc import patching
 from axiscal.ports.linuxcnc.lab import Joint, Session, Settings, available, can_load
 from axiscal.ports.linuxcnc.patching import Configuration
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
 from axiscal.tables.registry import export
-from axiscal.units import format_quantity, from_unit
+from axiscal.units import format_quantity, from_unit, to_unit
 
 _WHOLE = "axiscal-volumetric.hal"
 
@@ -108,11 +107,10 @@ def software_only(changed: Configuration) -> bool:
     """Return whether the HAL files, and the commands of the INI file, load nothing that needs hardware or a screen."""
     if _COMMAND.search(changed.files[changed.ini]) or _PROGRAM.search(changed.files[changed.ini]):
         return False
-    for name in changed.texts():
-        for kind, module in _LOADED.findall(changed.files[name]):
-            if kind == "usr" or not (module in _SPOKEN or module == "axiscal_vcomp" or _SOFT.fullmatch(module)):
-                return False
-    return len(changed.ini) > 0 and "LIB:" not in changed.files[changed.ini]
+    loaded = [each for name in changed.texts() for each in _LOADED.findall(changed.files[name])]
+    known = _SPOKEN | {"axiscal_vcomp"}
+    soft = all(kind == "rt" and (module in known or _SOFT.fullmatch(module)) for kind, module in loaded)
+    return soft and "LIB:" not in changed.files[changed.ini]
 
 
 def _joints(found: Configured) -> list[Joint]:
@@ -139,13 +137,13 @@ def _refuse_others(session: Session, found: Configured, offered: Export, machine
     joints = sorted(n for axis in found.machine.axes for n in axis.joints)
     shown = dict(zip(joints, session.read([f"axiscal-vcomp.pos-{n}" for n in joints]), strict=True))
     added = dict(zip(joints, session.read([f"axiscal-vcomp.correction-{n}" for n in joints]), strict=True))
-    pose = positions(found, shown, machine)
+    own = {axis.letter: axis for axis in found.machine.axes}
+    each = [from_unit(shown[own[a.name].joints[0]], own[a.name].unit) for a in machine.axes]
+    pose = np.array([each])
     ways = [np.full_like(pose, side) for side in (1.0, -1.0)]
     either = np.stack([offered.control(pose, way)[0] for way in ways])
-    own = {axis.letter: axis for axis in found.machine.axes}
     for k, axis in enumerate(machine.axes):
-        scale = {"mm": 1e3, "in": 1e3 / 25.4, "deg": float(np.degrees(1.0)), "rad": 1.0}[own[axis.name].unit]
-        low, high = np.sort(either[:, k]) * scale
+        low, high = to_unit(np.sort(either[:, k]), own[axis.name].unit)
         for joint in own[axis.name].joints:
             if not low - _AWAY - 0.1 * (high - low) <= added[joint] <= high + _AWAY + 0.1 * (high - low):
                 what = "joint {joint} of {axis} is moved by {moved:.6f}, {low:.6f} to {high:.6f} was foretold"
@@ -206,8 +204,8 @@ def options_of(found: Configured, machine: Machine, options: ExportOptions) -> E
     if any(axis.unit == "rad" for axis in found.machine.axes):
         remedy = "set them to degree"
         raise TableError("ANGULAR_UNITS are radians, and the component counts degrees", remedy, found.ini.path)
-    if options.numbers:
-        raise TableError("--ini says which joints are whose", "leave --number and --coordinates out")
+    if {"--number", "--unit"} & set(options.given):
+        raise TableError("--ini says the unit and which joints are whose", "leave --unit, --number, --coordinates out")
     return replace(options, unit=found.machine.build.unit, numbers={a.letter: a.joints for a in found.machine.axes})
 
 
@@ -254,10 +252,3 @@ def _elsewhere(name: str, pivot: list[float], origin: tuple[float, ...]) -> list
         f"WARNING: the kinematics turn {name} about ({there}), machine.toml about ({here}): one of them is not the "
         "machine that was measured."
     ]
-
-
-def positions(found: Configured, shown: Mapping[int, float], machine: Machine) -> Array:
-    """Return the pose (1, q), m or rad, of joints at positions in the units of the configuration."""
-    own = {axis.letter: axis for axis in found.machine.axes}
-    each = [float(from_unit(shown[own[a.name].joints[0]], own[a.name].unit)) for a in machine.axes]
-    return np.array([each])

@@ -86,14 +86,13 @@ def patched(ini: str, files: Mapping[str, str], joints: Sequence[int]) -> Config
         _exchange(found, f"joint.{joint}.motor-pos-cmd", f"axiscal-vcomp.drive-{joint}")
         _exchange(found, f"joint.{joint}.motor-pos-fb", f"axiscal-vcomp.encoder-{joint}")
     _ini(found)
-    found.files[LOAD_FILE] = _LOAD
+    found.files[LOAD_FILE] = f"# Made by axiscal: the component, before anything is joined to it.\n{_LOADRT}\n"
     found.files[JOIN_FILE] = _join(found, joints, thread)
     return found
 
 
-_LOAD = (
-    f"# Made by axiscal: the component, before anything is joined to it.\nloadrt axiscal_vcomp file={FILE} "
-    'units=[TRAJ]LINEAR_UNITS "coordinates=[TRAJ]COORDINATES" joints=[KINS]JOINTS\n'
+_LOADRT = (  # with quotes: people write blanks between the letters
+    f'loadrt axiscal_vcomp file={FILE} units=[TRAJ]LINEAR_UNITS "coordinates=[TRAJ]COORDINATES" joints=[KINS]JOINTS'
 )
 
 
@@ -219,16 +218,10 @@ def _put(file: str, name: str) -> list[str]:
 
 
 _THERE = '{ echo "There is a backup already: run undo.sh first." >&2; exit 1; }'
-
-
 _NONE = '{ echo "There is no backup: nothing was put in, or it is taken out already." >&2; exit 1; }'
-
-
 _TAKEN = (
     '{ echo "A file of axiscal is there already, which another configuration may need: move it first." >&2; exit 1; }'
 )
-
-
 _OTHER = '{ echo "A file is not the one that was read." >&2; exit 1; }'
 
 
@@ -266,9 +259,7 @@ def _script(what: str, first: Sequence[str], files: Sequence[tuple[str, Sequence
 def hal_text(joints: Sequence[int]) -> str:
     """Return the HAL text for joints by their numbers."""
     lines = [
-        _HEAD + f"loadrt axiscal_vcomp file={FILE} units=[TRAJ]LINEAR_UNITS "
-        '"coordinates=[TRAJ]COORDINATES" '  # quoted: people write blanks between the letters
-        "joints=[KINS]JOINTS",
+        _HEAD + _LOADRT,
         "addf axiscal-vcomp.fb servo-thread 1",
         "addf axiscal-vcomp.cmd servo-thread",
         "net vc-home motion.is-all-homed => axiscal-vcomp.homed",

@@ -11,11 +11,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from importlib import resources
+from typing import ClassVar
 
 import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.exceptions import TableError
+from axiscal.language.spoken import later
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
 from axiscal.ports.linuxcnc.patching import FILE, HAL_FILE, STATEMENT, hal_text
@@ -49,10 +50,17 @@ class LinuxcncVolumetric(Exporter):
         "and errors that one tool length cannot show."
     )
     tried = True
+    takes = frozenset({"--unit", "--number", "--coordinates", "--ini"})
+    instead: ClassVar = {
+        "--pivots": later("leave it out: this file holds location errors; the kinematics keep machine.toml's origins"),
+        "--on-top-of": later(
+            "a whole correction goes on top of none: measure with axiscal-vcomp.active false, without COMP_FILE and "
+            "BACKLASH"
+        ),
+    }
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
         """Return the files; raises TableError."""
-        _refuse(options)
         wanted, machine = whole_control(estimate.model, estimate.mean), estimate.machine
         poses, _ = spread_poses(estimate)
         sides = [wanted(poses, way * np.ones_like(poses)) for way in (1.0, -1.0)]
@@ -71,18 +79,6 @@ class LinuxcncVolumetric(Exporter):
         """Return what the component makes of its files; raises TableError."""
         read = vcomp_file.read_among(files)
         return Loaded(others=tuple(component_control(each, machine) for each in read))
-
-
-def _refuse(options: ExportOptions) -> None:
-    """Raise TableError for choices that the whole correction has no use for."""
-    if options.pivots:
-        what = "--pivots puts location errors into the kinematics, and this file holds them already"
-        raise TableError(what, "leave --pivots out: the kinematics keep the origins of machine.toml")
-    if options.old_files:
-        what = "the whole correction cannot go on top of another one"
-        raise TableError(what, "measure with axiscal-vcomp.active false and without COMP_FILE and BACKLASH")
-    if options.spacing is not None:
-        raise TableError("the file holds the curves themselves, and --spacing says points", "leave --spacing out")
 
 
 def _content(estimate: Estimate, options: ExportOptions, largest: Array) -> VcompFile:

@@ -10,9 +10,14 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.machine.description import Machine
 from axiscal.tables.exporter import ExportOptions, summed
 from axiscal.tables.loaded import Loaded, Lookup, both_ways
-from axiscal.tables.sampling import axis_tables
+from axiscal.tables.sampling import backlash
 from axiscal.tables.surface import height_seen, mesh_of, skew_of
 
+LEFT_OUT = (
+    "positioning errors, straightness in the plane, reversal that changes along an axis or runs ahead, and what the "
+    "height does over z."
+)
+"""By a firmware that knows one backlash of each axis."""
 TRIED = "Tried with Klipper's own host by the steps of the motors, never on a printer."
 """Of its files; `make controls` does it again."""
 
@@ -24,7 +29,8 @@ def content_of(estimate: Estimate, options: ExportOptions, points: int | None) -
     """
     old = options.old
     meshes = (old.under_mesh(mesh_of(estimate, points)),) if height_seen(estimate) else ()
-    play = summed([*backlash(estimate).items(), *play_of(old).items()])
+    lost = ((axis, value) for axis, value in backlash(estimate).items() if value > 0)
+    play = summed([*lost, *play_of(old).items()])
     return Loaded(lookups(estimate.machine, play), meshes, old.under_skew(skew_of(estimate)))
 
 
@@ -34,16 +40,6 @@ def in_words(content: Loaded) -> str:
     words = ["height over the plane as a bed mesh"] if content.meshes else []
     words = [" and ".join([*words, f"the skew of {', '.join(skew)}"])] if skew else words
     return "; ".join([*words, f"one backlash for {', '.join(play)}"] if play else words) + "."
-
-
-def backlash(estimate: Estimate) -> dict[str, float]:
-    """Return the lost motion of each axis, m: by how much it arrives short when it comes from the other side."""
-    found = {}
-    for table in axis_tables(estimate):
-        low, high = estimate.box[estimate.machine.index(table.axis)]
-        at = np.linspace(low, high, 1001)
-        found[table.axis] = max(0.0, float(np.mean(table.deviation(at, -1) - table.deviation(at, 1))))
-    return {axis: value for axis, value in found.items() if value > 0}
 
 
 def play_of(content: Loaded) -> dict[str, float]:

@@ -7,12 +7,14 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 from importlib import resources
+from typing import ClassVar
 
 import numpy as np
 
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import later
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import is_mesh
 from axiscal.measurement.readers.bed_map import mesh as saved_mesh
@@ -49,14 +51,17 @@ class KlipperVolumetric(Exporter):
     )
     left_out = "reversal, the orientation of the tool, and errors of two axes together but for the bed."
     tried = True
+    takes = frozenset({"--mesh"})
+    instead: ClassVar = {
+        "--on-top-of": later(
+            "a whole correction goes on top of none: measure with AXISCAL ENABLE=0, without mesh and skew"
+        )
+    }
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
         """Return the files; raises TableError."""
         machine, bed = estimate.machine, _bed(estimate, options.mesh or _POINTS)
         both = sum_of(whole_control(estimate.model, estimate.mean), mesh_control(machine, bed))
-        if options.old_files:
-            what = "the whole correction cannot go on top of another one"
-            raise TableError(what, "measure with AXISCAL ENABLE=0 and without mesh and skew")
 
         def wanted(poses: Array, approaches: Array) -> Array:
             return both(poses, np.zeros_like(approaches))
@@ -122,6 +127,7 @@ class Klipper(MapFormat):
 
     left_out = "positioning errors, straightness in the plane, reversal, and what the height does over z."
     tried = True
+    takes = MapFormat.takes | {"--name", "--load"}
 
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
         """Return the map and the skew that were seen."""

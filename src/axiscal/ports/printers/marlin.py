@@ -11,7 +11,7 @@ from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.ports.printers.contents import content_of, in_words, lookups, play_of
+from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, lookups, play_of
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.surface import Control, Mesh, Skew, plane_axes
@@ -29,10 +29,7 @@ _STEP = float(from_unit(1e-4, "mm"))
 class Marlin(MapFormat):
     """Commands for the height, the skew, and one backlash of each axis."""
 
-    left_out = (
-        "positioning errors, straightness in the plane, reversal that changes along an axis or runs ahead, and what "
-        "the height does over z."
-    )
+    left_out = LEFT_OUT
 
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
         """Return what was seen, with what was active already."""

@@ -12,7 +12,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.measurement.readers.bed_map import height_map, is_height_map
 from axiscal.measurement.readers.csv_table import TextFile
-from axiscal.ports.printers.contents import content_of, in_words, lookups, play_of
+from axiscal.ports.printers.contents import LEFT_OUT, content_of, in_words, lookups, play_of
 from axiscal.tables.exporter import ExportOptions, MapFormat, Written
 from axiscal.tables.loaded import Loaded, OldFile
 from axiscal.tables.surface import Mesh, Skew, mesh_of_nodes
@@ -34,10 +34,9 @@ _STEP = float(from_unit(1e-4, "mm"))
 class RepRapFirmware(MapFormat):
     """A height map of a Duet, and commands for its skew and its backlash."""
 
-    left_out = (
-        "positioning errors, straightness in the plane, reversal that changes along an axis or runs ahead, and what "
-        "the height does over z."
-    )
+    takes = MapFormat.takes | {"--load"}
+
+    left_out = LEFT_OUT
 
     def content(self, estimate: Estimate, options: ExportOptions) -> Loaded:
         """Return what was seen, with what was active already; raises TableError for a map that no Duet takes."""

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -15,9 +16,10 @@ from axiscal.language.spoken import later, said
 from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.tables.exporter import ExportOptions, TableFormat, Written
+from axiscal.tables.exporter import FLIP, ExportOptions, TableFormat, Written
 from axiscal.tables.loaded import Loaded, Lookup, OldFile
-from axiscal.tables.sampling import own_table
+from axiscal.tables.offer import Draft
+from axiscal.tables.sampling import backlash, own_table
 from axiscal.tables.table import CompensationTable
 from axiscal.units import format_quantity
 
@@ -243,13 +245,20 @@ FIRST_DATA = 10000
 
 _FILE = "pitch.txt"
 _HOLDS = "the positioning error of axes as increments: {}."
-_LEFT = "straightness, squareness and the angular errors of linear axes"
-_TURNING = "{} (no parameters 3620 to 3624 in the file, or a whole turn that does not begin at 0), "
-_BACKLASH = ", and the reversal of {} (enter it as backlash, parameter 1851)"
+_LEFT = "straightness, squareness and the angular errors of linear axes, and the reversal."
+_WITHOUT = "{} (3624 is 0, no parameters 3620 to 3624 in the file, or a whole turn that does not begin at 0), "
 
 
 class Fanuc(TableFormat):
     """Pitch data in the place of those of a punched file."""
+
+    takes = frozenset({"--template", "--number", "--flip", "--on-top-of"})
+    instead: ClassVar = {"--spacing": later("leave it out: parameters 3620 to 3624 say where the points are")}
+
+    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
+        """Return the file, with what to enter as backlash; raises TableError."""
+        draft = super().make(estimate, options)
+        return replace(draft, notes=(*draft.notes, *_backlash_notes(estimate)))
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
         """Return the deviation at the points that the parameters of the template name."""
@@ -261,8 +270,12 @@ class Fanuc(TableFormat):
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return the template with its pitch data replaced."""
         plans = _template(options, machine)
-        found = {table.axis: increments(table, plans[table.axis], _sign(options)) for table in tables}
-        filled = fill(options.template or "", plans, found, options.template_name)
+        wanted = {
+            (FIRST_DATA + point, 0): int(entry)
+            for table, plan in ((table, plans[table.axis]) for table in tables)
+            for point, entry in zip(plan.numbers, increments(table, plan, options.sign), strict=True)
+        }
+        filled = replace_values(options.saved("FANUC"), wanted, options.template_name)
         steps = {axis: 0.5 * plan.step + 1e-12 for axis, plan in plans.items()}
         return Written({_FILE: filled}, steps, _notes(plans), *_said(plans, machine))
 
@@ -271,21 +284,15 @@ class Fanuc(TableFormat):
         numbers, lookups = options.numbered(machine), list[Lookup]()
         for file in files:
             records = read_records(file.text, file.name)
-            lookups += read(records, read_plans(records, file.name, machine, numbers), _sign(options))
+            plans = read_plans(records, file.name, machine, numbers)
+            lookups += [Lookup(n, n, p.positions, options.sign * _sums(records, p)) for n, p in plans.items()]
         return Loaded(tuple(lookups))
 
 
 def _template(options: ExportOptions, machine: Machine) -> dict[str, PitchParameters]:
     """Return what the parameters of the template say; raises TableError where there is none."""
-    if options.template is None:
-        raise TableError("FANUC files are made from one of your control", "give it: --template FILE")
-    records = read_records(options.template, options.template_name)
+    records = read_records(options.saved("FANUC"), options.template_name)
     return read_plans(records, options.template_name, machine, options.numbered(machine))
-
-
-def _sign(options: ExportOptions) -> int:
-    """Return -1 for a control that takes its entries away."""
-    return -1 if options.flip else 1
 
 
 def _table(estimate: Estimate, name: str, plan: PitchParameters) -> CompensationTable:
@@ -315,9 +322,21 @@ def _zeroed(table: CompensationTable, plan: PitchParameters) -> CompensationTabl
 def _said(plans: Mapping[str, PitchParameters], machine: Machine) -> tuple[str, str]:
     """Return what the file holds, and what it leaves out."""
     axes = ", ".join(plans)
-    without = [axis.name for axis in machine.axes if axis.rotary and axis.name not in plans]
-    turning = _TURNING.format(", ".join(without)) if without else ""
-    return _HOLDS.format(f"the mean of both directions of {axes}"), f"{turning}{_LEFT}{_BACKLASH.format(axes)}."
+    without = [axis.name for axis in machine.axes if axis.name not in plans]
+    left = _WITHOUT.format(", ".join(without)) if without else ""
+    return _HOLDS.format(f"the mean of both directions of {axes}"), f"{left}{_LEFT}"
+
+
+def _backlash_notes(estimate: Estimate) -> tuple[str, ...]:
+    rotary = {axis.name: axis.rotary for axis in estimate.machine.axes}
+    units = {name: round(lost / DETECTION[rotary[name]]) for name, lost in backlash(estimate).items()}
+    if not any(units.values()):
+        return ()
+    shown = ", ".join(f"{name} {count:+d}" for name, count in units.items() if count)
+    return (
+        f"The file holds no reversal. Add to parameter 1851 (backlash): {shown}, in 0.001 mm or 0.001 deg. It is "
+        "positive where an axis stops short after it has turned round.",
+    )
 
 
 def _notes(plans: Mapping[str, PitchParameters]) -> tuple[str, ...]:
@@ -328,8 +347,8 @@ def _notes(plans: Mapping[str, PitchParameters]) -> tuple[str, ...]:
         "The entry of a point is added over the section that ends at it, so the first one begins an interval below "
         "3621: FANUC's formula, 3621 = 3620 - stroke / interval + 1.",
         *_turn_notes(plans),
-        "Power off and on, then return to the reference point. Check one point with a dial gauge, and export with "
-        "--flip if the axis goes the wrong way.",
+        "Power off and on, then return to the reference point.",
+        FLIP,
         "The control adds a step at each point where this program supposes a line between: up to half an entry more.",
     )
 
@@ -362,25 +381,8 @@ def increments(table: CompensationTable, plan: PitchParameters, sign: int = 1) -
     return sign * entries
 
 
-def fill(text: str, plans: Mapping[str, PitchParameters], found: Mapping[str, Array], file: str) -> str:
-    """Return the text with the pitch data of the axes replaced; raises TableError for points that it has no row for."""
-    wanted = {
-        (FIRST_DATA + point, 0): int(entry)
-        for name, entries in found.items()
-        for point, entry in zip(plans[name].numbers, entries, strict=True)
-    }
-    return replace_values(text, wanted, file)
-
-
-def read(records: Records, plans: Mapping[str, PitchParameters], sign: int = 1) -> list[Lookup]:
-    """Return what the control adds: entries add up from the reference point, times the magnification.
-
-    sign : -1 for a control that takes them away
-    """
-    return [Lookup(axis, axis, plan.positions, sign * _sums(records, plan)) for axis, plan in plans.items()]
-
-
 def _sums(records: Records, plan: PitchParameters) -> Array:
+    """Return what the control adds, m or rad: entries add up from the reference point, times the magnification."""
     rows = [FIRST_DATA + n for n in (plan.numbers[1:] if plan.turn else plan.numbers)]
     if missing := next((row for row in rows if 0 not in records.get(row, {})), None):
         raise TableError("there is no row N{row}", EXPECTED, row=missing)

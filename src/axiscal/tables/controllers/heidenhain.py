@@ -14,10 +14,9 @@ import numpy as np
 
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.machine.axis import Axis
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.tables.exporter import ExportOptions, TableFormat, Written
+from axiscal.tables.exporter import FLIP, ExportOptions, TableFormat, Written
 from axiscal.tables.loaded import Loaded, Lookup, OldFile
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
@@ -73,6 +72,7 @@ class Heidenhain(TableFormat):
     holds = "for each axis its positioning error and reversal, and over linear axes the straightness and squareness."
     left_out = "errors that depend on two axes at once, the reversal of straightness, and axes that have no column."
     points = 256  # by HEIDENHAIN's manual: lines of a table
+    takes = frozenset({"--template", "--spacing", "--flip", "--on-top-of"})
     on_top = 0  # all columns of a file have the points of the new ones
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
@@ -83,7 +83,7 @@ class Heidenhain(TableFormat):
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return one file for each axis, in the form of the template."""
-        layout, sign = _template(options), _sign(options)
+        layout, sign = _template(options), options.sign
         files = {
             f"{axis}_AXIS.COM": _file(layout, axis, tables, sign) for axis in dict.fromkeys(t.over for t in tables)
         }
@@ -93,18 +93,11 @@ class Heidenhain(TableFormat):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what tables do; raises TableError."""
-        return Loaded(tuple(one for file in files for one in _read(file, machine, _sign(options))))
+        return Loaded(tuple(one for file in files for one in _read(file, machine, options.sign)))
 
 
 def _template(options: ExportOptions) -> Layout:
-    if options.template is None:
-        raise TableError("HEIDENHAIN files are made from one of your control", "give it: --template FILE")
-    return read_layout(options.template, options.template_name)
-
-
-def _sign(options: ExportOptions) -> float:
-    """Return +1 where a value is a deviation, which is taken away."""
-    return -1.0 if options.flip else 1.0
+    return read_layout(options.saved("HEIDENHAIN"), options.template_name)
 
 
 def read_layout(text: str, file: str) -> Layout:
@@ -139,14 +132,14 @@ def _read(file: OldFile, machine: Machine, sign: float) -> list[Lookup]:
     over = machine.axis(file.axis or re.split(r"[_.]", first.split()[1])[0])
     table = np.array([[float(word) for word in row.split()] for row in rows])
     columns = dict(zip(header.split(), table.T, strict=True))
-    at = _inside(columns["AXISPOS"], over)
+    at = from_unit(columns["AXISPOS"], over.unit)
     lookups = []
     for axis in machine.axes:
         if axis.name not in columns:
             continue
-        lookups.append(Lookup(axis.name, over.name, at, -sign * _inside(columns[axis.name], axis)))
+        lookups.append(Lookup(axis.name, over.name, at, -sign * from_unit(columns[axis.name], axis.unit)))
         if axis.name == over.name:
-            lookups.append(Lookup(axis.name, over.name, at, -sign * _inside(columns["BACKLASH"], axis), -1))
+            lookups.append(Lookup(axis.name, over.name, at, -sign * from_unit(columns["BACKLASH"], axis.unit), -1))
     return lookups
 
 
@@ -172,10 +165,6 @@ def _file(layout: Layout, axis: str, tables: Sequence[CompensationTable], sign: 
     return layout.text(f"{axis}_AXIS", columns)
 
 
-def _inside(values: Array, axis: Axis) -> Array:
-    return np.asarray(from_unit(values, axis.unit), dtype=float)
-
-
 def _notes(layout: Layout, machine: Machine) -> tuple[str, ...]:
     missing = [axis.name for axis in machine.axes if axis.name not in layout.heads]
     turning = [axis.name for axis in machine.axes if axis.cyclic and axis.name in layout.heads]
@@ -185,6 +174,6 @@ def _notes(layout: Layout, machine: Machine) -> tuple[str, ...]:
         *absent,
         *(modulo if turning else ()),
         "Assign the files to their axes in the active line of the .CMA table; positions count from the machine datum.",
-        "Values are deviations, actual minus nominal, and BACKLASH is what comes on top when moving downwards. Check "
-        "one point with a dial gauge, and export with --flip if the axis goes the wrong way.",
+        "Values are deviations, actual minus nominal, and BACKLASH is what comes on top when moving downwards.",
+        FLIP,
     )

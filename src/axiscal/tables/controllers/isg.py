@@ -26,7 +26,7 @@ from axiscal.exceptions import TableError
 from axiscal.machine.description import Machine
 from axiscal.machine.entry import parse_error_name
 from axiscal.numerics import Array
-from axiscal.tables.exporter import Exporter, ExportOptions, Written, summed
+from axiscal.tables.exporter import FLIP, Exporter, ExportOptions, Written, summed
 from axiscal.tables.loaded import Loaded, Lookup, OldFile
 from axiscal.tables.offer import Draft
 from axiscal.tables.sampling import axis_tables, points
@@ -35,14 +35,14 @@ from axiscal.tables.table import CompensationTable
 from axiscal.tables.volumetric import SampledError, anchored, curves, tip_control, together
 from axiscal.units import from_unit, to_unit
 
-_UNITS = {"mm": 1e-4, "deg": 1e-4}
-"""One unit of the file in mm or deg."""
+_UNIT = 1e-4
+"""One unit of a list in mm or deg."""
 _LINE = re.compile(r"(kopf|kw\.ssfk)\.(\w+)(?:\[(\d+)\]\.(\w+))?\s+(\S+)")
 
 
 def list_unit(axis_unit: str) -> float:
     """Return one unit of the file, m or rad."""
-    return float(from_unit(_UNITS[axis_unit], axis_unit))
+    return float(from_unit(_UNIT, axis_unit))
 
 
 def write_list(table: CompensationTable, number: int, cyclic: bool) -> str:
@@ -86,7 +86,7 @@ def read_list(text: str, machine: Machine) -> list[Lookup]:
 
 
 def _whole(values: Array, shown: str) -> Array:
-    return np.round(np.asarray(to_unit(values, shown)) / _UNITS[shown]).astype(np.int64)
+    return np.round(np.asarray(to_unit(values, shown)) / _UNIT).astype(np.int64)
 
 
 NAMES = re.compile(r"E[XYZABC][XYZABC]|[XYZABC]0[XYZABC]|P[XYZ][ABC]|P0[XYZ]")
@@ -186,11 +186,11 @@ def _row(words: Iterable[str]) -> str:
 
 
 def _shown(name: str, values: Array) -> Array:
-    return 0.0 + (values if _angular(name) else np.asarray(to_unit(values, "mm"), dtype=float))
+    return 0.0 + (values if _angular(name) else to_unit(values, "mm"))
 
 
 def _inside(name: str, values: Array) -> Array:
-    return values if _angular(name) else np.asarray(from_unit(values, "mm"), dtype=float)
+    return values if _angular(name) else from_unit(values, "mm")
 
 
 def _angular(name: str) -> bool:
@@ -211,6 +211,7 @@ _MULTIPLE = (1e-6, float(np.radians(1e-4)))
 class Isg(Exporter):
     """ISG_CSV, the list file, and leadscrew tables of axes with a reversal."""
 
+    takes = frozenset({"--spacing", "--number", "--flip", "--on-top-of"})
     left_out = "the reversal of straightness and of angles, and the orientation of the tool."
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
@@ -295,10 +296,22 @@ def _notes(machine: Machine, found: Mapping[str, SampledError], flip: bool) -> t
         "In the NC program: #VOLCOMP OFF [ID0], #VOLCOMP [ID0 UPDATE], #VOLCOMP ON [ID0].",
         "Errors say what the moving component does in machine directions, also where it carries the workpiece; "
         "rotations turn about the axis frames of axiscal's conventions: that of a linear axis is at the origin of the "
-        f"machine when all axes are at zero. Check one point with a dial gauge; use --flip if it goes wrong.{negated}",
+        f"machine when all axes are at zero.{negated}",
+        FLIP,
+        *_against(machine),
         f"The chain {machine.chain} has to be the control's own. P0X to P0Z give the tool at zero, PXA and so on where "
         "rotary axes lie, both from the machine's origin.",
         "The kernel corrects the position of the tool, not its orientation.",
+    )
+
+
+def _against(machine: Machine) -> tuple[str, ...]:
+    against = ", ".join(axis.name for axis in machine.axes if axis.reversed)
+    if not against:
+        return ()
+    return (
+        f"{against}: direction is reversed in machine.toml. The list file has no word for that, and the kernel "
+        "supposes ISO 841: let its axis count that way, or check one point of each direction before you use it.",
     )
 
 

@@ -10,16 +10,16 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
-from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
+from axiscal.language.spoken import later
 from axiscal.machine.description import Machine
 from axiscal.numerics import Array
-from axiscal.tables.exporter import ExportOptions, TableFormat, Written
+from axiscal.tables.exporter import FLIP, ExportOptions, TableFormat, Written
 from axiscal.tables.loaded import Loaded, Lookup, OldFile
-from axiscal.tables.offer import Draft
 from axiscal.tables.table import CompensationTable
 from axiscal.units import from_unit, to_unit
 
@@ -209,23 +209,21 @@ class Sinumerik(TableFormat):
         "apart, for straightness, sag and squareness."
     )
     left_out = "errors that depend on two axes at once, the orientation of the tool, and the reversal of straightness."
+    takes = frozenset({"--spacing", "--number", "--flip", "--measuring-system", "--on-top-of"})
+    instead: ClassVar = {"--unit": later("leave it out: the tables are in mm and deg, load them in metric")}
     points = 200  # what an 828D holds for an axis
     on_top = POINTS
     grid = (_STEP, float(np.radians(1e-3)))
-
-    def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
-        """Return the files with their tables; raises TableError."""
-        if options.unit != "mm":
-            what = "tables for SINUMERIK are written in mm and deg"
-            raise TableError(what, "leave --unit out, and load them in metric")
-        return super().make(estimate, options)
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return the files that are needed."""
         names, encoder = _names(machine, options), options.encoder - 1
         own, over = ([t for t in tables if (t.axis == t.over) is itself] for itself in (True, False))
         blocks = blocks_of(own, over)
-        files = write(own, blocks, names, -1.0 if options.flip else 1.0, encoder)
+        if options.flip and not blocks:
+            what = "--flip turns CEC tables, and these files hold none"
+            raise TableError(what, "leave it out: ENC_COMP has the sign that Siemens states")
+        files = write(own, blocks, names, options.sign, encoder)
         steps = {axis.name: float(from_unit(4e-6, axis.unit)) for axis in machine.axes}
         return Written(files, steps, notes(own, blocks, names, encoder))
 
@@ -257,7 +255,8 @@ def notes(
         f"ENC_COMP is for measuring system {encoder + 1} of each axis (index {encoder}), the one that was active while "
         "measuring; --measuring-system chooses the other.",
         "To load ENC_COMP: MD32700 ENC_COMP_ENABLE = 0, load, set it to 1, NCK reset, and reference the axis.",
-        "ENC_COMP: a positive value moves the axis in its negative direction (Siemens).",
+        "ENC_COMP: a positive value moves the axis in its negative direction (Siemens). Where the error of an axis has "
+        "doubled after loading, it counts against machine.toml: write direction in its table, and evaluate again.",
     )
     return (memory if own else ()) + (_cec(blocks, names) if blocks else ()) + _modulo(own, names)
 
@@ -275,8 +274,8 @@ def _cec(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> tuple[str, .
         f"MD32720 CEC_MAX_SUM limits what all CEC tables of an axis add: it must be above {_sums(blocks, names)}.",
         "MD32730 CEC_MAX_VELO limits how fast that changes, in per cent of MD32000 of the axis: it must be above "
         f"{_slopes(blocks, names)}. A reversal is spread over the time that this allows.",
-        "CEC: no Siemens text that we know states the sign; here it is that of ENC_COMP. Check one point with a dial "
-        "gauge, and export with --flip if the axis goes the wrong way.",
+        "CEC: no Siemens text that we know states the sign; here it is that of ENC_COMP, and --flip turns CEC alone.",
+        FLIP,
     )
 
 

@@ -56,8 +56,6 @@ class Wiring:
 
 def write(tables: Sequence[CompensationTable], wiring: Wiring) -> str:
     """Return the HAL text; tables : over other axes, 16 points at most.  Raises TableError."""
-    if not tables:
-        return ""
     for table in tables:
         _refuse_what_it_cannot_hold(table, wiring)
     moved = {axis: [t for t in tables if t.axis == axis] for axis in dict.fromkeys(t.axis for t in tables)}
@@ -104,17 +102,15 @@ def _loading(
     ends = [f"{end}-{label}" for axis in moved for label in wiring.labels(axis).values() for end in ("cmd", "fb")]
     sums = [f"sum-{axis.lower()}-{i}" for axis, own in moved.items() for i in range(1, len(own))]
     sizes = ",".join(str(len(table.positions)) for table in tables)
-    return [
-        f"loadrt lincurve names={_joined(f'cross-{_name(t)}' for t in tables)} personality={sizes}",
-        f"loadrt sum2 names={_joined([*sums, *ends])}",
-        "loadrt mux2 names=axiscal-homed",
-        f"loadrt limit2 names={_joined(['axiscal-ramp', *(f'slew-{axis}' for axis in low)])}",
-        f"loadrt mult2 names={_joined(f'scaled-{axis}' for axis in low)}",
-    ]
-
-
-def _joined(names: Iterable[str]) -> str:
-    return ",".join(names)
+    names = {
+        "lincurve": [f"cross-{_name(t)}" for t in tables],
+        "sum2": [*sums, *ends],
+        "mux2": ["axiscal-homed"],
+        "limit2": ["axiscal-ramp", *(f"slew-{axis}" for axis in low)],
+        "mult2": [f"scaled-{axis}" for axis in low],
+    }
+    lincurve, *others = (f"loadrt {kind} names={','.join(own)}" for kind, own in names.items())
+    return [f"{lincurve} personality={sizes}", *others]
 
 
 def _curve(table: CompensationTable, unit: str) -> list[str]:

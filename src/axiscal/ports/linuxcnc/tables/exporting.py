@@ -59,6 +59,7 @@ class Linuxcnc(TableFormat):
         "tool, and the reversal of straightness."
     )
     tried = True
+    takes = frozenset({"--spacing", "--unit", "--number", "--coordinates", "--pivots", "--on-top-of"})
 
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
         """Return the files, with the places of rotary axes in another file if the options say so; raises TableError."""
@@ -99,7 +100,14 @@ class Linuxcnc(TableFormat):
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what files did, by what they say alone; raises TableError."""
-        return Loaded(tuple(loaded(files, machine, options)))
+        joints, lookups = options.joints(machine), list[Lookup]()
+        for file in files:
+            if file.name.lower().endswith(".hal"):
+                lookups += _curves(file, machine, options.unit)
+            else:
+                one = _backlash if file.backlash else _table
+                lookups += one(file, _axis(file, machine, joints), machine, options.unit)
+        return Loaded(tuple(lookups))
 
 
 def _pivots(estimate: Estimate) -> pivots.Pivots:
@@ -189,20 +197,6 @@ def _repeated(table: CompensationTable, below: int, above: int) -> CompensationT
     return replace(table, positions=at, forward=forward, reverse=reverse, std=std, prior_only=silent)
 
 
-def loaded(files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> list[Lookup]:
-    """Return what the files did; raises TableError."""
-    joints = options.joints(machine)
-    lookups: list[Lookup] = []
-    for file in files:
-        if file.name.lower().endswith(".hal"):
-            lookups += _curves(file, machine, options.unit)
-            continue
-        axis = _axis(file, machine, joints)
-        one = _backlash if file.backlash else _table
-        lookups += one(file, axis, machine, options.unit)
-    return lookups
-
-
 def _axis(file: OldFile, machine: Machine, joints: Mapping[str, Sequence[int]]) -> str:
     """Return the axis that a file is for: as said, by its joint, or by its name, X.comp or joint0.comp."""
     names = {axis.name.casefold(): axis.name for axis in machine.axes}
@@ -270,10 +264,6 @@ def _curves(file: OldFile, machine: Machine, unit: str) -> list[Lookup]:
         if len(x) != len(y) or np.any(np.diff(x) <= 0):
             remedy = "give the HAL file as it is"
             raise TableError("the curve of {moved} over {over} is not whole", remedy, file.name, moved=moved, over=over)
-        at, added = _inside(x, machine.axis(over).rotary, unit), _inside(y, machine.axis(moved).rotary, unit)
-        lookups.append(Lookup(moved, over, at, added))
+        units = ["deg" if machine.axis(name).rotary else unit for name in (over, moved)]
+        lookups.append(Lookup(moved, over, from_unit(x, units[0]), from_unit(y, units[1])))
     return lookups
-
-
-def _inside(values: Array, rotary: bool, unit: str) -> Array:
-    return np.asarray(from_unit(values, "deg" if rotary else unit), dtype=float)

@@ -85,6 +85,8 @@ def _number(text: bytes) -> float:
         return -math.inf if mantissa.startswith("-") else math.inf
 
 
+_SERVO_PERIOD = 1e-3
+"""s, as LinuxCNC's own configurations have it."""
 STEEPEST = 0.5
 """Largest slope: LinuxCNC adds at most half of the axis' speed for the correction (control.c, compute_screw_comp)."""
 
@@ -130,26 +132,20 @@ def _refuse_equal_positions(table: CompensationTable, nominal: Array, unit: str)
         raise TableError(what, remedy, axis=table.axis, position=nominal[equal[0]], unit=unit, step=1e-6)
 
 
-def notes(
-    table: CompensationTable,
-    unit: str,
-    joints: Sequence[int] = (),
-    acceleration: float | None = None,
-    servo_period: float = 1e-3,
-) -> tuple[str, ...]:
+def notes(table: CompensationTable, unit: str, joints: Sequence[int], acceleration: float) -> tuple[str, ...]:
     """Return the sentences for whoever loads the file.
 
-    unit : of the machine, mm or in, deg; joints : numbers of the axis' joints in the INI file, if known
-    acceleration : MAX_ACCELERATION of the joint, m/s² or rad/s²; servo_period : s
+    unit : of the machine, mm or in, deg; joints : numbers of the axis' joints in the INI file
+    acceleration : MAX_ACCELERATION of the joint, m/s² or rad/s²
     """
-    sections = " and ".join(f"[JOINT_{joint}]" for joint in joints) or "[JOINT_n], n the joint of this axis"
+    sections = " and ".join(f"[JOINT_{joint}]" for joint in joints)
     each = f" The {len(joints)} joints of {table.axis} have the same table." if len(joints) > 1 else ""
     first, last = (f"{to_unit(float(table.positions[i]), unit):.6g}" for i in (0, -1))
     return (
         f"In the INI file, section {sections}: COMP_FILE = {table.axis}.comp and COMP_FILE_TYPE = 0; restart LinuxCNC."
         f"{each}",
         "BACKLASH of the joint is ignored from then on; the two columns of the table hold the reversal.",
-        _reversal_note(table, acceleration, servo_period),
+        _reversal_note(table, acceleration),
         f"Outside {first} to {last} {unit} the correction of the nearest end stays.{_turns_note(table)}",
         "After a start or homing there is no correction until the joint has moved: move it once before measuring.",
         "Give the drive 1.5 times MAX_VELOCITY and MAX_ACCELERATION: the correction comes on top of the motion.",
@@ -179,15 +175,11 @@ def dead_band(acceleration: float, servo_period: float) -> tuple[float, float]:
     return 0.25 * unit_step, 0.5 * unit_step
 
 
-def _reversal_note(table: CompensationTable, acceleration: float | None, servo_period: float) -> str:
+def _reversal_note(table: CompensationTable, acceleration: float) -> str:
     smallest, largest = table.reversal
     if largest == 0:
         return "The table knows no reversal: both directions are the same."
-    if acceleration is None:
-        return (
-            "A reversal step between 0.25 and 0.5 of MAX_ACCELERATION times SERVO_PERIOD squared is never carried out."
-        )
-    low, high = dead_band(acceleration, servo_period)
+    low, high = dead_band(acceleration, _SERVO_PERIOD)
     if largest <= low or smallest > high:
         return f"The reversal step, {_span(table, smallest, largest)}, is carried out at this acceleration."
     band = f"between {table.shown(low)} and {table.shown(high)}"

@@ -1,0 +1,117 @@
+"""Options of `axiscal export`: each format uses what it says that it takes, and refuses all others by name."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from axiscal.cli.app import run
+from axiscal.exceptions import TableError
+from axiscal.machine.description import machine_from_text
+from axiscal.tables.exporter import ExportOptions
+from axiscal.tables.loaded import OldFile
+from axiscal.tables.registry import CONTROLLERS, export, exporter, refuse_untaken
+from axiscal.tables.round_trip import drawn_and_known
+from tests.generators.texts import machine_text
+from tests.tables.test_controllers import COM, FANUC, OPTIONS, known
+
+TRAVELS = {"X": (0, 300), "Y": (0, 200), "Z": (0, 100)}
+
+GIVEN: dict[str, dict[str, object]] = {
+    "--spacing": {"spacing": 0.05},
+    "--unit": {"unit": "in"},
+    "--number": {"numbers": {"X": (2,), "Y": (1,), "Z": (0,)}},
+    "--template": {"template": COM},
+    "--name": {"name": "bed"},
+    "--mesh": {"mesh": 4},
+    "--flip": {"flip": True},
+    "--pivots": {"pivots": True},
+    "--measuring-system": {"encoder": 2},
+    "--on-top-of": {"old_files": (OldFile("X.csv", ""),)},
+}
+ELSEWHERE = ("--coordinates", "--ini", "--load")
+"""Options that stand in no field of the choices."""
+TEMPLATES = {"fanuc": FANUC, "heidenhain": COM}
+WORDS = {
+    "--spacing": ["10 mm"], "--unit": ["in"], "--number": ["X=1"], "--template": [__file__], "--name": ["bed"],
+    "--mesh": ["5"], "--flip": [], "--pivots": [], "--measuring-system": ["2"], "--on-top-of": [__file__],
+    "--coordinates": ["XYZ"], "--ini": [__file__], "--load": ["moonraker:voron.local"],
+}  # fmt: skip
+
+
+def written(controller: str, **given: object) -> dict[str, str]:
+    """Return the files for a machine that somebody knows."""
+    options = {"template": TEMPLATES.get(controller), **given}
+    return dict(export(known("small")[0], controller, ExportOptions(**options)).files)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("option", [*GIVEN, *ELSEWHERE])
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_an_option_that_a_format_does_not_take_is_refused_with_those_that_do(controller: str, option: str) -> None:
+    made = exporter(controller)
+    if option in made.takes:
+        refuse_untaken(controller, [option])
+        return
+    with pytest.raises(TableError, match=f"^{controller} does not take {option}. ") as refusal:
+        written(controller, **GIVEN[option]) if option in GIVEN else refuse_untaken(controller, [option])
+    takers = [name for name in CONTROLLERS if option in exporter(name).takes]
+    remedy = made.instead.get(option)
+    assert remedy is not None or all(re.search(rf"\b{name}\b", str(refusal.value)) for name in takers)
+    assert takers
+
+
+@pytest.mark.parametrize(
+    ("controller", "option"),
+    [
+        (controller, option)
+        for controller in CONTROLLERS
+        for option in exporter(controller).takes
+        if option in GIVEN.keys() - {"--template", "--pivots", "--on-top-of"}
+        and (controller, option) != ("klipper-volumetric", "--mesh")  # of a bed, which this machine has not
+    ],
+)
+def test_an_option_that_a_format_takes_changes_its_files(controller: str, option: str) -> None:
+    if option == "--number" and controller == "fanuc":  # its template has no axis of the number 0
+        with pytest.raises(TableError, match="there are no parameters 3620"):
+            written(controller, **GIVEN[option])
+    else:
+        assert written(controller, **GIVEN[option]) != written(controller)
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_the_readme_of_each_format_that_can_flip_says_when(controller: str) -> None:
+    readme = export(known("small")[0], controller, OPTIONS.get(controller, ExportOptions())).readme
+    assert ("where the error has doubled, export again with --flip." in readme) is (
+        "--flip" in exporter(controller).takes
+    )
+
+
+def test_a_sinumerik_without_cec_tables_refuses_to_turn_them() -> None:
+    estimate = drawn_and_known(machine_from_text(machine_text("w-b-X-Y-Z-t", TRAVELS, {"EXX": ("10 um", 7, 150)})))
+    assert set(export(estimate, "sinumerik", ExportOptions()).files) == {"AX_EEC.INI"}
+    with pytest.raises(TableError, match="--flip turns CEC tables, and these files hold none"):
+        export(estimate, "sinumerik", ExportOptions(flip=True))
+
+
+@pytest.mark.parametrize("against", ["X", "C"])
+def test_isg_names_the_axes_that_count_against_the_kernel(against: str) -> None:
+    text = machine_text("w-C'-b-X-Y-Z-t", {**TRAVELS, "C": (0, 360)}, {"EXX": ("10 um", 7, 150)})
+    plain, turned = (
+        export(drawn_and_known(machine_from_text(each)), "isg", ExportOptions()).readme
+        for each in (text, text.replace(f"[axes.{against}]", f'[axes.{against}]\ndirection = "reversed"'))
+    )
+    assert f"{against}: direction is reversed in machine.toml." in turned
+    assert "direction is reversed" not in plain
+
+
+@pytest.mark.parametrize("option", WORDS)
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_the_command_line_refuses_it_before_it_looks_for_the_record(
+    controller: str, option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if option in exporter(controller).takes:
+        return
+    assert run(["export", str(tmp_path / "none.axiscal"), "--to", controller, option, *WORDS[option]]) == 1
+    assert f"{controller} does not take {option}. " in " ".join(capsys.readouterr().err.split())
