@@ -133,7 +133,7 @@ def test_a_reading_of_another_place(started: Command) -> None:
         (["one um"], "not a number with a unit"),
         (["1,7 um"], "comma"),
         (["1 um", "--std", "0 um"], "is no standard deviation"),
-        (["1 um", "--std", "-1 um"], "is no standard deviation"),
+        (["1 um", "--std", "-1 um"], "-1 um is no standard deviation"),
         (["1 um", "--at", "X=120"], "has no unit"),
         (["1 um", "--at", "X=1 km"], "outside the travel"),
         (["1 um", "--at", "Y=1 mm"], 'no axis "Y"'),

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from axiscal.cli.app import run
 from axiscal.document.durable import write_whole
+from axiscal.tables import registry
+from axiscal.tables.offer import Export
 from axiscal.tables.registry import CONTROLLERS
+from axiscal.tables.surface import Effect
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
 
@@ -100,6 +105,61 @@ def test_a_template_that_is_no_text_is_refused(
     assert not out.exists()
 
 
+PITCH = "\n".join(
+    [
+        "%",
+        "N3620A1P10A2P50A3P100;",
+        "N3621A1P11A2P51A3P101;",
+        "N3622A1P40A2P70A3P110;",
+        "N3623A1P1A2P1A3P1;",
+        "N3624A1P10.0A2P0A3P10.0;",
+        *(f"N{number}P0;" for number in range(10000, 10120)),
+        "%",
+    ]
+)
+"""Of a FANUC whose second axis has no interval."""
+
+
+def test_an_axis_that_the_files_do_not_move_is_named(
+    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "saved.txt").write_text(PITCH)
+    given = ["--to", "fanuc", "--template", str(tmp_path / "saved.txt"), "--out", str(tmp_path / "out")]
+    assert run(["export", str(record), *given]) == 0
+    assert "The files do not move Y" in " ".join(capsys.readouterr().out.split())
+    assert "Left out: Y (3624 is 0, " in " ".join((tmp_path / "out" / "README.txt").read_text().split())
+
+
+def test_files_that_leave_no_less_are_not_to_be_loaded(
+    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = registry.export
+
+    def worse(*given: Any) -> Export:
+        return replace(made(*given), effect=Effect(3e-6, 3.1e-6))
+
+    given = ["export", str(record), "--to", "csv", "--out", str(tmp_path / "out")]
+    assert run(given) == 0
+    assert "load " in capsys.readouterr().out
+    monkeypatch.setattr(registry, "export", worse)
+    assert run(given) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert said.endswith("do not load these files: they leave no less error than there is")
+    assert "README.txt there" not in said
+
+
+def test_a_campaign_with_a_compensation_in_force_ends_with_an_export_on_top_of_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "machine.toml").write_text(MACHINE)
+    first = 'controls = ["linuxcnc-volumetric", "sinumerik"]\ncompensation_active = true\n'
+    (tmp_path / "campaign.toml").write_text(first + CAMPAIGN)
+    out = tmp_path / "out"
+    assert run(["run", str(tmp_path / "campaign.toml"), "--source", "sim:3", "--out", str(out)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert f"axiscal export {out}/campaign.axiscal --to sinumerik --on-top-of OLD axiscal verify" in said
+
+
 def test_controllers_are_listed(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["export", str(record), "--to", "list"]) == 0
     assert capsys.readouterr().out.split() == list(CONTROLLERS)
@@ -137,7 +197,8 @@ def test_the_joints_of_a_gantry_can_be_named_as_in_its_ini_file(
     for arguments, said in (
         (["linuxcnc", "--coordinates", "XYYZ", "--number", "Y=1"], "both --number and --coordinates"),
         (["sinumerik", "--coordinates", "XYZ"], "it is for linuxcnc and linuxcnc-volumetric"),
-        (["linuxcnc", "--coordinates", "XQZ"], "no axis"),
+        (["linuxcnc", "--coordinates", "XYQZ"], "no axis"),
+        (["linuxcnc", "--coordinates", "XY"], "--coordinates names no joint of Z"),
     ):
         assert run(["export", str(record), "--out", str(tmp_path / "c"), "--to", *arguments]) == 1
         assert said in " ".join(capsys.readouterr().err.split())

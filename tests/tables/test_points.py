@@ -13,7 +13,7 @@ from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import TableError
 from axiscal.machine import machine_from_text
 from axiscal.numerics import Array
-from axiscal.tables.sampling import closest, places, points
+from axiscal.tables.sampling import SAMPLES, closest, points
 from tests.generators.texts import machine_text
 
 
@@ -107,7 +107,7 @@ def farthest(curves: Array, at: Array, chosen: Array) -> float:
 
 @given(st.integers(0, 10_000), st.integers(2, 14), st.integers(0, 4))
 def test_points_anywhere_are_no_more_keep_both_ends_and_are_never_farther(seed: int, count: int, inner: int) -> None:
-    rng, at = np.random.default_rng(seed), places(-0.1, 0.4)
+    rng, at = np.random.default_rng(seed), np.linspace(-0.1, 0.4, SAMPLES)
     kinks = np.sort(rng.uniform(-0.1, 0.4, inner))
     curves = 1e-5 * np.stack([np.abs(at - k) for k in (*kinks, 0.1)]).sum(axis=0) * np.array([[1.0], [-0.5]])
     curves = curves + 1e-6 * np.sin(9 * at)
@@ -120,7 +120,7 @@ def test_points_anywhere_are_no_more_keep_both_ends_and_are_never_farther(seed: 
 
 
 def test_a_curve_of_lines_needs_no_more_points_than_its_kinks() -> None:
-    at, knots = places(0.0, 1.0), np.array([0.25, 0.5])
+    at, knots = np.linspace(0.0, 1.0, SAMPLES), np.array([0.25, 0.5])
     curves = 1e-5 * (np.abs(at - 0.25) - np.abs(at - 0.5))[None]
     found = closest(curves, at, knots, np.linspace(0.0, 1.0, 8))
     assert found.tolist() == [0.0, 0.25, 0.5, 1.0]

@@ -183,6 +183,11 @@ def test_a_choice_that_no_control_has(options: dict[str, object], what: str) -> 
         ExportOptions(**options)  # type: ignore[arg-type]
 
 
+def test_two_axes_of_one_number_are_named_where_a_third_has_none() -> None:
+    with pytest.raises(TableError, match=r"X and Z have the same number 1 .numbers are X=1, Z=1."):
+        ExportOptions(numbers={"X": (1,), "Z": (1,)}).joints(THREE, 1)
+
+
 @pytest.mark.parametrize("controller", ["fanuc", "heidenhain", "isg", "sinumerik"])
 def test_an_axis_has_one_number_in_these_controls(controller: str) -> None:
     options = ExportOptions(numbers={"X": (1, 2)})

@@ -50,7 +50,7 @@ Verdict = Literal["measured", "reached", "more", "unreachable", "contradict", "n
 """Nothing was asked for; it is reached; more readings would; none would; readings contradict; none was taken."""
 PlanVerdict = Literal["planned", "reached", "short", "unreachable"]
 """Nothing is asked for; it is reached; more readings would; none of these set-ups would."""
-StepCode = Literal["load", "verify", "undo", "accept", "measure", "next", "finish", "start", "target"]
+StepCode = Literal["load", "verify", "export", "undo", "accept", "measure", "next", "finish", "start", "target"]
 """Load the tables of a control; check them; take the end back; accept a mistake; go on; end it; begin; give an end."""
 
 

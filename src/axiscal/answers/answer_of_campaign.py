@@ -41,7 +41,7 @@ from axiscal.measurement.reading import Place, shown_pose
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.promise import WantedAccuracy, asked
 from axiscal.record.copies import file_name
-from axiscal.tables.registry import offered
+from axiscal.tables.registry import exporter, offered
 from axiscal.tables.surface import Control
 from axiscal.units import to_unit
 
@@ -148,7 +148,7 @@ def best_control(rows: Sequence[AnsweredRow], names: Sequence[str]) -> str:
 
 def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str, written: bool) -> Iterator[NextStep]:
     """Yield what to do next: read on or accept a mistake where that helps, else load tables and check, or end."""
-    ended = campaign.state.finished is not None
+    ended, described = campaign.state.finished is not None, known.case.description
     planned = verdict == "unreachable" and not ended and campaign.state.coming
     if planned or verdict in ("more", "contradict", "nothing"):
         if ended:
@@ -160,6 +160,9 @@ def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str
     elif written:
         if control:
             yield NextStep(code="load", control=control)
+        elif described.compensation_active is True:
+            control = next((name for name in described.controls if "--on-top-of" in exporter(name).takes), "")
+            yield from [NextStep(code="export", control=control)] * bool(control)
         yield NextStep(code="verify", control=control)
     else:
         yield NextStep(code="finish")

@@ -271,6 +271,8 @@ def _commands(steps: Sequence[NextStep], record: str, results: str) -> Iterator[
             yield said("load {folder} (README.txt there), then", folder=f"{beside}tables/{step.control}")
         elif step.code == "next":
             yield f"axiscal step next {record} --beyond"
+        elif step.code == "export":
+            yield f"axiscal export {record} --to {step.control} --on-top-of OLD"
         elif step.code == "undo":
             yield f"axiscal step undo {record}"
         elif step.code == "accept":

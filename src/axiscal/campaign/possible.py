@@ -12,7 +12,7 @@ from axiscal.description.campaign import CampaignDescription, campaign_from_text
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
-from axiscal.measurement.instrument import values_of
+from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.reading import LARGEST, Place, Reading
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.record.accepted import Accepted
@@ -114,7 +114,8 @@ def refuse_unreadable(setup: Setup, values: Sequence[float], std: float | None) 
     _refuse_other_count(setup, len(values))
     if std is not None and not std >= FINEST:
         remedy = "Give one of at least 0.1 nm or 0.1 nrad, or none"
-        raise ReadingError("{std:g} m or rad is no standard deviation", remedy, std=std)
+        shown = format_quantity(std, {"length": "um", "angle": "urad"}[INSTRUMENTS[setup.instrument].reads])
+        raise ReadingError("{std} is no standard deviation", remedy, std=shown)
 
 
 def _refuse_other_count(setup: Setup, count: int) -> None:

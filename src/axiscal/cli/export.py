@@ -18,7 +18,7 @@ from axiscal.document.file import bounded_content
 from axiscal.document.ports import ours
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import TableError
-from axiscal.language.spoken import said, speaking
+from axiscal.language.spoken import joined, said, speaking
 from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.present.delivery import introduced, write_files
 from axiscal.present.findings import findings
@@ -133,6 +133,10 @@ def export(
     with speaking("en"), Campaign.open(record, write=False) as campaign:  # README.txt is in English
         estimation = campaign.estimate(ended=True)
         options = informed(options, estimation.case.description, to)
+        missing = [axis.name for axis in estimation.case.description.machine.axes if axis.name not in options.numbers]
+        if coordinates is not None and missing:
+            what, remedy = "--coordinates names no joint of {axes}", "write the letters of all axes, as in the INI file"
+            raise TableError(what, remedy, axes=joined(missing))
         options = replace(options, origin=record_state(campaign).hash)
         into = None if ini is None else ours("ports.linuxcnc.configuring:export_into")
         estimate = estimation.estimate()
@@ -153,7 +157,11 @@ def export(
         if loader is None:
             then = said("load {folder} (README.txt there), then", folder=out)
             last[said("Next")] = [then, f"axiscal verify {quote(str(record))} --to {to}"]
+        if not offered.effect.after < offered.effect.before:
+            last[said("Next")] = [said("do not load these files: they leave no less error than there is")]
         found = wrapped(effect_sentence(said("All files together"), offered.effect, offered.U), 4)
+        if offered.idle:
+            found += wrapped(said("The files do not move {axes}.", axes=joined(offered.idle)), 4)
         say("\n".join([*found, *ending(last)]))
     done = None if loader is None or sent is None else loader.load(sent, name)
     if json:

@@ -86,7 +86,7 @@ def asked_about(controller: str, instead: Mapping[str, str], draft: Draft, optio
     """
     if options.active and controller not in REPORTS:
         what = "a compensation was active while measuring (compensation_active), and these files would take its place"
-        raise TableError(what, instead["--on-top-of"] if "--on-top-of" in instead else _ON_TOP)
+        raise TableError(what, ({"--on-top-of": _ON_TOP} | dict(instead))["--on-top-of"])
     if options.active:
         note = "The deviations are those that were left by the compensation that was active while measuring."
         return replace(draft, notes=(note, *draft.notes))
@@ -189,6 +189,7 @@ class ExportOptions:
         """
         for name in self.numbers:
             machine.index(name)
+        _refuse_twice(self.numbers)
         found, place = dict[str, tuple[int, ...]](), first
         for name in sorted((a.name for a in machine.axes), key=lambda name: (_USUAL.index(name[0]), name)):
             found[name] = self.numbers.get(name, (place,))

@@ -62,6 +62,7 @@ class Export:
     unknown : RMS over the volume of what the estimate may be wrong by, m, one shift of everything taken off, or the
     motion of an aligned part
     U : m, of 95 machines in 100 that the readings leave possible, 95 % of the deviations with the files are within it
+    idle : the axes that the files never move
     """
 
     controller: str
@@ -72,6 +73,7 @@ class Export:
     unknown: float
     U: float
     readme: str
+    idle: tuple[str, ...]
 
     @property
     def expected(self) -> float:
@@ -102,7 +104,9 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
     certain = _within(estimate, draft.control)
     said = replace(draft, left_out=" ".join(part for part in (draft.left_out, together) if part))
     readme = _readme(controller, said, effect, certain, (*draft.first, *foreword(estimate, draft.control)))
-    done = draft.files, draft.tables, draft.control, effect, _unknown(estimate), certain, readme
+    moved = np.any(draft.control(poses, approaches), axis=0)
+    idle = tuple(axis.name for axis, moves in zip(estimate.machine.axes, moved, strict=True) if not moves)
+    done = draft.files, draft.tables, draft.control, effect, _unknown(estimate), certain, readme, idle
     return Export(controller, *done)
 
 

@@ -62,8 +62,7 @@ def refuse_untaken(controller: str, given: Sequence[str]) -> None:
     for option in given:
         if option not in made.takes:
             takers = joined([name for name in CONTROLLERS if option in exporter(name).takes])
-            remedy = made.instead[option] if option in made.instead else _OTHERS
-            what = "{controller} does not take {option}"
+            what, remedy = "{controller} does not take {option}", ({option: _OTHERS} | dict(made.instead))[option]
             raise TableError(what, remedy, controller=controller, option=option, takers=takers)
 
 

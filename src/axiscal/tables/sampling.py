@@ -34,7 +34,7 @@ from axiscal.tables.conditional import from_the_other_side, mean_along, turned
 from axiscal.tables.table import CompensationTable, Hats
 from axiscal.units import format_quantity
 
-_SAMPLES = 1025
+SAMPLES = 1025
 """Places at which curve and line are compared; a table has some tens of points."""
 _DECIMALS, _APART = 9, 1e-6
 """m or rad: knots nearer than rounding are one, and one that is as near to an end is that end."""
@@ -205,7 +205,7 @@ def knots_of(estimate: Estimate, axis: int) -> list[Array]:
 
 def _nearest(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array) -> CompensationTable:
     """Return the table with as many points, set so that its line is nearest to the curve; never farther than `hats`."""
-    shown, at = curves @ estimate.mean, places(*hats.points[[0, -1]])
+    shown, at = curves @ estimate.mean, np.linspace(hats.points[0], hats.points[-1], SAMPLES)
     knots = np.concatenate([np.zeros(0), *knots_of(estimate, over)])
     other = hats_along(estimate, over, closest(shown @ hats.carried(at).T, at, knots, hats.points))
     pairs = (hats, curves), (other, hats.carried(other.nodes) @ curves)
@@ -330,16 +330,11 @@ def closest(curves: Array, at: Array, knots: Array, even: Array) -> Array:
     return min([even, *found], key=lambda points: _farthest(curves, at, points)[0])
 
 
-def places(start: float, stop: float) -> Array:
-    """Return where curves are to be compared."""
-    return np.linspace(start, stop, _SAMPLES)
-
-
 def _grown(curves: Array, at: Array, points: Array, most: int) -> Array:
     """Return the positions with others between them, each where the line so far is farthest from the curve."""
     while len(points) < most:
         apart, place = _farthest(curves, at, points)
-        if apart < _NOT_APART or np.min(np.abs(points - place)) < (at[-1] - at[0]) / _SAMPLES:
+        if apart < _NOT_APART or np.min(np.abs(points - place)) < (at[-1] - at[0]) / SAMPLES:
             break
         points = np.sort(np.append(points, place))
     return points

@@ -81,10 +81,8 @@ def _built(text: str, machine: Machine) -> Mesh | None:
 
 def _points(options: ExportOptions) -> int | None:
     """Return the points of a mesh along each side: the firmware was built for those of an old one."""
-    for mesh in options.old.meshes if options.mesh is None else ():
-        if len(mesh.x) == len(mesh.y):
-            return len(mesh.x)
-    return options.mesh
+    old = [len(mesh.x) for mesh in options.old.meshes if len(mesh.x) == len(mesh.y)]
+    return next(iter(old), None) if options.mesh is None else options.mesh
 
 
 def _notes(mesh: Mesh | None, skew: Skew, play: Mapping[str, float]) -> tuple[str, ...]:

@@ -77,13 +77,13 @@ class Heidenhain(TableFormat):
 
     def tables(self, estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
         """Return the tables that the template has a column for, all of one file on the same points."""
-        layout, common = _template(options), dict[str, Array]()
+        layout, common = read_layout(options.saved("HEIDENHAIN"), options.template_name), dict[str, Array]()
         whole = [table for table in super().tables(estimate, options) if table.axis in layout.heads]
         return tuple(_sampled(t, common.setdefault(t.over, t.positions)) for t in whole)  # an old column has others
 
     def write(self, tables: Sequence[CompensationTable], machine: Machine, options: ExportOptions) -> Written:
         """Return one file for each axis, in the form of the template."""
-        layout, sign = _template(options), options.sign
+        layout, sign = read_layout(options.saved("HEIDENHAIN"), options.template_name), options.sign
         files = {
             f"{axis}_AXIS.COM": _file(layout, axis, tables, sign) for axis in dict.fromkeys(t.over for t in tables)
         }
@@ -94,10 +94,6 @@ class Heidenhain(TableFormat):
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
         """Return what tables do; raises TableError."""
         return Loaded(tuple(one for file in files for one in _read(file, machine, options.sign)))
-
-
-def _template(options: ExportOptions) -> Layout:
-    return read_layout(options.saved("HEIDENHAIN"), options.template_name)
 
 
 def read_layout(text: str, file: str) -> Layout:

@@ -138,11 +138,8 @@ def _resolution(
 ) -> dict[str, float]:
     value, position = (float(from_unit(last, options.unit)) for last in (1e-7, 1e-6))
     alone = [(table.axis, resolution(table, _unit(table, options))) for table in own]
-    return summed([*alone, *((table.axis, value + _steepest(table) * position) for table in over)])
-
-
-def _steepest(table: CompensationTable) -> float:
-    return float(np.max(np.abs(np.diff(table.forward) / np.diff(table.positions))))
+    slopes = ((t.axis, float(np.max(np.abs(np.diff(t.forward) / np.diff(t.positions))))) for t in over)
+    return summed([*alone, *((axis, value + steepest * position) for axis, steepest in slopes)])
 
 
 def _hal_notes(machine: Machine, over: Sequence[CompensationTable]) -> tuple[str, ...]:
