@@ -14,8 +14,8 @@ from axiscal.measurement.charts.bar import Bar
 from axiscal.measurement.charts.box import Line
 from axiscal.measurement.charts.held import Held
 from axiscal.measurement.charts.room import Room
-from axiscal.measurement.charts.swing import Slides, Swinging, stem_rate
-from axiscal.measurement.charts.ways import clear
+from axiscal.measurement.charts.swing import Slides, stem_rate
+from axiscal.measurement.charts.ways import SmoothChart, clear
 from axiscal.numerics import Array
 from tests.generators.kinematics import in_travel, stem, tip
 from tests.measurement.test_charts import DMU, HOME, UP, circle, held
@@ -40,7 +40,7 @@ def machine(chain: str) -> Machine:
     return machine_from_text(head + "".join(linear + rotary))
 
 
-def charts(built: Machine) -> list[Swinging]:
+def charts(built: Machine) -> list[SmoothChart]:
     """A ball, a bar in space and a line on a machine."""
     turning = tuple(k for k, axis in enumerate(built.axes) if axis.rotary)
     room, home, ball = Room.empty(built), np.zeros(5), np.array([0.11, -0.04, 0.02])
@@ -82,7 +82,7 @@ def test_a_way_that_is_gone_is_free_at_every_place_and_hardly_one_that_is_free_i
     for start, stop in zip(places[:-1:2], places[1::2], strict=False):
         along = start + np.linspace(0.0, 1.0, 1001)[:, None] * (stop - start)
         every = bool(np.all(chart.feasible(chart.poses(along))))
-        found = clear(chart, chart.room, np.stack([start, stop]))
+        found = clear(chart, np.stack([start, stop]))
         assert every or not found
         gone, free = gone + found, free + every
     assert 10 < gone == free
@@ -99,21 +99,21 @@ def test_a_plate_thinner_than_a_quarter_of_a_degree_is_met() -> None:
     blocked = replace(chart, room=Room(slim, plate))
     coarse = blocked.poses(start + np.linspace(0.0, 1.0, 243)[:, None] * (stop - start))
     assert np.all(blocked.feasible(coarse))
-    assert clear(chart, chart.room, np.stack([start, stop]))
-    assert not clear(blocked, blocked.room, np.stack([start, stop]))
+    assert clear(chart, np.stack([start, stop]))
+    assert not clear(blocked, np.stack([start, stop]))
 
 
 def test_a_way_along_a_limit_and_up_to_one_is_gone() -> None:
     chart = held(cone=60.0)
     along = np.radians([[10.0, 60.0], [25.0, 60.0]])  # the tool stays at the edge of its cone
-    assert clear(chart, chart.room, along)
+    assert clear(chart, along)
     low, high = 0.0, 2.0
     for _ in range(60):  # to the last place along B that can be reached
         middle = (low + high) / 2
         inside = held().feasible(held().poses(np.array([[1.0, middle]])))[0]
         low, high = (middle, high) if inside else (low, middle)
-    assert clear(held(), held().room, np.array([[1.0, 0.0], [1.0, low]]))
-    assert not clear(held(), held().room, np.array([[1.0, 0.0], [1.0, low + 1e-6]]))
+    assert clear(held(), np.array([[1.0, 0.0], [1.0, low]]))
+    assert not clear(held(), np.array([[1.0, 0.0], [1.0, low + 1e-6]]))
 
 
 def test_a_circle_whose_side_bulges_out_of_a_travel_by_a_tenth_of_a_micrometre_is_not_gone() -> None:
@@ -127,7 +127,7 @@ def test_a_circle_whose_side_bulges_out_of_a_travel_by_a_tenth_of_a_micrometre_i
         axes[index] = replace(DMU.axes[index], travel=(DMU.axes[index].travel[0], top - beyond))
         short = replace(whole, room=Room.empty(replace(DMU, axes=tuple(axes))))
         ways = np.array([[-0.3], [0.3]])
-        assert clear(short, short.room, ways) == gone
+        assert clear(short, ways) == gone
         assert in_travel(short.room.machine, short.poses(ways)[0])
 
 

@@ -1,4 +1,4 @@
-"""The axes that move, each as far as it can be read: a laser, a level, a dial on a straightedge.
+"""The axes that move, each as far as it can be read, and where a tracker or tracer sees the tool.
 
 A straight line through the workspace: diagonals of ISO 230-6, several linear axes together.
 """
@@ -77,11 +77,15 @@ _FINEST, _FINEST_TURN = 1e-6, float(np.radians(1e-4))
 
 
 @dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
-class Box:
-    """u : the axes that move.
+class Sight:
+    """u : the axes that move, without what cannot be seen; on a way where a beam is lost it is found again.
 
     moves : their indices; spans : (moves, 2) from where to where each can be read, m or rad; park : (q,)
     steps : (moves,) m or rad, 0 continuous
+    stations : (k, 3) m, workpiece frame: all of them see the tool
+    range : from how near to how far, m
+    faces : (3,) where the reflector looks, in the frame of the workpiece; None looks to the station
+    cone : rad, half the angle in which it is seen
     """
 
     room: Room
@@ -89,6 +93,10 @@ class Box:
     spans: Array
     park: Array
     steps: tuple[float, ...]
+    stations: Array
+    range: tuple[float, float]
+    faces: Array | None
+    cone: float
 
     @property
     def size(self) -> int:
@@ -119,11 +127,15 @@ class Box:
         return crossings(curve, low, high, own)
 
     def feasible(self, poses: Array) -> NDArray[np.bool_]:
-        """Return which poses are within reach, with nothing in the way."""
+        """Return which poses are within reach, with nothing in the way, and seen."""
         low, high = self.spans.T
         slack, moved = _SLACK * (high - low), poses[:, list(self.moves)]
         within: NDArray[np.bool_] = np.all((moved >= low - slack) & (moved <= high + slack), axis=1)
-        return within & self.room.holds(poses)
+        found = within & self.room.holds(poses)
+        if found.any():
+            tcp = frames(self.room.machine, poses[found]).tcp
+            found[found] = np.all([self._seen(station - tcp) for station in self.stations], axis=0)
+        return found
 
     def between(self, start: Array, stop: Array) -> Array | None:
         """Return the straight way: a box of axes holds all of it."""
@@ -133,30 +145,6 @@ class Box:
         """Return the coordinates of the axes that move."""
         moved: Array = poses[:, list(self.moves)]
         return moved
-
-
-@dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
-class Sight(Box):
-    """A box without what cannot be seen; on a way where a beam is lost it is found again.
-
-    stations : (k, 3) m, workpiece frame: all of them see the tool
-    range : from how near to how far, m
-    faces : (3,) where the reflector looks, in the frame of the workpiece; None looks to the station
-    cone : rad, half the angle in which it is seen
-    """
-
-    stations: Array
-    range: tuple[float, float]
-    faces: Array | None
-    cone: float
-
-    def feasible(self, poses: Array) -> NDArray[np.bool_]:
-        """Return which poses are seen."""
-        found = Box.feasible(self, poses)
-        if found.any():
-            tcp = frames(self.room.machine, poses[found]).tcp
-            found[found] = np.all([self._seen(station - tcp) for station in self.stations], axis=0)
-        return found
 
     def _seen(self, towards: Array) -> NDArray[np.bool_]:
         """Return which poses one station sees.  towards : (m, 3) from the tool to it, m"""

@@ -53,6 +53,8 @@ class Coordinate(NamedTuple):
 class Chart(Protocol):
     """Where a set-up can be read: a map from coordinates u to poses."""
 
+    __slots__ = ()
+
     @property
     def size(self) -> int:
         """Number of coordinates."""

@@ -8,13 +8,12 @@ a rate w about a place d away, a point x has |x'| + w d and |x''| + 2 w |x'| + w
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import Frames, linear_axes, tool_point
-from axiscal.measurement.charts.room import Chart
 from axiscal.numerics import Array
 
 _SAME_WAY = 1e-12
@@ -43,13 +42,6 @@ class Swing(NamedTuple):
     speed: float
     bend: float
     angles: tuple[Narrow, ...]
-
-
-class Swinging(Chart, Protocol):
-    """A chart whose straight ways are bounded."""
-
-    def swing(self, start: Array, stop: Array) -> Swing:
-        """Return what bounds a straight way from place to place."""
 
 
 class Slides:

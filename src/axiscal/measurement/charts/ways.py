@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.machine.kinematics import Frames, frames, linear_axes
-from axiscal.measurement.charts.room import Room, along_one
-from axiscal.measurement.charts.swing import Slides, Swing, Swinging, stem_rate
+from axiscal.measurement.charts.room import Chart, Room, along_one
+from axiscal.measurement.charts.swing import Slides, Swing, stem_rate
 from axiscal.numerics import Array
 
 _LIMIT = 1e-9
@@ -31,51 +31,44 @@ _MOST_LEGS = 3
 """Coordinates up to which all orders of going one after the other are tried."""
 
 
-class _InRoom(Swinging, Protocol):
-    @property
-    def room(self) -> Room:
-        """What may not be."""
-
-
-class SmoothChart:
-    """The common part of charts whose tool point follows their coordinates smoothly, with a room about it."""
+class SmoothChart(Chart, Protocol):
+    """The common part of charts whose tool point follows their coordinates smoothly.  room : what may not be"""
 
     __slots__ = ()
+    room: Room
 
-    def breaks(self: _InRoom, number: int, place: Array, levels: tuple[Array, ...]) -> Array:
+    def swing(self, start: Array, stop: Array) -> Swing:
+        """Return what bounds a straight way from place to place."""
+
+    def breaks(self, number: int, place: Array, levels: tuple[Array, ...]) -> Array:
         """Return where an axis is at one of its levels along one coordinate."""
         low, high, *_ = self.bounds(number)
         return along_one(self.poses, number, place, (low, high), levels)
 
-    def between(self: _InRoom, start: Array, stop: Array) -> Array | None:
-        """Return a way that holds the tool point on the chart."""
-        return way(self, self.room, start, stop)
-
-
-def way(chart: Swinging, room: Room, start: Array, stop: Array) -> Array | None:
-    """Return a way from place to place of a chart, (k, size), its ends included; None where there is none of these."""
-    straight = np.stack([start, stop])
-    if clear(chart, room, straight):
-        return straight
-    turning = np.flatnonzero(start != stop)
-    if not 1 < len(turning) <= _MOST_LEGS:
+    def between(self, start: Array, stop: Array) -> Array | None:
+        """Return a way that holds the tool point on the chart, (k, size), ends included; None where there is none."""
+        straight = np.stack([start, stop])
+        if clear(self, straight):
+            return straight
+        turning = np.flatnonzero(start != stop)
+        if not 1 < len(turning) <= _MOST_LEGS:
+            return None
+        for order in permutations(turning.tolist()):
+            legs = [start]
+            for number in order:
+                legs.append(np.where(np.arange(len(start)) == number, stop, legs[-1]))
+            if clear(self, np.array(legs)):
+                return np.array(legs)
         return None
-    for order in permutations(turning.tolist()):
-        legs = [start]
-        for number in order:
-            legs.append(np.where(np.arange(len(start)) == number, stop, legs[-1]))
-        if clear(chart, room, np.array(legs)):
-            return np.array(legs)
-    return None
 
 
-def clear(chart: Swinging, room: Room, legs: Array) -> bool:
+def clear(chart: SmoothChart, legs: Array) -> bool:
     """Return whether every place on a way can be taken, to a nanometre.  legs : (k, size)"""
-    return all(_clear(chart, room, start, stop) for start, stop in pairwise(legs))
+    return all(_clear(chart, start, stop) for start, stop in pairwise(legs))
 
 
-def _clear(chart: Swinging, room: Room, start: Array, stop: Array) -> bool:
-    proof = _Proof(room, chart.swing(start, stop))
+def _clear(chart: SmoothChart, start: Array, stop: Array) -> bool:
+    proof = _Proof(chart.room, chart.swing(start, stop))
     edges = np.linspace(0.0, 1.0, 2 + int(proof.swing.turns.sum() / _FIRST))
     left, right, tried = edges[:-1], edges[1:], 0
     while len(left):
