@@ -24,7 +24,7 @@ from axiscal.errors.plane import PlaneError
 from axiscal.exceptions import DescriptionError
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import frames
-from axiscal.measurement.instruments.kind import Actual, Angle, LinearModel, Nominal, Reads
+from axiscal.measurement.instruments.kind import Actual, Model, Nominal, Reads, Rotation
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import Way, across
 from axiscal.numerics import Array
@@ -36,7 +36,7 @@ _UNSEEN = 1e-9
 """Rounding of a lever, m/rad or 1."""
 
 
-class Stepped(Angle):
+class Stepped(Rotation):
     """One slope, as an angle about the set-up's direction."""
 
     def shown(
@@ -105,7 +105,7 @@ _READS: dict[str, Reads] = {
 }
 
 
-class Displacement(LinearModel):
+class Displacement(Model):
     """One length along the set-up's direction."""
 
     reads: Reads = "length"

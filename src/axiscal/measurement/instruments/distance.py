@@ -37,7 +37,7 @@ from axiscal.measurement.instruments.kind import (
     TOOL,
     TOOL_READS,
     Actual,
-    LinearModel,
+    Model,
     Nominal,
     Reads,
     along,
@@ -55,7 +55,7 @@ RADIUS = "radius"
 _ZEROS = ("zero_x", "zero_y", "zero_z")
 
 
-class Nest(LinearModel):
+class Nest(Model):
     """Three lengths along x, y, z of the workpiece frame."""
 
     reads: Reads = "length"
@@ -66,7 +66,7 @@ class Nest(LinearModel):
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return the part of an unknown along d, (m,)."""
         if unknown in TOOL:
-            return tool_part(unknown, along(direction, nominal.count), nominal)
+            return tool_part(unknown, self.direction_of(setup, direction, nominal), nominal)
         if unknown in _ZEROS:
             return np.full(nominal.count, direction[_ZEROS.index(unknown)])
         if unknown == RADIUS:
@@ -95,7 +95,7 @@ _LEAST = 1e-3
 """m: nearer to the station a distance has no direction; nobody measures there."""
 
 
-class Distance:
+class Distance(Model):
     """One distance, or one from each station."""
 
     reads: Reads = "length"
@@ -193,22 +193,15 @@ def _numbered(name: str, number: int) -> str:
     return f"{name}_{number + 1}"
 
 
-_TRACKER_ZEROS = ("zero_x", "zero_y", "zero_z")
 TURNS = ("turn_x", "turn_y", "turn_z")
-_TRACKER_UNKNOWNS: dict[str, Reads] = {
-    **dict.fromkeys(_TRACKER_ZEROS, "length"),
-    **dict.fromkeys(TURNS, "angle"),
-    **TOOL_READS,
-}
 
 
-class Tracker:
+class Tracker(Nest):
     """Three lengths along x, y, z of the workpiece frame."""
 
-    reads: Reads = "length"
-    values = 3
-    directed = False
-    unknown_reads: Mapping[str, Reads] = MappingProxyType(_TRACKER_UNKNOWNS)
+    unknown_reads: Mapping[str, Reads] = MappingProxyType(
+        {**dict.fromkeys(_ZEROS, "length"), **dict.fromkeys(TURNS, "angle"), **TOOL_READS}
+    )
 
     def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
         """Return d as it lies in the workpiece frame, R(θ₀)ᵀ d, for every reading, (m, 3)."""
@@ -216,10 +209,8 @@ class Tracker:
 
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return the part of a zero or of the tool along d, or of the turn of the frame about the station, (m,)."""
-        if unknown in TOOL:
-            return tool_part(unknown, self.direction_of(setup, direction, nominal), nominal)
-        if unknown in _TRACKER_ZEROS:
-            return np.full(nominal.count, direction[_TRACKER_ZEROS.index(unknown)])
+        if unknown not in TURNS:
+            return super().unknown_effect(setup, unknown, direction, nominal)
         line = nominal.tcp - _station(setup)
         turned: Array = line @ _derivative(_found(setup), TURNS.index(unknown)).T @ direction
         return turned
@@ -229,7 +220,7 @@ class Tracker:
     ) -> Array:
         """Return dᵀ( R(turn)(p + δp + R tool − station) − (p − station) + zero ), (m,)."""
         turn = rigid.rotation(np.array([[unknowns.get(name, 0.0) for name in TURNS]]))[0]
-        zero = np.array([unknowns.get(name, 0.0) for name in _TRACKER_ZEROS])
+        zero = np.array([unknowns.get(name, 0.0) for name in _ZEROS])
         line = nominal.tcp - _station(setup)
         shown: Array = ((line + displaced(nominal, actual, unknowns)) @ turn.T - line + zero) @ direction
         return shown

@@ -92,11 +92,12 @@ class Model(Protocol):
     unknown_reads: Mapping[str, Reads]
 
     def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return what unit displacements (or rotations) along x, y, z add to a reading, (m, 3).
+        """Return what unit displacements (or rotations) along x, y, z add to a reading, (m, 3): as a rule d for each.
 
         direction : (3,) the set-up's, or that of one number of a reading that has three; (k,) of k stations, 1 for the
             one that is meant
         """
+        return along(direction, nominal.count)
 
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
         """Return what a unit of one of the set-up's unknowns adds to a reading, (m,)."""
@@ -107,31 +108,8 @@ class Model(Protocol):
         """Return what it would show, nothing linearised, noise left out, (m,)."""
 
     def check(self, setup: Setup, machine: Machine) -> None:
-        """Raise DescriptionError for a set-up that makes no sense on a machine."""
-
-
-class LinearModel:
-    """The common part of instruments that look along or about a direction and are linear in their unknowns."""
-
-    def direction_of(self, setup: Setup, direction: Array, nominal: Nominal) -> Array:
-        """Return d for every reading, (m, 3)."""
-        return along(direction, nominal.count)
-
-    def check(self, setup: Setup, machine: Machine) -> None:
-        """Everything makes sense."""
-
-
-class Angle(LinearModel):
-    """What all instruments share that read one angle about the set-up's direction."""
-
-    reads: Reads = "angle"
-    values = 1
-    directed = True
-    unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "angle"})
-
-    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
-        """Return 1 for the zero, (m,)."""
-        return np.ones(nominal.count)
+        """Raise DescriptionError for a set-up that makes no sense on a machine; as a rule every one does."""
+        return
 
 
 def along(direction: Array, count: int) -> Array:
@@ -174,8 +152,17 @@ def need_station(setup: Setup, what: str) -> None:
         raise DescriptionError("it is not said where {thing} is", remedy, thing=said(what, instrument=setup.instrument))
 
 
-class Rotation(Angle):
+class Rotation(Model):
     """One angle about the set-up's direction."""
+
+    reads: Reads = "angle"
+    values = 1
+    directed = True
+    unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "angle"})
+
+    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
+        """Return 1 for the zero, (m,)."""
+        return np.ones(nominal.count)
 
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
