@@ -177,7 +177,8 @@ def dense(campaign: Campaign, known: Sequence[Setup]) -> tuple[np.ndarray, np.nd
     rows, noise = np.zeros((len(readings), len(before))), np.zeros(len(readings))
     for number, reading in enumerate(readings):
         of = names.index(reading.setup)
-        seen = Observation(case.errors, (known[of],)).rows(0, np.array([reading.pose]), np.array([reading.approach]))
+        pose, approach = np.array([reading.pose]), np.array([reading.approach])
+        (seen,) = Observation(case.errors, (known[of],)).rows_each(0, pose, approach)
         rows[number, :size], rows[number, size + of] = seen.rows[0, :size], 1.0
         noise[number] = known[of].noise ** 2
     off = np.array([reading.value for reading in readings]) - rows @ before

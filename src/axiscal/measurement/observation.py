@@ -161,25 +161,12 @@ class Observation:
     def _owned(self) -> Owned:
         return Owned.by(self.setups)
 
-    def rows(
-        self,
-        setup: int,
-        poses: Array,
-        approaches: Array,
-        direction: Array | None = None,
-        times: Array | None = None,
-    ) -> Rows:
-        """Return what readings of a set-up would tell (B&H eq. 29-30).
+    def rows_each(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> list[Rows]:
+        """Return what readings of a set-up would tell (B&H eq. 29-30), each number of them.
 
-        poses, approaches : (m, q); direction : of one number of a reading that has several; None for the set-up's
+        poses, approaches : (m, q)
         times : (m,) of the readings, s; without them, or where one is NaN, the last time that was met
         """
-        levers = self._levers_along(self.setups[setup], poses, direction)
-        rows, variances = self._rows(setup, poses, approaches, (direction,), levers[None], times)
-        return Rows(rows[0], variances[0])
-
-    def rows_each(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> list[Rows]:
-        """Return the same of every number of the readings."""
         every = directions_of(self.setups[setup])
         return list(map(Rows, *self._rows(setup, poses, approaches, every, self.levers(setup, poses), times)))
 
@@ -214,7 +201,7 @@ class Observation:
         return Way(self.errors, mounted, mounted.base).rows(poses)
 
     def numbers(self, setup: int, poses: Array, approaches: Array) -> JointRows:
-        """Return what readings of a set-up would tell with all their numbers; arguments as for `rows`.
+        """Return what readings of a set-up would tell with all their numbers; arguments as for `rows_each`.
 
         The rest of a cell not visited yet shows in all numbers of a reading at once.
         """
@@ -329,12 +316,6 @@ class Observation:
         if mounted.base is not None:
             return Way(self.errors, mounted, mounted.base).levers(poses)[None]
         return self._projected(mounted, poses, directions_of(mounted))
-
-    def _levers_along(self, mounted: Setup, poses: Array, direction: Array | None) -> Array:
-        if mounted.base is not None:
-            return Way(self.errors, mounted, mounted.base).levers(poses)
-        levers: Array = self._projected(mounted, poses, (direction,))[0]
-        return levers
 
     def _projected(self, mounted: Setup, poses: Array, directions: Sequence[Array | None]) -> Array:
         """Return what a unit of each error does along directions at the poses, (k, terms, m)."""
