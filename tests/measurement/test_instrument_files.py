@@ -95,7 +95,7 @@ def test_a_rtl_file_is_a_positioning_test(tmp_path: Path, encoding: str, ends: s
     assert test.down is not None
     assert test.up[1] == pytest.approx([1.3e-6, 1.1e-6])
     assert test.down[2] == pytest.approx([0.2e-6, 0.4e-6])
-    assert pytest.approx(0.6e-6) == evaluate(test).B
+    assert pytest.approx(0.6e-6) == evaluate(test).figures["B"]
 
 
 def test_the_flags_can_say_that_all_runs_go_up(tmp_path: Path) -> None:

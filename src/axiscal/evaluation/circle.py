@@ -20,7 +20,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -91,31 +90,23 @@ def circular(test: CircularTest) -> CircleFigures:
             what = "the clockwise readings do not go all around"
             what = "the counter-clockwise readings do not go all around" if name == "plus" else what
             raise EvaluationError(what, "Give eight angles or more, no quarter of the turn without one", test.file)
-    whole = _centred(test.angles, test.deviations)
+    radius, centre, left = _centred(test.angles, test.deviations)
     each = {name: _centred(test.angles[mine], test.deviations[mine]) for name, mine in measured.items()}
-    figures = {f"G_{name}": float(np.ptp(found.left)) for name, found in each.items()}
-    radial = whole.radius + whole.left
+    figures = {f"G_{name}": float(np.ptp(own)) for name, (_, _, own) in each.items()}
+    radial = radius + left
     if len(measured) == 2:
-        figures["G_b"] = float(np.ptp(whole.left))
-        figures["D"] = float(np.mean([found.radius for found in each.values()]))
+        figures["G_b"] = float(np.ptp(left))
+        figures["D"] = float(np.mean([mean for mean, _, _ in each.values()]))
     figures |= {"F_max": float(radial.max()), "F_min": float(radial.min())}
     missing = () if len(measured) == 2 else ("Only one direction was measured: G_b and D are not known.",)
-    return CircleFigures(figures, whole.centre, missing)
+    return CircleFigures(figures, centre, missing)
 
 
-class _Centred(NamedTuple):
-    """radius : r₀; centre : (a, b); left : (m,) e, all m"""
-
-    radius: float
-    centre: tuple[float, float]
-    left: Array
-
-
-def _centred(angles: Array, deviations: Array) -> _Centred:
-    """Return deviations (m,) of a radius without what the place of the centre does, by least squares.
+def _centred(angles: Array, deviations: Array) -> tuple[float, tuple[float, float], Array]:
+    """Return r₀, (a, b) and e (m,) of deviations (m,) of a radius by least squares, all m.
 
     angles : (m,) rad, on at least half a turn or the centre is not told from the radius
     """
     columns = np.column_stack([np.ones_like(angles), np.cos(angles), np.sin(angles)])
     radius, a, b = np.linalg.lstsq(columns, deviations, rcond=None)[0].tolist()
-    return _Centred(radius, (a, b), deviations - columns @ np.array([radius, a, b]))
+    return radius, (a, b), deviations - columns @ np.array([radius, a, b])

@@ -7,9 +7,8 @@ not measured is None.  No figure holds a coverage factor of ours: the standard's
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -31,6 +30,9 @@ _FEWEST_RUNS, _STEADILY = 6, 5.0
 """A line through the means of so many runs is believed at so many standard deviations: by chance once in 500."""
 FIGURES = ("A", "A_up", "A_down", "E", "E_up", "E_down", "R", "R_up", "R_down", "B", "B_mean", "M")
 """The figures of an axis, as `Positioning` names them."""
+_OF_TARGET = ("mean_up", "mean_down", "s_up", "s_down", "B_i", "mean", "R_up_i", "R_down_i", "R_i")
+_AtTarget = Mapping[str, float | None]
+"""The figures of one target position by name, m or rad, None where not measured."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,53 +47,27 @@ class PositioningTest:
 
 
 @dataclass(frozen=True, slots=True)
-class TargetFigures:
-    """The figures of one target position, m or rad."""
-
-    target: float
-    mean_up: float | None
-    mean_down: float | None
-    s_up: float | None
-    s_down: float | None
-    B_i: float | None
-    mean: float | None
-    R_up_i: float | None
-    R_down_i: float | None
-    R_i: float | None
-
-
-@dataclass(frozen=True, slots=True)
 class Positioning:
     """The figures of one axis, m or rad, with what falls short of the standard's test in plain words.
 
+    figures : of `FIGURES`, those that were measured
     uncertainty : expanded (k = 2), of each figure that was measured
     vdi3441 : the figures of VDI/DGQ 3441 of the same readings by name, empty where one direction was not measured
     """
 
-    A: float | None
-    A_up: float | None
-    A_down: float | None
-    E: float | None
-    E_up: float | None
-    E_down: float | None
-    R: float | None
-    R_up: float | None
-    R_down: float | None
-    B: float | None
-    B_mean: float | None
-    M: float | None
-    per_target: tuple[TargetFigures, ...]
+    figures: Mapping[str, float]
+    per_target: tuple[_AtTarget, ...]
     rotary: bool
     warnings: tuple[str, ...]
-    uncertainty: Mapping[str, float] = field(default_factory=dict)
-    vdi3441: Mapping[str, float] = field(default_factory=dict)
+    uncertainty: Mapping[str, float]
+    vdi3441: Mapping[str, float]
 
     def as_json(self) -> dict[str, object]:
         """Return the document `axiscal-iso230/1`: figures in um, or arcsec for a rotary axis; targets in mm or deg."""
         unit, target_unit = ("arcsec", "deg") if self.rotary else ("um", "mm")
-        figures = {name: _shown(getattr(self, name), unit) for name in FIGURES}
+        figures = {name: _shown(self.figures.get(name), unit) for name in FIGURES}
         per_target = [
-            {f.name: _shown(getattr(row, f.name), target_unit if f.name == "target" else unit) for f in fields(row)}
+            {name: _shown(value, target_unit if name == "target" else unit) for name, value in row.items()}
             for row in self.per_target
         ]
         head: dict[str, object] = {"schema": "axiscal-iso230/1", "unit": unit, "target_unit": target_unit}
@@ -137,12 +113,11 @@ def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
         raise EvaluationError("there are no readings", "measure at least one direction twice", test.file)
     both = (up, down) if up is not None and down is not None else None
     sides = {name: (side.mean[None], side.s[None]) for name, side in (("up", up), ("down", down)) if side is not None}
-    found = {name: float(value[0]) for name, value in _figures(sides).items()}
+    found = _figures(sides)
+    figures = {name: float(found[name][0]) for name in FIGURES if name in found}
     per_target = tuple(_at_target(test, up, down, i) for i in range(len(test.targets)))
     warnings = tuple(_shortfalls(test, min(side.runs for side in measured), both is not None))
-    whole: dict[str, Any] = {name: found.get(name) for name in FIGURES}
-    whole |= {"uncertainty": _uncertainty(up, down, noise), "vdi3441": _vdi3441(both)}
-    return Positioning(per_target=per_target, rotary=test.rotary, warnings=warnings, **whole)
+    return Positioning(figures, per_target, test.rotary, warnings, _uncertainty(up, down, noise), _vdi3441(both))
 
 
 def _figures(sides: Mapping[str, tuple[Array, Array]]) -> dict[str, Array]:
@@ -223,15 +198,16 @@ def _redrawn(side: _Direction, offset: Array, rng: np.random.Generator) -> tuple
     return mean, s
 
 
-def _at_target(test: PositioningTest, up: _Direction | None, down: _Direction | None, i: int) -> TargetFigures:
-    mean_up, s_up = (float(up.mean[i]), float(up.s[i])) if up else (None, None)
-    mean_down, s_down = (float(down.mean[i]), float(down.s[i])) if down else (None, None)
-    B_i = mean = R_i = None
+def _at_target(test: PositioningTest, up: _Direction | None, down: _Direction | None, i: int) -> _AtTarget:
+    row: dict[str, float | None] = {"target": float(test.targets[i]), **dict.fromkeys(_OF_TARGET)}
+    for name, side in (("up", up), ("down", down)):
+        if side is not None:
+            mean, s = float(side.mean[i]), float(side.s[i])
+            row |= {f"mean_{name}": mean, f"s_{name}": s, f"R_{name}_i": 4 * s}
     if up and down:
-        B_i, mean = float(up.mean[i] - down.mean[i]), float(up.mean[i] + down.mean[i]) / 2
-        R_i = float(_repeatability(up.mean, up.s, down.mean, down.s)[i])
-    R_up_i, R_down_i = (None if s is None else 4 * s for s in (s_up, s_down))
-    return TargetFigures(float(test.targets[i]), mean_up, mean_down, s_up, s_down, B_i, mean, R_up_i, R_down_i, R_i)
+        row |= {"B_i": float(up.mean[i] - down.mean[i]), "mean": float(up.mean[i] + down.mean[i]) / 2}
+        row["R_i"] = float(_repeatability(up.mean, up.s, down.mean, down.s)[i])
+    return row
 
 
 def _direction(test: PositioningTest, runs: Array | None) -> _Direction | None:

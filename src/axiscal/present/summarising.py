@@ -25,7 +25,7 @@ from axiscal.estimation.budget import BudgetShare, budget
 from axiscal.estimation.case import Case
 from axiscal.estimation.estimation import Estimation, Linearity, Moment, expanded_uncertainty, linearity, path
 from axiscal.estimation.type_prior import is_type_text
-from axiscal.evaluation.one_axis import FIGURES, Positioning, PositioningTest, evaluate
+from axiscal.evaluation.one_axis import Positioning, PositioningTest, evaluate
 from axiscal.language.spoken import later, resaid, said, speaking
 from axiscal.language.stages import stage
 from axiscal.machine.questions import questions, which_way
@@ -134,11 +134,10 @@ def _positions(description: CampaignDescription, setup: Setup) -> bool:
 def iso230_block(axis: str, found: Positioning) -> Iso230:
     """Return the block of one axis."""
     unit = "arcsec" if found.rotary else "um"
-    figures = {name: getattr(found, name) for name in FIGURES}
     return Iso230(
         axis=axis,
         value_unit=unit,
-        figures={name: to_unit(value, unit) for name, value in figures.items() if value is not None},
+        figures={name: to_unit(value, unit) for name, value in found.figures.items()},
         uncertainties={name: to_unit(value, unit) for name, value in found.uncertainty.items()},
     )
 
