@@ -17,8 +17,9 @@ from axiscal.estimation.type_prior import TypePrior, type_prior
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import said
 from axiscal.machine import load_machine
+from axiscal.planning.plan.plan import Plan
 from axiscal.ports.fleet.rehearsal import ErrorLine, Imagined, error_lines, rehearsed, summary_sentences
-from axiscal.ports.fleet.type_learning import DIRECTIONS, DOUBT, Saving, learnt_type, saving
+from axiscal.ports.fleet.type_learning import DIRECTIONS, DOUBT, learnt_type, saving
 from axiscal.record.copies import carried_text, gathered
 from axiscal.units import to_unit
 
@@ -101,20 +102,19 @@ def explain(
         prior = learnt_type(_files(source), None if described is None else described.machine)
     saved = []
     if described is not None:
-        saved = [saving_words(saving(described, prior.text()))]
+        saved = [saving_words(*saving(described, prior.text()))]
     _show(prior, saved, None, json)
 
 
-def saving_words(saved: Saving) -> str:
-    """Return in a sentence what a type saves a campaign."""
-    stated, taught = saved.stated, saved.taught
+def saving_words(stated: Plan, taught: Plan) -> str:
+    """Return in a sentence what a type saves a campaign, by the plans as stated and by its type."""
     minutes = [to_unit(plan.seconds, "min") for plan in (stated, taught)]
     rms = [to_unit(plan.accuracy.rms, "um") for plan in (stated, taught)]
     counts = (
         f"{len(stated.readings)} readings in {minutes[0]:.1f} min become {len(taught.readings)} in {minutes[1]:.1f}"
     )
     said = f"{counts}: RMS {rms[0]:.3g} um as stated, {rms[1]:.3g} um by its type."
-    if saved.readings > 0 or saved.seconds > 0:
+    if len(stated.readings) > len(taught.readings) or stated.seconds > taught.seconds:
         return said
     return f"Nothing is saved. {said}" if rms[1] >= rms[0] else f"No reading is saved, but it is known better. {said}"
 

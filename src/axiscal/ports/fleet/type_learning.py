@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -139,31 +139,13 @@ def with_sisters(described: CampaignDescription) -> CampaignDescription:
     return replace(described, prior_text=prior.text())
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Saving:
-    """stated : the plan by the stated prior; taught : the plan by what its type has taught"""
-
-    stated: Plan
-    taught: Plan
-
-    @property
-    def readings(self) -> int:
-        """How many readings fewer."""
-        return len(self.stated.readings) - len(self.taught.readings)
-
-    @property
-    def seconds(self) -> float:
-        """How much less time, s."""
-        return self.stated.seconds - self.taught.seconds
-
-
-def saving(described: CampaignDescription, text: str) -> Saving:
-    """Return both plans of a campaign.  text : what its type has taught
+def saving(described: CampaignDescription, text: str) -> tuple[Plan, Plan]:
+    """Return the plans of a campaign by the stated prior and by what its type has taught.  text : that
 
     Raises TargetError where nothing would end the plans, PlanError.
     """
     plain = replace(described, prior_text="", sisters=None)
-    return Saving(*(planned(case_of(each)) for each in (plain, replace(plain, prior_text=text))))
+    return planned(case_of(plain)), planned(case_of(replace(plain, prior_text=text)))
 
 
 def planned(case: Case) -> Plan:
