@@ -253,7 +253,7 @@ class SetupTable(Table):
     retract: Length | None = Field(None, examples=['"50 mm"'])
     sides: Literal["mean", "touched"] | None = Field(None, examples=['"mean"'])
     touches: Literal[3] | None = Field(None, examples=["3"])
-    range: list[QuantityText] | None = Field(None, examples=['["1 m", "8 m"]'])
+    range: Span | None = Field(None, examples=['["1 m", "8 m"]'])
     sight: Sight | None = Field(None, examples=['"60 deg"'])
     faces: Direction | None = Field(None, examples=['"z"'])
     serial: Printable = Field("", examples=['"XL-80 4711"'])

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from axiscal.description.campaign_schema import SetupTable
 from axiscal.description.vectors import At
-from axiscal.document import shown
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import later, listed, said
@@ -29,7 +28,7 @@ from axiscal.measurement.instrument import Instrument
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.setup import Setup, Vector
 from axiscal.numerics import Array, even_points
-from axiscal.units import format_quantity, parse_quantity
+from axiscal.units import format_quantity
 
 _LOOKED_AT = 1000
 """Places looked at: what lacks room does so at a good part of them."""
@@ -248,7 +247,7 @@ def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
         np.array(setup.park),
         steps,
         np.array(setup.standing),
-        _range(table, at),
+        (0.0, math.inf) if table.range is None else table.range,
         _faces(table, at),
         _CONE if table.sight is None else table.sight,
     )
@@ -256,17 +255,6 @@ def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
     with at(said[0]):
         refuse_unreachable(machine, setup)
     return setup
-
-
-def _range(table: SetupTable, at: At) -> tuple[float, float]:
-    if table.range is None:
-        return 0.0, math.inf
-    with at("range"):
-        ends = [parse_quantity(text, "length") for text in table.range]
-        if len(ends) != 2 or not 0 <= ends[0] < ends[1]:
-            remedy = 'Write the nearer end first: ["1 m", "8 m"]'
-            raise DescriptionError("{text} is no range", remedy, text=shown(table.range))
-        return ends[0], ends[1]
 
 
 def _faces(table: SetupTable, at: At) -> Array | None:

@@ -16,6 +16,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from axiscal.description.campaign_schema import TargetTable
+from axiscal.description.vectors import span
 from axiscal.document import Document, nearest, shown
 from axiscal.errors.volume import EVERY_WAY, Counted
 from axiscal.exceptions import DescriptionError, InputError
@@ -275,7 +276,7 @@ def read_part(given: Mapping[str, str | list[str]], machine: Machine, document: 
             if key == "radius":
                 radius = _radius(value)
             elif key in ("x", "y", "z"):
-                spans[key] = _span(value)
+                spans[key] = span(_listed(value))
             else:
                 turns[key] = _turn(value, machine.axis(key))
     if "z" not in spans or (radius is None) != ({"x", "y"} <= set(spans)) or (radius is not None and len(spans) > 1):
@@ -291,24 +292,15 @@ def _radius(value: str | list[str]) -> float:
     return radius
 
 
-def _span(value: str | list[str]) -> Span:
-    ends = [parse_quantity(text, "length") for text in value] if isinstance(value, list) else []
-    if len(ends) != 2 or not ends[0] < ends[1]:
-        raise DescriptionError("{text} has not two ends that increase", 'Give ["-100 mm", "100 mm"]', text=shown(value))
-    return ends[0], ends[1]
-
-
 def _turn(value: str | list[str], axis: Axis) -> Span:
     if not axis.rotary:
         remedy = "Name x, y, z in the workpiece frame, or a rotary axis"
         raise DescriptionError("{axis} follows the part", remedy, axis=axis.name)
-    ends = [parse_quantity(text, "angle") for text in value] if isinstance(value, list) else []
-    low, high = axis.travel
-    slack = 1e-9 * axis.length
-    if len(ends) != 2 or not low - slack <= ends[0] < ends[1] <= high + slack:
-        what = "{text} is no part of the travel of {axis}"
-        raise DescriptionError(what, "It is {travel}", text=shown(value), axis=axis.name, travel=axis.travel_text)
-    return max(ends[0], low), min(ends[1], high)
+    return ends_on(_listed(value), axis)
+
+
+def _listed(value: str | list[str]) -> list[str]:
+    return value if isinstance(value, list) else [value]
 
 
 Span = tuple[float, float]
