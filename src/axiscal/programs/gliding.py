@@ -10,7 +10,7 @@ way that are not proven to be free with that are halved.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import Decimal
 from itertools import pairwise
 
@@ -111,9 +111,9 @@ def refuse_kept_out(kept: KeptOut, setup: Setup, scales: Sequence[AxisScale], ru
 
     Ways on which it is not known where every axis is, before all of them have been sent somewhere, are not looked at.
     """
-    follower, pending = _Follower(kept, scales), False
-    for step in run:
-        pending = pending or not follower.goes(step)
+    pending = False
+    for step, free in zip(run, _free_ways(kept, scales, run), strict=True):
+        pending = pending or not free
         if isinstance(step, Arrival) and pending:
             raise _hit(setup, said("the way to reading {number}", number=step.target.number))
     if pending:
@@ -134,44 +134,34 @@ def _hit(setup: Setup, way: str) -> ProgramError:
     return ProgramError(what, remedy, way=way, setup=shown(setup.name), artefact=artefact)
 
 
-class _Follower:
-    """Goes through the steps of a program, in m and rad."""
+def _free_ways(kept: KeptOut, scales: Sequence[AxisScale], run: Sequence[Step]) -> Iterator[bool]:
+    """Yield of each step whether its way is free."""
+    names = [scale.axis.name for scale in scales]
+    at, tip = np.full(len(scales), np.nan), dict[str, float]()
+    for step in run:
+        before = at.copy()
+        match step:
+            case Hold():
+                tip = _metres(step.at)
+                yield True
+            case Glide():
+                to = dict(step.to)
+                tip |= _metres([(name, text) for name, text in step.to if name in tip])
+                _send(at, {k: to[name] for k, name in enumerate(names) if scales[k].axis.rotary and name in to}, scales)
+                at = tip_at(kept.machine, at[None], np.array([[tip[name] for name in "XYZ"]]))[0]
+                yield kept.free_held(before, at)
+            case Move() | Release():
+                _send(at, step.to if isinstance(step, Move) else {names.index(n): text for n, text in step.at}, scales)
+                known = np.all(np.isfinite(before)) and not np.all(before == at)
+                yield not known or kept.free(before, at)
+            case _:
+                yield True
 
-    def __init__(self, kept: KeptOut, scales: Sequence[AxisScale]) -> None:
-        self._kept, self._scales = kept, scales
-        self._names = [scale.axis.name for scale in scales]
-        self._at = np.full(len(scales), np.nan)
-        self._tip: dict[str, float] | None = None
 
-    def goes(self, step: Step) -> bool:
-        """Take a step; return whether its way is free."""
-        if isinstance(step, Hold):
-            self._tip = _metres(step.at)
-            return True
-        if isinstance(step, Release):
-            self._tip = None
-        before = self._at.copy()
-        if isinstance(step, Glide):
-            return self._glides(before, dict(step.to))
-        if isinstance(step, Move):
-            for axis, value in step.to.items():
-                self._at[axis] = from_unit(float(value), self._scales[axis].unit)
-        elif isinstance(step, Release):
-            for name, text in step.at:
-                axis = self._names.index(name)
-                self._at[axis] = from_unit(float(text), self._scales[axis].unit)
-        return not np.all(np.isfinite(before)) or bool(np.all(before == self._at)) or self._kept.free(before, self._at)
-
-    def _glides(self, before: Array, to: dict[str, str]) -> bool:
-        tip = {} if self._tip is None else self._tip
-        tip |= _metres([(name, text) for name, text in to.items() if name in tip])
-        for axis, scale in enumerate(self._scales):
-            if scale.axis.rotary and scale.axis.name in to:
-                self._at[axis] = from_unit(float(to[scale.axis.name]), scale.unit)
-        point = np.array([[tip[name] for name in "XYZ"]])
-        machine = self._kept.machine
-        self._at = tip_at(machine, self._at[None], point)[0]
-        return self._kept.free_held(before, self._at)
+def _send(at: Array, to: Mapping[int, Decimal] | Mapping[int, str], scales: Sequence[AxisScale]) -> None:
+    """Put axes where a program sends them, in place.  at : (q,) m or rad"""
+    for axis, value in to.items():
+        at[axis] = from_unit(float(value), scales[axis].unit)
 
 
 def _metres(words: Sequence[tuple[str, str]]) -> dict[str, float]:
