@@ -5,8 +5,6 @@ The coordinates of an axis at which the rows of a set-up are not smooth, and how
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -147,18 +145,14 @@ def corners(box: Box) -> Array:
     return np.stack([g.ravel() for g in np.meshgrid(*box, indexing="ij")], axis=1)
 
 
-class Chosen(NamedTuple):
-    """Places on a chart.  places, sides : (m, size) u and +1, −1"""
-
-    places: Array
-    sides: Array
+Chosen = tuple[Array, Array]
+"""Places on a chart, and the sides from which they are come to, +1 or −1, (m, size) each."""
 
 
 def chart_candidates(machine: Machine, setup: Setup, chart: Chart, count: int) -> tuple[Array, Array]:
     """Return poses and approaches (m, q) of about so many candidates; fewer where fewer can be taken."""
-    chosen = _chosen(machine, setup, chart, count)
-    approaches = arrivals_of(machine, setup, chart, chosen.places, chosen.sides)
-    return chart.poses(chosen.places), approaches
+    places, sides = _chosen(machine, setup, chart, count)
+    return chart.poses(places), arrivals_of(machine, setup, chart, places, sides)
 
 
 def arrivals_of(machine: Machine, setup: Setup, chart: Chart, places: Array, sides: Array) -> Array:
@@ -228,7 +222,7 @@ def _even(chart: Chart, choices: Array, count: int) -> Chosen:
         places = np.column_stack([_placed(end, share) for end, share in zip(ends, shares.T, strict=True)])
         which = (unit[:, -1] * len(choices)).astype(np.intp)
         found = _taken(chart, places, choices[which])
-        if len(found.places) >= count or tried >= MOST_TRIED:
+        if len(found[0]) >= count or tried >= MOST_TRIED:
             return _thinned(found, count, count)
         tried = min(2 * tried, MOST_TRIED)
 
@@ -244,12 +238,13 @@ def _placed(end: Coordinate, share: Array) -> Array:
 
 def _taken(chart: Chart, places: Array, sides: Array) -> Chosen:
     kept = has_room(chart, places, sides)
-    return Chosen(places[kept], sides[kept])
+    return places[kept], sides[kept]
 
 
 def _thinned(chosen: Chosen, most: int, count: int) -> Chosen:
     """Return all of them if they are not too many, else so many at even distances."""
-    if len(chosen.places) <= most:
+    places, sides = chosen
+    if len(places) <= most:
         return chosen
-    kept = np.linspace(0, len(chosen.places) - 1, count).astype(np.intp)
-    return Chosen(chosen.places[kept], chosen.sides[kept])
+    kept = np.linspace(0, len(places) - 1, count).astype(np.intp)
+    return places[kept], sides[kept]
