@@ -53,8 +53,10 @@ class ErrorCurve(Fields):
     position_unit: str = Field(description="mm or deg")
     value_unit: str = Field(description="um, urad or arcsec")
     std_seen: list[float] = Field(description="the same without what no allowed reading can see")
-    prior_std: list[float] = Field(description="before any reading")
-    from_readings: float = Field(description="share of the prior variance that readings have taken away, 0 to 1")
+    prior_std: list[float] = Field(description="before any reading, as stated")
+    from_readings: float = Field(
+        description="share of the variance at the sizes as learnt that readings took away, 0 to 1"
+    )
 
 
 class PlaneMap(Fields):
@@ -66,12 +68,14 @@ class PlaneMap(Fields):
     std: list[list[float]] = Field(description="its whole standard deviation, the rest of the plane included")
     position_unit: list[str] = Field(description="mm or deg, of each axis")
     value_unit: str = Field(description="um or urad")
-    prior_std: list[list[float]] = Field(description="before any reading")
+    prior_std: list[list[float]] = Field(description="before any reading, as stated")
     whole_mean: list[list[float]] = Field(
         description="with the curves of both axes as the tool shows them, its mean taken off"
     )
     whole_std: list[list[float]] = Field(description="its whole standard deviation")
-    from_readings: float = Field(description="share of the prior variance that readings have taken away, 0 to 1")
+    from_readings: float = Field(
+        description="share of the variance at the sizes as learnt that readings took away, 0 to 1"
+    )
 
 
 class ConstantValue(Fields):
@@ -80,7 +84,7 @@ class ConstantValue(Fields):
     mean: float = Field(description="the estimate, in `unit`")
     std: float = Field(description="its standard deviation")
     unit: str = Field(description="um or urad")
-    prior_std: float = Field(description="before any reading")
+    prior_std: float = Field(description="before any reading, as stated")
     seen: bool = Field(description="whether an allowed reading bears on it")
 
 
@@ -183,12 +187,14 @@ class RowValue(Fields):
     found: float = Field(description="RMS of the error over its places, √(estimate² + u²)")
     largest: float = Field(description="the same at the place where it is largest")
     known_to: float = Field(description="U: 95 % of what is not known is smaller")
-    known_before: float = Field(description="U before the first reading, at the sizes as learnt")
+    known_before: float = Field(description="U before the first reading, of the machine as stated: as the plan says it")
     floor: float = Field(description="U that endless readings would leave")
     left: dict[str, float] = Field(description="by control, what its tables leave, √(left² + u²)")
     limit: float | None = Field(description="what `known_to` is to be; null where `wants` gives none")
     reached: bool | None = Field(description="whether it is; null without a limit")
-    measured: bool = Field(description="whether `known_to` is at most half of `known_before`; a volume that was read")
+    measured: bool = Field(
+        description="whether `known_to` is at most half of U without readings at these sizes; a volume that was read"
+    )
     one_more: float | None = Field(description="`known_to` after one reading from the other side, of a backlash")
     lines: list[RowLine] = Field(description="where it holds; empty of the volume")
 

@@ -14,11 +14,15 @@ import numpy as np
 import pytest
 
 from axiscal.answers.answer import ResultAnswer
+from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.cli.outputs import standing_screen
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
+from axiscal.present.guide.progress import Progress
+from axiscal.present.plan_answer import coming_answer
+from axiscal.present.summarising import Extras, summarise
 from axiscal.web.desk import Desk
 from tests.generators.laser_axis import CAMPAIGN, MACHINE, machine, plus, read
 
@@ -110,6 +114,29 @@ def test_the_page_counts_the_open_question_and_the_clock_as_every_screen_does(tm
         assert isinstance(found, ResultAnswer)
         assert (found.more, found.clocked) == (progress.coming, True) == (8, True)
         assert [found.minutes, found.more_minutes] == pytest.approx([progress.minutes, progress.left_minutes], rel=1e-5)
+
+
+def test_what_was_known_before_is_as_the_plan_says_at_every_stage(tmp_path: Path) -> None:
+    """Readings that teach sizes do not change it: here they are three times as large as stated."""
+    described = MACHINE.replace('std = "10 um"', 'std = "3 um"')
+    wants = 'readings = 12\nwants = ["positioning X 0.2 um", "backlash X", "volume"]'
+    text = CAMPAIGN.replace('rms = "3 um"', wants)
+    with Campaign.create(tmp_path / "c.axiscal", campaign_from_texts(text, "c.toml", described, "m")) as campaign:
+        campaign.prepared()
+        plan, progress = coming_answer(campaign), Progress.of(campaign)
+        assert plan is not None
+        before = {row.row: row.known_before for row in plan.rows}
+        first = summarise(campaign, campaign.estimate(), Extras())
+        campaign.adopt(tuple(read(machine(2), 12)))
+        assert Progress.of(campaign).before_um == progress.before_um
+        for end in (lambda: None, campaign.finish):
+            end()
+            summary = summarise(campaign, campaign.so_far(), Extras())
+            answers = standing_answer(campaign), summary.answer
+            assert all({row.row: row.known_before for row in each.rows} == before for each in answers)
+            assert summary.history[0] == first.history[0]
+            assert summary.curves[0].prior_std == first.curves[0].prior_std
+        assert "prior-misfit" in [each.code for each in summary.warnings]
 
 
 @pytest.mark.parametrize(

@@ -81,7 +81,7 @@ class AnswerLine(AnswerDocument):
 class PlannedRow(AnswerDocument):
     """How well a row is known, in `unit`: fields as of `estimation.functionals.known.KnownRow`.
 
-    known_to, known_before : U now, or after a plan, and before the first reading
+    known_to, known_before : U now, or after a plan, and before the first reading, as stated
     """
 
     row: str

@@ -240,9 +240,9 @@ def _digits(value: float) -> float:
     return number(value, "a figure of the answer")
 
 
-def known_figures(row: KnownRow) -> dict[str, Any]:
-    """Return the figures of `PlannedRow`."""
-    sizes = {"known_to": row.known, "known_before": row.before, "floor": row.floor, "limit": row.limit}
+def known_figures(row: KnownRow, before: float) -> dict[str, Any]:
+    """Return the figures of `PlannedRow`.  before : U before the first reading, m or rad"""
+    sizes = {"known_to": row.known, "known_before": before, "floor": row.floor, "limit": row.limit}
     return {
         "row": row.row.name,
         "kind": row.row.kind,
@@ -260,7 +260,7 @@ def _shown(row: KnownRow, size: float) -> float:
 
 def _row(row: AnsweredRow, axes: Sequence[Axis]) -> AnswerRow:
     return AnswerRow(
-        **known_figures(row),
+        **known_figures(row, row.stated),
         found=_shown(row, row.found),
         largest=_shown(row, row.largest),
         left={name: _shown(row, size) for name, size in row.left.items()},

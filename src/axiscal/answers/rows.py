@@ -15,7 +15,7 @@ from axiscal.estimation.accuracy.expanded import reach
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import Functional
-from axiscal.estimation.functionals.known import KnownRow, known_row, with_one_more
+from axiscal.estimation.functionals.known import KnownRow, known_row, with_one_more, without_readings
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
 from axiscal.tables.offer import places, unknown_rms
@@ -27,12 +27,14 @@ class AnsweredRow(KnownRow):
     """A row of an answer, all sizes m or rad.
 
     found, largest : RMS and largest size of the error over the places, with what is not known of it
+    stated : U before the first reading, as a plan says it: of the machine as described
     left : RMS that the tables of each control leave, by its name; none of rotations
     then : U of a row that is not measured, after one reading from the other side; None where that tells no more
     """
 
     found: float
     largest: float
+    stated: float
     left: Mapping[str, float]
     then: float | None = None
 
@@ -82,6 +84,7 @@ def _row(asked: AskedRow, functional: Functional, known: Estimation, controls: M
         **vars(known_row(asked, case, belief, bool(known.readings))),
         found=float(np.sqrt(np.mean(found))),
         largest=float(np.sqrt(np.max(found))),
+        stated=without_readings(asked, known.stated),
         left={name: float(np.sqrt(np.mean(_squares(functional, each) + variances))) for name, each in left.items()},
     )
 
@@ -109,6 +112,7 @@ def _volume(asked: AskedRow, known: Estimation, controls: Mapping[str, Control])
         **vars(known_row(asked, known.case, known.printed.belief, bool(known.readings))),
         found=size(here),
         largest=float(np.hypot(_farthest(shape(here), estimate.counted), unknown)),
+        stated=without_readings(asked, known.stated),
         left={
             name: size(left_by(estimate.machine, estimate.deviation, control, *where))
             for name, control in controls.items()

@@ -159,14 +159,14 @@ class Moment(NamedTuple):
 
 @one_thread()
 def path(final: Estimation) -> list[Moment]:
-    """Return what was known before the first reading and after each, in one pass with the sizes known at the end.
+    """Return what was known before the first reading, as stated, and after each, with the sizes known at the end.
 
     final : a concluded one. Its last figures are those of the posterior, with the sizes averaged over.
     """
-    start = final.case
-    found: list[tuple[Accuracy, Innovations | None]] = [(start.yardstick.measure(start.prior), None)]
+    before = final.stated.yardstick.measure(final.stated.prior)
+    found: list[tuple[Accuracy, Innovations | None]] = [(before, None)]
     for part in final.absorbed.blocks:
-        found += zip(part.accuracies(start.yardstick), part.innovations, strict=True)
+        found += zip(part.accuracies(final.case.yardstick), part.innovations, strict=True)
     if final.readings:
         found[-1] = final.accuracy, found[-1][1]
     return [Moment(*each, end) for each, end in zip(found, (0.0, *final.timed.ends), strict=True)]

@@ -62,7 +62,10 @@ def _curve(
     hidden = np.sum((rows @ known.case.yardstick.unseen[function.columns]) ** 2, axis=1)
     seen: Array = np.sqrt(np.maximum(told - hidden, 0.0) + function.rest**2)  # without what no allowed reading sees
     now = estimate.curve(function.name, positions)
-    prior = replace(estimate, belief=known.case.prior).curve(function.name, positions).std
+    prior, before = (
+        replace(estimate, model=case.errors, belief=case.prior).curve(function.name, positions).std
+        for case in (known.case, known.stated)
+    )
     shown = to_unit(positions, position_unit).tolist()
     return CurveSummary(
         name=function.name,
@@ -72,7 +75,7 @@ def _curve(
         mean=to_unit(now.mean, unit).tolist(),
         std=to_unit(now.std, unit).tolist(),
         std_seen=to_unit(seen, unit).tolist(),
-        prior_std=to_unit(prior, unit).tolist(),
+        prior_std=to_unit(before, unit).tolist(),
         position_unit=position_unit,
         value_unit=unit,
         truth=None if truth is None else (shown, to_unit(_truth(truth, function, positions), unit).tolist()),
@@ -100,16 +103,15 @@ def constants(estimation: Estimation) -> list[ConstantSummary]:
 
 def _constant(known: Estimation, function: ErrorFunction) -> ConstantSummary:
     column, unit = function.columns.start, value_unit(function)
-    found = _found(known, function.name, words(function.name), column, float(function.covariance[0, 0]) ** 0.5, unit)
+    found = _found(known, function.name, words(function.name), column, unit)
     hidden = float(np.linalg.norm(known.case.yardstick.unseen[column]))
     return replace(found, seen=hidden**2 < _SEEN * float(function.covariance[0, 0]))
 
 
-def _found(known: Estimation, name: str, spoken: str, column: int, prior: float, unit: str) -> ConstantSummary:
-    """Return one number of the belief.  spoken : what it is; prior : its std before the first reading, m or rad"""
-    belief = known.printed.belief
-    sizes = float(belief.mean[column]), float(np.linalg.norm(belief.factor[column])), prior
-    mean, std, before = (to_unit(size, unit) for size in sizes)
+def _found(known: Estimation, name: str, spoken: str, column: int, unit: str) -> ConstantSummary:
+    """Return one number of the belief.  spoken : what it is"""
+    stds = (float(np.linalg.norm(each.factor[column])) for each in (known.printed.belief, known.stated.prior))
+    mean, std, before = (to_unit(size, unit) for size in (float(known.printed.belief.mean[column]), *stds))
     return ConstantSummary(name, spoken, mean, std, before, unit)
 
 
@@ -119,7 +121,7 @@ def _setup_unknowns(known: Estimation) -> list[ConstantSummary]:
         columns = known.printed.observation.unknowns_of(index)
         for column, unknown in zip(columns, setup.unknowns, strict=True):
             name, unit = f"{setup.name}: {unknown.name}", known.case.unit_of(setup, unknown)
-            result.append(_found(known, name, _unknown_words(unknown.name), column, unknown.std, unit))
+            result.append(_found(known, name, _unknown_words(unknown.name), column, unit))
     return result
 
 

@@ -146,7 +146,7 @@ def _planned(
     reach = None if reached else _reach(case, unreachable(volume, lines))
     return PlannedAnswer(
         verdict=verdict if reach is None else "unreachable",
-        rows=[PlannedRow(**known_figures(row)) for row in rows],
+        rows=[PlannedRow(**known_figures(row, row.before)) for row in rows],
         aims=[*volume, *lines],
         reach=reach,
         mostly=None if blank is None else _mostly(blank, known),

@@ -32,6 +32,8 @@ _UNIT = re.compile(r"(?<=[0-9])[ \u00a0](?:(um|urad|degC)\b|%)")
 _LONG = 1e6
 """From here on a number is written with an exponent."""
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_TOUCHED = 0.1
+"""Share of the variance that readings take away: of less nobody would see it in the picture."""
 _NARROW_SPACE = "\u202f"
 _NO_BREAK = "\u00a0"
 
@@ -127,7 +129,7 @@ def curve_note(curve: CurveSummary) -> str:
     if not curve.position:
         return said("no positions")
     size = quantity(now, curve.value_unit)
-    if now > 0.95 * before:
+    if curve.from_readings < _TOUCHED:
         return said("±{now}, hardly touched by the readings", now=size)
     known = "±{now}, was ±{before}; {share:.0%} from readings"
     return said(known, now=size, before=figure(before), share=float(curve.from_readings))

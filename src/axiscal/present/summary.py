@@ -90,9 +90,9 @@ class CurveSummary:
 
     std : whole standard deviation, unmodelled rest and unseen part included
     std_seen : what the readings leave over, without the part that no allowed reading can see
-    prior_std : before any reading
+    prior_std : before any reading, as stated
     truth : positions and values, where the truth is known
-    from_readings : share of the prior variance that the readings have taken away, 0 to 1; the rest is the prior
+    from_readings : share of the variance at the sizes as learnt that the readings have taken away, 0 to 1
     """
 
     name: str

@@ -69,8 +69,8 @@ def _plane(estimation: Estimation, plane: PlaneError) -> PlaneSummary:
     sign = float(errors.machine.axes[plane.axis].sign)
     rest = plane.rest**2
     beside = sum(term.rest**2 for term in _beside(errors, plane))
-    prior = estimation.case.prior.factor[: errors.size]
-    known, before = (_std(own, factor, rest) for factor in (belief.factor[: errors.size], prior))
+    stated = estimation.stated.prior.factor[: errors.size]
+    known, without = (_std(own, each.factor[: errors.size], rest) for each in (belief, estimation.case.prior))
     mean, unit = belief.mean[: errors.size], "urad" if plane.angular else "um"
     first, second = axes
     return PlaneSummary(
@@ -82,11 +82,11 @@ def _plane(estimation: Estimation, plane: PlaneError) -> PlaneSummary:
         value_unit=unit,
         mean=_map(sign * (own @ mean), unit),
         std=_map(known, unit),
-        prior_std=_map(before, unit),
+        prior_std=_map(_std(own, stated, estimation.stated.errors.planes_by_name[plane.name].rest ** 2), unit),
         whole_mean=_map(whole @ mean, unit),
         whole_std=_map(_std(whole, belief.factor[: errors.size], beside), unit),
         sign=sign,
-        from_readings=float(np.clip(1.0 - np.sum(known**2) / np.sum(before**2), 0.0, 1.0)),
+        from_readings=float(np.clip(1.0 - np.sum(known**2) / np.sum(without**2), 0.0, 1.0)),
     )
 
 

@@ -34,7 +34,7 @@ class KnownRow:
     """How well a row is known, all sizes m or rad.
 
     angular : they are rad
-    known : U; before : U before the first reading; floor : U that endless readings leave, both at the sizes as learnt
+    known : U; before : U without readings; floor : U that endless readings leave, both at the sizes as learnt
     limit : what U is to be; None where no limit is given
     measured : whether readings tell it
     lines : where it holds
@@ -86,22 +86,23 @@ def known_rows(case: Case, knowledge: Knowledge, readings: Sequence[Reading]) ->
 
 def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownRow:
     """Return how well a belief knows a row.  read : whether any reading was taken"""
-    limit, kind = asked.want.limit, asked.want.row.kind
+    limit, kind, before = asked.want.limit, asked.want.row.kind, without_readings(asked, case)
     if asked.map is None:
-        limit, (u, before, floor) = case.description.target.expanded, _of_volume(case, belief)
+        limit, u = case.description.target.expanded, expanded(case.yardstick, belief).space
+        floor = expanded_floor(case.yardstick_as_sized).space
         angular, measured = False, read
     else:
         u = reach(asked.map.spectra(case.errors, belief.factor), belief.degrees)
-        others = case.prior.factor, case.yardstick_as_sized.left
-        before, floor = (reach(asked.map.spectra(case.errors, each)) for each in others)
+        floor = reach(asked.map.spectra(case.errors, case.yardstick_as_sized.left))
         angular, measured = asked.map.angular or kind == "squareness", bool(u <= _MEASURED * before)
     return KnownRow(asked.want.row, angular, u, before, floor, limit, measured, asked.lines)
 
 
-def _of_volume(case: Case, belief: Belief) -> tuple[float, float, float]:
-    """Return U, U before the first reading and the floor of the volume, m: U is the one that a report begins with."""
-    known, before = (expanded(case.yardstick, each).space for each in (belief, case.prior))
-    return known, before, expanded_floor(case.yardstick_as_sized).space
+def without_readings(asked: AskedRow, case: Case) -> float:
+    """Return U of a row at the sizes of a case, m or rad."""
+    if asked.map is None:
+        return expanded(case.yardstick, case.prior).space
+    return reach(asked.map.spectra(case.errors, case.prior.factor))
 
 
 _SOON = 10.0
