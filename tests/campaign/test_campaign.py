@@ -312,6 +312,28 @@ def test_a_person_may_go_beyond_the_target(start: Start) -> None:
     assert campaign.status().reached is not None
 
 
+def test_beyond_the_plan_no_reading_is_worth_a_long_mounting(start: Start, tmp_path: Path) -> None:
+    (tmp_path / "m.toml").write_text(MACHINE.replace("[errors]", '[errors]\nEYY_reversal = { std = "20 um" }'))
+    (tmp_path / "d.toml").write_text(TEXT.replace("TARGET", "readings = 4") + 'approach = "both"\nsetup_time = "1 h"\n')
+    with Campaign.create(tmp_path / "d.axiscal", read_campaign(tmp_path / "d.toml")) as campaign:
+        places = ("laser along Y", (0.2, 0.1), (0, 1)), ("laser along X", (0.1, 0.2), (1, 0))
+        campaign.adopt(tuple(Reading(*place, 1e-6) for place in (*places, *places)))
+        for _ in range(3):
+            question = campaign.next(beyond=True)
+            assert isinstance(question, Asked)
+            assert question.place.setup == "laser along X"
+            campaign.record(1e-6, live=False)
+
+
+def test_a_target_that_is_reached_unread_begins_with_a_few_readings(tmp_path: Path) -> None:
+    machine = machine_text("w-X'-Y'-b-t", {"X": (0, 600), "Y": (0, 400)}, {"EXX": "5 um"})
+    (tmp_path / "m.toml").write_text(machine)
+    text = TEXT.replace("TARGET", 'U = "90 um"').replace('usual = "off"\nsure = "exactly"\n', "")
+    (tmp_path / "c.toml").write_text(text)
+    with Campaign.create(tmp_path / "c.axiscal", read_campaign(tmp_path / "c.toml")) as campaign:
+        assert len(campaign.prepared()) == 6
+
+
 def test_a_finished_campaign_is_closed_until_the_end_is_taken_back(start: Start) -> None:
     campaign = start("readings = 3")
     campaign.next()

@@ -168,6 +168,14 @@ def test_skip_undo_status(started: Command) -> None:
     started("undo", "m.axiscal").refused("nothing to take back")
 
 
+def test_a_question_says_when_a_reading_is_positive_and_a_full_plan_how_to_read_on(started: Command) -> None:
+    while "Nothing more to ask" not in (said := started("next", "m.axiscal").out):
+        assert "  sign      + where the tool stands too far towards +x, seen from the workpiece\n" in said
+        assert started("record", "m.axiscal", "0.1 um").status == 0
+    assert "axiscal step next m.axiscal --beyond    # one reading more" in said
+    assert started("next", "m.axiscal", "--beyond").out.startswith("Reading ")
+
+
 def test_a_reading_has_one_number_wherever_it_is_named(started: Command) -> None:
     started("next", "m.axiscal")
     assert 'Skipped reading 1 in "laser" at X = ' in started("skip", "m.axiscal", "no beam").out

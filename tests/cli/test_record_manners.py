@@ -98,7 +98,7 @@ def test_a_doubtful_reading_is_named_when_it_is_typed(record: Path, capsys: pyte
         )
         assert "deviations" not in told
     told = said(capsys, "record", str(record), "60 um", "--at", "X=110 mm", "--setup", "along x", "--approach", "X+")
-    assert re.search(r"it is \d+\.\d standard deviations from what", told)
+    assert re.search(r" is \d+\.\d standard deviations from what", told)
 
 
 def test_an_earlier_reading_that_a_later_one_contradicts_is_named_with_its_place(

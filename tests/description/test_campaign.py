@@ -22,8 +22,7 @@ def test_the_page_s_example_means_what_it_says(tmp_path: Path) -> None:
     (tmp_path / "c.toml").write_text(EXAMPLE)
     campaign = read_campaign(tmp_path / "c.toml")
     target, laser, dial = campaign.target, *campaign.setups
-    assert (target.rms, target.worst, target.readings, target.budget) == (6e-6, 12e-6, 40, 10800)
-    assert target.volume == ((0.05, 0.55), (0.0, 0.4), (0.0, 0.4))
+    assert (target.expanded, target.rms, target.worst, target.readings, target.budget) == (1e-5, None, None, 40, None)
     assert (laser.direction, laser.moves, laser.park) == ((1, 0, 0), (0,), (0.3, 0.25, 0.3))
     assert laser.unknowns == (Unknown("zero", 1e-4), Unknown("lag", 2e-6))
     assert (laser.raster, laser.approach) == ((0.01, 0, 0), "both")
@@ -33,6 +32,16 @@ def test_the_page_s_example_means_what_it_says(tmp_path: Path) -> None:
     assert (laser.setup_time, laser.settle, laser.reading_time) == (1800, 1, 3)
     assert (dial.approach, dial.raster, dial.park) == ("+", (0, 0, 0), (0.3, 0.2, 0.2))
     assert dial.unknowns == (Unknown("zero", 1e-3), Unknown("slope", 1e-3))
+
+
+def test_each_line_of_the_target_that_the_page_comments_out_can_be_used(tmp_path: Path) -> None:
+    (tmp_path / "c.toml").write_text(re.sub(r"^# (?=\w+ = )", "", EXAMPLE.partition("[[")[0], flags=re.MULTILINE))
+    lines = (tmp_path / "c.toml").read_text().partition("[target]")[2]
+    (tmp_path / "c.toml").write_text(f'machine = "three-axis-mill"\n[target]{lines}[[{EXAMPLE.partition("[[")[2]}')
+    target = read_campaign(tmp_path / "c.toml").target
+    assert (target.rms, target.worst, target.readings, target.budget) == (6e-6, 12e-6, 40, 10800)
+    assert target.volume == ((0.05, 0.55), (0.0, 0.4), (0.0, 0.4))
+    assert len(target.wants) == 3
 
 
 def test_the_record_s_copy_is_the_same_campaign(tmp_path: Path) -> None:

@@ -91,7 +91,7 @@ def _history(rng: np.random.Generator, readings: int) -> list[HistoryRow]:
                 position=position,
                 value_um=float(rng.normal(0, 6)),
                 innovation=2 * z,
-                innovation_std=2.0,
+                surprise=z,
                 rms_um=rms,
                 worst_um=1.9 * rms,
                 minutes=0.7 * n + 12 * (1 + n * 4 // (readings + 1)),

@@ -19,7 +19,7 @@ from axiscal.machine import Machine, load_machine
 from axiscal.planning.helping import Helping
 from axiscal.planning.promise import Alike
 from axiscal.present.plan_answer import PlanAnswer
-from axiscal.present.plan_words import LINES, plan_screen
+from axiscal.present.plan_words import LINES, bound_sentence, plan_screen
 from tests.generators.answers import aim
 from tests.golden.given import CAMPAIGNS
 
@@ -105,6 +105,19 @@ def _within_budgets(text: str) -> None:
 
 def _rows(text: str) -> list[str]:
     return [line for line in text.splitlines() if line.startswith("  ") and "±" in line]
+
+
+def test_the_advice_on_the_temperature_names_its_key() -> None:
+    mostly = LargestCause(cause="temperature", owner="", share=0.9, measurable=True)
+    answer = plan("reached", [], 1).model_copy(update={"mostly": mostly})
+    assert 'measure it, and state temperature_std = "0.3 K".' in " ".join(plan_screen(answer, "c.toml").split())
+
+
+def test_a_bound_says_what_its_j_is() -> None:
+    bound = {"bound_J": 0.5, "bound_holds_for": "any readings whatever", "criterion": "rows"}
+    assert bound_sentence(plan("reached", [], 1).model_copy(update=bound)).endswith(
+        'J is the figure that criterion = "rows" makes small.'
+    )
 
 
 PLANS = {

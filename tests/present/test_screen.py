@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -174,7 +175,8 @@ def test_status_and_finish_show_it_and_its_commands_work(tmp_path: Path, capsys:
     assert f"Report  {tmp_path}/out/report.pdf" in text
     short = _says(text, str(tmp_path))
     for command in re.findall(r"^(?:Next)? +axiscal (.+)$", text, re.MULTILINE):
-        assert run(command.split() if "measure" not in command else ["next", str(record)]) == 0, command
+        words = shlex.split(command, comments=True)  # as a shell takes it
+        assert run(words if "measure" not in words else ["next", str(record)]) == 0, command
     capsys.readouterr()
     assert run(["finish", str(record), "--out", str(tmp_path / "out"), "--details"]) == 0
     long = capsys.readouterr().out

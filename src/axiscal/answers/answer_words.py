@@ -274,7 +274,7 @@ def _commands(steps: Sequence[NextStep], record: str, results: str) -> Iterator[
         elif step.code == "export":
             yield f"axiscal export {record} --to {step.control} --on-top-of OLD"
         elif step.code == "undo":
-            yield f"axiscal step undo {record}"
+            yield f"axiscal step undo {record}    # {said('takes the end back')}"
         elif step.code == "accept":
             yield f"axiscal step accept {record} {step.mistake}"
         elif step.code == "finish":

@@ -144,7 +144,7 @@ def export(
         if estimation.agreement.withheld and not anyway:
             remedy = "Take readings again, or write the files all the same with --anyway"
             raise TableError(agreement_words(estimation, record), remedy, record)
-        doubts = [finding.text for finding in findings(estimation)]
+        doubts = [finding.text for finding in findings(estimation, ended=campaign.state.finished is not None)]
         agreement = agreement_words(estimation, record) if estimation.readings else ""
         offered = introduced(offered, doubts, agreement, record_state(campaign))
         sent = None if loader is None else loader.taken(offered.files)

@@ -31,8 +31,8 @@ from axiscal.present.guide.question import (
     Word,
     action,
     answer,
-    coming_text,
     coordinates_text,
+    question_text,
 )
 from axiscal.present.result_set import RECORD
 from axiscal.present.summarising import Extras
@@ -263,16 +263,8 @@ def headline(campaign: Campaign, question: Question) -> str:
 
 def question_lines(question: Question) -> str:
     """Return where to go, from which side, the sign in words, and what to expect."""
-    rows = (
-        (said("go to"), coordinates_text(question.places, moves=True)),
-        (said("coming"), coming_text(question.places)),
-        (said("parked"), coordinates_text(question.places, moves=False)),
-        (said("at"), question.touch),
-        (said("again"), question.again),
-        (said("sign"), question.sign),
-        (said("expect"), expected_text(question)),
-    )
-    return "\n".join(f"  {name:<9} {what}" for name, what in rows if what)
+    others = (said("again"), question.again), (said("expect"), expected_text(question))
+    return question_text(question.places, question.touch, question.sign, *others)
 
 
 def expected_text(question: Question) -> str:

@@ -16,6 +16,7 @@ from axiscal.present.delivery import deliver
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.plan_words import plan_screen
 from axiscal.present.result_document import result_json
+from axiscal.present.sentences import U_OF_TABLES
 from axiscal.present.statement import NOT_KNOWN, statement
 from axiscal.present.summarising import Extras
 from axiscal.present.summary import Summary
@@ -65,6 +66,8 @@ def tell_details(summary: Summary, out: Path) -> None:
     for offer in {each.controller: each for each in summary.tables}.values():
         none = "" if offer.axis else "No table for "
         say(f"{none}{offer.controller}: {offer.left_out}")
+    if summary.tables and not summary.answer.withheld:
+        say(said(U_OF_TABLES))
     for warning in summary.warnings:
         say(f"Mind: {warning.text}")
 

@@ -24,7 +24,7 @@ from axiscal.machine import Machine
 from axiscal.measurement.instrument import INSTRUMENTS
 from axiscal.measurement.reading import Place, Reading, place_text, reading_unit, shown_pose
 from axiscal.measurement.setup import Setup
-from axiscal.present.guide.progress import contradictions, doubted, others_doubted
+from axiscal.present.guide.progress import contradictions, doubted, last_doubt, others_doubted
 from axiscal.present.guide.question import asked_text, value_texts
 from axiscal.units import format_quantity, parse_quantity, to_unit
 
@@ -90,11 +90,11 @@ def record(
         before = doubted(campaign)
         left = _left(campaign, place)
         kept = campaign.record(number, noise, place, accepted=accept, others=tuple(others))
-        surprise, mind = _doubt(campaign)
-        found = [mind, *others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else "", left]
+        doubt = last_doubt(campaign)
+        found = [*others_doubted(campaign, before), _assumed(campaign, kept, approach) if at else "", left]
         minded = [sentence for sentence in (*found, *contradictions(campaign)) if sentence]
         document, line = _kept(campaign, kept)
-        document |= {"surprise": surprise, "mind": minded}
+        document |= {"surprise": None if doubt is None else round(doubt.surprise, 2), "mind": minded}
         lines = [line, *(said("Mind: {sentence}", sentence=sentence) for sentence in minded)]
         _answered(campaign, document, lines, then_next=then_next, as_json=json)
 
@@ -140,22 +140,6 @@ def _record_log(record: Path, log: Path, programs: Path, as_json: bool) -> None:
         words = counted("Kept {count} reading of {log}.", "Kept {count} readings of {log}.", len(placed), log=log)
         document = {"logged": len(placed), "readings": count}
         say_either(as_json, "axiscal-record/1", document, [words, ask_next(record)])
-
-
-def _doubt(campaign: Campaign) -> tuple[float | None, str]:
-    """Return how many standard deviations away the last reading is, and that in words; None if it is believed."""
-
-    last, estimation = len(campaign.state.readings) - 1, campaign.estimate()
-    doubt = next((doubt for doubt in estimation.outliers if doubt.reading == last), None)
-    if doubt is None:
-        return None, ""
-    away = said("it is {away:.1f} standard deviations from what the other readings say", away=float(doubt.surprise))
-    why = estimation.objection_to(doubt) if doubt.implausible else away
-    text = (
-        "{why} and is not relied on. Take it again (axiscal step undo, then axiscal step record), or record it with "
-        "--accept if it is right."
-    )
-    return round(doubt.surprise, 2), said(text, why=why)
 
 
 def _left(campaign: Campaign, place: Place) -> str:

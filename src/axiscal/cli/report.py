@@ -13,7 +13,7 @@ from axiscal.campaign.ending import because_text
 from axiscal.cli.arguments import Anyway, Details, Json, OwnRecord, ReportLanguage, ResultsFolder
 from axiscal.cli.outputs import standing_screen, write_outputs
 from axiscal.cli.printing import say, say_document
-from axiscal.cli.texts import accuracy_text, count_text, opened_to_write, question_text, signed_text
+from axiscal.cli.texts import accuracy_text, asked_screen, count_text, opened_to_write, signed_text
 from axiscal.estimation.agreement_words import agreement_document, agreement_words, change_words, membership_words
 from axiscal.estimation.type_prior import is_type_text
 from axiscal.exceptions import RecordError
@@ -139,7 +139,7 @@ def _lines(campaign: Campaign) -> list[str]:
     if status.reached is not None:
         words = "Reached: {what}. End it: axiscal finish {record}"
         lines.append(said(words, what=because_text(status.reached), record=campaign.path))
-    return [*lines, question_text(campaign, state.pending)] if state.pending else lines
+    return [*lines, asked_screen(campaign, state.pending)] if state.pending else lines
 
 
 def _sisters(campaign: Campaign) -> str:

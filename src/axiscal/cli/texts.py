@@ -5,6 +5,7 @@ After Ctrl-C the error says what was kept and what to call next.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,7 +18,7 @@ from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import AxiscalError
 from axiscal.language.spoken import counted, said
 from axiscal.measurement.reading import reading_unit, value_names
-from axiscal.present.guide.question import axis_places, coming_text, coordinates_text, reads_text, touch_text
+from axiscal.present.guide.question import axis_places, question_text, reads_text, sign_text, touch_text
 from axiscal.record.events import Asked, State
 from axiscal.units import to_unit
 
@@ -27,19 +28,11 @@ def micrometres(length: float) -> str:
     return um_text(to_unit(length, "um"))
 
 
-def question_text(campaign: Campaign, asked: Asked) -> str:
+def asked_screen(campaign: Campaign, asked: Asked) -> str:
     """Return what the operator is to do."""
     setup = campaign.description.setup(asked.place.setup)
     values = ", ".join(f"{name.upper() or 'VALUE'} {reading_unit(setup)}" for name in value_names(setup))
-    places, touch = axis_places(campaign, asked), touch_text(campaign, asked)
-    coming, parked = coming_text(places), coordinates_text(places, moves=False)
-    lines = [
-        (said("go to"), coordinates_text(places, moves=True)),
-        (said("coming"), coming),
-        (said("at") if setup.artefact else said("the way"), touch),
-        (said("parked"), parked),
-        (said("then"), f'axiscal step record {campaign.path} "{values}"'),
-    ]
+    then = said("then"), f'axiscal step record {campaign.path} "{values}"'
     head = said(
         'Reading {number}: set-up "{setup}", {instrument}, reads {reads}',
         number=asked.reading,
@@ -47,15 +40,18 @@ def question_text(campaign: Campaign, asked: Asked) -> str:
         instrument=said(setup.instrument),
         reads=reads_text(setup),
     )
-    return "\n".join([head, *(f"  {name:<9} {what}" for name, what in lines if what)])
+    where = question_text(axis_places(campaign, asked), touch_text(campaign, asked), sign_text(setup), then)
+    return f"{head}\n{where}"
 
 
 def next_text(campaign: Campaign, asked: Asked | Ended) -> str:
     """Return the question, or why there is none and what to do."""
     if isinstance(asked, Ended):
         ended = said("Nothing more to ask: {because}.", because=because_text(asked.because))
-        return "\n".join([ended, *ending({said("Next"): [f"axiscal finish {campaign.path} --out results"]})])
-    return question_text(campaign, asked)
+        record = shlex.quote(str(campaign.path))
+        more = f"axiscal step next {record} --beyond    # {said('one reading more')}"
+        return "\n".join([ended, *ending({said("Next"): [f"axiscal finish {record} --out results", more]})])
+    return asked_screen(campaign, asked)
 
 
 def ask_next(record: Path) -> str:

@@ -116,7 +116,7 @@ class Estimation:
         return Estimate(errors, self.printed.belief, *place)
 
     def objection_to(self, doubt: Doubt) -> str:
-        """Return in words what an implausible reading is."""
+        """Return in words what is wrong with a reading that is not used."""
         reading, described = self.readings[doubt.reading], self.stated.description
         return objection(doubt, reading, described.setup(reading.setup), described.machine.axes)
 

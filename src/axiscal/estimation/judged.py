@@ -66,14 +66,17 @@ def unit_guess(size: float, angular: bool = False) -> str:
 
 
 def objection(doubt: Doubt, reading: Reading, setup: Setup, axes: Sequence[Axis]) -> str:
-    """Return what an implausible reading is, and which slip of the unit may have made it."""
-    unit = reading_unit(setup)
+    """Return what is wrong with a reading that is not used, and which slip of the unit may have made it."""
+    unit, named = reading_unit(setup), reading_text(axes, setup, reading, doubt.reading)
+    if not doubt.implausible:
+        away = "{reading} is {away:.1f} standard deviations from what the other readings say"
+        return said(away, reading=named, away=float(doubt.surprise))
     value = listed(", ", [said_quantity(each, unit, 6) for each in reading.values])
     size = f"{doubt.surprise:.0f}" if doubt.surprise < _COUNTLESS else said("more than a million")
     guess = unit_guess(doubt.surprise, INSTRUMENTS[setup.instrument].reads == "angle")
     text = said(
         "{reading}, {value}, is {size} standard deviations from all that the stated std and the other readings allow",
-        reading=reading_text(axes, setup, reading, doubt.reading),
+        reading=named,
         value=value,
         size=size,
     )

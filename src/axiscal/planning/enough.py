@@ -101,7 +101,7 @@ def enough(
     """
     if not limits.accurate:
         return limits
-    if readings and reached_by(case, limits, (), readings):
+    if (readings or len(case.sizes)) and reached_by(case, limits, (), readings):
         return few_more(limits, len(left))
     found = _for_rows if limits.rows else _for_volume
     return found(case, task, limits, readings, left)

@@ -84,7 +84,7 @@ def helping_words(found: Helping) -> str:
     """Return in words what would help."""
     names = joined([quoted(name) for name in found.setups])
     if found.measured:
-        names = said("the temperature (to {size})", size=said_quantity(MEASURED_TEMPERATURE.size, "K"))
+        names = said('the temperature (temperature_std = "{size}")', size=said_quantity(MEASURED_TEMPERATURE.size, "K"))
     elif found.tool:
         names = put('tool_length = "{size}", tool_eccentricity = "{size}"', size=said_quantity(_OF_TOOL, "um"))
     text = "With {names} as well, {readings} readings reach it in {minutes} min."

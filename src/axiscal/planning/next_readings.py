@@ -38,6 +38,7 @@ from axiscal.planning.other_readings import (
     with_rooms,
     without_markers,
 )
+from axiscal.planning.plan.greedy import worth_most
 from axiscal.planning.plan.order import in_order, seconds_along
 from axiscal.planning.plan.plan import Plan, make_plan, renewed
 from axiscal.planning.plan.task import PATIENCE, Limits, Task
@@ -229,6 +230,8 @@ def next_places(
     if not len(task.lattice):
         return ()
     limits, bad = limits_left(case, readings), {doubt.reading for doubt in outliers}
+    if len(readings) >= (case.description.target.readings or math.inf):  # one more is wanted than was planned
+        task = replace(task, lattice=task.lattice.within(task.lattice.setups == worth_most(task)))
     believed = [reading for index, reading in enumerate(readings) if index not in bad]
 
     def planned(limits: Limits, left: Sequence[Place]) -> tuple[Place, ...]:

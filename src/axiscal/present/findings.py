@@ -248,12 +248,12 @@ def observability(case: Case) -> list[str]:
     return [*(part.text for part in case.hidden), *([absent] if absent else [])]
 
 
-def findings(estimation: Estimation) -> list[Finding]:
-    """Return the warnings of an estimate."""
+def findings(estimation: Estimation, *, ended: bool = True) -> list[Finding]:
+    """Return the warnings of an estimate.  ended : the campaign is over, and no reading is asked for"""
     return [
         *coarse_displays(estimation.readings, estimation.stated.description.setups),
         *_unobservable(estimation),
-        *_outliers(estimation),
+        *_outliers(estimation, ended),
         *learnt_sizes(estimation),
         *_drift(estimation),
         *_changes(estimation),
@@ -279,19 +279,16 @@ def _unobservable(estimation: Estimation) -> Iterator[Finding]:
         yield Finding("unobservable", None, said(text, size=said_quantity(yardstick.unseen_rms, "um")))
 
 
-def _outliers(estimation: Estimation) -> Iterator[Finding]:
+def _outliers(estimation: Estimation, ended: bool) -> Iterator[Finding]:
     """Say which readings do not count, and which do although they do not agree with the others."""
+    text = "{objection}: it is not used; take it again, or record it with --accept if it is right."
+    if ended:
+        text = (
+            "{objection}: no figure and no table uses it. `axiscal step undo` takes the end back; then `axiscal step "
+            "record` takes it again, with --accept if it is right."
+        )
     for doubt in estimation.outliers:
-        if doubt.implausible:
-            text = "{objection}: it is not used; take it again, or record it with --accept."
-            yield Finding("outlier", None, capital(said(text, objection=estimation.objection_to(doubt))))
-        else:
-            text = (
-                "{reading} is {away:.1f} standard deviations from what the other readings say, and is not used. "
-                "Take it again, or record it with --accept if it is right."
-            )
-            name = estimation.name_of(doubt.reading)
-            yield Finding("outlier", None, capital(said(text, reading=name, away=float(doubt.surprise))))
+        yield Finding("outlier", None, capital(said(text, objection=estimation.objection_to(doubt))))
     yield from _disagreeing(estimation)
 
 
@@ -303,7 +300,7 @@ def _disagreeing(estimation: Estimation) -> Iterator[Finding]:
         return
     for index in far:
         if not estimation.readings[index].accepted:
-            text = "{reading} is {away:.1f} standard deviations from what the other readings say; take it again."
+            text = "{reading} is {away:.1f} standard deviations from what the other readings say, and is used."
             name = estimation.name_of(index)
             yield Finding("outlier", None, capital(said(text, reading=name, away=float(left[index].z))))
 

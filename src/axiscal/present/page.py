@@ -17,6 +17,7 @@ from axiscal.present.drawn_by_standards import PositioningCurve, circle_picture
 from axiscal.present.found_and_left import found_and_left_shown
 from axiscal.present.result_document import listed
 from axiscal.present.sentences import (
+    U_OF_TABLES,
     UNSAID,
     axis_unit,
     environment,
@@ -65,6 +66,7 @@ def report_values(summary: Summary) -> dict[str, Any]:
         "stated": statement(summary),
         "files_of": files_of_controls(summary.tables),
         "unsaid": said(UNSAID),
+        "u_of_tables": said(U_OF_TABLES),
         "volume_words": sentences.volume_words(summary),
         "first_number": sentences.first_number_words(summary),
         "before": [row for row in summary.history if not row.position],

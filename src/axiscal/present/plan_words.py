@@ -125,7 +125,7 @@ def _mostly(answer: PlannedAnswer) -> str:
         return ""
     if answer.mostly.measurable:
         size = said_quantity(MEASURED_TEMPERATURE.size, MEASURED_TEMPERATURE.unit)
-        return said("U is mostly the unknown temperature: measure it to {size}.", size=size)
+        return said('U is mostly the unknown temperature: measure it, and state temperature_std = "{size}".', size=size)
     return said("U is mostly this: {cause}.", cause=cause_words(answer.mostly.cause, answer.mostly.owner))
 
 
@@ -184,7 +184,9 @@ def bound_sentence(answer: PlanAnswer) -> str:
     if answer.proof_gap_percent is not None:
         text += f": {_percent(answer.percent_from_best)} from the best possible; "
         text += f"search stopped at a gap of {_percent(answer.proof_gap_percent)}"
-    if bound is None or answer.reachable_rms_um < _MUCH * bound:
+    if bound is None:
+        return f'{text}. J is the figure that criterion = "{answer.criterion}" makes small.'
+    if answer.reachable_rms_um < _MUCH * bound:
         return f"{text}."
     return f"{text}. Of both, {answer.reachable_rms_um:.3g} um is what endless readings leave."
 

@@ -14,7 +14,7 @@ from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.csv_readings import FOUND
 from axiscal.measurement.readers.csv_table import csv_text
-from axiscal.present.sentences import axis_unit, standardised
+from axiscal.present.sentences import axis_unit
 from axiscal.present.summary import (
     CurveSummary,
     HistoryRow,
@@ -50,7 +50,7 @@ def _readings(summary: Summary) -> Iterator[Sequence[str]]:
         cells |= {f"{axis}_{axis_unit(axis)}": _place((row.position or {}).get(axis)) for axis in axes}
         cells |= zip(row.columns, map(_figure, row.values), strict=True)
         cells |= {f"std_{row.unit}": _figure(row.std), "time": f"{_figure(row.time)} s"}
-        found = [*map(_figure, (row.innovation, standardised(row))), "no" if row.rejected else "yes"]
+        found = [*map(_figure, (row.innovation, row.surprise)), "no" if row.rejected else "yes"]
         yield [*(cells.get(name, "") for name in names), *found, *map(_figure, (row.rms_um, row.minutes))]
 
 

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 UNSAID = later("not stated")
+U_OF_TABLES = later(
+    "U of the tables: 95 % of the places lie within it, with 95 % probability. U of the volume counts places and "
+    "probability together, and is smaller."
+)
 
 UNITS = {"um": "µm", "urad": "µrad", "arcsec": "″", "deg": "°", "mm": "mm", "min": "min"}
 _SHOWN = {"um": "µm", "urad": "µrad", "degC": "°C"}
@@ -179,13 +183,6 @@ def coordinate(value: float) -> str:
     """Return a coordinate to a thousandth, without trailing zeros."""
     text = f"{value:.3f}".rstrip("0").rstrip(".") if abs(value) < 1e9 else f"{value:.4g}"
     return _minus("0" if text == "-0" else decimals(text))
-
-
-def standardised(row: HistoryRow) -> float | None:
-    """Return a reading's innovation over its standard deviation, where both are known."""
-    if row.innovation is None or row.innovation_std is None or row.innovation_std <= 0:
-        return None
-    return row.innovation / row.innovation_std
 
 
 def iso_name(name: str) -> str:

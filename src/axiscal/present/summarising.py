@@ -5,6 +5,7 @@ ISO 230-2 as blocks of the report: a finished test, and readings of a campaign t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
@@ -198,7 +199,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
     linear, expanded = linearity(estimation), _expanded(estimation)
     target, drawn = description.target, curves(estimation, campaign.state.readings, extras.truth)
     changes = [said("A person accepted: {change}.", change=change_words(each)) for each in campaign.state.accepted]
-    accepted = [Finding("accepted", None, change) for change in changes]
+    accepted, over = [Finding("accepted", None, change) for change in changes], campaign.state.finished is not None
     times = [reading.time for reading in campaign.state.readings if reading.time is not None]
     last = datetime.fromisoformat(campaign.begun) + timedelta(seconds=max(times, default=0.0))
     return Summary(
@@ -223,7 +224,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         planes=planes(estimation),
         observability=observability(case),
         questions=[*questions(description.machine), *which_way(description.machine)],
-        warnings=[*extras.warnings, *accepted, *findings(estimation), *not_gaussian(linear)],
+        warnings=[*extras.warnings, *accepted, *findings(estimation, ended=over), *not_gaussian(linear)],
         tables=extras.tables,
         target_rms_um=None if target.rms is None else to_unit(target.rms, "um"),
         target_worst_um=None if target.worst is None else to_unit(target.worst, "um"),
@@ -282,14 +283,15 @@ def _reversal(curve: CurveSummary) -> bool:
 
 def _history(campaign: Campaign, estimation: Estimation) -> list[HistoryRow]:
     """Return how well the machine was known after each reading, and how much each surprised, or was not believed."""
-    away = {doubt.reading: float(doubt.surprise) for doubt in estimation.outliers}
+    doubts = {doubt.reading: doubt for doubt in estimation.outliers}
     first, *moments = path(estimation)
     rows = [_row(estimation.case, None, 0, first)]
     for index, (reading, moment) in enumerate(zip(campaign.state.readings, moments, strict=True)):
         row = _row(estimation.case, reading, reading.numbered(index), moment)
-        if index in away:
-            text = "{away:.3g} standard deviations from what the other readings say"
-            row = replace(row, reason=said(text, away=away[index]))
+        if index in doubts:
+            away = float(doubts[index].surprise)
+            reason = said("{away:.1f} standard deviations from what the other readings say", away=away)
+            row = replace(row, reason=reason, surprise=math.copysign(away, row.innovation or 0.0))
         rows.append(row)
     return rows
 
@@ -307,7 +309,7 @@ def _row(case: Case, reading: Reading | None, number: int, moment: Moment) -> Hi
         position=shown_pose(axes, reading.pose),
         value_um=to_unit(reading.value, unit),
         innovation=to_unit(float(last.value[0]), unit),
-        innovation_std=to_unit(float(last.std[0]), unit),
+        surprise=float(last.value[0] / last.std[0]),
         rms_um=rms,
         worst_um=worst,
         minutes=minutes,

@@ -38,7 +38,8 @@ class SetupUse:
 class HistoryRow:
     """One reading and the accuracy after it; reading 0 is the prior and has no position, value or innovation.
 
-    unit : of `value_um`, `others`, `innovation`, `innovation_std`: "um" except for angle readings
+    unit : of `value_um`, `others`, `innovation`: "um" except for angle readings
+    surprise : innovation in standard deviations; of one that was not believed, by what all others say
     others : the further numbers of a reading that has several, such as a sphere's along y and z
     reason : why it was not believed, "" where it was
     columns : of its values in a file of readings; std : of the reading's own, in `unit`; time : by the clock, s
@@ -49,7 +50,7 @@ class HistoryRow:
     position: Position | None
     value_um: float | None
     innovation: float | None
-    innovation_std: float | None
+    surprise: float | None
     rms_um: float
     worst_um: float
     minutes: float

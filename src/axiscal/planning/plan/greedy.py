@@ -81,6 +81,13 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
     return min(values, key=lambda setups: (values[setups], len(setups)))
 
 
+def worth_most(task: Task) -> int:
+    """Return the set-up of the candidate with the most gain in its time, mounting included where it is not mounted."""
+    times, (scores, _) = clock(task), _coarse(task)
+    of = scores.pool.lattice.setups
+    return int(of[first_best(scores.gains / (times.mounting + times.reading)[of], ALIKE)])
+
+
 def within_reach(task: Task, limits: Limits) -> bool:
     """Return whether picks reach the accuracy with all set-ups together."""
     scores, meter = _coarse(task)

@@ -222,7 +222,7 @@ def make_plan(
     with stage("off the lattice"):
         polish(trial.scores, affordable(times, setups, 0.0), _ROUNDS, Patience(patience))
     places = fitted(task, limits, times, trial).scores.places
-    if usual:
+    if usual and len(places):
         places = _spread_if_as_good(task, limits, shaken(task, places))
     order = interleaved(task, limits, in_order(task, places)) if usual else in_order(task, places)
     return judged(task, limits, replace(order, approaches=arriving(task, order)), bounded)

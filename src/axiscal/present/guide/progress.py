@@ -18,6 +18,7 @@ from axiscal.estimation.accuracy.expanded import expanded, expanded_floor
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.agreement_words import agreement_words, change_words
 from axiscal.estimation.belief import Belief
+from axiscal.estimation.judged import Doubt
 from axiscal.language.spoken import counted, decimals, said
 from axiscal.measurement.reading import reading_text, reading_unit
 from axiscal.measurement.reading_rows import blank_readings
@@ -70,19 +71,27 @@ def doubted(campaign: Campaign) -> frozenset[int]:
     return campaign.estimate().left_out
 
 
+def last_doubt(campaign: Campaign) -> Doubt | None:
+    """Return why the last reading is not used, None where it is."""
+    last = len(campaign.state.readings) - 1
+    return next((doubt for doubt in campaign.estimate().outliers if doubt.reading == last), None)
+
+
 def others_doubted(campaign: Campaign, before: frozenset[int]) -> list[str]:
     """Return sentences about what the last reading changed: earlier readings doubted or believed, and its own surprise.
 
     before : what was doubted before it
     """
-    last, now = len(campaign.state.readings) - 1, doubted(campaign)
+    last, now, known = len(campaign.state.readings) - 1, doubted(campaign), campaign.estimate()
     doubtful = "with this one, {reading}, is no longer relied on. Read there again."
     minds = [said(doubtful, reading=_shown(campaign, index)) for index in sorted(now - before - {last})]
     minds += [said("with this one, {reading}, is believed.", reading=_shown(campaign, index)) for index in before - now]
-    surprise = campaign.estimate().absorbed.innovations[last]
+    surprise, doubt = known.absorbed.innovations[last], last_doubt(campaign)
     size = (surprise.chi_square / surprise.degrees) ** 0.5
-    vouched = campaign.state.readings[last].accepted
-    if last not in now and not vouched and size >= _SURPRISING:
+    if doubt is not None:
+        refused = "{why}. It is not used: take it back and read there again. If it is right, record it with --accept."
+        minds.append(said(refused, why=known.objection_to(doubt)))
+    elif not campaign.state.readings[last].accepted and size >= _SURPRISING:
         strange = (
             "it is {size} standard deviations from what was expected. It is believed so far; take it back and read "
             "there again if anything may have been wrong."
@@ -145,7 +154,7 @@ class Progress(AnswerDocument):
             before_um=_size(figure, case.yardstick, case.prior),
             now_um=_size(figure, known.case.yardstick, known.printed.belief),
             promised_um=_size(figure, known.case.yardstick, after.belief),
-            floor_um=_floor(figure, case.yardstick),
+            floor_um=_floor(figure, known.case.yardstick_as_sized),
             goals=goals_text(target),
         )
 

@@ -210,6 +210,19 @@ class Question(AnswerDocument):
         return float(np.max(BAND * np.abs(to_unit(values, self.unit) - means) / halves))
 
 
+def question_text(places: Sequence[AxisPlace], touch: str, sign: str, *others: tuple[str, str]) -> str:
+    """Return where to go, how, when a reading is positive, and other lines, each behind its name; none is empty."""
+    rows = (
+        (said("go to"), coordinates_text(places, moves=True)),
+        (said("coming"), coming_text(places)),
+        (said("parked"), coordinates_text(places, moves=False)),
+        (said("touch"), touch),
+        (said("sign"), sign),
+        *others,
+    )
+    return "\n".join(f"  {name:<9} {what}" for name, what in rows if what)
+
+
 def coordinates_text(places: Sequence[AxisPlace], *, moves: bool) -> str:
     """Return where the axes go that move, or where the others stand: "X = 120 mm", in the order of the display."""
     return ", ".join(f"{place.axis} = {place.shown} {place.unit}" for place in places if place.moves is moves)
