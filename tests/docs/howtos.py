@@ -6,9 +6,9 @@ python -m tests.docs.howtos         # makes the pictures anew
 from __future__ import annotations
 
 import json
-import os
 import re
 import shlex
+from contextlib import chdir
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -50,19 +50,21 @@ def follow(page: Path, folder: Path) -> list[tuple[list[str], int]]:
     """Write the files of a page into a folder, give its commands there, and return each with its exit status."""
     for name, text in files(page).items():
         (folder / name).write_text(text, encoding="utf-8")
-    before = Path.cwd()
-    os.chdir(folder)
-    try:
+    with chdir(folder):
         return [(words, run(words[1:])) for words in commands(page)]
-    finally:
-        os.chdir(before)
 
 
 def draw(page: Path, folder: Path) -> None:
     """Draw the first set-up of a page on its machine, with places where it can be read."""
-    for name, text in files(page).items():
+    written = files(page)
+    for name, text in written.items():
         (folder / name).write_text(text, encoding="utf-8")
-    campaign = read_campaign(folder / "campaign.toml", target_needed=False, asking=False)
+    if "campaign.toml" not in written:
+        init = next(words for words in commands(page) if words[1] == "init")
+        with chdir(folder):
+            assert run(init[1:]) == 0
+    (described,) = folder.rglob("campaign.toml")
+    campaign = read_campaign(described, target_needed=False, asking=False)
     setup = campaign.setups[0]
     lattice = spread(campaign.machine, (setup,), _SHOWN)
     rows = zip(lattice.poses.tolist(), lattice.approaches.astype(int).tolist(), strict=True)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from contextlib import chdir
 from pathlib import Path
 
 import pytest
 
+from axiscal.cli.app import run
 from axiscal.ports.study.study_case import FIGURES
-from tests.docs.howtos import DOCS, PAGES, draw, files, follow
+from tests.docs.howtos import DOCS, PAGES, commands, draw, files, follow
 
 _LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 _CODE = re.compile(r"```.*?```|`[^`\n]*`", re.DOTALL)
@@ -30,7 +32,19 @@ def test_its_picture_is_that_of_its_set_ups(page: Path, tmp_path: Path, monkeypa
     monkeypatch.setattr("tests.docs.howtos.DOCS", tmp_path / "docs")
     draw(page, tmp_path)
     assert (tmp_path / "docs" / "pictures" / f"{page.stem}.svg").read_text(encoding="utf-8") == kept
-    assert "campaign.toml" in files(page)
+
+
+def test_what_the_board_s_page_shows_stands_in_the_files_that_init_writes(tmp_path: Path) -> None:
+    page = DOCS / "howto" / "tonight.md"
+    for name, text in files(page).items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    with chdir(tmp_path):
+        assert all(run(words[1:]) == 0 for words in commands(page) if words[1] == "init")
+    written = "".join(path.read_text(encoding="utf-8") for path in tmp_path.rglob("*.toml"))
+    shown = re.findall(r"^```toml\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    lines = [line for block in shown for line in block.splitlines()]
+    assert len(lines) == 4
+    assert [line for line in lines if line not in written] == []
 
 
 def _anchor(heading: str) -> str:

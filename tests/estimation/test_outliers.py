@@ -83,7 +83,7 @@ def test_a_bad_reading_is_named_in_the_warnings() -> None:
     readings[7] = replace(readings[7], value=readings[7].value - 80e-6)
     (finding,) = [f for f in findings(_estimated(readings)) if f.code == "outlier"]
     assert "Reading 8" in finding.text
-    assert "is not used" in finding.text
+    assert "no figure and no table uses it" in finding.text
 
 
 def test_values_a_thousand_times_too_small_are_not_as_stated() -> None:

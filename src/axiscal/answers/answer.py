@@ -39,6 +39,11 @@ def number(value: float, what: str) -> float:
     return float(f"{value:.{_DIGITS}g}") + 0.0  # + 0.0 turns -0.0 into 0.0
 
 
+def finite(value: float) -> float | None:
+    """Return a value, None for one that is not finite."""
+    return value if math.isfinite(value) else None
+
+
 def numbers(values: Sequence[float], what: str, size: int | None = None) -> list[float]:
     """Return values at six significant digits; raises SummaryError if one is not finite or their count is not size."""
     if size is not None and len(values) != size:

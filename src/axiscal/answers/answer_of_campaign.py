@@ -29,7 +29,8 @@ from axiscal.answers.answer import (
 from axiscal.answers.answer_words import digits, row_name
 from axiscal.answers.rows import AnsweredRow, answered
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.ending import count_reached, known_to
+from axiscal.campaign.ending import count_reached
+from axiscal.estimation.accuracy.expanded import known_to
 from axiscal.estimation.agreement_words import mistake_words
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.functional import AxisLine
@@ -67,7 +68,8 @@ def answer_of(
     """
     rows = answered(known, controls)
     wanted = asked(known.stated.description.target, known.case.yardstick_as_sized)
-    volume = [aim_of_volume(each, known_to(each.name, known)) for each in wanted]
+    volume_known = known.case.yardstick, known.printed.belief
+    volume = [aim_of_volume(each, known_to(each.name, *volume_known)) for each in wanted]
     lines = [aim_of(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
     coming = campaign.state.coming if campaign.state.finished is None else ()
     verdict = _verdict(known, volume, lines)

@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 from axiscal.campaign.sources import Skip
 from axiscal.description.target import Target
-from axiscal.estimation.accuracy.expanded import expanded
+from axiscal.estimation.accuracy.expanded import expanded, known_to
 from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
-from axiscal.estimation.estimation import Estimation, expanded_uncertainty
+from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.functionals.known import known_rows
 from axiscal.estimation.promise.agreement import NOTHING_READ, Agreement
 from axiscal.exceptions import RecordError, SourceError
@@ -104,7 +104,8 @@ def reaches(target: Target, known: Estimation) -> bool | None:
 
 def _said(target: Target, known: Estimation) -> str | None:
     """Return that the volume and all other rows are reached, or that no reading can; None for neither."""
-    volume = [_Standing(each, known_to(each.name, known)) for each in asked(target, known.case.yardstick)]
+    belief, yardstick = known.printed.belief, known.case.yardstick
+    volume = [_Standing(each, known_to(each.name, yardstick, belief)) for each in asked(target, yardstick)]
     first = next((each for each in volume if each.now <= each.wanted.limit), None)
     spent = [] if first is not None else _spent(target, known, volume)
     if volume and first is None and not spent:
@@ -161,13 +162,6 @@ def _unread(target: Target, known: Estimation) -> bool:
     rms, worst, *_ = yardstick.measure(prior)
     pairs = (target.rms, rms), (target.worst, worst), (target.expanded, expanded(yardstick, prior).space)
     return any(limit is not None and before <= limit for limit, before in pairs)
-
-
-def known_to(name: str, known: Estimation) -> float:
-    """Return how well the machine is known by the figure of that name, m."""
-    if name == "U":
-        return expanded_uncertainty(known).space
-    return known.accuracy.rms if name == "rms" else known.accuracy.worst
 
 
 def out_of_reach(

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from axiscal.description.target import Target
-from axiscal.estimation.accuracy.expanded import expanded_floor
+from axiscal.estimation.accuracy.expanded import floor_of
 from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.case import Case
@@ -41,11 +41,8 @@ class WantedAccuracy(NamedTuple):
 
 def asked(target: Target, yardstick: Yardstick) -> tuple[WantedAccuracy, ...]:
     """Return the accuracies that a target asks for; a campaign ends at the first that is reached."""
-    rms, worst = yardstick.floors
-    found = [] if target.rms is None else [WantedAccuracy("rms", target.rms, rms)]
-    found += [] if target.worst is None else [WantedAccuracy("worst", target.worst, worst)]
-    found += [] if target.expanded is None else [WantedAccuracy("U", target.expanded, expanded_floor(yardstick).space)]
-    return tuple(found)
+    given = ("rms", target.rms), ("worst", target.worst), ("U", target.expanded)
+    return tuple(WantedAccuracy(name, limit, floor_of(name, yardstick)) for name, limit in given if limit is not None)
 
 
 def promised(case: Case, knowledge: Knowledge, places: Sequence[Place]) -> Accuracy:

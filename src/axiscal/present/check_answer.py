@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from axiscal.answers.answer import AnswerDocument, TablesChecked
+from axiscal.answers.answer import AnswerDocument, TablesChecked, finite
 from axiscal.answers.answer_words import VERDICTS, digits, row_name, wrapped
 from axiscal.evaluation.check import Check, Taken
 from axiscal.evaluation.datums import GUARD
@@ -150,7 +150,7 @@ def check_answer(judgement: Judgement, places: int, promised: float, taken: Take
             TableShare(
                 table=share.name,
                 share=share.value if np.isfinite(share.std) else None,
-                share_std=_or_none(share.std),
+                share_std=finite(share.std),
                 checked=share.checked,
                 works=share.works,
                 size=share.size,
@@ -161,10 +161,6 @@ def check_answer(judgement: Judgement, places: int, promised: float, taken: Take
         axes_not_checked=judgement.idle,
         set_up_off=[SetupOff(setup=datum.setup, unknown=datum.unknown) for datum in judgement.strained],
     )
-
-
-def _or_none(value: float) -> float | None:
-    return value if np.isfinite(value) else None
 
 
 def plain(micrometres: Array) -> Array:

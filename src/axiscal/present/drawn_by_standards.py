@@ -178,10 +178,10 @@ def circle_picture(circle: BallBarCircle, width: float) -> str:
     spokes = "".join(_spoke(middle, 1.4 * radius, name, k) for k, name in enumerate(circle.plane))
     shown = [(circle.found, "var(--truth)"), *([] if circle.left is None else [(circle.left, "var(--read)")])]
     turns = np.linspace(0.0, 360.0, 181)
-    lines = "".join(
-        line(way(_points(turns, _between(circle, values, turns), middle, radius, scale), closed=True), colour, 2.0)
-        for values, colour in shown
-    )
+    lines = ""
+    for values, colour in shown:  # evenly from one reading to the next
+        between = np.interp(turns, circle.angle, values, period=360.0)
+        lines += line(way(_points(turns, between, middle, radius, scale), closed=True), colour, 2.0)
     read = _points(np.array(circle.angle), np.array(circle.read), middle, radius, scale)
     marks = dots(read, "var(--ink)", 6.0)
     words = said("one division: {size} µm", size=f"{step:g}")
@@ -209,12 +209,6 @@ def _spoke(middle: float, reach: float, name: str, number: int) -> str:
     ends = [(middle - reach * across, middle - reach * down), (middle + reach * across, middle + reach * down)]
     at = middle + (reach - text_width(name)) * across + 8 * (1 - across), middle + reach * down + 12 - 18 * across
     return line(way(ends), "var(--rule)", 1.0) + text(at[0], at[1], name, "axis")
-
-
-def _between(circle: BallBarCircle, values: Sequence[float], turns: Array) -> Array:
-    """Return values at other angles, deg, evenly from one reading to the next."""
-    between: Array = np.interp(turns, circle.angle, values, period=360.0)
-    return between
 
 
 def _points(turns: Array, values: Array, middle: float, radius: float, scale: float) -> list[Point]:

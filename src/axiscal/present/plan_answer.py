@@ -20,11 +20,12 @@ from axiscal.answers.answer import (
     PlanVerdict,
     ReachAnswer,
     StepCode,
+    finite,
 )
 from axiscal.answers.answer_of_campaign import aim_of, aim_of_volume, all_reached, known_figures, unreachable
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.type_b import TEMPERATURE
-from axiscal.estimation.accuracy.expanded import expanded
+from axiscal.estimation.accuracy.expanded import known_to
 from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import asked_rows
 from axiscal.estimation.functionals.known import KnownRow, known_rows
@@ -114,10 +115,10 @@ def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = 
         J=plan.value,
         bound_J=None if plan.bound is None else plan.bound.value,
         bound_rms_um=bound,
-        ratio=_finite(ratio),
-        percent_from_best=_finite(100 * ((ratio if bound is None else ratio**0.5) - 1)),
+        ratio=finite(ratio),
+        percent_from_best=finite(100 * ((ratio if bound is None else ratio**0.5) - 1)),
         bound_holds_for=_holds_for(proposal),
-        proof_gap_percent=None if proposal.gap is None else _finite(_gap_percent(case, proposal)),
+        proof_gap_percent=None if proposal.gap is None else finite(_gap_percent(case, proposal)),
     )
 
 
@@ -191,9 +192,8 @@ def _mostly(blank: Blank, known: Knowledge) -> LargestCause | None:
 
 def _aims(case: Case, known: Knowledge, rows: Sequence[KnownRow]) -> tuple[list[Aim], list[Aim]]:
     """Return the wanted accuracies of the volume, and those of all other rows."""
-    accuracy = case.yardstick.measure(known.belief)
-    now = {"rms": accuracy.rms, "worst": accuracy.worst, "U": expanded(case.yardstick, known.belief).space}
-    volume = [aim_of_volume(each, now[each.name]) for each in asked(case.description.target, case.yardstick)]
+    wanted = asked(case.description.target, case.yardstick)
+    volume = [aim_of_volume(each, known_to(each.name, case.yardstick, known.belief)) for each in wanted]
     return volume, [aim_of(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
 
 
@@ -270,7 +270,3 @@ def _gap_percent(case: Case, proposal: Proposal) -> float:
         return 100 * gap
     low, high = (case.yardstick.rms_of(value) for value in (bound.value, bound.value * (1 + gap)))
     return 100 * (high / low - 1) if low > 0 else math.inf
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -97,8 +97,8 @@ def result_json(summary: Summary) -> dict[str, Any]:
         **_expanded(summary),
         **_kept(summary, "unseen_rms_um"),
         "budget": [_kept(row, "rms_um share", source=row.words) for row in summary.budget],
-        **_kept(summary, "nonlinearity"),
-        **_targets(summary),
+        **_kept(summary, "nonlinearity target_rms_um target_worst_um", target_U_um=summary.target_u_um),
+        "target_reached": summary.target_reached,
         "history": [_history(row) for row in summary.history],
         "errors": {curve.name: _curve(curve) for curve in (*summary.curves, *summary.reversals)},
         "plane_errors": {plane.name: _plane(plane) for plane in summary.planes},
@@ -148,12 +148,6 @@ def _position(position: Position | None) -> dict[str, float] | None:
     if position is None:
         return None
     return {axis: coordinate(value, f"position of {axis}") for axis, value in position.items()}
-
-
-def _targets(summary: Summary) -> dict[str, Any]:
-    return _kept(
-        summary, "target_rms_um target_worst_um", target_U_um=summary.target_u_um, target_reached=summary.target_reached
-    )
 
 
 def _agreement(summary: Summary) -> dict[str, Any]:

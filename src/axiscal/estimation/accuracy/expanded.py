@@ -25,6 +25,7 @@ from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.belief import Belief
 from axiscal.numerics import Array
 from axiscal.numerics.from_scipy import chi_square_quantile, chi_square_share, f_quantile
+from axiscal.numerics.threads import one_thread
 
 LEVEL = 0.95
 """Probability of every band and every expanded uncertainty."""
@@ -59,9 +60,25 @@ def expanded(yardstick: Yardstick, belief: Belief) -> Expanded:
     return expanded_of(covariances, yardstick.evenly, yardstick.counted, belief.degrees)
 
 
+@one_thread()
+def known_to(name: str, yardstick: Yardstick, belief: Belief) -> float:
+    """Return how well a belief knows the volume, m.  name : "U", "rms" or "worst" """
+    if name == "U":
+        return expanded(yardstick, belief).space
+    accuracy = yardstick.measure(belief)
+    return accuracy.rms if name.lower() == "rms" else accuracy.worst
+
+
 def expanded_floor(yardstick: Yardstick) -> Expanded:
     """Return the expanded uncertainties that endless readings would leave."""
     return expanded_of(yardstick.covariances(yardstick.left), yardstick.evenly, yardstick.counted)
+
+
+def floor_of(name: str, yardstick: Yardstick) -> float:
+    """Return what endless readings would leave of the figure of that name, m, as of `known_to`."""
+    if name == "U":
+        return expanded_floor(yardstick).space
+    return yardstick.floors[name == "worst"]
 
 
 def expanded_of(

@@ -14,10 +14,8 @@ from typing import Literal
 from axiscal.answers.answer import AnswerDocument
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.target import Target
-from axiscal.estimation.accuracy.expanded import expanded, expanded_floor
-from axiscal.estimation.accuracy.yardstick import Yardstick
+from axiscal.estimation.accuracy.expanded import floor_of, known_to
 from axiscal.estimation.agreement_words import agreement_words, change_words
-from axiscal.estimation.belief import Belief
 from axiscal.estimation.judged import Doubt
 from axiscal.language.spoken import counted, decimals, said
 from axiscal.measurement.reading import reading_text, reading_unit
@@ -151,28 +149,12 @@ class Progress(AnswerDocument):
             minutes=to_unit(machine if campaign.state.clocked is None else campaign.state.clocked, "min"),
             left_minutes=to_unit(campaign.seconds(places) - machine, "min"),
             figure=figure,
-            before_um=_size(figure, case.yardstick, case.prior),
-            now_um=_size(figure, known.case.yardstick, known.printed.belief),
-            promised_um=_size(figure, known.case.yardstick, after.belief),
-            floor_um=_floor(figure, known.case.yardstick_as_sized),
+            before_um=to_unit(known_to(figure, case.yardstick, case.prior), "um"),
+            now_um=to_unit(known_to(figure, known.case.yardstick, known.printed.belief), "um"),
+            promised_um=to_unit(known_to(figure, known.case.yardstick, after.belief), "um"),
+            floor_um=to_unit(floor_of(figure, known.case.yardstick_as_sized), "um"),
             goals=goals_text(target),
         )
-
-
-def _size(figure: str, yardstick: Yardstick, belief: Belief) -> float:
-    """Return how well a belief knows the volume, um."""
-    if figure == "U":
-        return to_unit(expanded(yardstick, belief).space, "um")
-    accuracy = yardstick.measure(belief)
-    return to_unit(accuracy.rms if figure == "RMS" else accuracy.worst, "um")
-
-
-def _floor(figure: str, yardstick: Yardstick) -> float:
-    """Return what endless readings would leave, um."""
-    rms, worst = yardstick.floors
-    if figure == "U":
-        return to_unit(expanded_floor(yardstick).space, "um")
-    return to_unit(rms if figure == "RMS" else worst, "um")
 
 
 def goals_text(target: Target) -> str:
