@@ -76,7 +76,7 @@ def _curve(std: float, seen: float, prior: float) -> CurveSummary:
 
 
 def test_a_curve_says_what_it_owes_to_the_readings() -> None:
-    assert curve_note(_curve(1.0, 1.0, 10.0)) == "±1.96\u00a0µm, was ±19.6; 0 % from readings"
+    assert curve_note(_curve(1.0, 1.0, 10.0)) == "±1.96\u00a0µm, stated ±19.6; 0 % from readings"
     assert curve_note(_curve(10.0, 9.9, 10.0)).endswith(", hardly touched by the readings")
 
 

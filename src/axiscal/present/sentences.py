@@ -135,7 +135,7 @@ def curve_note(curve: CurveSummary) -> str:
     size = quantity(now, curve.value_unit)
     if curve.from_readings < _TOUCHED:
         return said("±{now}, hardly touched by the readings", now=size)
-    known = "±{now}, was ±{before}; {share:.0%} from readings"
+    known = "±{now}, stated ±{before}; {share:.0%} from readings"
     return said(known, now=size, before=figure(before), share=float(curve.from_readings))
 
 
