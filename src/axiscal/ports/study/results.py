@@ -7,9 +7,7 @@ Work in processes of this computer, each with one thread; one that is killed is 
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import io
 import json
 import multiprocessing
 import os
@@ -25,6 +23,7 @@ from typing import Any, NamedTuple
 
 from axiscal.document.durable import Closing, HeldError, alone, sync, write_at, write_whole
 from axiscal.exceptions import StudyError
+from axiscal.measurement.readers.csv_table import csv_text
 from axiscal.ports.study.study_case import FIGURES, Done, Engine, Solve, WorkItem, answered, canonical, key_of
 from axiscal.ports.study.study_file import Study
 
@@ -311,9 +310,7 @@ def _cell(value: Any) -> Any:
 
 def write_table(folder: Path, rows: list[Row]) -> Path:
     """Write cases.csv and return the file; raises OSError."""
-    path, text = folder / "cases.csv", io.StringIO()
-    table = csv.DictWriter(text, list(rows[0]) if rows else [], lineterminator="\n")
-    table.writeheader()
-    table.writerows(rows)
-    write_whole(path, text.getvalue().encode())
+    path, heads = folder / "cases.csv", list(rows[0]) if rows else []
+    cells = [["" if value is None else str(value) for value in row.values()] for row in rows]
+    write_whole(path, csv_text([heads, *cells]).encode())
     return path
