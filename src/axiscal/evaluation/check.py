@@ -39,7 +39,7 @@ from axiscal.exceptions import InputError, ReadingError, SourceError, TargetErro
 from axiscal.language.spoken import said
 from axiscal.language.stages import stage, staged
 from axiscal.measurement.readers.csv_readings import blank_sheet, filled_sheet, read_readings
-from axiscal.measurement.reading import Places, Reading, columns_of
+from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
@@ -327,7 +327,7 @@ class Check:
     def sheet(self, places: Places) -> str:
         """Return the places as a file of readings to fill in."""
         setups, axes = self.description.setups, self.description.machine.axes
-        return blank_sheet(setups, axes, places, columns_of(setups[index] for index in places.setups))
+        return blank_sheet(setups, axes, places)
 
 
 def requests(description: CampaignDescription, places: Places) -> list[Request]:

@@ -191,8 +191,8 @@ def visited_by(
     return visited(observation, places_of(observation.setups, readings), times_of(readings), among)
 
 
-def places_of(setups: Sequence[Setup], readings: Sequence[Reading]) -> Places:
-    """Return where readings were taken."""
+def places_of(setups: Sequence[Setup], readings: Sequence[Reading | Place]) -> Places:
+    """Return where readings were taken, or are to be."""
     names = {setup.name: index for index, setup in enumerate(setups)}
     axes = len(setups[0].park) if setups else 0
     poses = np.array([reading.pose for reading in readings], dtype=float).reshape(-1, axes)

@@ -34,7 +34,7 @@ from axiscal.measurement.readers.csv_table import (
     unshielded,
 )
 from axiscal.measurement.readers.renishaw import STEMS, PositioningRows, positioning_rows
-from axiscal.measurement.reading import Places, Reading, approach_text
+from axiscal.measurement.reading import Places, Reading, approach_text, columns_of
 from axiscal.measurement.setup import FINEST, Setup
 from axiscal.units import parse_quantity, to_unit
 
@@ -240,8 +240,9 @@ def _time(row: Row, column: Column) -> tuple[str, float]:
     return "date with zone", moment.timestamp()
 
 
-def blank_sheet(setups: Sequence[Setup], axes: Sequence[Axis], places: Places, values: Sequence[str]) -> str:
-    """Return the text of the file.  values : names of the columns to fill in, such as value_um"""
+def blank_sheet(setups: Sequence[Setup], axes: Sequence[Axis], places: Places) -> str:
+    """Return the text of the file, with columns to fill in, such as value_um."""
+    values = columns_of(setups[index] for index in places.setups)
     rows = [[*_head(axes), *values]]
     columns = (places.setups.tolist(), places.poses.tolist(), places.approaches.tolist())
     for setup, pose, approach in zip(*columns, strict=True):

@@ -30,7 +30,7 @@ from axiscal.estimation.timed import timed
 from axiscal.exceptions import RecordError
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.readers.csv_readings import blank_sheet
-from axiscal.measurement.reading import Place, Places, Reading, columns_of
+from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import places_of
 from axiscal.measurement.travel import short_way
 from axiscal.numerics import Array
@@ -119,8 +119,7 @@ class QuickCheck:
         """Return the places as a file to fill in."""
         described = self.case.description
         setups, axes = described.setups, described.machine.axes
-        at = places_of(setups, [Reading(p.setup, p.pose, p.approach, 0.0) for p in places])
-        return blank_sheet(setups, axes, at, columns_of(setups[index] for index in at.setups))
+        return blank_sheet(setups, axes, places_of(setups, places))
 
     @one_thread()
     def judged(self, readings: Sequence[Reading], tables: bool = False) -> Checked:
