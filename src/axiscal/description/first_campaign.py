@@ -280,9 +280,9 @@ def _squares(machine: Machine) -> Iterator[str]:
         yield _SQUARE.format(**names, legs=legs)
 
 
-def _within(axis: Axis) -> tuple[str, str]:
-    """Return both ends of the middle half of a travel."""
-    low, high = (format_quantity(float(each), "mm", 4) for each in np.quantile(axis.travel, [0.25, 0.75]))
+def _within(axis: Axis, share: float = 0.25) -> tuple[str, str]:
+    """Return both ends of a travel without a share of it on either side; of the middle half where none is said."""
+    low, high = (format_quantity(float(each), "mm", 4) for each in np.quantile(axis.travel, [share, 1 - share]))
     return low, high
 
 
@@ -346,15 +346,8 @@ def _probes(machine: Machine) -> Iterator[str]:
     axes = {axis.name: axis for axis in _linear(machine)}
     if not {"X", "Y", "Z"} <= set(axes):
         return
-    reach = ", ".join(f'{name} = ["{low}", "{high}"]' for name in "XY" for low, high in [_inner(axes[name])])
+    reach = ", ".join(f'{name} = ["{low}", "{high}"]' for name in "XY" for low, high in [_within(axes[name], 1 / 30)])
     yield _PROBE.format(bed=format_quantity(axes["Z"].travel[0], "mm", 6), reach=reach)
-
-
-def _inner(axis: Axis) -> tuple[str, str]:
-    """Return both ends of the travel of an axis, a thirtieth of it further in."""
-    low, high = axis.travel
-    margin = (high - low) / 30
-    return format_quantity(low + margin, "mm", 4), format_quantity(high - margin, "mm", 4)
 
 
 def _over_bed(machine: Machine) -> str:

@@ -17,7 +17,7 @@ from axiscal.description.campaign_schema import SCHEMAS
 from axiscal.description.first_campaign import OFFERED, UNSAID, first_campaign
 from axiscal.description.ini_machine import IniAxis, IniMachine
 from axiscal.document.durable import write_whole
-from axiscal.document.quoting import shown
+from axiscal.document.quoting import shown, toml_value
 from axiscal.exceptions import DescriptionError, RecordError
 from axiscal.language.spoken import LANGUAGES, said, speaking
 from axiscal.machine import builtin_names, load_machine, machine_from_text
@@ -139,7 +139,7 @@ def _active(found: IniMachine, file: Path, folder: Path) -> str:
     if not found.compensated:
         return "compensation_active = false      # the INI file has no COMP_FILE and no BACKLASH"
     joints = ", ".join(map(str, found.compensated))
-    path = json.dumps(os.path.relpath(file, folder), ensure_ascii=False)
+    path = toml_value(os.path.relpath(file, folder))
     return f"compensation_active = [{path}]   # tables or backlash of joint {joints}: new tables go on top of them"
 
 
@@ -195,7 +195,7 @@ def machine_text(machine: IniMachine, source: str) -> str:
     lines = [
         f"# The machine of {_plain(source)}, as LinuxCNC knows it.",
         f"# Kinematics {_plain(machine.build.kinematics)}; joints: {_joints(machine)}.{_period(machine)}",
-        f"name = {_quoted(machine.name)}",
+        f"name = {toml_value(_plain(machine.name))}",
         *_chain(machine),
         "",
         "[tool]",
@@ -319,8 +319,3 @@ def _number(value: float) -> str:
 def _plain(text: str) -> str:
     """Return a text that ends no line of remarks."""
     return "".join(character if character.isprintable() else " " for character in text)
-
-
-def _quoted(text: str) -> str:
-    escaped = _plain(text).replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'

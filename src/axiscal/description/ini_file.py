@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from axiscal.exceptions import DescriptionError
-from axiscal.measurement.readers.csv_table import read_text
+from axiscal.measurement.readers.csv_table import number_or_none, read_text
 
 _SECTION = re.compile(r"\[\s*(\w+)\s*\].*")
 _KEY = re.compile(r"([^=\s]+)\s*=\s*(.*)")
@@ -73,15 +72,6 @@ class IniFile:
             what, remedy = "[{section}] says no {key}", "Write it into the file, as in {key} = {example}"
             raise DescriptionError(what, remedy, *self.place(section), section=section, key=key, example=example)
         return found
-
-
-def number_or_none(text: str) -> float | None:
-    """Return a text as a finite number, None where it is none."""
-    try:
-        value = float(text) if "_" not in text else math.nan
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
 
 
 def read_ini(path: Path) -> IniFile:

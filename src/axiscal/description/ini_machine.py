@@ -6,14 +6,13 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import isfinite
 from pathlib import Path
 from typing import NamedTuple
 
-from axiscal.description.ini_file import IniFile, IniValue, number_or_none
+from axiscal.description.ini_file import IniFile, IniValue
 from axiscal.exceptions import AxiscalError, DescriptionError
 from axiscal.language.spoken import put
-from axiscal.measurement.readers.csv_table import read_text
+from axiscal.measurement.readers.csv_table import number_or_none, read_text
 
 Point = tuple[float, float, float]
 _TRT = re.compile(r"xyz([ab])c-trt-kins")
@@ -351,8 +350,4 @@ def _value(ini: IniFile, text: str) -> float | None:
         text = stands.text if stands is not None else ""
     if text.upper() in ("TRUE", "FALSE"):
         return float(text.upper() == "TRUE")
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if isfinite(value) else None
+    return number_or_none(text)

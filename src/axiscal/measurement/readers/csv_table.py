@@ -52,14 +52,11 @@ class TextFile:
 
     def number(self, text: str, what: str, line: int) -> float:
         """Return a number of a machine; raises ReadingError."""
-        try:
-            value = float(text) if "_" not in text else math.nan
-        except ValueError:
-            value = math.nan
-        if abs(value) < _LARGEST:
+        value = number_or_none(text)
+        if value is not None and abs(value) < _LARGEST:
             return value
         shown = text if len(text) <= 40 else text[:37] + "..."
-        if math.isfinite(value):
+        if value is not None:
             remedy = "write the number that was read"
             raise self.fail("{name} {shown!r} is too large for a machine", remedy, line, name=what, shown=shown)
         remedy = "write digits with a decimal point"
@@ -68,6 +65,15 @@ class TextFile:
     def numbers(self, texts: Sequence[str], what: str, line: int) -> list[float]:
         """Return finite numbers; raises ReadingError."""
         return [self.number(text.strip(), what, line) for text in texts]
+
+
+def number_or_none(text: str) -> float | None:
+    """Return a text as a finite number, None where it is none."""
+    try:
+        value = float(text) if "_" not in text else math.nan
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
 
 
 def content(path: str | Path) -> bytes:
