@@ -64,24 +64,18 @@ def distances(spline: Spline) -> Array:
 
 
 def matern(distance: Array, smoothness: float) -> Array:
-    """Return the Matérn correlation of ν = 2.5, 1.5 or 0.5 at distances in correlation lengths."""
-    return {SMOOTH: matern52, ROUGH: matern32}.get(smoothness, exponential)(distance)
+    """Return the Matérn correlation of ν = 2.5 or 1.5 at distances in correlation lengths."""
+    return {SMOOTH: matern52, ROUGH: matern32}[smoothness](distance)
 
 
 def matern_by_length(distance: Array, smoothness: float) -> Array:
     """Return its derivative by the logarithm of the correlation length, at the same distances."""
-    return {SMOOTH: matern52_by_length, ROUGH: matern32_by_length}.get(smoothness, exponential_by_length)(distance)
+    return {SMOOTH: matern52_by_length, ROUGH: matern32_by_length}[smoothness](distance)
 
 
 def exponential(distance: Array) -> Array:
     """Return the Matérn-1/2 correlation exp(−r), that of Ornstein and Uhlenbeck."""
     result: Array = np.exp(-distance)
-    return result
-
-
-def exponential_by_length(distance: Array) -> Array:
-    """Return the derivative of `exponential` by the logarithm of the correlation length, at the same distances."""
-    result: Array = distance * np.exp(-distance)
     return result
 
 

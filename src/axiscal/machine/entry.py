@@ -162,8 +162,8 @@ DEFAULT_KNOTS = 7
 FEWEST_INTERVALS = 4
 FEWEST_CYCLIC_KNOTS = 4
 MOST_KNOTS = 400
-SMOOTH, ROUGH, JAGGED = 2.5, 1.5, 0.5
-"""ν of the Matérn correlation: a curve with two derivatives, with one (kinks are likelier), or with none."""
+SMOOTH, ROUGH = 2.5, 1.5
+"""ν of the Matérn correlation: a curve with two derivatives, or with one (kinks are likelier)."""
 _COARSE, _FINE = 2, 4
 """Knot intervals in a correlation length: at two a smooth curve is followed, at four also one that is rougher, or that
 turns out to be of half the length.
