@@ -175,7 +175,7 @@ class SisterPrior:
     """Prior of the next machine, in units of the stated prior.
 
     mean : (n,); covariance : (n, n); common : (n, n) the part of it that more sisters would take away
-    scales, scale_stds : (f,) c and its std; shares, share_stds : (f,) ω and its std; directions : (n, n) mean of B Bᵀ
+    scales, scale_stds : (f,) c and its std; shares, share_stds : (f,) ω and its std
     """
 
     mean: Array
@@ -185,7 +185,6 @@ class SisterPrior:
     scale_stds: Array
     shares: Array
     share_stds: Array
-    directions: Array
 
 
 @one_thread()
@@ -203,7 +202,7 @@ def sister_prior(
     rng, squeezed = np.random.default_rng(list(seed)), [each.squeezed for each in data]
     state, size = usual(hierarchy, len(data), rng), hierarchy.size
     means, states = list[Array](), list[Sisters]()
-    within, own, directions = (np.zeros((size, size)) for _ in range(3))
+    within, own = (np.zeros((size, size)) for _ in range(2))
     for sweep in staged("sweeps", range(BEFORE + SWEEPS), BEFORE + SWEEPS):
         before = state
         state, common = swept(state, squeezed, hierarchy, rng)
@@ -214,7 +213,6 @@ def sister_prior(
         states.append(before)
         within += common.covariance / SWEEPS
         own += (np.diag(roots**2) + joint @ joint.T) / SWEEPS
-        directions += before.together @ before.together.T / SWEEPS
     found = np.array(means)
     mean = found.mean(axis=0)
     shared = within + (found - mean).T @ (found - mean) / SWEEPS
@@ -227,5 +225,4 @@ def sister_prior(
         scales.std(axis=0),
         shares.mean(axis=0),
         shares.std(axis=0),
-        directions,
     )

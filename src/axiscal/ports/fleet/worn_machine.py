@@ -44,11 +44,8 @@ from axiscal.estimation.data_equation import DataEquation, log_evidence
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import is_type_text, over, type_prior
+from axiscal.evaluation.table_checks import added_to_values
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames, turn_between
-from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.kind import Nominal
-from axiscal.measurement.observation import directions_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -242,22 +239,8 @@ def without_tables(
     named = {setup.name: setup for setup in setups}
     found = list[Reading]()
     for reading in readings:
-        added = _added(reading, machine, named[reading.setup], control)
+        at = np.array([reading.pose]), np.array([reading.approach], dtype=float)
+        (added,) = added_to_values(machine, named[reading.setup], *at, control)
         value, *others = (value - float(each) for value, each in zip(reading.values, added, strict=True))
         found.append(replace(reading, value=value, others=tuple(others)))
     return found
-
-
-def _added(reading: Reading, machine: Machine, setup: Setup, control: Control) -> Array:
-    """Return what the control adds to each number of a reading, m or rad."""
-    pose, approach = np.array([reading.pose]), np.array([reading.approach], dtype=float)
-    before, after = frames(machine, pose), frames(machine, pose + control(pose, approach))
-    each = directions_of(setup)
-    if setup.base is not None:  # what stands on a way shows the way's own shape, wherever the control sends the axes
-        return np.zeros(len(each))
-    model = model_of(setup)
-    moved = after.tcp - before.tcp if model.reads == "length" else turn_between(before.tool, after.tool)
-    nominal = Nominal(machine, pose, setup.moves, approaches=approach)
-    ways = [model.direction_of(setup, np.array(setup.direction) if d is None else d, nominal)[0] for d in each]
-    added: Array = np.array(ways) @ moved[0]
-    return added
