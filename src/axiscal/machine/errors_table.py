@@ -38,7 +38,7 @@ MOST_PRODUCTS = 1600
 LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-12
 """m or rad."""
 AVERAGED = "estimate"
-"""What is said of a smoothness that is to be averaged over, and of a rest that is to be learnt."""
+"""What is said of a rest that is to be learnt, and in files of before of a smoothness."""
 _MOST_JOINTS = 40
 """More pieces than any scale has."""
 _TURN = 1e-6
@@ -230,19 +230,15 @@ def _rest(stated: Stated[ErrorTable], dimension: Dimension) -> float | None:
 def _smoothness(table: ErrorTable, averaged: bool) -> float:
     """Return how smooth a curve is; raises DescriptionError for a smoothness that there is not.
 
-    averaged : it may also be averaged over, "estimate"; it begins as a smooth one then
+    averaged : it may also be "estimate", as files of before say it: a smooth one then, on knots for either
     """
     if table.smoothness is None:
         return SMOOTH
     if table.smoothness not in (SMOOTH, ROUGH) and not (averaged and table.smoothness == AVERAGED):
         remedy = "Write {smooth} for a smooth curve, {rough} for one that may have kinks"
-        if averaged:
-            remedy = (
-                'Write {smooth} for a smooth curve, {rough} for one that may have kinks, "{both}" to average over both'
-            )
         what, smooth = "smoothness = {text} is not possible", str(SMOOTH)
         text, rough = shown(table.smoothness), str(ROUGH)
-        raise DescriptionError(what, remedy, text=text, smooth=smooth, rough=rough, both=AVERAGED)
+        raise DescriptionError(what, remedy, text=text, smooth=smooth, rough=rough)
     if table.length is None:
         what = "smoothness = {text} is said of an error without a correlation length"
         remedy = 'Add over which distance it changes, such as length = "150 mm"'

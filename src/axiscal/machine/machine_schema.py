@@ -84,7 +84,7 @@ class ErrorTable(_Table):
     length: QuantityTexts | None = Field(None, examples=['"150 mm"'])
     rest: QuantityText | None = Field(None, examples=['"0.5 um"', '"estimate"'])
     period: QuantityText | None = Field(None, examples=['"5 mm"'])
-    smoothness: StrictFloat | Literal["estimate"] | None = Field(None, examples=["1.5", '"estimate"'])
+    smoothness: StrictFloat | Literal["estimate"] | None = Field(None, examples=["1.5"])
     sure: Literal["roughly", "well", "exactly"] | None = Field(None, examples=['"well"'])
     harmonics: int | None = Field(None, examples=["2"])
     at: list[QuantityText] | None = Field(None, examples=['["500 mm", "1000 mm"]'])
