@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from axiscal.document.file import number_or_none
 from axiscal.exceptions import DescriptionError
-from axiscal.measurement.readers.csv_table import number_or_none, read_text
+from axiscal.measurement.readers.csv_table import read_text
 
 _SECTION = re.compile(r"\[\s*(\w+)\s*\].*")
 _KEY = re.compile(r"([^=\s]+)\s*=\s*(.*)")

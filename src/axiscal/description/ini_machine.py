@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from axiscal.description.ini_file import IniFile, IniValue
+from axiscal.document.file import number_or_none
 from axiscal.exceptions import AxiscalError, DescriptionError
 from axiscal.language.spoken import put
-from axiscal.measurement.readers.csv_table import number_or_none, read_text
+from axiscal.measurement.readers.csv_table import read_text
 
 Point = tuple[float, float, float]
 _TRT = re.compile(r"xyz([ab])c-trt-kins")

@@ -6,6 +6,7 @@ Every key knows its line. Where these are looked for the text is known to be val
 from __future__ import annotations
 
 import errno
+import math
 import os
 import re
 import select
@@ -63,6 +64,15 @@ def _wait(handle: int, name: str) -> None:
 
 def _megabytes(most: int) -> str:
     return f"{most // 1_000_000} MB" if most >= 1_000_000 else f"{most // 1000} kB"
+
+
+def number_or_none(text: str) -> float | None:
+    """Return a text as a finite number, None where it is none."""
+    try:
+        value = float(text) if "_" not in text else math.nan
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
 
 
 LARGEST = 250_000

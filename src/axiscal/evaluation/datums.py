@@ -20,12 +20,14 @@ from numpy.typing import NDArray
 
 from axiscal.exceptions import ReadingError
 from axiscal.machine.description import Machine
+from axiscal.machine.kinematics import frames, turn_between
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import TOOL, Actual, Nominal
 from axiscal.measurement.observation import directions_of
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup, Unknown
 from axiscal.numerics import Array
+from axiscal.tables.surface import Control
 
 GUARD = 1.645
 """Expanded uncertainty in standard deviations: one side, 95 %."""
@@ -207,3 +209,18 @@ def upright(machine: Machine, setups: Sequence[Setup], places: Places, datums: D
             beyond[of] = np.stack(parts, axis=1).ravel()
         values = shown - beyond
     return values
+
+
+def added_to_values(machine: Machine, setup: Setup, poses: Array, approaches: Array, control: Control) -> Array:
+    """Return what a control adds to each number of readings of a set-up, (m, k), m or rad.  poses, approaches : (m, q)
+
+    What stands on a way shows the way's own shape, wherever the control sends the axes.
+    """
+    each, model = directions_of(setup), model_of(setup)
+    if setup.base is not None:
+        return np.zeros((len(poses), len(each)))
+    before, after = frames(machine, poses), frames(machine, poses + control(poses, approaches))
+    moved = after.tcp - before.tcp if model.reads == "length" else turn_between(before.tool, after.tool)
+    nominal = Nominal(machine, poses, setup.moves, approaches=approaches)
+    ways = [model.direction_of(setup, np.array(setup.direction) if d is None else d, nominal) for d in each]
+    return np.stack([np.sum(way * moved, axis=1) for way in ways], axis=1)

@@ -17,13 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.datums import GUARD, Datum
+from axiscal.evaluation.datums import GUARD, Datum, added_to_values
 from axiscal.language.spoken import said
 from axiscal.machine.description import Machine
-from axiscal.machine.kinematics import frames, turn_between
-from axiscal.measurement.instrument import model_of
-from axiscal.measurement.instruments.kind import Nominal
-from axiscal.measurement.observation import directions_of
+from axiscal.machine.kinematics import frames
 from axiscal.measurement.reading import Places
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
@@ -115,21 +112,6 @@ def taken_away(machine: Machine, part: Part, setups: Sequence[Setup], places: Pl
         for i, values in zip(mine.tolist(), -added, strict=True):
             each[i] = values
     return np.concatenate([np.zeros(0), *each])
-
-
-def added_to_values(machine: Machine, setup: Setup, poses: Array, approaches: Array, control: Control) -> Array:
-    """Return what a control adds to each number of readings of a set-up, (m, k), m or rad.  poses, approaches : (m, q)
-
-    What stands on a way shows the way's own shape, wherever the control sends the axes.
-    """
-    each, model = directions_of(setup), model_of(setup)
-    if setup.base is not None:
-        return np.zeros((len(poses), len(each)))
-    before, after = frames(machine, poses), frames(machine, poses + control(poses, approaches))
-    moved = after.tcp - before.tcp if model.reads == "length" else turn_between(before.tool, after.tool)
-    nominal = Nominal(machine, poses, setup.moves, approaches=approaches)
-    ways = [model.direction_of(setup, np.array(setup.direction) if d is None else d, nominal) for d in each]
-    return np.stack([np.sum(way * moved, axis=1) for way in ways], axis=1)
 
 
 def needed(

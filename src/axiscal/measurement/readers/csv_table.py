@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from axiscal.document.file import bounded_content
+from axiscal.document.file import bounded_content, number_or_none
 from axiscal.exceptions import ReadingError
 from axiscal.language.spoken import counted, later, listed, put, said
 from axiscal.machine.entry import AXIS_NAME
@@ -65,15 +65,6 @@ class TextFile:
     def numbers(self, texts: Sequence[str], what: str, line: int) -> list[float]:
         """Return finite numbers; raises ReadingError."""
         return [self.number(text.strip(), what, line) for text in texts]
-
-
-def number_or_none(text: str) -> float | None:
-    """Return a text as a finite number, None where it is none."""
-    try:
-        value = float(text) if "_" not in text else math.nan
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
 
 
 def content(path: str | Path) -> bytes:

@@ -44,7 +44,7 @@ from axiscal.estimation.data_equation import DataEquation, log_evidence
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.problem import Inherited
 from axiscal.estimation.type_prior import is_type_text, over, type_prior
-from axiscal.evaluation.table_checks import added_to_values
+from axiscal.evaluation.datums import added_to_values
 from axiscal.machine.description import Machine
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
