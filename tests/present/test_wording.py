@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -76,8 +77,9 @@ def _curve(std: float, seen: float, prior: float) -> CurveSummary:
 
 
 def test_a_curve_says_what_it_owes_to_the_readings() -> None:
-    assert curve_note(_curve(1.0, 1.0, 10.0)) == "±1.96\u00a0µm, stated ±19.6; 0 % from readings"
-    assert curve_note(_curve(10.0, 9.9, 10.0)).endswith(", hardly touched by the readings")
+    read = replace(_curve(1.0, 1.0, 10.0), from_readings=0.4)
+    assert curve_note(read) == "±1.96\u00a0µm, stated ±19.6; 40 % from readings"
+    assert curve_note(replace(read, from_readings=0.09)) == "±1.96\u00a0µm, hardly touched by the readings"
 
 
 def test_a_constant_has_the_decimals_of_its_uncertainty() -> None:
