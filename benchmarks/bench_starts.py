@@ -65,8 +65,7 @@ def _rows_along(task: Task) -> Array:
     for axis in range(axes):
         poses = np.full((FINE + 1, axes), TRAVEL / 2)
         poses[:, axis] = np.linspace(0.0, TRAVEL, FINE + 1)
-        (seen,) = task.observation.rows_each(0, poses, np.ones_like(poses))
-        parts.append(seen.rows[:, axis * own : (axis + 1) * own])
+        parts.append(task.observation.rows(0, poses, np.ones_like(poses)).rows[:, axis * own : (axis + 1) * own])
     return np.stack(parts)
 
 

@@ -70,7 +70,7 @@ def _after(case: Case, rng: np.random.Generator) -> Array:
     for index in range(len(case.description.setups)):
         poses, approaches = case.lattice.of(index)
         some = rng.choice(len(poses), EACH, replace=False)
-        seen = case.observation.rows_each(index, poses[some], approaches[some])[0]
+        seen = case.observation.rows(index, poses[some], approaches[some])
         shown = covariance @ seen.rows.T
         covariance = covariance - shown @ np.linalg.solve(seen.rows @ shown + np.diag(seen.variances), shown.T)
     return covariance

@@ -40,7 +40,7 @@ def missed(printer: Printer, case: Case, count: int) -> Missed:
     read = even_nodes(count)
     known = concluded(case, printer.readings(read))
     knowledge, poses = known.printed, printer.nodes
-    seen = knowledge.observation.rows_each(0, poses, np.ones_like(poses))[0]
+    seen = knowledge.observation.rows(0, poses, np.ones_like(poses))
     basis = plane_basis()
     rows = seen.rows - basis @ (basis.T @ seen.rows)
     loose = seen.variances - knowledge.observation.setups[0].noise ** 2

@@ -63,7 +63,7 @@ class Bench:
         text = f'machine = "{NAME}"\n[target]\nrms = "{target}"\n{setups}'
         self.case = Case(campaign_from_texts(text, "campaign.toml", load_machine(NAME).text, NAME))
         parts = [(index, *self.case.lattice.of(index)) for index in range(len(self.case.description.setups))]
-        seen = [self.case.observation.rows_each(*part)[0] for part in parts]
+        seen = [self.case.observation.rows(*part) for part in parts]
         self.rows = np.concatenate([each.rows for each in seen])
         self.variances = np.concatenate([each.variances for each in seen])
         self.owner = np.concatenate([np.full(len(poses), index) for index, poses, _ in parts])

@@ -34,7 +34,7 @@ def outcome(plane: Plane, count: int, planned: bool, together: bool) -> Outcome:
     read = _planned(plane, case, count) if planned else even_grid(plane, count)
     known = concluded(case, [_reading(plane, node) for node in read]).printed
     poses = plane.nodes
-    seen = known.observation.rows_each(0, poses, np.ones_like(poses))[0]
+    seen = known.observation.rows(0, poses, np.ones_like(poses))
     loose = seen.variances - known.observation.setups[0].noise ** 2
     missed = plane.heights - seen.rows @ known.belief.mean
     std = np.sqrt(np.sum((seen.rows @ known.belief.factor) ** 2, axis=1) + loose)

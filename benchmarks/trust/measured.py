@@ -96,7 +96,7 @@ def _by_spline(case: Measured, readings: Sequence[Reading]) -> float:
 def predicted(estimation: Estimation, poses: Array, approaches: Array) -> tuple[Array, Array]:
     """Return what the only set-up would read without noise, and its standard deviation, rests included: (m,)."""
     plain = estimation.case.observation
-    seen = plain.rows_each(0, poses, approaches)[0]
+    seen = plain.rows(0, poses, approaches)
     loose = seen.variances - plain.setups[0].noise ** 2
     known = estimation.printed.belief.factor[: plain.size]
     mean: Array = seen.rows @ estimation.printed.belief.mean[: plain.size]

@@ -40,7 +40,7 @@ def test_agrees_with_our_belief(posed: Posed) -> None:
     problem = stacked(posed.case, 50, posed.criterion == "volume")
     taken = _somewhere(posed.case, 12)
     taken[:3] = np.array([0.0, TRAVEL, TRAVEL / 2])[:, None]
-    seen = problem.observation.rows_each(0, taken, np.ones_like(taken))[0]
+    seen = problem.observation.rows(0, taken, np.ones_like(taken))
     belief = problem.belief.update(seen.rows, np.zeros(12), seen.variances)
     assert evaluator.value(posed, taken) == pytest.approx(problem.root.value(belief.factor), rel=1e-9)
 

@@ -177,8 +177,7 @@ def dense(campaign: Campaign, known: Sequence[Setup]) -> tuple[np.ndarray, np.nd
     rows, noise = np.zeros((len(readings), len(before))), np.zeros(len(readings))
     for number, reading in enumerate(readings):
         of = names.index(reading.setup)
-        pose, approach = np.array([reading.pose]), np.array([reading.approach])
-        (seen,) = Observation(case.errors, (known[of],)).rows_each(0, pose, approach)
+        seen = Observation(case.errors, (known[of],)).rows(0, np.array([reading.pose]), np.array([reading.approach]))
         rows[number, :size], rows[number, size + of] = seen.rows[0, :size], 1.0
         noise[number] = known[of].noise ** 2
     off = np.array([reading.value for reading in readings]) - rows @ before

@@ -45,7 +45,7 @@ def random_case(generator: np.random.Generator) -> Case:
     belief = Belief(np.zeros(observation.size), observation.prior_covariance())
     for _ in range(int(generator.integers(0, 25))):
         pose, approach = _random_poses(generator, observation, 1)
-        seen = observation.rows_each(0, pose, approach)[0]
+        seen = observation.rows(0, pose, approach)
         belief = belief.update(seen.rows, 0.0, seen.variances)
     return Case(observation, belief, root)
 

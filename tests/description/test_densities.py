@@ -36,7 +36,7 @@ def test_a_dead_band_along_the_way_is_a_lag_by_the_side_of_approach() -> None:
     (setup,) = observation.setups
     assert [(u.name, u.std) for u in setup.unknowns] == [("lag", 3e-6)]
     poses = np.array([[0.2], [0.2], [0.2]])
-    rows = observation.rows_each(0, poses, np.array([[1.0], [-1.0], [0.0]]))[0]
+    rows = observation.rows(0, poses, np.array([[1.0], [-1.0], [0.0]]))
     assert rows.rows[:, observation.errors.size] == pytest.approx([1.0, -1.0, 0.0])
     assert rows.variances[2] - rows.variances[0] == pytest.approx(9e-12)
     point = np.zeros(observation.size)

@@ -335,7 +335,7 @@ def test_a_reading_is_linear_in_all_control_values(direction: tuple[float, float
     a = np.random.default_rng(6).normal(size=model.size) * 1e-5
     motion = tool_motion(machine(), t, model.small_motions(a, t, np.ones_like(t)))
     deviation = (motion.translation - t) @ np.array(direction)
-    seen = Observation(model, (height(direction),)).rows_each(0, t, np.ones_like(t))[0]
+    seen = Observation(model, (height(direction),)).rows(0, t, np.ones_like(t))
     np.testing.assert_allclose(seen.rows @ a, deviation, atol=1e-15)
     np.testing.assert_array_equal(seen.variances, 1e-12)
 
@@ -382,7 +382,7 @@ def test_the_best_configuration_of_all_joints() -> None:
     chosen = best_step(Knowledge(observation, belief), root, spread(machine(), observation.setups, 500))
     low, high = np.array([axis.travel for axis in machine().axes]).T
     grid = np.stack(np.meshgrid(*np.linspace(low, high, 25).T, indexing="ij"), axis=-1).reshape(-1, 3)
-    rows = np.vstack([observation.rows_each(0, grid, np.ones_like(grid))[0].rows, chosen.row])
+    rows = np.vstack([observation.rows(0, grid, np.ones_like(grid)).rows, chosen.row])
     weight, noise = root.gram, 1e-12
     along = rows @ covariance
     falls = np.einsum("ij,jk,ik->i", along, weight, along) / (noise + np.einsum("ij,ij->i", along, rows))

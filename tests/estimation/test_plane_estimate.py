@@ -50,7 +50,7 @@ def test_a_bed_is_estimated_as_by_plain_conditioning() -> None:
     ]
     known = Knowledge.before(Observation(ErrorModel(machine), (setup,))).read(readings)
     wanted = poses_of(machine, 12, 9)
-    own = known.observation.rows_each(0, wanted, np.ones_like(wanted))[0].rows
+    own = known.observation.rows(0, wanted, np.ones_like(wanted)).rows
     own[:, known.observation.errors.size :] = 0.0  # the height itself: no zero, no rest
     found = known.belief.predict(own)
     noisy = _covariance(poses, poses) + _rests(poses, poses) + 1e-3**2 + NOISE**2 * np.eye(30)

@@ -89,7 +89,7 @@ def drawn(observation: Observation, places: Array, strain: float, seed: int) -> 
     """Return the errors of a machine of the prior, and readings that a strain about the middle makes too large."""
     rng = np.random.default_rng(seed)
     errors = np.linalg.cholesky(observation.errors.prior_covariance()) @ rng.standard_normal(observation.errors.size)
-    rows = observation.rows_each(0, places[:, None], np.ones((len(places), 1)))[0].rows[:, : len(errors)]
+    rows = observation.rows(0, places[:, None], np.ones((len(places), 1))).rows[:, : len(errors)]
     values = rows @ errors + strain * (places - 0.5) + 0.3e-6 * rng.standard_normal(len(places)) + 20e-6
     return errors, read_at(places, values)
 
@@ -97,14 +97,14 @@ def drawn(observation: Observation, places: Array, strain: float, seed: int) -> 
 def along(observation: Observation) -> Array:
     """Return the deviation along the travel less its mean by the errors, (101, n)."""
     at = np.linspace(0.0, 1.0, 101)[:, None]
-    rows = observation.rows_each(0, at, np.ones(at.shape))[0].rows[:, : observation.errors.size]
+    rows = observation.rows(0, at, np.ones(at.shape)).rows[:, : observation.errors.size]
     shape: Array = rows - rows.mean(axis=0)
     return shape
 
 
 def dense(observation: Observation, places: Array, columns: Array) -> tuple[Array, Array, Array]:
     """Return covariance, gain and rows of all unknowns with K as it stands."""
-    rows = observation.rows_each(0, places[:, None], np.ones((len(places), 1)))[0].rows
+    rows = observation.rows(0, places[:, None], np.ones((len(places), 1))).rows
     prior = observation.prior_covariance()
     noise = observation.setups[0].noise ** 2 * np.eye(len(places))
     gain = prior @ rows.T @ np.linalg.inv(rows @ prior @ rows.T + noise + columns @ columns.T)

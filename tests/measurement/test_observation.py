@@ -102,7 +102,7 @@ def test_columns_are_errors_then_set_ups_then_cells() -> None:
 def test_the_slope_is_counted_from_the_middle_of_the_travel() -> None:
     model = ErrorModel(load_machine("one-axis"))
     observation = Observation(model, (zeroed(model.machine, "straightedge"),))
-    rows = observation.rows_each(0, np.array([[0.0], [0.5], [1.0]]), np.zeros((3, 1)))[0].rows
+    rows = observation.rows(0, np.array([[0.0], [0.5], [1.0]]), np.zeros((3, 1))).rows
     assert rows[:, 22:].tolist() == [[1.0, -0.5], [1.0, 0.0], [1.0, 0.5]]
 
 
@@ -113,7 +113,7 @@ def _fed(observation: Observation, poses: Array, approaches: Array, values: Arra
     for pose, approach, value in zip(poses, approaches, values, strict=True):
         wider = visited(observation, at(*pose))
         belief = belief.extended(observation.rest_variances(wider))
-        seen = wider.rows_each(0, pose[None], approach[None])[0]
+        seen = wider.rows(0, pose[None], approach[None])
         belief, observation = belief.update(seen.rows, value, seen.variances), wider
     return belief, observation
 
@@ -146,7 +146,7 @@ def test_readings_share_rests_as_in_a_dense_twin(seed: int, instrument: str) -> 
     poses, approaches = np.concatenate([poses, poses[:8], poses[:4] + 1e-4]), np.tile(approaches, (2, 1))[:27]
     observation = Observation(model, (setup,))
     levers = (model.levers if instrument == "probe" else model.angular_levers)(poses) @ np.array(setup.direction)
-    rows, prior = observation.rows_each(0, poses, approaches)[0].rows, observation.prior_covariance()
+    rows, prior = observation.rows(0, poses, approaches).rows, observation.prior_covariance()
     joint = rows @ prior @ rows.T + _rest_kernel(model, levers, poses, approaches) + setup.noise**2 * np.eye(27)
     values = np.linalg.cholesky(joint) @ rng.standard_normal(27)
     gain = np.linalg.solve(joint, rows @ prior).T
@@ -162,7 +162,7 @@ def test_an_untold_side_widens_a_reading_by_half_the_reversal() -> None:
     model = ErrorModel(load_machine("one-axis"))
     setup = replace(mounted(model.machine, "interferometer", (1.0, 0.0, 0.0)), unknowns=())
     observation, at = Observation(model, (setup,)), np.array([[0.5]])
-    told, untold = (observation.rows_each(0, at, np.full((1, 1), side))[0].variances[0] for side in (1.0, 0.0))
+    told, untold = (observation.rows(0, at, np.full((1, 1), side)).variances[0] for side in (1.0, 0.0))
     reversal = model.names["EXX_reversal"]
     drawn = np.random.default_rng(3).normal(0.0, np.sqrt(reversal.covariance[0, 0]), 200_000)
     sides = np.random.default_rng(4).choice([-0.5, 0.5], 200_000)
@@ -187,10 +187,9 @@ def test_a_reading_in_a_visited_cell_is_promised_less_noise_and_less_news() -> N
     before = Observation(model, (setup,))
     after = visited(before, at(0.5))
     poses = np.array([[0.5], [0.504], [0.51], [0.499]])
-    assert before.rows_each(0, poses, np.ones((4, 1)))[0].variances == pytest.approx(np.full(4, 0.18e-12))
-    (seen,) = after.rows_each(0, poses, np.ones((4, 1)))
-    assert seen.variances == pytest.approx([0.09e-12, 0.09e-12, 0.18e-12, 0.18e-12])
-    assert seen.rows[:, -1].tolist() == [1.0, 1.0, 0.0, 0.0]
+    assert before.rows(0, poses, np.ones((4, 1))).variances == pytest.approx(np.full(4, 0.18e-12))
+    assert after.rows(0, poses, np.ones((4, 1))).variances == pytest.approx([0.09e-12, 0.09e-12, 0.18e-12, 0.18e-12])
+    assert after.rows(0, poses, np.ones((4, 1))).rows[:, -1].tolist() == [1.0, 1.0, 0.0, 0.0]
     assert visited(after, at(0.504)) is after
     assert before.rest_variances(after).tolist() == [0.3e-6**2]
     assert after.rest_variances(after).tolist() == []
@@ -202,7 +201,7 @@ def test_the_ends_of_the_travel_lie_in_its_cells(position: float) -> None:
     observation = visited(Observation(model, (mounted(model.machine, "probe", (1.0, 0.0, 0.0)),)), at(position))
     ((_, cell),) = observation.cells
     assert cell == round(position * 159)
-    assert observation.rows_each(0, np.array([[position]]), np.zeros((1, 1)))[0].rows[0, -1] == 1.0
+    assert observation.rows(0, np.array([[position]]), np.zeros((1, 1))).rows[0, -1] == 1.0
 
 
 def test_a_rest_that_a_set_up_does_not_feel_gets_no_column() -> None:
@@ -233,7 +232,7 @@ def test_the_forms_are_followed_between_the_breaks(seed: int, instrument: str) -
             x = np.concatenate([nodes(count), inside])
             at = np.tile(poses[0], (len(x), 1))
             at[:, axis] = left * (1 - x) / 2 + right * (1 + x) / 2
-            seen = observation.rows_each(0, at, np.tile(approaches[0], (len(x), 1)))[0]
+            seen = observation.rows(0, at, np.tile(approaches[0], (len(x), 1)))
             for form in gain_forms(seen.rows, factor, weighted, seen.variances):
                 series = chebval(inside, coefficients(form[None, :count])[0])
                 assert np.abs(series - form[count:]).max() < 1e-12 * np.abs(form).max()
@@ -251,7 +250,7 @@ def test_the_forms_are_followed_over_a_third_of_a_turn_without_a_knot() -> None:
     count, inside = node_count(*smoothness_along(observation, 0, 0)), np.linspace(-1, 1, 101)
     for left, right in pairwise(breaks_along(observation, 0, 0)):
         at = left + (right - left) * (1 + np.concatenate([nodes(count), inside])[:, None]) / 2
-        seen = observation.rows_each(0, at, np.zeros_like(at))[0]
+        seen = observation.rows(0, at, np.zeros_like(at))
         form, _ = gain_forms(seen.rows, factor, np.ones((1, 4)), seen.variances)
         series = chebval(inside, coefficients(form[None, :count])[0])
         assert np.abs(series - form[count:]).max() < 1e-12 * np.abs(form).max()

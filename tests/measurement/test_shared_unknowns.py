@@ -82,8 +82,8 @@ def test_the_columns_are_what_a_small_change_of_each_unknown_does_to_what_is_sho
         )
         nominal = Nominal(DMU, poses, setup.moves)
         still = Actual(np.zeros((6, 3)), np.zeros((6, 3)))
-        each = observation.rows_each(index, poses, np.zeros_like(poses))
-        for direction, (rows, _) in zip(np.eye(3), each if len(each) > 1 else 3 * each, strict=True):
+        for direction in np.eye(3):
+            rows = observation.rows(index, poses, np.zeros_like(poses), direction).rows
             for name, column in names(observation, index).items():
                 shown = [
                     model_of(setup).shown(setup, direction, nominal, still, {name: sign * 1e-7}) for sign in (1, -1)
@@ -123,7 +123,8 @@ def test_a_sphere_touched_from_both_sides_does_not_show_the_reversal_of_a_linear
     poses = setup.chart.poses(np.array([[0.0, 1.0, 0.3]]))
     approaches = np.zeros_like(poses)
     approaches[0, :2] = 1.0
-    for seen in observation.rows_each(0, poses, approaches):
+    for direction in np.eye(3):
+        seen = observation.rows(0, poses, approaches, direction)
         for function in observation.errors.functions:
             if function.kind == "reversal" and not DMU.axes[function.axis].rotary:
                 assert np.all(seen.rows[:, function.columns] == 0)

@@ -75,7 +75,7 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(seed: int, bas
     poses[0] = setup.park
     poses[0, axis] = rng.uniform(low, high)
     pose = tuple(map(float, poses[0]))
-    rows = observation.rows_each(0, poses, approaches)[0].rows[0]
+    rows = observation.rows(0, poses, approaches).rows[0]
     for i in range(observation.size):
         up, down = (_seen(model, setup, sign * step * np.eye(observation.size)[i], pose) for sign in (1, -1))
         assert (up - down) / (2 * step) == pytest.approx(rows[i], abs=2e-6 * max(1.0, np.abs(rows).max()))
@@ -85,7 +85,7 @@ def test_rows_are_the_differences_of_what_a_virtual_machine_reads(seed: int, bas
 def test_a_way_that_rises_along_x_turns_the_level_about_minus_y() -> None:
     machine = Machine("m", (Axis.named("X", False, (0.0, 1.0)),), 0.0, (ErrorEntry("EZX", 1e-5, knots=5),), "", "")
     setup = replace(stepped(machine, 0, 0.2), direction=(0.0, 1.0, 0.0), unknowns=())
-    rows = Observation(ErrorModel(machine), (setup,)).rows_each(0, np.array([[0.3], [0.9]]), np.ones((2, 1)))[0].rows
+    rows = Observation(ErrorModel(machine), (setup,)).rows(0, np.array([[0.3], [0.9]]), np.ones((2, 1))).rows
     rising = 10e-6 * np.linspace(0.0, 1.0, 5)
     assert rows @ rising == pytest.approx(-10e-6)
     assert rows @ np.ones(5) == pytest.approx(0.0, abs=1e-12)
@@ -125,7 +125,7 @@ def test_the_forms_are_followed_between_the_breaks() -> None:
     count, inside = node_count(*smoothness_along(observation, 0, 0)), np.linspace(-0.99, 0.99, 9)
     for left, right in pairwise(breaks_along(observation, 0, 0)):
         at = left + (right - left) * (1 + np.concatenate([nodes(count), inside])[:, None]) / 2
-        seen = observation.rows_each(0, at, np.ones_like(at))[0]
+        seen = observation.rows(0, at, np.ones_like(at))
         for form in gain_forms(seen.rows, factor, weighted, seen.variances):
             series = chebval(inside, coefficients(form[None, :count])[0])
             assert np.abs(series - form[count:]).max() < 1e-9 * np.abs(form).max()
@@ -137,7 +137,7 @@ def _read(observation: Observation, places: Array) -> tuple[Observation, Belief]
     for place in places:
         wider = visited(observation, along([place]))
         belief, observation = belief.extended(observation.rest_variances(wider)), wider
-        seen = observation.rows_each(0, np.array([[place]]), np.ones((1, 1)))[0]
+        seen = observation.rows(0, np.array([[place]]), np.ones((1, 1)))
         belief = belief.update(seen.rows, 1e-5 * np.cos(7 * place), seen.variances)
     return observation, belief
 
@@ -148,7 +148,7 @@ def test_feet_share_the_rests_of_their_cells_as_a_dense_twin_does() -> None:
     setup = replace(stepped(model.machine, 0, base), direction=(0.0, 1.0, 0.0))
     observation = Observation(model, (setup,))
     _, belief = _read(observation, places)
-    rows = observation.rows_each(0, places[:, None], np.ones((6, 1)))[0].rows
+    rows = observation.rows(0, places[:, None], np.ones((6, 1))).rows
     feet = [((p + base / 2), 1 / base) for p in places], [((p - base / 2), -1 / base) for p in places]
     kernel = rows @ observation.prior_covariance() @ rows.T + (2e-6) ** 2 * np.eye(6)
     for one in feet:

@@ -106,7 +106,7 @@ def test_gains_are_the_fall_of_the_criterion() -> None:
     asked = read(levered(), np.random.default_rng(3), 3)
     scorer = Scorer.of(asked.observation, asked.belief, asked.root)
     pose, approach = random_poses(asked, np.random.default_rng(4), 1)
-    seen = asked.observation.rows_each(1, pose, approach)[0]
+    seen = asked.observation.rows(1, pose, approach)
     after: Belief = asked.belief.update(seen.rows, 0.0, seen.variances)
     fall = asked.root.value(asked.belief.factor) - asked.root.value(after.factor)
     assert float(scorer.at(1, pose, approach)[0]) == pytest.approx(fall, rel=1e-8)

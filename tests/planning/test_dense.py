@@ -47,7 +47,7 @@ def test_the_gain_of_one_number_is_the_ratio_of_the_paper() -> None:
     """ΔJ = gᵀCWCg / (σ² + gᵀCg) (B&H eq. 27, 37), and J falls by it."""
     asked = levered(10)
     known, place = dense.opened(_known(asked), asked.lattice.at(3)), asked.lattice.at(3)
-    row = known.observation.rows_each(int(place.setups[0]), place.poses, place.approaches)[0].rows[0]
+    row = known.observation.rows(int(place.setups[0]), place.poses, place.approaches).rows[0]
     noise, size = asked.observation.setups[place.setups[0]].noise, asked.root.size
     h = known.covariance @ row
     expected = h[:size] @ asked.root.gram @ h[:size] / (noise**2 + row @ h)

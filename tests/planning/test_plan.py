@@ -170,7 +170,7 @@ def plainly(asked: Task, readings: int, rng: np.random.Generator) -> float:
     axes, noise = len(asked.observation.machine.axes), asked.observation.setups[0].noise ** 2
     weights, prior = asked.root.matrix.T @ asked.root.matrix, np.linalg.inv(asked.belief.covariance)
     poses = np.repeat(np.linspace(0.0, 10.0, 51)[:, None], axes, axis=1)
-    along = asked.observation.rows_each(0, poses, np.ones_like(poses))[0].rows.reshape(51, axes, -1)
+    along = asked.observation.rows(0, poses, np.ones_like(poses)).rows.reshape(51, axes, -1)
 
     def covariance(rows: Array) -> Array:
         seen = rows.reshape(len(rows), -1)

@@ -85,7 +85,7 @@ def test_the_exact_greedy_sequence_over_a_plane_is_the_published_one() -> None:
         found.append(root.value(belief.factor))
     np.testing.assert_allclose(found, PUBLISHED, rtol=2e-5)
     places = np.stack([g.ravel() for g in np.meshgrid([0.0, 0.5, 1.0], [0.0, 0.5, 1.0])], axis=1)
-    rows = observation.rows_each(0, places, np.ones_like(places))[0].rows
+    rows = observation.rows(0, places, np.ones_like(places)).rows
     even = Belief(np.zeros(model.size), covariance).update(rows, np.zeros(9), np.full(9, 1e-3))
     assert root.value(even.factor) == pytest.approx(GRID, abs=1e-6)
 

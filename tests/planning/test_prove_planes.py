@@ -49,9 +49,9 @@ def test_no_place_is_above_what_encloses_it(text: str) -> None:
     found = largest_seen(observation, 0, region, reach, 1e-3, 1e-6)
     low, high = np.array([axis.travel for axis in observation.machine.axes]).T
     poses = generator.uniform(low, high, (20_000, 2))
-    lengths = np.sum((observation.rows_each(0, poses, np.ones_like(poses))[0].rows @ reach) ** 2, axis=1)
+    lengths = np.sum((observation.rows(0, poses, np.ones_like(poses)).rows @ reach) ** 2, axis=1)
     assert lengths.max() <= found.upper
-    at = observation.rows_each(0, found.places.poses[:1], np.ones((1, 2)))[0].rows @ reach
+    at = observation.rows(0, found.places.poses[:1], np.ones((1, 2))).rows @ reach
     top = float(np.sum(at**2))
     assert lengths.max() * (1 - 1e-6) <= top <= found.upper
 
@@ -68,5 +68,5 @@ def test_three_axes_and_one_that_turns_are_boxed(machine: Machine, moves: tuple[
     poses = np.tile(np.array(setup.park), (20_000, 1))
     for axis in setup.moves:
         poses[:, axis] = generator.uniform(*setup.span(machine.axes[axis], axis), len(poses))
-    lengths = np.sum((observation.rows_each(0, poses, np.ones_like(poses))[0].rows @ reach) ** 2, axis=1)
+    lengths = np.sum((observation.rows(0, poses, np.ones_like(poses)).rows @ reach) ** 2, axis=1)
     assert lengths.max() <= max(one.upper for one in each)

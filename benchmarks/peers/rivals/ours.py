@@ -30,7 +30,7 @@ def picker(posed: Posed) -> Callable[[Array], Array]:
     def pick(taken: Array) -> Array:
         nonlocal belief, known
         if len(taken) > known:
-            seen = observation.rows_each(0, taken[known:], np.ones_like(taken[known:]))[0]
+            seen = observation.rows(0, taken[known:], np.ones_like(taken[known:]))
             belief, known = belief.update(seen.rows, np.zeros(len(seen.rows)), seen.variances), len(taken)
         return best_step(Knowledge(observation, belief), problem.root, problem.lattice).pose
 

@@ -161,12 +161,25 @@ class Observation:
     def _owned(self) -> Owned:
         return Owned.by(self.setups)
 
-    def rows_each(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> list[Rows]:
-        """Return what readings of a set-up would tell (B&H eq. 29-30), each number of them.
+    def rows(
+        self,
+        setup: int,
+        poses: Array,
+        approaches: Array,
+        direction: Array | None = None,
+        times: Array | None = None,
+    ) -> Rows:
+        """Return what readings of a set-up would tell (B&H eq. 29-30).
 
-        poses, approaches : (m, q)
+        poses, approaches : (m, q); direction : of one number of a reading that has several; None for the set-up's
         times : (m,) of the readings, s; without them, or where one is NaN, the last time that was met
         """
+        levers = self._levers_along(self.setups[setup], poses, direction)
+        rows, variances = self._rows(setup, poses, approaches, (direction,), levers[None], times)
+        return Rows(rows[0], variances[0])
+
+    def rows_each(self, setup: int, poses: Array, approaches: Array, times: Array | None = None) -> list[Rows]:
+        """Return the same of every number of the readings."""
         every = directions_of(self.setups[setup])
         return list(map(Rows, *self._rows(setup, poses, approaches, every, self.levers(setup, poses), times)))
 
@@ -201,7 +214,7 @@ class Observation:
         return Way(self.errors, mounted, mounted.base).rows(poses)
 
     def numbers(self, setup: int, poses: Array, approaches: Array) -> JointRows:
-        """Return what readings of a set-up would tell with all their numbers; arguments as for `rows_each`.
+        """Return what readings of a set-up would tell with all their numbers; arguments as for `rows`.
 
         The rest of a cell not visited yet shows in all numbers of a reading at once.
         """
@@ -316,6 +329,12 @@ class Observation:
         if mounted.base is not None:
             return Way(self.errors, mounted, mounted.base).levers(poses)[None]
         return self._projected(mounted, poses, directions_of(mounted))
+
+    def _levers_along(self, mounted: Setup, poses: Array, direction: Array | None) -> Array:
+        if mounted.base is not None:
+            return Way(self.errors, mounted, mounted.base).levers(poses)
+        levers: Array = self._projected(mounted, poses, (direction,))[0]
+        return levers
 
     def _projected(self, mounted: Setup, poses: Array, directions: Sequence[Array | None]) -> Array:
         """Return what a unit of each error does along directions at the poses, (k, terms, m)."""

@@ -72,7 +72,7 @@ def _adds_up(errors: ErrorModel, mounted: Setup) -> bool:
         axis = errors.machine.axes[moves[i]]
         poses[:, [0, i + 1], moves[i]] = (axis.travel[0] + axis.length * share)[:, None]
     flat = np.concatenate([park[None], poses.reshape(-1, len(park))])
-    rows = Observation(errors, (mounted,)).rows_each(0, flat, np.zeros_like(flat))[0].rows
+    rows = Observation(errors, (mounted,)).rows(0, flat, np.zeros_like(flat)).rows
     parked, rows = rows[0], rows[1:].reshape(_LOOKS, len(moves) + 1, -1)
     apart = rows[:, 0] - parked - (rows[:, 1:] - parked).sum(axis=1)
     return bool(np.all(np.abs(apart) <= _ADDS_UP * np.abs(rows).max(axis=(0, 1))))
@@ -131,7 +131,7 @@ def stack_of(observation: Observation, setup: int) -> StackedStarts:
     """Return the lattice of a set-up that adds up."""
     mounted = observation.setups[setup]
     park = np.array([mounted.park])
-    parked = observation.rows_each(setup, park, np.zeros_like(park))[0]
+    parked = observation.rows(setup, park, np.zeros_like(park))
     row, variance = parked.rows[0], float(parked.variances[0])
     return StackedStarts(row, variance, [_grid(observation, setup, axis, row, variance) for axis in mounted.moves])
 
@@ -145,7 +145,7 @@ def _grid(observation: Observation, setup: int, axis: int, parked: Array, varian
     poses = np.tile(np.array(mounted.park), (len(positions), 1))
     approaches = np.zeros_like(poses)
     poses[:, axis], approaches[:, axis] = positions, signs
-    seen = observation.rows_each(setup, poses, approaches)[0]
+    seen = observation.rows(setup, poses, approaches)
     added = seen.rows - parked
     columns = np.flatnonzero(np.any(added != 0, axis=0))
     return Grid(axis, positions, signs, columns, added[:, columns], seen.variances - variance)

@@ -184,12 +184,12 @@ class Stack:
     @cached_property
     def unseen(self) -> Array:
         """Factor (size, r) of the covariance that no number of readings takes away."""
-        seen = self.observation.rows_each(0, *self.candidates.of(0))[0]
+        seen = self.observation.rows(0, *self.candidates.of(0))
         return unseen_factor(self.prior.factor, seen.rows / np.sqrt(seen.variances)[:, None])
 
     def rows(self, poses: Array) -> Array:
         """Return what readings at poses would see.  poses : (m, q) m; returns (m, size)."""
-        return self.observation.rows_each(0, poses, np.ones_like(poses))[0].rows
+        return self.observation.rows(0, poses, np.ones_like(poses)).rows
 
     def height_variance(self, belief: Belief) -> float:
         """Return the mean variance of the height over the travel, paper units."""
