@@ -247,7 +247,7 @@ def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
         np.array(setup.park),
         steps,
         np.array(setup.standing),
-        (0.0, math.inf) if table.range is None else table.range,
+        _range(table, at),
         _faces(table, at),
         _CONE if table.sight is None else table.sight,
     )
@@ -255,6 +255,14 @@ def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
     with at(said[0]):
         refuse_unreachable(machine, setup)
     return setup
+
+
+def _range(table: SetupTable, at: At) -> tuple[float, float]:
+    near, far = table.range or (0.0, math.inf)
+    if near < 0:
+        with at("range"):
+            raise DescriptionError("{size} is no distance", 'Write ["1 m", "8 m"]', size=format_quantity(near, "mm"))
+    return near, far
 
 
 def _faces(table: SetupTable, at: At) -> Array | None:
