@@ -84,8 +84,16 @@ def test_a_plan_names_the_temperature_where_it_is_most_of_u() -> None:
     assert cold.reach is not None
     assert cold.reach.helps is not None
     assert cold.reach.helps.measured
-    assert "temperature (to 0.3 K)" in plan_screen(cold, "campaign.toml")
+    assert 'temperature (temperature_std = "0.3 K")' in plan_screen(cold, "campaign.toml").replace("\n", " ")
     assert warm.mostly is None or not warm.mostly.measurable
+
+
+def test_where_no_two_set_ups_reach_the_target_those_that_bring_most_are_named() -> None:
+    case = case_of(described('U = "10 um"', "XYZ"))
+    found = helping_setups(case, case.description.target)
+    assert found is not None
+    assert (len(found.setups), found.readings, found.reached) == (2, 0, False)
+    assert helping_words(found).endswith(" as well it comes nearer.")
 
 
 TURNED = """chain = "w-A'-b-Y-Z-t"

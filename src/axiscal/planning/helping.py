@@ -27,6 +27,8 @@ _KINDS = ("interferometer", "ballbar", "dial", "sphere")
 """Those whose set-ups follow from the machine alone, and of which nothing has to be looked up first."""
 _TOGETHER = 2
 """Set-ups that are added at most: more are another campaign."""
+_NEARER = 0.9
+"""Of how many times the limit is left: set-ups that bring less are not worth a word."""
 _OF_TOOL = 5e-6
 """m: a presetter, or the master ball of the instrument, shows as much of the place of what is in the spindle."""
 _CANDIDATES = 400
@@ -37,7 +39,7 @@ _CANDIDATES = 400
 class Helping:
     """Set-ups that bring a target, by name, with the readings and minutes of a plan for all; 0 where none was made.
 
-    reached : whether that plan reaches it; else it comes nearer within the readings and the time that are allowed
+    reached : whether that plan reaches it; else it comes nearer, of a plan within the readings and the time allowed
     measured, tool : no set-up more is needed if the temperature is measured, or the place of what is in the spindle
     """
 
@@ -50,8 +52,9 @@ class Helping:
 
 
 def helping_setups(case: Case, target: Target) -> Helping | None:
-    """Return what would let a target be reached: something measured, or set-ups; None where nothing would."""
+    """Return what would let a target be reached or come nearer: something measured, or set-ups; None for nothing."""
     case, added = replace(case, description=replace(case.description, target=target), sized_from=None), list[Setup]()
+    missed = before = _missed(case)
     for name, measured in (("measured", _warmed), ("tool", _tooled)):
         setups = tuple(measured(setup) for setup in case.description.setups)
         known = replace(case, description=replace(case.description, setups=setups))
@@ -61,12 +64,13 @@ def helping_setups(case: Case, target: Target) -> Helping | None:
         more = [(replace(case, description=each), setup) for each, setup in _with_one_more(case.description)]
         tried = [(_missed(each), each, setup) for each, setup in more]
         if not tried:
-            return None
+            break
         missed, case, setup = min(tried, key=lambda each: each[0])
         added.append(setup)
         if missed < 1.0:
             return _planned(case, tuple(each.name for each in added))
-    return None
+    nearer = tuple(each.name for each in added)
+    return Helping(nearer, 0, 0.0, reached=False) if missed < _NEARER * before else None
 
 
 def _warmed(setup: Setup) -> Setup:
@@ -89,7 +93,7 @@ def helping_words(found: Helping) -> str:
         names = put('tool_length = "{size}", tool_eccentricity = "{size}"', size=said_quantity(_OF_TOOL, "um"))
     text = "With {names} as well, {readings} readings reach it in {minutes} min."
     if not found.readings:
-        text = "With {names} as well it can be reached."
+        text = "With {names} as well it can be reached." if found.reached else "With {names} as well it comes nearer."
     elif not found.reached:
         text = "With {names} as well it comes nearer: {readings} readings in {minutes} min."
     return said(text, names=names, readings=found.readings, minutes=put("{time:.3g}", time=found.minutes))
