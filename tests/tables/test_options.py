@@ -73,11 +73,20 @@ def test_an_option_that_a_format_does_not_take_is_refused_with_those_that_do(con
     ],
 )
 def test_an_option_that_a_format_takes_changes_its_files(controller: str, option: str) -> None:
-    if option == "--number" and controller == "fanuc":  # its template has no axis of the number 0
-        with pytest.raises(TableError, match="there are no parameters 3620"):
-            written(controller, **GIVEN[option])
+    given = GIVEN[option]
+    if option == "--number" and not controller.startswith("linuxcnc"):
+        given = {"numbers": {"X": (2,), "Y": (1,), "Z": (3,)}}
+    if option == "--number" and controller == "fanuc":  # its template has other points for Y
+        with pytest.raises(TableError, match="the points of X reach"):
+            written(controller, **given)
     else:
-        assert written(controller, **GIVEN[option]) != written(controller)
+        assert written(controller, **given) != written(controller)
+
+
+@pytest.mark.parametrize("controller", ["fanuc", "isg", "sinumerik"])
+def test_a_control_that_counts_from_one_takes_no_axis_of_the_number_zero(controller: str) -> None:
+    with pytest.raises(TableError, match=r"Z is given the number 0\. This control counts its axes from 1"):
+        written(controller, **GIVEN["--number"])
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)

@@ -174,7 +174,6 @@ def test_a_folder_without_files(tmp_path: Path) -> None:
         ({"unit": "cm"}, '"cm" is not the unit of a machine'),
         ({"mesh": 1}, "a mesh of 1 points a side"),
         ({"encoder": 3}, "measuring system 3"),
-        ({"numbers": {"X": (-1,)}}, "numbers of axes are negative"),
         ({"origin": "record"}, '"record" is not the hash of a record'),
     ],
 )
@@ -188,11 +187,14 @@ def test_two_axes_of_one_number_are_named_where_a_third_has_none() -> None:
         ExportOptions(numbers={"X": (1,), "Z": (1,)}).joints(THREE, 1)
 
 
-@pytest.mark.parametrize("controller", ["fanuc", "heidenhain", "isg", "sinumerik"])
-def test_an_axis_has_one_number_in_these_controls(controller: str) -> None:
-    options = ExportOptions(numbers={"X": (1, 2)})
+def test_a_joint_has_no_negative_number() -> None:
+    with pytest.raises(TableError, match=r"X is given the number -1\. This control counts its axes from 0"):
+        ExportOptions(numbers={"X": (-1,)}).joints(THREE)
+
+
+def test_an_axis_has_one_number_in_controls_without_joints() -> None:
     with pytest.raises(TableError, match="X is given the numbers 1 and 2"):
-        options.numbered(THREE)
+        ExportOptions(numbers={"X": (1, 2)}).numbered(THREE)
 
 
 @pytest.mark.parametrize("controller", ["isg", "linuxcnc-volumetric"])

@@ -21,7 +21,7 @@ from axiscal.description.campaign import CampaignDescription
 from axiscal.document import shown
 from axiscal.estimation.machine_estimate import Estimate
 from axiscal.exceptions import TableError
-from axiscal.language.spoken import later, listed, said
+from axiscal.language.spoken import joined, later, said
 from axiscal.machine.description import Machine
 from axiscal.tables.loaded import Loaded, OldFile, read_old
 from axiscal.tables.offer import Draft
@@ -168,27 +168,29 @@ class ExportOptions:
         usual = ExportOptions()
         return [option for name, option in _OPTIONS.items() if getattr(self, name) != getattr(usual, name)]
 
-    def numbered(self, machine: Machine, first: int = 1) -> dict[str, int]:
-        """Return the number of each axis in the control: from `first` in the order X Y Z A B C … unless chosen.
+    def numbered(self, machine: Machine) -> dict[str, int]:
+        """Return the number of each axis in the control: from 1 in the order X Y Z A B C … unless chosen.
 
         Raises TableError as `joints`, and for an axis that was given several numbers.
         """
-        found = self.joints(machine, first)
+        found = self.joints(machine, 1)
         for name, numbers in found.items():
             if len(numbers) > 1:
-                several = listed(said(" and "), list(map(str, numbers)))
-                remedy = "This control takes one for each axis"
-                raise TableError("{name} is given the numbers {numbers}", remedy, name=name, numbers=several)
+                what, remedy = "{name} is given the numbers {numbers}", "This control takes one for each axis"
+                raise TableError(what, remedy, name=name, numbers=joined(list(map(str, numbers))))
         return {name: numbers[0] for name, numbers in found.items()}
 
     def joints(self, machine: Machine, first: int = 0) -> dict[str, tuple[int, ...]]:
         """Return the numbers of the joints of each axis, as in `coordinates = XYYZ`.
 
         An axis without a given number has the place behind those before it, in the order X Y Z A B C and so on.
-        Raises TableError for a number that is there twice, and for an axis that the machine does not have.
+        Raises TableError for a number that is there twice or below `first`, and for an axis that is not there.
         """
-        for name in self.numbers:
+        for name, numbers in self.numbers.items():
             machine.index(name)
+            if min(numbers) < first:
+                what, remedy = "{name} is given the number {number}", "This control counts its axes from {first}"
+                raise TableError(what, remedy, name=name, number=min(numbers), first=first)
         _refuse_twice(self.numbers)
         found, place = dict[str, tuple[int, ...]](), first
         for name in sorted((a.name for a in machine.axes), key=lambda name: (_USUAL.index(name[0]), name)):
@@ -209,8 +211,6 @@ class ExportOptions:
             raise TableError("a mesh of {count} points a side", "Take 2 to {most}", count=self.mesh, most=_LARGEST_MESH)
         if self.encoder not in (1, 2):
             raise TableError("measuring system {number}", "An axis has measuring systems 1 and 2", number=self.encoder)
-        if any(number < 0 for numbers in self.numbers.values() for number in numbers):
-            raise TableError("numbers of axes are negative", "Count from 0 or 1 as the control does")
 
 
 def _refuse_twice(found: Mapping[str, tuple[int, ...]]) -> None:
@@ -223,7 +223,7 @@ def _refuse_twice(found: Mapping[str, tuple[int, ...]]) -> None:
                 what = "{name} is given twice the same number {number} (numbers are {known})"
                 if owner[number] != name:
                     what = "{other} and {name} have the same number {number} (numbers are {known})"
-                remedy = "Give each axis its own: --number X=0; an axis of two joints --number Y=1 --number Y=2"
+                remedy = "Give each axis its own: --number X=3; an axis of two joints --number Y=1 --number Y=2"
                 raise TableError(what, remedy, name=name, other=owner[number], number=number, known=known)
             owner[number] = name
 
