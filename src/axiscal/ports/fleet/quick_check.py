@@ -54,8 +54,7 @@ _ROUNDS = 4
 """Times that each reading may move; the third hardly moves one."""
 
 READINGS = 12
-"""Six readings find a crash of three standard deviations in one of twenty cases, eight in four of five, twelve in all
-but one of fifty (trials of the method)."""
+"""A choice: fewer find less (`python -m benchmarks.fleet.checks`)."""
 CHANCE = 0.01
 """How often a machine that is in order may be called out of order."""
 
