@@ -23,7 +23,7 @@ from axiscal.measurement.readers.csv_table import read_text
 from axiscal.numerics import Array
 from axiscal.tables.surface import Control, Mesh, Skew, mesh_control, skew_control, sum_of
 from axiscal.tables.table import CompensationTable
-from axiscal.tables.volumetric import SampledError, tip_control
+from axiscal.tables.volumetric import SampledError, distinct, tip_control
 
 _SECTION = re.compile(r"^\s*\[\w+\]", re.MULTILINE)
 _JOINT = re.compile(r"(?:JOINT|AXIS)_(\d+)")
@@ -230,12 +230,11 @@ def _nothing(kind: tuple[str, str], old: Sequence[Lookup], machine: Machine) -> 
 
 
 def _positions(table: CompensationTable, old: Sequence[Lookup], most: int, *, even: bool) -> Array:
-    """Return the points of the sum: all that either has, or those of the finer one where they have to stay even."""
+    """Return the points of the sum: all, or the finer ones where they do not fit or stay even, or old."""
     points = [one.positions for one in old if len(one.positions) > 1]
-    if even:
-        whole = [p for p in points if p[0] <= table.positions[0] + _APART and p[-1] >= table.positions[-1] - _APART]
-        finest = max([table.positions, *whole], key=len)
-        return finest if len(finest) <= most else table.positions
-    union = np.unique(np.concatenate([table.positions, *points]))
-    union = union[np.r_[True, np.diff(union) > _APART]]
-    return union if len(union) <= most else table.positions
+    union = distinct(np.concatenate([table.positions, *points]))
+    if len(union) <= most and not even:
+        return union
+    whole = [p for p in points if p[0] <= table.positions[0] + _APART and p[-1] >= table.positions[-1] - _APART]
+    finest = max([*whole, table.positions], key=len)
+    return finest if len(finest) <= most else table.positions

@@ -121,7 +121,7 @@ def together(new: Mapping[str, SampledError], old: Mapping[str, SampledError]) -
     grids = dict[str, list[Array]]()
     for name, both in parts.items():
         grids.setdefault(_block(name, both), []).extend(one.positions for one in both)
-    at = {block: _distinct(np.concatenate(positions)) for block, positions in grids.items()}
+    at = {block: distinct(np.concatenate(positions)) for block, positions in grids.items()}
     return {name: _sum(both, at[_block(name, both)]) for name, both in parts.items()}
 
 
@@ -138,7 +138,7 @@ def _refuse_third_axes(parts: Mapping[str, Sequence[SampledError]]) -> None:
             raise TableError(what, "take the old one out first", name=name, before=overs[0], now=overs[1])
 
 
-def _distinct(positions: Array) -> Array:
+def distinct(positions: Array) -> Array:
     at = np.unique(positions)
     return at[np.r_[True, np.diff(at) > _APART]]
 
@@ -148,7 +148,7 @@ def _sum(both: Sequence[SampledError], at: Array) -> SampledError:
     if not across:
         values: Array = np.sum([np.interp(at, one.positions, one.values) for one in both], axis=0)
         return SampledError(at, values)
-    rows = _distinct(np.concatenate(across))
+    rows = distinct(np.concatenate(across))
     own, other = np.meshgrid(at, rows)
     total: Array = np.sum([one.at(own.ravel(), other.ravel()) for one in both], axis=0).reshape(own.shape)
     return SampledError(at, total, next(one.over for one in both if one.over), rows)
