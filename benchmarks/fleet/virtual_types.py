@@ -67,8 +67,8 @@ class Bench:
         self.rows = np.concatenate([each.rows for each in seen])
         self.variances = np.concatenate([each.variances for each in seen])
         self.owner = np.concatenate([np.full(len(poses), index) for index, poses, _ in parts])
-        whole = np.zeros((self.size, 1))  # one yardstick for every belief: all is seen
-        self.yardstick = replace(self.case.yardstick, unseen=whole)
+        whole = np.zeros((self.size, 1))  # one yardstick for every belief: all is seen, and no constant shift counts
+        self.yardstick = replace(self.case.yardstick, zeroed=(True, True, True), unseen=whole)
         root = self.yardstick.root.matrix
         self.root = np.hstack([root, np.zeros((len(root), self.rows.shape[1] - self.size))])
         self._poses, self._sides = (np.concatenate([part[k] for part in parts]) for k in (1, 2))

@@ -1,4 +1,4 @@
-"""Each figure of a yardstick by its definition, pose after pose, for any directions that count."""
+"""Each figure of a yardstick by its definition, pose after pose, for any directions that count or are zeroed."""
 
 from __future__ import annotations
 
@@ -34,14 +34,19 @@ CAMPAIGN = campaign_text(
 )
 CASE = Case(campaign_from_texts(CAMPAIGN, "c.toml", MACHINE, "m"))
 ALL: Counted = (True, True, True)
-WAYS: list[Counted] = [ALL, (True, False, True), (False, False, True)]
+WAYS = [
+    ((False, False, False), ALL),
+    ((True, False, True), ALL),
+    ((True, False, False), (True, False, True)),
+    ((True, True, True), (False, False, True)),
+]
 
 
-def yardstick_of(counted: Counted) -> Yardstick:
+def yardstick_of(zeroed: tuple[bool, bool, bool], counted: Counted) -> Yardstick:
     """Return the yardstick of the axes with other directions, and with something of every error unseen."""
     own, rng = CASE.yardstick, np.random.default_rng(3)
     unseen = 1e-6 * rng.standard_normal((CASE.errors.size, 2))
-    return replace(own, moments=replace(own.moments, counted=counted), unseen=unseen)
+    return replace(own, moments=replace(own.moments, counted=counted), zeroed=zeroed, unseen=unseen)
 
 
 def belief() -> Belief:
@@ -51,12 +56,15 @@ def belief() -> Belief:
 
 
 def defined(stick: Yardstick, covariance: Array) -> Array:
-    """Return Σ at each pose: of the errors less one shift, and of the rests."""
-    errors = CASE.errors
-    rows, levers = errors.rows(*stick.poses) - stick.moments.mean, errors.levers(stick.poses[0])
-    told = rows @ covariance[: errors.size, : errors.size] @ rows.transpose(0, 2, 1)
+    """Return Σ at each pose: what readings could tell, what they cannot without its constant shift, and the rests."""
+    errors, mean = CASE.errors, stick.moments.mean
+    rows, levers = errors.rows(*stick.poses), errors.levers(stick.poses[0])
+    zeroed = np.diag([float(each) for each in stick.zeroed]) @ mean
+    known, never = covariance[: errors.size, : errors.size], stick.unseen @ stick.unseen.T
+    told = (rows - zeroed) @ (known - never) @ (rows - zeroed).transpose(0, 2, 1)
+    hidden = (rows - mean) @ never @ (rows - mean).transpose(0, 2, 1)
     rests = np.einsum("t,tmc,tmd->mcd", [term.rest**2 for term in errors.terms], levers, levers)
-    return np.asarray(told + rests)
+    return np.asarray(told + hidden + rests)
 
 
 def traces_of(covariances: Array, counted: Counted) -> Array:
@@ -64,19 +72,21 @@ def traces_of(covariances: Array, counted: Counted) -> Array:
     return np.asarray(np.einsum("pcc,c->p", covariances, np.array(counted, dtype=float)))
 
 
-@pytest.mark.parametrize("counted", WAYS)
-def test_covariances_and_variances_at_the_poses(counted: Counted) -> None:
-    stick, known = yardstick_of(counted), belief()
+@pytest.mark.parametrize(("zeroed", "counted"), WAYS)
+def test_covariances_and_variances_at_the_poses(zeroed: tuple[bool, bool, bool], counted: Counted) -> None:
+    stick, known = yardstick_of(zeroed, counted), belief()
     expected = defined(stick, known.covariance)
     scale = float(np.abs(expected).max())
     np.testing.assert_allclose(stick.covariances(known.factor), expected, atol=1e-9 * scale)
     np.testing.assert_allclose(stick.variances(known.factor), traces_of(expected, counted), atol=1e-9 * scale)
 
 
-@pytest.mark.parametrize("counted", WAYS)
-def test_the_worst_is_the_largest_and_rms_the_mean_over_the_volume(counted: Counted) -> None:
+@pytest.mark.parametrize(("zeroed", "counted"), WAYS)
+def test_the_worst_is_the_largest_and_rms_the_mean_over_the_volume(
+    zeroed: tuple[bool, bool, bool], counted: Counted
+) -> None:
     """The mean by the poses that are spread evenly, which is within some percent of the closed form."""
-    stick, known = yardstick_of(counted), belief()
+    stick, known = yardstick_of(zeroed, counted), belief()
     traces = traces_of(defined(stick, known.covariance), counted)
     found = stick.measure(known)
     if counted == ALL:  # the moments of this case are those of all directions
@@ -85,7 +95,7 @@ def test_the_worst_is_the_largest_and_rms_the_mean_over_the_volume(counted: Coun
     assert found.worst == pytest.approx(max(float(np.sqrt(traces.max())), found.rms), rel=1e-9)
     at, size = int(np.argmax(traces)), CASE.errors.size
     rows = CASE.errors.rows(*(each[[at]] for each in stick.poses))[0]
-    rows = np.array(counted)[:, None] * (rows - stick.moments.mean)
+    rows = np.array(counted)[:, None] * (rows - np.array(zeroed)[:, None] * stick.moments.mean)
     np.testing.assert_allclose(stick.worst_root(known).matrix, rows, atol=1e-12)
     assert stick.worst_root(known).size == size
 
@@ -109,7 +119,7 @@ def test_poses_are_the_corners_and_points_spread_evenly_from_both_sides() -> Non
 
 def test_losses_of_readings_come_off_one_after_the_other() -> None:
     """Each number takes d dᵀ off the covariance; figures stand behind the last number of each reading."""
-    stick, known = yardstick_of(ALL), belief()
+    stick, known = yardstick_of((True, False, False), ALL), belief()
     rng, size = np.random.default_rng(6), CASE.errors.size
     losses = 2e-6 * rng.standard_normal((5, size))
     ends = np.array([1, 3, 5])
@@ -121,7 +131,7 @@ def test_losses_of_readings_come_off_one_after_the_other() -> None:
 
 
 def test_endless_readings_leave_the_floor() -> None:
-    stick = replace(yardstick_of(ALL), left=1e-6 * np.eye(CASE.errors.size))
+    stick = replace(yardstick_of((False, False, False), ALL), left=1e-6 * np.eye(CASE.errors.size))
     variances = traces_of(defined(stick, 1e-12 * np.eye(CASE.errors.size)), ALL)
     rms, worst = stick.floors
     assert rms == pytest.approx(float(np.sqrt(variances[stick.evenly].mean())), rel=0.02)

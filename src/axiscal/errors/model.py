@@ -177,6 +177,12 @@ class ErrorModel:
         """The axes that have a reversal: what is seen there depends on the side from which they come."""
         return frozenset(function.axis for function in self.functions if function.kind == "reversal")
 
+    @property
+    def tilts(self) -> list[int]:
+        """The columns of tilted directions of travel, which deviate the more the farther an axis is from its zero."""
+        tilted = (self.functions[number].columns for number in self._moving.tilted)
+        return [column for columns in tilted for column in range(columns.start, columns.stop)]
+
     def levers(self, poses: Array) -> Array:
         """Return the TCP deviation per unit of each term, (terms, m, 3), m or m/rad.  poses : (m, q)."""
         shape = (len(self.terms), len(poses), 3)

@@ -36,6 +36,7 @@ from axiscal.numerics.remembered import Itself, Memo
 
 _FEWEST, _MOST, _PER_UNKNOWN = 200, 1500, 4
 _STAYS = 1e-8
+_MOSTLY = 0.5
 _QUICK = 32
 """Poses that stand for the volume in ratios of variances: twice as many change U by 0.1 %."""
 _YARDSTICKS = 4
@@ -214,7 +215,7 @@ class Case:
 
     @cached_property
     def yardstick(self) -> Yardstick:
-        """The figures over the target's volume."""
+        """The figures over the target's volume; a constant shift that is mostly unseen is not counted."""
         if self.sized_from is not None and not (self.about is not None and self.about.bent):
             return replace(self.sized_from, both=self.both).yardstick.with_rests_of(self.errors)
         described = self.description
@@ -226,10 +227,16 @@ class Case:
         grounds = machine.with_rests(dict.fromkeys(machine.error_names, 0.0)), *others
         moments, sample, alignment = self.volumes.answer(grounds, self._found_volume)
         moments = of_rests(self.errors, moments)
-        left = self._left
-        unseen = left[:, : self.prior.factor.shape[1]]
+        factor, left = self.prior.factor, self._left
+        unseen = left[:, : factor.shape[1]]
+        mean = (
+            moments.mean.copy()
+        )  # of tilts as about the middle of the volume: where the machine's zero lies is no matter
+        mean[:, self.errors.tilts] = 0.0
+        before, after = (np.sum((mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
+        x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
         box = self.description.target.volume
-        return Yardstick(self.errors, box, moments, unseen, left, sample, alignment)
+        return Yardstick(self.errors, box, moments, unseen, left, (x, y, z), sample, alignment)
 
     @cached_property
     def yardstick_as_sized(self) -> Yardstick:

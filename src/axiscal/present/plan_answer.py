@@ -246,7 +246,7 @@ def bound_rms_um(case: Case, plan: Plan) -> float | None:
 def _ratio(plan: Plan, bound: float | None) -> float:
     """Return how many times the mean variance over the volume (else J) is what no plan can beat; inf without a bound.
 
-    Rests and what no set-up sees are in both, as printed.
+    Rests and what no set-up sees are in both, a constant shift that is not counted in neither: as printed.
     """
     if bound is None:
         return plan.ratio

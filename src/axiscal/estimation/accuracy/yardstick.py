@@ -1,7 +1,9 @@
 """How good the machine is known to be: the figures a campaign reports and stops by.
 
-A constant shift of the TCP does not count: setting the workpiece zero removes it. So where the zero of the machine lies
-is no matter. The floor is what endless readings would leave.
+The covariance C of the belief splits into what readings could still tell, C − C_∞, and what no allowed reading tells,
+C_∞. An unobservable constant shift of the TCP does not count: setting the workpiece zero removes it. Along a direction
+in which C_∞ has most of the shift, its part in C − C_∞ does not count either. Everything else does. The floor is what
+endless readings would leave of it.
 """
 
 from __future__ import annotations
@@ -50,8 +52,9 @@ def attainable(limit: float, floor: float) -> float:
     return limit if floor <= limit else _NEAR * floor
 
 
-_BY_PLACES = ("root", "poses", "places", "rows", "_every_row", "evenly")
-"""What a yardstick has found that depends on no size of an error."""
+_BY_PLACES = ("_shift", "root", "shifts", "poses", "places", "rows", "_every_row", "evenly")
+_OF_UNSEEN = ("unseen_rms", "_unseen_total", "_unseen_shift", "_here", "_hidden")
+"""What a yardstick has found that depends on no size of an error, and on no other size than those of the unseen."""
 
 
 def _summed(parts: Array) -> Array:
@@ -69,8 +72,9 @@ def _squared(parts: Array) -> Array:
 class Yardstick:
     """Measures a belief against the working volume.
 
-    moments : over the volume; unseen : (errors.size, r) factor of what no allowed reading tells of the errors
+    moments : over the volume; unseen : (errors.size, r) factor of C_∞, the machine's own errors
     left : (errors.size, s) factor of what endless readings leave, what instruments are off by with it
+    zeroed : directions x, y, z of the workpiece frame in which a constant shift is not counted
     sample : (m, q) poses of the volume where it is not a box of them; alignment : what probing the part takes off
     """
 
@@ -79,6 +83,7 @@ class Yardstick:
     moments: VolumeMoments
     unseen: Array
     left: Array
+    zeroed: tuple[bool, bool, bool] = (False, False, False)
     sample: Array | None = None
     alignment: Alignment | None = None
 
@@ -91,7 +96,7 @@ class Yardstick:
         left = self.left if left is None else left
         unseen = self.unseen if stays else left[:, : self.unseen.shape[1]]
         other = replace(self, errors=errors, moments=moments, unseen=unseen, left=left)
-        for name in (*_BY_PLACES, *(("unseen_rms",) if stays else ())):
+        for name in (*_BY_PLACES, *(_OF_UNSEEN if stays else ())):
             other.__dict__[name] = getattr(self, name)
         return other
 
@@ -106,20 +111,43 @@ class Yardstick:
         return np.array(self.counted, dtype=float)[:, None]
 
     @cached_property
+    def _shift(self) -> Array:
+        """E[H] in the directions in which the constant shift is not counted, else zero, (3, size)."""
+        shift: Array = self.moments.mean * np.array(self.zeroed, dtype=float)[:, None]
+        return shift
+
+    @cached_property
     def root(self) -> Root:
-        """V (r, size) with VᵀV = E[HᵀH] − E[H]ᵀE[H] of the directions that count."""
-        return Root.of_gram(self.moments.beyond_shift)
+        """V (r, size) with VᵀV = E[HᵀH], less E[H]ᵀE[H] where the constant shift is not counted."""
+        counted = self._counts * self._shift
+        return Root.of_gram(self.moments.gram - counted.T @ counted)
 
     @cached_property
     def unseen_rms(self) -> float:
         """RMS over the volume of what no allowed reading sees, m."""
-        return float(np.sqrt(self.root.value(self.unseen)))
+        return float(np.sqrt(max(self._unseen_total - self._unseen_shift, 0.0)))
 
     @cached_property
     def floors(self) -> tuple[float, float]:
         """RMS over the volume and largest standard deviation that endless readings would leave, m."""
         rms = self.rms_of(self.root.value(self.left))
         return rms, max(float(np.sqrt(self.variances(self.left).max())), rms)
+
+    @cached_property
+    def _unseen_total(self) -> float:
+        """tr(V C_∞ Vᵀ), m²."""
+        return self.root.value(self.unseen)
+
+    @cached_property
+    def _unseen_shift(self) -> float:
+        """The part of it that is a constant shift in the other directions, m²."""
+        return float(np.sum((self.shifts @ self.unseen) ** 2))
+
+    @cached_property
+    def shifts(self) -> Array:
+        """E[H] in the directions in which a constant shift counts but for what of it is unseen, (3, size)."""
+        shifts: Array = self._counts * (self.moments.mean - self._shift)
+        return shifts
 
     def measure(self, belief: Belief) -> Accuracy:
         """Return the figures of a belief."""
@@ -140,16 +168,16 @@ class Yardstick:
 
     def figures(self, total: float, variances: Array) -> Accuracy:
         """Return the figures for tr(V C Vᵀ) and the TCP variances at the yardstick's poses, m²."""
-        variance = max(total + self.moments.rest, 0.0)
+        variance = max(total - self._unseen_shift + self.moments.rest, 0.0)
         worst = max(float(np.max(variances)), variance)
         return Accuracy(float(np.sqrt(variance)), float(np.sqrt(worst)), *self.floors)
 
     def rms_of(self, total: float) -> float:
         """Return the RMS over the volume that belongs to J = tr(V C Vᵀ), m."""
-        return float(np.sqrt(total + self.moments.rest))
+        return float(np.sqrt(max(total - self._unseen_shift, 0.0) + self.moments.rest))
 
     def worst_root(self, belief: Belief) -> Root:
-        """Return H (3, size), less the shift, at the pose where the TCP is known least."""
+        """Return H (3, size), less the shift not counted, at the pose where the TCP is known least."""
         return Root(self.rows[self.variances(belief.factor).argmax()])
 
     @cached_property
@@ -171,20 +199,34 @@ class Yardstick:
 
     @cached_property
     def rows(self) -> Array:
-        """H at each pose of the yardstick, less the shift, (m, 3, size); zero in a direction that does not count."""
+        """H at each pose of the yardstick, less the shift that is not counted, (m, 3, size); zero where none counts."""
         return self._every_row if all(self.counted) else self._every_row * self._counts
 
     @cached_property
     def _every_row(self) -> Array:
         """The same in every direction, counted or not."""
-        rows: Array = self.errors.rows(*self.poses) - self.moments.mean
+        rows: Array = self.errors.rows(*self.poses) - self._shift
         return rows if self.alignment is None else rows - self.alignment.taken_off(self.poses[0])
 
     @cached_property
-    def _of_rests(self) -> Array:
-        """Variance that the rests add at each pose, m²."""
-        added: Array = np.sum(self._loose[:, :, list(self.counted)] ** 2, axis=(0, 2))
-        return added
+    def _here(self) -> Array:
+        """Deviations that the allowed readings cannot see, at each pose, counted or not: (m, 3, r)."""
+        here = self._every_row.reshape(-1, self.errors.size) @ self.unseen
+        return here.reshape(len(self.rows), 3, -1)
+
+    @cached_property
+    def _hidden(self) -> Array:
+        """Variance that the allowed readings cannot see, at each pose, constant shifts not counted, m²."""
+        shift = (self.moments.mean - self._shift) @ self.unseen
+        hidden: Array = np.sum((self._counts * (self._here - shift)) ** 2, axis=(1, 2))
+        return hidden
+
+    @cached_property
+    def _correction(self) -> Array:
+        """Variance that the rests add at each pose, less the constant shifts that are not counted, m²."""
+        loose, here = self._loose[:, :, list(self.counted)], self._here[:, list(self.counted)]
+        corrected: Array = np.sum(loose**2, axis=(0, 2)) + self._hidden - np.sum(here**2, axis=(1, 2))
+        return corrected
 
     @cached_property
     def _loose(self) -> Array:
@@ -204,13 +246,14 @@ class Yardstick:
         """
         seen = self._seen(factor, self._every_row).reshape(len(self.rows), 3, -1)
         loose = self._loose.transpose(1, 2, 0)
-        counted: Array = _squared(seen) + _squared(loose)
+        hidden = self._here - (self.moments.mean - self._shift) @ self.unseen
+        counted: Array = _squared(seen) + _squared(loose) + _squared(hidden) - _squared(self._here)
         return counted
 
     def variances(self, factor: Array) -> Array:
         """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
         seen = self._seen(factor, self.rows)
-        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._of_rests
+        spread: Array = np.einsum("ij,ij->i", seen, seen).reshape(-1, 3).sum(axis=1) + self._correction
         return spread
 
     def _seen(self, factor: Array, rows: Array) -> Array:

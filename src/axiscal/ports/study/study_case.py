@@ -151,8 +151,8 @@ def _figures(known: Estimation, truth: VirtualMachine, question: StudyCase) -> d
 def left_over(known: Estimation, truth: VirtualMachine) -> Array:
     """Return what the estimate misses of the TCP deviation over the volume, (m, 3) m.
 
-    As in the promised figures, it leaves out one shift, the rigid motion of a probed part, or directions that do not
-    count.
+    As in the promised figures, it leaves out a shift that no set-up sees, the rigid motion of a probed part, or
+    directions that do not count.
     """
     yardstick, errors = known.case.yardstick, ErrorModel(truth.model.machine)
     poses = yardstick.places[yardstick.evenly[: len(yardstick.places)]]
@@ -163,7 +163,8 @@ def left_over(known: Estimation, truth: VirtualMachine) -> Array:
         left = truth.deviation(poses, ways) - known.estimate().deviation(poses, ways)
         parts.append(left if yardstick.alignment is None else yardstick.alignment.left(poses, left))
     whole: Array = np.concatenate(parts)
-    counted: Array = (whole - whole.mean(axis=0)) * np.array(yardstick.counted, dtype=float)
+    shift: Array = whole.mean(axis=0) * np.array(yardstick.zeroed, dtype=float)
+    counted: Array = (whole - shift) * np.array(yardstick.counted, dtype=float)
     return counted
 
 
