@@ -14,8 +14,8 @@ eq. 5.12). It is bad with odds, sizes integrated out, of
 
 the sizes as stated among the draws, whatever their weight: a bad reading hides behind the noise that it teaches. Above
 1 the worst is taken out, with those of nearly the same odds, and again, up to a fifth of the readings. One reading
-alone cannot tell a slip from a detail of the machine; a second one at its place can. The answers with it and without it
-count one half each if errors of the stated size could be as large, and no other reading tells the same:
+alone cannot tell a slip from a detail of the machine; others at its place can, if none of them is bad, too. The answers
+with it and without it count one half each if errors of the stated size could be as large, and no others tell:
 
     m = ½ (m₀ + m₁),    C = ½ (C₀ + C₁) + ¼ (m₀ − m₁)(m₀ − m₁)ᵀ
 """
@@ -169,8 +169,7 @@ def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] 
         if highest <= 0 or len(bad) + len(worst) > MOST_BAD * count:
             break
         bad |= {i: mine.left[i] for i in worst}
-        others = [i for i in mine.left if i not in worst]
-        details += [i for i in worst if _may_be_a_detail(problem, i, bad[i]) and not _read_again(problem, i, others)]
+        details += [i for i in worst if _may_be_a_detail(problem, i, bad[i])]
         mine = _judged(problem, [*apart, *bad])
         if not details:
             with_details, slips = mine, [*bad]
@@ -179,6 +178,7 @@ def sorted_out(problem: Problem, never: Iterable[int] = (), sure: Iterable[int] 
         named = agreement(every.problem, every.found, np.array([one.z for one in every.left.values()])).explained
         if any(one.mistake == "jump" and one.setups[0] in moved for one in named):
             bad, details, mine = {}, [], every
+    details = [i for i in details if not _told_again(problem, i, [*mine.left], [*bad])]
     sizes = _sizes(mine.problem, mine.found)
     if not details:
         return Sorted(problem, mine, None, sizes, bad, count)
@@ -221,13 +221,13 @@ def _may_be_a_detail(problem: Problem, index: int, left: LeftOut) -> bool:
     return bool(np.all(left.residual**2 < _DETAIL**2 * largest))
 
 
-def _read_again(problem: Problem, index: int, others: Sequence[int]) -> bool:
-    """Return whether one of other readings shows the same of all errors as each number of this one."""
+def _told_again(problem: Problem, index: int, kept: Sequence[int], bad: Sequence[int]) -> bool:
+    """Return whether kept readings, and no other bad one, show the same of all errors as each number of a bad one."""
     shown = problem.rows[:, problem.first_cell : problem.rows.shape[1] - problem.unknowns]
-    sizes = np.linalg.norm(shown, axis=1)
-    mine, counts = problem.reading == index, np.isin(problem.reading, others)
-    alike = np.abs(shown[counts] @ shown[mine].T) >= _SAME * np.outer(sizes[counts], sizes[mine])
-    return bool(np.all(np.any(alike, axis=0)))
+    sizes, mine = np.linalg.norm(shown, axis=1), problem.reading == index
+    alike = np.abs(shown @ shown[mine].T) >= _SAME * np.outer(sizes, sizes[mine])
+    others = np.any(alike, axis=1) & np.isin(problem.reading, bad) & ~mine
+    return bool(np.all(np.any(alike[np.isin(problem.reading, kept)], axis=0)) and not np.any(others))
 
 
 def _half_and_half(one: Mapping[_Owned, float], other: Mapping[_Owned, float]) -> dict[_Owned, float]:
