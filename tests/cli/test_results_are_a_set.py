@@ -213,7 +213,7 @@ def test_ctrl_c_says_whether_the_reading_was_kept(
     capsys.readouterr()
     moments = [
         ("axiscal.campaign.campaign.Campaign._clock", "Nothing was added", 2),
-        ("axiscal.cli.record._doubt", "Reading 3 was kept", 3),
+        ("axiscal.cli.record.last_doubt", "Reading 3 was kept", 3),
     ]
     for name, says, kept in moments:
         with monkeypatch.context() as patched:

@@ -91,7 +91,7 @@ def test_the_history_is_what_was_known_after_each_reading() -> None:
     twin = absorbed(known.absorbed.case, [])
     assert 15 in implausible
     assert len(moments) == 25
-    assert moments[0] == (twin.case.yardstick.measure(twin.knowledge.belief), None, 0.0)
+    assert moments[0] == (known.stated.yardstick.measure(known.stated.prior), None, 0.0)
     for count, moment in enumerate(moments[1:], start=1):
         twin = _after_one(twin, readings[count - 1], count - 1 not in final.left_out)
         assert moment.seconds == known.timed.ends[count - 1]
