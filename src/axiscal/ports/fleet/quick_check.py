@@ -3,7 +3,10 @@
 The places are those of a plan with the prior ρ² C + (1 − ρ²) C₀, a machine that has drifted since. They move until
 crashes show (`crash_places`). The readings z = R a + e have to fit N(ρ m, ·):
 
-    χ² = (z − ρ R m)ᵀ (R (ρ² C + (1 − ρ²) C₀) Rᵀ + I)⁻¹ (z − ρ R m)
+    χ² = wᵀw,  w = L⁻¹ (z − ρ R m),  L Lᵀ = R (ρ² C + (1 − ρ²) C₀) Rᵀ + I
+
+A crash d moves w along u = L⁻¹ R d alone: (uᵀw)²/uᵀu is a χ² of one degree of freedom. P is twice the smaller of both
+probabilities, that of the likeliest crash times the number of crashes (Bonferroni).
 
 Where a check shows that something broke: readings of a plan moved, each within its set-up, until crashes stand out.
 
@@ -52,6 +55,9 @@ _WORTH = 0.02
 """A reading moves for this much of one crash: where crashes show already it stays where drifts show most."""
 _ROUNDS = 4
 """Times that each reading may move; the third hardly moves one."""
+
+_UNMOVED = 1e-12
+"""No division by nought: no reading sees a crash that moves all of them by a millionth of their noise."""
 
 READINGS = 12
 """A choice: fewer find less (`python -m benchmarks.fleet.checks`)."""
@@ -132,7 +138,12 @@ class QuickCheck:
         expected = now.mean - self.last.mean if tables else now.mean
         lower = lower_root(data.rows @ now.covariance @ data.rows.T + np.eye(len(data.values)))
         off = solution(lower, data.values - data.rows @ expected)
-        return Checked(chi_square_tail(len(off), float(off @ off)), float(off @ off), len(off))
+        looked_for = crashes(self.case.errors)
+        moved = solution(lower, data.rows[:, : looked_for.shape[1]] @ looked_for.T)
+        squares = (off @ moved) ** 2 / np.maximum(np.sum(moved**2, axis=0), _UNMOVED)
+        broken = len(squares) * chi_square_tail(1, float(np.max(squares, initial=0.0)))
+        chance = chi_square_tail(len(off), float(off @ off))
+        return Checked(min(1.0, 2 * min(chance, broken)) if len(squares) else chance, float(off @ off), len(off))
 
 
 def crashes(errors: ErrorModel) -> Array:
