@@ -54,17 +54,22 @@ def follow(page: Path, folder: Path) -> list[tuple[list[str], int]]:
         return [(words, run(words[1:])) for words in commands(page)]
 
 
-def draw(page: Path, folder: Path) -> None:
-    """Draw the first set-up of a page on its machine, with places where it can be read."""
-    written = files(page)
-    for name, text in written.items():
+def written(page: Path, folder: Path) -> Path:
+    """Write the files of a page into a folder, those that its `init` makes as well, and return its campaign."""
+    own = files(page)
+    for name, text in own.items():
         (folder / name).write_text(text, encoding="utf-8")
-    if "campaign.toml" not in written:
+    if "campaign.toml" not in own:
         init = next(words for words in commands(page) if words[1] == "init")
         with chdir(folder):
             assert run(init[1:]) == 0
     (described,) = folder.rglob("campaign.toml")
-    campaign = read_campaign(described, target_needed=False, asking=False)
+    return described
+
+
+def draw(page: Path, folder: Path) -> None:
+    """Draw the first set-up of a page on its machine, with places where it can be read."""
+    campaign = read_campaign(written(page, folder), target_needed=False, asking=False)
     setup = campaign.setups[0]
     lattice = spread(campaign.machine, (setup,), _SHOWN)
     rows = zip(lattice.poses.tolist(), lattice.approaches.astype(int).tolist(), strict=True)

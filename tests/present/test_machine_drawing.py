@@ -33,7 +33,7 @@ from axiscal.present.machine_drawing.instruments import _DRAWN
 from axiscal.present.machine_drawing.machine_scene import machine_parts, reached
 from axiscal.present.machine_drawing.setup_picture import plan_picture, setup_scene
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
-from tests.docs.howtos import DOCS, files
+from tests.docs.howtos import DOCS, written
 from tests.generators.kinematics import shifted, tip, turned
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -210,9 +210,7 @@ def _campaigns(folder: Path) -> list[tuple[str, CampaignDescription]]:
     for page in sorted(set((DOCS / "howto").glob("*.md")) - {DOCS / "howto" / "a-port-of-your-own.md"}):
         own = folder / page.stem
         own.mkdir()
-        for name, text in files(page).items():
-            (own / name).write_text(text, encoding="utf-8")
-        found.append((page.stem, read_campaign(own / "campaign.toml", target_needed=False, asking=False)))
+        found.append((page.stem, read_campaign(written(page, own), target_needed=False, asking=False)))
     paths = [*ROOT.glob("examples/*.campaign.toml"), *(ROOT / "src").rglob("*.campaign.toml")]
     found += [(path.stem, read_campaign(path, target_needed=False, asking=False)) for path in sorted(paths)]
     return found

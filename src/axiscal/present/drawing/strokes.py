@@ -232,7 +232,7 @@ def _candidates(label: Label) -> Iterator[Point]:
         yield label.first
     half, high = text_width(label.words, label.size) / 2, label.size
     (x, y) = label.at
-    for ring, step in itertools.product(range(1, 7), range(8)):
+    for ring, step in itertools.product(range(1, 13), range(8)):
         turn = math.radians(-90.0 + 45.0 * (step // 2 if step % 2 == 0 else -(step + 1) // 2))
         across, down = math.cos(turn) * (half + 5.0 * ring), math.sin(turn) * high * (0.6 + 0.5 * ring)
         yield x + across, y + down
