@@ -44,5 +44,6 @@ def test_a_virtual_bed_is_planned_read_and_estimated(sure: str, tmp_path: Path) 
     assert run(["run", str(tmp_path / "campaign.toml"), "--source", "sim:3", "--out", str(out)]) == 0
     result = json.loads((out / "result.json").read_text())
     assert result["readings"] == 10
-    assert result["rms_um"] < 0.6 * result["history"][0]["rms_um"]
+    before = result["history"][0]["rms_um"]  # as stated: where sizes are learnt, this bed turns out larger
+    assert result["rms_um"] < {"exactly": 0.6, "roughly": 1.0}[sure] * before
     assert result["plane_errors"]["EZXY"]["from_readings"] > 0.1
