@@ -140,6 +140,8 @@ def _whole(node: ast.expr, scope: ast.FunctionDef, tree: ast.Module, *, literal:
     if isinstance(node, ast.Call):
         if isinstance(node.func, ast.Name) and node.func.id in _MADE_OF_SAID:
             return node.func.id != "meant" or all(_whole(each, scope, tree, literal=False) for each in node.args[2:])
+        if _name(node.func) == "get" and len(node.args) == 2:  # what a table has, as by its key, or else this
+            return _whole(node.args[1], scope, tree, literal=literal)
         made = _functions().get(_name(node.func), [])
         made = [each for each in made if each[1] is tree] or made
         ends = [(each, end) for each in made for end in ast.walk(each[0]) if isinstance(end, ast.Return)]

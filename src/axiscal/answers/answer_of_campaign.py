@@ -164,7 +164,8 @@ def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str
             yield NextStep(code="load", control=control)
         elif described.compensation_active is True:
             control = next((name for name in described.controls if "--on-top-of" in exporter(name).takes), "")
-            yield from [NextStep(code="export", control=control)] * bool(control)
+            if control:
+                yield NextStep(code="export", control=control)
         yield NextStep(code="verify", control=control)
     else:
         yield NextStep(code="finish")

@@ -123,8 +123,8 @@ def evaluate(test: PositioningTest, noise: float = 0.0) -> Positioning:
 def _figures(sides: Mapping[str, tuple[Array, Array]]) -> dict[str, Array]:
     """Return the figures of tests, (k,) each, of the directions that were measured.
 
-    A is the spread of mean ± 2s over the targets, E that of the means, R the largest of the targets' own; B and B_mean
-    are the largest and the mean reversal, M is the range of the mean of both directions.
+    A is the spread of mean ± 2s over the targets, E that of the means, R the largest of the targets' own. B and B_mean
+    are the largest and the mean reversal. M is the range of the mean of both directions.
 
     sides : up and down, means and standard deviations at the targets, (k, n) each
     """

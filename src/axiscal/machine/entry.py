@@ -189,7 +189,7 @@ class ErrorEntry:
     joints : where an error of the shape "step" steps, m or rad
     fine : knots of which nothing is said are as close as a rough curve needs them
     sure : how well std and length are known; None for what the campaign says of all
-    smoothness_averaged : files of before leave the smoothness open; its knots are as close as a rough curve needs them
+    smoothness_averaged : an older file leaves the smoothness open; knots are as close as a rough curve needs them
     """
 
     name: str

@@ -38,7 +38,7 @@ MOST_PRODUCTS = 1600
 LARGEST_ERROR, SMALLEST_ERROR = 1.0, 1e-12
 """m or rad."""
 AVERAGED = "estimate"
-"""What is said of a rest that is to be learnt, and in files of before of a smoothness."""
+"""What is said of a rest that is to be learnt; in older files of a smoothness, too."""
 _MOST_JOINTS = 40
 """More pieces than any scale has."""
 _TURN = 1e-6
@@ -230,7 +230,7 @@ def _rest(stated: Stated[ErrorTable], dimension: Dimension) -> float | None:
 def _smoothness(table: ErrorTable, averaged: bool) -> float:
     """Return how smooth a curve is; raises DescriptionError for a smoothness that there is not.
 
-    averaged : it may also be "estimate", as files of before say it: a smooth one then, on knots for either
+    averaged : it may also be "estimate", as older files say: a smooth curve, on knots as close as for a rough one
     """
     if table.smoothness is None:
         return SMOOTH

@@ -28,7 +28,7 @@ _KINDS = ("interferometer", "ballbar", "dial", "sphere")
 _TOGETHER = 2
 """Set-ups that are added at most: more are another campaign."""
 _NEARER = 0.9
-"""Of how many times the limit is left: set-ups that bring less are not worth a word."""
+"""Share of what was missed: set-ups that leave more of it are not worth a word."""
 _OF_TOOL = 5e-6
 """m: a presetter, or the master ball of the instrument, shows as much of the place of what is in the spindle."""
 _CANDIDATES = 400
@@ -39,7 +39,7 @@ _CANDIDATES = 400
 class Helping:
     """Set-ups that bring a target, by name, with the readings and minutes of a plan for all; 0 where none was made.
 
-    reached : whether that plan reaches it; else it comes nearer, of a plan within the readings and the time allowed
+    reached : whether that plan reaches it; else it comes nearer, a plan within the readings and time allowed
     measured, tool : no set-up more is needed if the temperature is measured, or the place of what is in the spindle
     """
 
@@ -53,7 +53,7 @@ class Helping:
 
 def helping_setups(case: Case, target: Target) -> Helping | None:
     """Return what would let a target be reached or come nearer: something measured, or set-ups; None for nothing."""
-    case, added = replace(case, description=replace(case.description, target=target), sized_from=None), list[Setup]()
+    case, added = replace(case, description=replace(case.description, target=target), sized_from=None), list[str]()
     missed = before = _missed(case)
     for name, measured in (("measured", _warmed), ("tool", _tooled)):
         setups = tuple(measured(setup) for setup in case.description.setups)
@@ -66,11 +66,10 @@ def helping_setups(case: Case, target: Target) -> Helping | None:
         if not tried:
             break
         missed, case, setup = min(tried, key=lambda each: each[0])
-        added.append(setup)
+        added.append(setup.name)
         if missed < 1.0:
-            return _planned(case, tuple(each.name for each in added))
-    nearer = tuple(each.name for each in added)
-    return Helping(nearer, 0, 0.0, reached=False) if missed < _NEARER * before else None
+            return _planned(case, tuple(added))
+    return Helping(tuple(added), 0, 0.0, reached=False) if missed < _NEARER * before else None
 
 
 def _warmed(setup: Setup) -> Setup:

@@ -86,7 +86,7 @@ def asked_about(controller: str, instead: Mapping[str, str], draft: Draft, optio
     """
     if options.active and controller not in REPORTS:
         what = "a compensation was active while measuring (compensation_active), and these files would take its place"
-        raise TableError(what, ({"--on-top-of": _ON_TOP} | dict(instead))["--on-top-of"])
+        raise TableError(what, instead.get("--on-top-of", _ON_TOP))
     if options.active:
         note = "The deviations are those that were left by the compensation that was active while measuring."
         return replace(draft, notes=(note, *draft.notes))

@@ -230,7 +230,7 @@ def _nothing(kind: tuple[str, str], old: Sequence[Lookup], machine: Machine) -> 
 
 
 def _positions(table: CompensationTable, old: Sequence[Lookup], most: int, *, even: bool) -> Array:
-    """Return the points of the sum: all, or the finer ones where they do not fit or stay even, or old."""
+    """Return the points of the sum: those of all tables, of the finest where all are too many or have to stay even."""
     points = [one.positions for one in old if len(one.positions) > 1]
     union = distinct(np.concatenate([table.positions, *points]))
     if len(union) <= most and not even:

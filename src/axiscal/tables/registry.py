@@ -62,7 +62,7 @@ def refuse_untaken(controller: str, given: Sequence[str]) -> None:
     for option in given:
         if option not in made.takes:
             takers = joined([name for name in CONTROLLERS if option in exporter(name).takes])
-            what, remedy = "{controller} does not take {option}", ({option: _OTHERS} | dict(made.instead))[option]
+            what, remedy = "{controller} does not take {option}", made.instead.get(option, _OTHERS)
             raise TableError(what, remedy, controller=controller, option=option, takers=takers)
 
 

@@ -139,6 +139,7 @@ def _refuse_third_axes(parts: Mapping[str, Sequence[SampledError]]) -> None:
 
 
 def distinct(positions: Array) -> Array:
+    """Return positions in order, those nearer than rounding once."""
     at = np.unique(positions)
     return at[np.r_[True, np.diff(at) > _APART]]
 

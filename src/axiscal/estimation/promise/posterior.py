@@ -14,8 +14,8 @@ eq. 5.12). It is bad with odds, sizes integrated out, of
 
 the sizes as stated among the draws, whatever their weight: a bad reading hides behind the noise that it teaches. Above
 1 the worst is taken out, with those of nearly the same odds, and again, up to a fifth of the readings. One reading
-alone cannot tell a slip from a detail of the machine; others at its place can, if none of them is bad, too. The answers
-with it and without it count one half each if errors of the stated size could be as large, and no others tell:
+alone cannot tell a slip from a detail of the machine. Others at its place can, if none of those is bad. Where none
+tell, the answers with it and without it count one half each if errors of the stated size could be as large:
 
     m = ½ (m₀ + m₁),    C = ½ (C₀ + C₁) + ¼ (m₀ − m₁)(m₀ − m₁)ᵀ
 """

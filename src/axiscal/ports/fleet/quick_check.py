@@ -1,7 +1,7 @@
 """A dozen readings that say whether a machine is still as its last campaign left it.
 
 The places are those of a plan with the prior ρ² C + (1 − ρ²) C₀, a machine that has drifted since. They move until
-crashes show (`crash_places`). The readings z = R a + e have to fit N(ρ m, ·):
+crashes show (`showing_crashes`). The readings z = R a + e have to fit N(ρ m, ·):
 
     χ² = wᵀw,  w = L⁻¹ (z − ρ R m),  L Lᵀ = R (ρ² C + (1 − ρ²) C₀) Rᵀ + I
 

@@ -138,8 +138,7 @@ def _refuse_others(session: Session, found: Configured, offered: Export, machine
     shown = dict(zip(joints, session.read([f"axiscal-vcomp.pos-{n}" for n in joints]), strict=True))
     added = dict(zip(joints, session.read([f"axiscal-vcomp.correction-{n}" for n in joints]), strict=True))
     own = {axis.letter: axis for axis in found.machine.axes}
-    each = [from_unit(shown[own[a.name].joints[0]], own[a.name].unit) for a in machine.axes]
-    pose = np.array([each])
+    pose = np.array([[from_unit(shown[own[a.name].joints[0]], own[a.name].unit) for a in machine.axes]])
     ways = [np.full_like(pose, side) for side in (1.0, -1.0)]
     either = np.stack([offered.control(pose, way)[0] for way in ways])
     for k, axis in enumerate(machine.axes):
