@@ -162,7 +162,7 @@ moves at most, in units of the printed σ: median and worst of {trials} machines
 
 - *Found*: the reading is taken out.
 - *From the right one*: beside the estimate with the right reading.
-- *Accepted*: worst with `--accept`, and U withheld. A slip above 30 noises bends the curve.
+- *Accepted*: worst with `--accept` where U is printed, and how often it is withheld.
 
 | error | found | from the right one: median | worst | at most σ/2 | accepted |
 |---|---|---|---|---|---|

@@ -120,7 +120,8 @@ class Moved:
     """How far one gross error moves the curves: the largest shift in units of the σ printed beside it, over all curves.
 
     worst : over all trials; typical : the median; rejected : share of the gross errors that were not believed
-    naive : the worst shift when every reading is believed; within : share of the trials that move by at most σ/2
+    naive : the worst shift when every reading is believed and U is printed
+    within : share of the trials that move by at most σ/2
     withheld : share of the trials of which U is withheld when every reading is believed
     """
 
@@ -143,7 +144,7 @@ def gross(size: float, trials: int, tried: Tried = one_by_one) -> Moved:
         worst=float(shifts.max()),
         typical=float(np.median(shifts)),
         rejected=float(rejected.mean()),
-        naive=float(naive.max()),
+        naive=float(naive[withheld == 0].max(initial=0.0)),
         within=float(np.mean(shifts <= 0.5)),
         withheld=float(withheld.mean()),
     )
