@@ -32,6 +32,7 @@ from axiscal.language.spoken import LANGUAGES, speaking
 from axiscal.machine import builtin_names, load_machine
 from axiscal.measurement.candidates import chart_candidates
 from axiscal.present.plan_answer import reach_answer
+from tests.generators.machines import random_machine
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 TYPES: dict[str, tuple[type, ...]] = {
@@ -98,6 +99,13 @@ def test_every_instrument_that_is_offered_can_be_had(tmp_path: Path) -> None:
     assert written(tmp_path, "dmu60", *OFFERED) == 0
     offered = {*OFFERED, "straightedge"} - {"dial", "square"}  # which are read as a straightedge is
     assert {setup.instrument for setup in read_campaign(tmp_path / "campaign.toml").setups} == offered
+
+
+@pytest.mark.parametrize("kind", OFFERED)
+def test_set_ups_are_offered_for_any_chain(kind: str) -> None:
+    """Of axes that turn alone, too: no probe gets to a ball there."""
+    found = [list(OFFERED[kind].setups(random_machine(seed))) for seed in range(60)]
+    assert any(found)
 
 
 def test_spheres_are_offered_where_an_axis_turns(tmp_path: Path) -> None:

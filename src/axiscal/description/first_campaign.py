@@ -298,12 +298,13 @@ def _ball_bars(machine: Machine) -> Iterator[str]:
 
 def _spheres(machine: Machine) -> Iterator[str]:
     """Yield three spheres about the middle of what the tool reaches, at different radii and heights."""
-    rotary = [axis for axis in machine.axes if axis.rotary]
+    rotary, linear = [axis for axis in machine.axes if axis.rotary], _linear(machine)
     if not rotary:
         yield from _board(machine)
+    if not rotary or not linear:  # without a linear axis no probe gets to a ball
         return
     middle = np.array([[0.0 if axis.rotary else float(np.mean(axis.travel)) for axis in machine.axes]])
-    reach = min(axis.length for axis in _linear(machine)) / 6
+    reach = min(axis.length for axis in linear) / 6
     shares = {"low": (1.0, 0.0, -0.5), "high": (-0.5, 0.8, 0.5), "third": (-0.5, -0.8, 0.1)}
     centre = frames(machine, middle).tcp[0]
     about = next((axis.origin for axis in rotary if axis.letter == "C"), None)

@@ -229,9 +229,8 @@ class Case:
         moments = of_rests(self.errors, moments)
         factor, left = self.prior.factor, self._left
         unseen = left[:, : factor.shape[1]]
-        mean = (
-            moments.mean.copy()
-        )  # of tilts as about the middle of the volume: where the machine's zero lies is no matter
+        # Tilts count about the middle of the volume: where the machine's zero lies is no matter.
+        mean = moments.mean.copy()
         mean[:, self.errors.tilts] = 0.0
         before, after = (np.sum((mean @ f) ** 2, axis=1) for f in (factor[: self.errors.size], unseen))
         x, y, z = (bool(hidden) for hidden in after > _MOSTLY * before)
