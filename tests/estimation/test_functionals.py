@@ -9,8 +9,11 @@ from scipy import stats
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
 from axiscal.errors.volume import deviation_of
+from axiscal.estimation.case import Case
 from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import AxisLine, Functional
+from axiscal.estimation.functionals.known import refuse_unmade
+from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import Simulator, VirtualMachine
@@ -137,3 +140,14 @@ def test_spectra_are_the_variances_of_drawn_machines(name: str) -> None:
     spread = np.mean(np.square(seen), axis=0)
     np.testing.assert_allclose(functional.spectra(errors, factor)[:, 0], spread, rtol=0.3)
     assert functional.spectra(errors, factor).sum() == pytest.approx(spread.sum(), rel=0.12)
+
+
+@pytest.mark.parametrize("row", ["positioning X", "backlash Y", "pitch Y", "squareness XY", "straightness Z in X"])
+def test_a_wanted_row_that_no_error_makes_is_refused(row: str) -> None:
+    """It would be reached unread, with U = 0."""
+    machine = load_machine(MILL).text
+    text = f'machine = "mill"\n[target]\nreadings = 3\nwants = ["{row}"]\n{SETUPS}'
+    refuse_unmade(Case(campaign_from_texts(text, "campaign.toml", machine, "mill")))
+    few = machine[: machine.index("[errors]")] + '[errors]\nEZZ = { std = "5 um" }\n'
+    with pytest.raises(DescriptionError, match=f"campaign.toml: {row} is wanted, and no error of mill makes it"):
+        refuse_unmade(Case(campaign_from_texts(text, "campaign.toml", few, "mill")))

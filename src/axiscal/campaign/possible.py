@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 
 from axiscal import __version__
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts, with_mounted
+from axiscal.estimation.case import Case
+from axiscal.estimation.functionals.known import refuse_unmade
 from axiscal.exceptions import ReadingError, RecordError
 from axiscal.language.spoken import said
 from axiscal.machine import Axis
@@ -54,7 +56,8 @@ def described(record: EventLog) -> CampaignDescription:
 
 
 def beginning_of(description: CampaignDescription) -> Created:
-    """Return the event with which a campaign of a description begins."""
+    """Return the event with which a campaign of a description begins; raises DescriptionError where it cannot."""
+    refuse_unmade(Case(description))
     texts = description.machine.text, description.text, description.machine_source, description.source
     held = description.usual_doubts, description.machine.fine_knots
     return Created(*texts, versions(), description.prior_text, *held)

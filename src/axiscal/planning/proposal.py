@@ -13,6 +13,7 @@ import numpy as np
 from axiscal.description.target import Target
 from axiscal.estimation.accuracy.yardstick import Yardstick
 from axiscal.estimation.case import Case
+from axiscal.estimation.functionals.known import refuse_unmade
 from axiscal.estimation.timed import timed
 from axiscal.exceptions import PlanError, TargetError
 from axiscal.language.spoken import listed, said
@@ -170,11 +171,12 @@ def proposed(
     how: Thoroughness = Thoroughness(),
     bounded: bool = False,
 ) -> Proposal:
-    """Return a plan from the beginning.  Raises PlanError.
+    """Return a plan from the beginning.  Raises PlanError, DescriptionError.
 
     Places and order are those that a campaign asks for that begins with these limits.
     bounded : whether the bound is wanted
     """
+    refuse_unmade(case)
     task = replace(posed(case, case.knowledge, candidates=how.candidates), memory=how.memory)
     heeded = enough(case, task, limits)
     places = planned_places(case, task, heeded)

@@ -20,6 +20,7 @@ from axiscal.estimation.functionals.asked import AskedRow, asked_rows
 from axiscal.estimation.functionals.functional import AxisLine
 from axiscal.estimation.knowledge import Knowledge
 from axiscal.estimation.learnt import posterior_of
+from axiscal.exceptions import DescriptionError
 from axiscal.measurement.reading import Reading
 from axiscal.numerics.threads import one_thread
 
@@ -94,8 +95,19 @@ def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownR
     else:
         u = reach(asked.map.spectra(case.errors, belief.factor), belief.degrees)
         floor = reach(asked.map.spectra(case.errors, case.yardstick_as_sized.left))
-        angular, measured = asked.map.angular or kind == "squareness", bool(u <= _MEASURED * before)
-    return KnownRow(asked.want.row, angular, u, before, floor, limit, measured, asked.lines)
+        angular, measured = asked.map.angular or kind == "squareness", before > _NOUGHT and u <= _MEASURED * before
+    return KnownRow(asked.want.row, angular, u, before, floor, limit, bool(measured), asked.lines)
+
+
+def refuse_unmade(case: Case) -> None:
+    """Raise DescriptionError where a row is wanted that no error of the machine makes.  case : as described"""
+    described = case.description
+    for asked in asked_rows(described, ()) if described.target.wants else ():
+        if asked.map is not None and without_readings(asked, case) <= _NOUGHT:
+            what = "{row} is wanted, and no error of {machine} makes it"
+            remedy = "Describe that error there, or take the row out of wants"
+            names = {"row": asked.want.row.name, "machine": described.machine_source}
+            raise DescriptionError(what, remedy, described.source, **names)
 
 
 def without_readings(asked: AskedRow, case: Case) -> float:
