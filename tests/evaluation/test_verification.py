@@ -19,7 +19,7 @@ from axiscal.cli.app import run
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.estimation.machine_estimate import Estimate
-from axiscal.evaluation.check import tolerance_of
+from axiscal.evaluation.check import Check, tolerance_of
 from axiscal.evaluation.datums import GUARD
 from axiscal.evaluation.table_checks import verdict
 from axiscal.evaluation.verification import judge, plan_check, with_displacements
@@ -32,7 +32,7 @@ from axiscal.tables.registry import export
 from axiscal.tables.surface import Control, left_by, table_control
 from tests.evaluation.said import said_of
 from tests.generators.reaches import reach_of
-from tests.generators.texts import machine_text
+from tests.generators.texts import campaign_text, machine_text, setup_text
 
 MACHINE = machine_text(
     "w-X'-b-Y-t",
@@ -152,6 +152,28 @@ def test_more_places_than_are_new_are_refused(state: tuple[Estimate, tuple[Readi
     with pytest.raises(ReadingError, match=r"too few places are new to tell the machine") as refused:
         plan_check(estimate, description().setups, few, (), control, 2)
     assert "fewer" not in refused.value.remedy
+
+
+LEVEL = machine_text("w-X'-Y'-b-Z-t", {"X": (0, 600), "Y": (0, 400), "Z": (-250, 0)}, {"EZY": "10 um"})
+EDGE = setup_text(
+    "edge", "straightedge", direction="z", moves=["Y"], reach={"Y": ["0 mm", "400 mm"]}, raster={"Y": "40 mm"}
+)
+
+
+@pytest.mark.parametrize("tables", ["as they are", "that ask for no place"])
+def test_where_fewer_places_are_new_than_usual_those_are_read(
+    tables: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Eleven places, of which the campaign has read four."""
+    text = campaign_text("m", EDGE, target={"readings": 4})
+    described = campaign_from_texts(text, "c.toml", LEVEL, "m")
+    with Campaign.create(tmp_path / "m.axiscal", described) as campaign:
+        truth = Simulator(described.machine, described.setups).drawn(1)
+        campaign.run(SimulatedSource(truth, 1), lambda _: None)
+        check = Check.of(campaign, "csv")
+        if tables == "that ask for no place":
+            monkeypatch.setattr(Check, "parts", ())
+        assert 4 <= len(check.planned()) <= 7
 
 
 def test_the_right_tables_pass_and_the_wrong_ones_fail(

@@ -205,7 +205,7 @@ class Check:
         left = max(USUAL - len(first), _FEW) if count is None else count - len(first)
         if left < 1 or len(first) == len(candidates):
             return _in_order(first)
-        least = 0 if count is None and len(first) else left
+        least = left if count is not None else 0 if len(first) else _FEW
         return _in_order(Places.joined([first, self._at_least(candidates, least, left, first, tolerance)]))
 
     def _at_least(self, candidates: Places, least: int, count: int, known: Places, tolerance: float) -> Places:
