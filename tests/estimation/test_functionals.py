@@ -151,3 +151,11 @@ def test_a_wanted_row_that_no_error_makes_is_refused(row: str) -> None:
     few = machine[: machine.index("[errors]")] + '[errors]\nEZZ = { std = "5 um" }\n'
     with pytest.raises(DescriptionError, match=f"campaign.toml: {row} is wanted, and no error of mill makes it"):
         refuse_unmade(Case(campaign_from_texts(text, "campaign.toml", few, "mill")))
+
+
+def test_an_accuracy_along_a_direction_in_which_no_error_counts_is_refused() -> None:
+    laser = setup_text("laser", "interferometer", direction="x", moves=["X"])
+    text = f'machine = "m"\n[target]\nU = "30 um"\ndirections = ["z"]\n{laser}'
+    refuse_unmade(Case(campaign_from_texts(text, "campaign.toml", load_machine(MILL).text, MILL)))
+    with pytest.raises(DescriptionError, match="volume is wanted, and no error of one-axis makes it"):
+        refuse_unmade(Case(campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis")))

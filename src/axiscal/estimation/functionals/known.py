@@ -10,6 +10,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from axiscal.description.target import RowName
 from axiscal.estimation.accuracy.expanded import expanded, expanded_floor, reach
 from axiscal.estimation.accuracy.yardstick import attainable
@@ -101,13 +103,17 @@ def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownR
 
 def refuse_unmade(case: Case) -> None:
     """Raise DescriptionError where a row is wanted that no error of the machine makes.  case : as described"""
-    described = case.description
-    for asked in asked_rows(described, ()) if described.target.wants else ():
-        if asked.map is not None and without_readings(asked, case) <= _NOUGHT:
+    described, target = case.description, case.description.target
+    for asked in asked_rows(described, ()):
+        whole = asked.map is None
+        if not (target.wants or (whole and target.accurate)):
+            continue
+        spread = case.errors.prior_covariance()
+        size = np.sqrt(np.vdot(case.about_volume, spread)) if whole else without_readings(asked, case)
+        if size <= _NOUGHT:
             what = "{row} is wanted, and no error of {machine} makes it"
-            remedy = "Describe that error there, or take the row out of wants"
-            names = {"row": asked.want.row.name, "machine": described.machine_source}
-            raise DescriptionError(what, remedy, described.source, **names)
+            remedy, machine = "Describe that error there, or want something else", described.machine_source
+            raise DescriptionError(what, remedy, described.source, row=asked.want.row.name, machine=machine)
 
 
 def without_readings(asked: AskedRow, case: Case) -> float:
