@@ -104,12 +104,13 @@ def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownR
 def refuse_unmade(case: Case) -> None:
     """Raise DescriptionError where a row is wanted that no error of the machine makes.  case : as described"""
     described, target = case.description, case.description.target
+    corners = np.array(target.volume).T
     for asked in asked_rows(described, ()):
         whole = asked.map is None
         if not (target.wants or (whole and target.accurate)):
             continue
-        spread = case.errors.prior_covariance()
-        size = np.sqrt(np.vdot(case.about_volume, spread)) if whole else without_readings(asked, case)
+        rows = case.errors.rows(corners, np.ones_like(corners))[:, list(target.counted)]
+        size = np.abs(rows @ case.prior.factor[: case.errors.size]).max() if whole else without_readings(asked, case)
         if size <= _NOUGHT:
             what = "{row} is wanted, and no error of {machine} makes it"
             remedy, machine = "Describe that error there, or want something else", described.machine_source
