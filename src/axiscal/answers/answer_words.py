@@ -196,8 +196,7 @@ def known_text(rows: Sequence[PlannedRow]) -> str:
 
 def _left(rows: Sequence[AnswerRow], controls: Sequence[str]) -> list[str]:
     sizes = [max((row.left[name] for row in rows if name in row.left), default=None) for name in controls]
-    shown = (put("{size} {unit}", size=digits(size), unit=rows[0].unit) if size is not None else "" for size in sizes)
-    return [text or said("no figure") for text in shown]
+    return ["–" if size is None else put("{size} {unit}", size=digits(size), unit=rows[0].unit) for size in sizes]
 
 
 def by_kind(rows: Sequence[_Row]) -> list[list[_Row]]:

@@ -65,8 +65,7 @@ def _first(answer: PlannedAnswer) -> FirstLine:
     minutes = put("{minutes:.0f}", minutes=answer.minutes)
     if answer.verdict == "unreachable":
         readings = counted("{count} reading", "{count} readings", answer.readings)
-        time = said("{minutes} min", minutes=minutes)
-        spent = put("{readings}, {time}", readings=readings, time=time)
+        spent = put("{readings}, {time}", readings=readings, time=said("{minutes} min", minutes=minutes))
         return FirstLine(said("CANNOT BE REACHED WITH THESE SET-UPS"), aims_text(answer.aims), spent)
     plan = counted(
         "{count} READING, {minutes} MIN", "{count} READINGS, {minutes} MIN", answer.readings, minutes=minutes
@@ -107,12 +106,10 @@ def _mounted(answer: PlannedAnswer) -> str:
 
 
 def _fewer(answer: PlannedAnswer) -> str:
-    """Return why a plan has fewer readings than it may have; "" where it has not."""
-    if answer.allowed is None or answer.readings >= answer.allowed or answer.verdict == "unreachable":
+    """Return why a plan has fewer readings than it may have; "" where it has not, or they reach the limits."""
+    if answer.allowed is None or answer.readings >= answer.allowed or answer.verdict in {"unreachable", "reached"}:
         return ""
-    if answer.verdict == "reached":
-        why = said("they reach the limits")
-    elif answer.budget_minutes is not None:
+    if answer.budget_minutes is not None:
         why = said("more do not fit into {minutes} min", minutes=put("{minutes:.4g}", minutes=answer.budget_minutes))
     else:
         why = said("no other reading is worth its time")
