@@ -102,7 +102,7 @@ def tried_out(controller: str, estimate: Estimate, draft: Draft) -> Export:
         tried = estimate.machine, estimate.deviation, draft.control, places(estimate)[0], estimate.box
         effect = effect_of_control(*tried, estimate.alignment, estimate.counted)
     certain = _within(estimate, draft.control)
-    said = replace(draft, left_out=" ".join(part for part in (draft.left_out, together) if part))
+    said = replace(draft, left_out="; ".join(part.removesuffix(".") for part in (draft.left_out, together) if part))
     readme = _readme(controller, said, effect, certain, (*draft.first, *foreword(estimate, draft.control)))
     moved = np.any(draft.control(poses, approaches), axis=0)
     idle = tuple(axis.name for axis, moves in zip(estimate.machine.axes, moved, strict=True) if not moves)
@@ -217,7 +217,7 @@ def _readme(controller: str, draft: Draft, effect: Effect, certain: float, first
         "" if draft.tried else "NOT VERIFIED ON A CONTROL: the files were read back and tried in simulation only.",
         f"These files hold {draft.holds}",
         effect_sentence("They", effect, certain),
-        f"Left out: {draft.left_out}" if draft.left_out else "",
+        f"Left out: {draft.left_out}." if draft.left_out else "",
         "",
         *(f"- {note}" for note in draft.notes),
         *(f"- {note}" for table in draft.tables for note in _table_notes(table)),
