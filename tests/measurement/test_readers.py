@@ -123,7 +123,7 @@ BAD: dict[str, tuple[Reader, str, str, int]] = {
     "approach word": (read_readings, "setup,approach,value_um\ns,up,2\n", "approach 'up' cannot be read", 2),
     "approach twice": (read_readings, "setup,approach,value_um\ns,X+ X-,2\n", "each axis once", 2),
     "approach without axis": (read_readings, "setup,approach,value_um\ns,+,2\n", "as in 'X\\+'", 2),
-    "iso column missing": (read_readings, "target_mm,direction,deviation_um\n1,+,2\n", "Known are reading", 1),
+    "iso column missing": (read_readings, "target_mm,direction,deviation_um\n1,+,2\n", "there is no column 'run'", 1),
     "poses without axes": (read_poses, "approach\nX+\n", "no column names an axis", 1),
     "pose incomplete": (read_poses, "X_mm,Y_mm\n1,2\n3,\n", "empty coordinate", 3),
     "pose value": (read_poses, "X_mm,value_um\n1,2\n", "'value_um' is not known", 1),

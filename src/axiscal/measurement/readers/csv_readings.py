@@ -105,7 +105,7 @@ def readings_of(table: CsvTable, bare: bool = False) -> tuple[RawReading, ...]:
 
     bare : lines need no set-up
     """
-    if {column.stem for column in table.columns} >= STEMS:
+    if {column.stem for column in table.columns} & STEMS:
         return of_positioning(positioning_rows(table))
     table.allow(_LAYOUT | axis_layout(table))
     setup = next(iter(table.all_of("setup")), None) if bare else table.one_of("setup", "setup")

@@ -228,7 +228,7 @@ class CsvTable:
         if layout.get(stem) and unit.lower() in {"in", "inch", "inches"}:
             remedy = "inches are not read here; write {example}"
             return self.fail("column '{column}' is in inches", remedy, column=column.name, example=spelt[stem][0])
-        known = [name for names in spelt.values() for name in names]
+        known = [name for stem, names in spelt.items() if not self.all_of(stem) for name in names]
         near = [name for name in known if name.lower() == column.name.lower()]
         near = near or difflib.get_close_matches(column.name, known, n=1)
         first = near[0] if near else ", ".join(names[0] for names in spelt.values())
