@@ -235,15 +235,14 @@ def coming_text(places: Sequence[AxisPlace]) -> str:
 
 
 def touch_text(campaign: Campaign, asked: Asked) -> str:
-    """Return at which ball a reading is taken, and how the machine has to go there; empty where none is touched."""
+    """Return at which ball a reading is taken, and how the machine turns there; empty where there is neither."""
     setup, machine = campaign.description.setup(asked.place.setup), campaign.description.machine
     if setup.contact == "free" or not len(setup.balls or (setup.station or ())):
         return ""
-    held = setup.contact == "held"
-    turning, together = said("off the ball, turn, and back to it"), said("all axes together, the tool point held")
-    way = f"{together} (TRAORI, TCPM, G43.4)" if held else turning
+    together = said("all axes together, the tool point held")
+    way = f"{together} (TRAORI, TCPM, G43.4)" if setup.contact == "held" else said("off the ball, turn, and back to it")
     if setup.artefact is None:
-        return way
+        return way if any(machine.axes[k].rotary for k in setup.moves) else ""
     tip = frames(machine, np.array([asked.place.pose])).tcp
     ball = setup.artefact.balls[int(setup.artefact.nearest(tip, setup.balls)[0])]
     return said("ball {ball} of {artefact}: {way}", ball=ball.name, artefact=setup.artefact.name, way=way)
