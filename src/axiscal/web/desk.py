@@ -295,6 +295,7 @@ class Desk:
         self._version += 1
         self._question, self._ended, self._trouble = self._asked()
         campaign, state, results = self.campaign, self.campaign.state, self.results
+        overtaken = self._ended is not None and self._answers != self._stands  # it would contradict what ended it
         return StateShape(
             version=self._version,
             last=state.last,
@@ -310,7 +311,7 @@ class Desk:
             due=due(campaign),
             undo=last_step(campaign)[0],
             minds=[spelt(each) for each in [*self._minds, *contradictions(campaign)]],
-            answer=None if self._answer is None else _answer(campaign, self._answer, results),
+            answer=None if self._answer is None or overtaken else _answer(campaign, self._answer, results),
             results=results.name if state.finished is not None and (results / "report.html").is_file() else "",
         )
 
