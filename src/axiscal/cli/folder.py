@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
+from shlex import quote
 from typing import Annotated
 
 import typer
@@ -285,7 +286,7 @@ def check(
         share = kept if kept is not None else _usual(begun)
         asked = QuickCheck.of(campaign, share, tables)
     if found is None:
-        _planned(asked, readings, plan, json)
+        _planned(asked, record, readings, plan, json)
         return
     described = asked.case.description
     judged = asked.judged(placed_readings(read_any(found), described, found), tables_active or tables is not None)
@@ -305,13 +306,14 @@ def _usual(begun: datetime) -> float:
     return aging([]).kept(max(since, timedelta(0)).total_seconds() / YEAR)[0]
 
 
-def _planned(asked: QuickCheck, readings: int, plan: Path | None, as_json: bool) -> None:
+def _planned(asked: QuickCheck, record: Path, readings: int, plan: Path | None, as_json: bool) -> None:
     places = asked.planned(readings)
     sheet = asked.sheet(places)
+    lines = told = sheet.splitlines()
     if plan is not None:
         write_whole(plan, sheet.encode())
-    lines = sheet.splitlines()
-    told = lines if plan is None else [f"{len(places)} places are in {plan}: fill in the values, then check it."]
+        again = f"{said('Next')}  axiscal shop check {quote(str(record))} {quote(str(plan))}"
+        told = [f"{len(places)} places are in {plan}: fill in the values.", again]
     say_either(as_json, "axiscal-check/1", {"places": lines, "readings": len(places)}, told)
 
 
