@@ -241,7 +241,9 @@ def _refused(wrong: Any) -> int:
         wrong.show()
     else:
         path = "axiscal" if wrong.ctx is None else wrong.ctx.command_path
-        complain(said("{wrong}. See `{command} -h`", wrong=_in_words(text).rstrip("."), command=path))
+        complain(
+            said("{wrong}. See `{command} -h`", wrong=_in_words(text).rstrip("."), command=path).replace("?. ", "? ")
+        )
     return int(wrong.exit_code)
 
 

@@ -314,7 +314,7 @@ def measure(
 def serve(
     record: OwnRecord,
     port: Annotated[
-        int, typer.Option(min=0, max=65535, show_default=False, help="Port; default: any that is free.")
+        int, typer.Option(metavar="PORT", min=0, max=65535, show_default=False, help="Port; default: any that is free.")
     ] = 0,
     language: Language = None,
 ) -> None:
