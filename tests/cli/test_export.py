@@ -17,6 +17,7 @@ from axiscal.tables.registry import CONTROLLERS
 from axiscal.tables.surface import Effect
 from tests.generators.reaches import reach_of
 from tests.generators.texts import machine_text
+from tests.golden.given import CAMPAIGNS
 
 MACHINE = machine_text(
     "w-X'-b-Y-Z-t",
@@ -148,16 +149,38 @@ def test_files_that_leave_no_less_are_not_to_be_loaded(
     assert "README.txt there" not in said
 
 
-def test_a_campaign_with_a_compensation_in_force_ends_with_an_export_on_top_of_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("first", "exported", "verified"),
+    [
+        ('["linuxcnc-volumetric", "sinumerik"]\ncompensation_active = true', "sinumerik --on-top-of OLD", "sinumerik"),
+        ('["fanuc"]', "fanuc --template FILE", "fanuc --template FILE"),
+    ],
+)
+def test_a_campaign_whose_tables_need_a_file_of_the_control_ends_with_their_export(
+    first: str, exported: str, verified: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "machine.toml").write_text(MACHINE)
-    first = 'controls = ["linuxcnc-volumetric", "sinumerik"]\ncompensation_active = true\n'
-    (tmp_path / "campaign.toml").write_text(first + CAMPAIGN)
+    (tmp_path / "campaign.toml").write_text(f"controls = {first}\n{CAMPAIGN}")
     out = tmp_path / "out"
     assert run(["run", str(tmp_path / "campaign.toml"), "--source", "sim:3", "--out", str(out)]) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert f"axiscal export {out}/campaign.axiscal --to sinumerik --on-top-of OLD axiscal verify" in said
+    said, record = " ".join(capsys.readouterr().out.split()), f"{out}/campaign.axiscal"
+    assert f"axiscal export {record} --to {exported} axiscal verify {record} --to {verified}" in said
+
+
+def test_tables_made_from_a_file_of_the_control_are_verified_by_it(
+    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    saved, out = tmp_path / "saved.txt", tmp_path / "tables"
+    text = (CAMPAIGNS / "controllers" / "saved-fanuc.txt").read_text()
+    saved.write_text(text.replace("A3P241", "A3P250").replace("A3P200", "A3P241"))  # Z lies higher here
+    made_from = ["--to", "fanuc", "--template", str(saved)]
+    assert run(["export", str(record), *made_from, "--out", str(out)]) == 0
+    (again,) = (line for line in capsys.readouterr().out.splitlines() if "verify" in line)
+    assert again.split() == ["axiscal", "verify", str(record), *made_from]
+    assert run(["verify", str(record), *made_from, "--source", "sim:3", "--tolerance", "40 um"]) == 0
+    assert f"axiscal verify {record} {' '.join(made_from)}" in capsys.readouterr().out
+    assert run(["verify", str(record), "--to", "csv", "--template", str(saved)]) == 1
+    assert "csv does not take --template" in capsys.readouterr().err
 
 
 def test_controllers_are_listed(record: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -162,8 +162,9 @@ def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str
     elif written:
         if control:
             yield NextStep(code="load", control=control)
-        elif described.compensation_active is True:
-            control = next((name for name in described.controls if "--on-top-of" in exporter(name).takes), "")
+        else:
+            wanted = "--on-top-of" if described.compensation_active is True else "--template"
+            control = next((name for name in described.controls if wanted in exporter(name).takes), "")
             if control:
                 yield NextStep(code="export", control=control)
         yield NextStep(code="verify", control=control)

@@ -14,6 +14,7 @@ from typing import NamedTuple, TypeVar
 from axiscal.answers.answer import Aim, AnswerRow, NextStep, PlannedRow, ResultAnswer, TablesChecked, Verdict
 from axiscal.description.target import Kind
 from axiscal.language.spoken import counted, decimals, later, listed, put, said
+from axiscal.tables.registry import exporter
 
 _Row = TypeVar("_Row", bound=PlannedRow)
 LINES, WIDTH = 14, 80
@@ -271,7 +272,7 @@ def _commands(steps: Sequence[NextStep], record: str, results: str) -> Iterator[
         elif step.code == "next":
             yield f"axiscal step next {record} --beyond"
         elif step.code == "export":
-            yield f"axiscal export {record} --to {step.control} --on-top-of OLD"
+            yield f"axiscal export {record} --to {step.control}{_template(step.control) or ' --on-top-of OLD'}"
         elif step.code == "undo":
             yield f"axiscal step undo {record}    # {said('takes the end back')}"
         elif step.code == "accept":
@@ -279,9 +280,14 @@ def _commands(steps: Sequence[NextStep], record: str, results: str) -> Iterator[
         elif step.code == "finish":
             yield f"axiscal finish {record} --out {shlex.quote(results or 'results')}"
         elif step.control:
-            yield f"axiscal {step.code} {record} --to {step.control}"
+            yield f"axiscal {step.code} {record} --to {step.control}{_template(step.control)}"
         else:
             yield f"axiscal {step.code} {record}"
+
+
+def _template(control: str) -> str:
+    """Return the option by which a control's own file is given, "" where its files are made from none."""
+    return " --template FILE" if "--template" in exporter(control).takes else ""
 
 
 def um_text(value: float) -> str:

@@ -241,9 +241,8 @@ def _refused(wrong: Any) -> int:
         wrong.show()
     else:
         path = "axiscal" if wrong.ctx is None else wrong.ctx.command_path
-        complain(
-            said("{wrong}. See `{command} -h`", wrong=_in_words(text).rstrip("."), command=path).replace("?. ", "? ")
-        )
+        asked = _in_words(text).rstrip(".")
+        complain(said("{wrong} See `{command} -h`", wrong=asked if asked[-1] == "?" else f"{asked}.", command=path))
     return int(wrong.exit_code)
 
 

@@ -118,7 +118,7 @@ def export(
         spacing=_spacing(spacing or []),
         unit=unit,
         numbers=_numbers(number or [], coordinates),
-        template=None if template is None else _text(template),
+        template=None if template is None else template_text(template),
         template_name=str(template or "the template"),
         name=name,
         mesh=mesh,
@@ -156,7 +156,8 @@ def export(
         last = {said("Written"): [f"{out}: {', '.join([*offered.files, 'README.txt'])}"]}
         if loader is None:
             then = said("load {folder} (README.txt there), then", folder=out)
-            last[said("Next")] = [then, f"axiscal verify {quote(str(record))} --to {to}"]
+            made_from = "" if template is None else f" --template {quote(str(template))}"
+            last[said("Next")] = [then, f"axiscal verify {quote(str(record))} --to {to}{made_from}"]
         if not offered.effect.after < offered.effect.before:
             last[said("Next")] = [said("do not load these files: they leave no less error than there is")]
         found = wrapped(effect_sentence(said("All files together"), offered.effect, offered.U), 4)
@@ -208,7 +209,8 @@ def _numbered(text: str) -> tuple[str, int]:
     return axis, int(number)
 
 
-def _text(path: Path) -> str:
+def template_text(path: Path) -> str:
+    """Return what a control has saved; raises TableError."""
     try:
         data = bounded_content(path, MOST_BYTES)
     except OSError as fault:

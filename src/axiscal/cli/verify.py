@@ -15,6 +15,7 @@ from axiscal.answers.answer_words import WIDTH, digits, ending
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Source
 from axiscal.cli.arguments import Details, Json, RecordFile
+from axiscal.cli.export import template_text
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.document.durable import write_whole
 from axiscal.evaluation.check import USUAL, Check, Taken
@@ -31,6 +32,8 @@ from axiscal.present.check_answer import (
     read_again,
 )
 from axiscal.record.signing import own_hand
+from axiscal.tables import registry
+from axiscal.tables.exporter import ExportOptions
 from axiscal.units import to_unit
 
 
@@ -51,6 +54,9 @@ def verify(
             metavar="CONTROLLER",
             help="The control whose tables are loaded, as in `axiscal export`; default: whose tables leave the least.",
         ),
+    ] = None,
+    template: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="As of `axiscal export` (heidenhain, fanuc).")
     ] = None,
     points: Annotated[
         int | None,
@@ -111,8 +117,13 @@ def verify(
         raise typer.BadParameter(
             said("--plan and --source are for new readings, --found and --left for readings taken")
         )
+    options = None if template is None else ExportOptions(template=template_text(template), template_name=str(template))
     with Campaign.open(record, write=False) as campaign:
-        check = Check.of(campaign, to or advised_control(campaign))
+        control = registry.named(to or advised_control(campaign))
+        registry.refuse_untaken(control, () if options is None else options.given)
+        check = Check.of(campaign, control, options)
+    again = f"axiscal verify {shlex.quote(str(record))} --to {check.tables.controller}"
+    again += "" if template is None else f" --template {shlex.quote(str(template))}"
     if found is not None or source is not None:
         check.allowed(tolerance)  # before anything is touched
     if live and source is not None and found is not None and left is not None:
@@ -129,9 +140,8 @@ def verify(
     else:
         tightest = check.tightest(tolerance)
         judged_by = tolerance or (None if tightest else f"{digits(to_unit(check.tables.U, 'um'))} um")
-        command = _command(record, check)
-        command += "" if judged_by is None else f" --tolerance {shlex.quote(judged_by)}"
-        _plan(check, check.planned(points, tolerance=tightest), plan, command, json)
+        again += "" if judged_by is None else f" --tolerance {shlex.quote(judged_by)}"
+        _plan(check, check.planned(points, tolerance=tightest), plan, again, json)
         return
     answer = check_answer(check.judged(readings, tolerance), len(readings[0]), check.tables.U, taken)
     if json:
@@ -139,19 +149,15 @@ def verify(
     elif details:
         say(_wrapped(check_details(answer)))
     else:
-        say("\n".join([*check_screen(answer), *ending({said("Next"): _after(answer, record, check)})]))
+        say("\n".join([*check_screen(answer), *ending({said("Next"): _after(answer, record, again)})]))
 
 
-def _command(record: Path, check: Check) -> str:
-    return f"axiscal verify {shlex.quote(str(record))} --to {check.tables.controller}"
-
-
-def _after(answer: CheckAnswer, record: Path, check: Check) -> list[str]:
+def _after(answer: CheckAnswer, record: Path, again: str) -> list[str]:
     """Return what to do next: see when the machine is due, or check again."""
     if answer.verdict == "pass":
         return [f"axiscal shop due {shlex.quote(str(record.parent))}"]
     first = [said("load the exported files again, then")] if answer.faulty else []
-    return [*first, f"{_command(record, check)} --plan check.csv"]
+    return [*first, f"{again} --plan check.csv"]
 
 
 _PROBES = {"linuxcnc-live": "sphere", "moonraker": "probe"}

@@ -168,11 +168,14 @@ class Check:
     tables: Export
 
     @classmethod
-    def of(cls, campaign: Campaign, controller: str) -> Check:
-        """Return the check of a campaign; raises InputError for a controller that its tables cannot be made for."""
+    def of(cls, campaign: Campaign, controller: str, template: ExportOptions | None = None) -> Check:
+        """Return the check of a campaign; raises InputError for a controller that its tables cannot be made for.
+
+        template : holds the control's own file, for those that need one
+        """
         estimation = campaign.estimate(ended=True)
         estimate = estimation.estimate()
-        tables = registry.export(estimate, controller, ExportOptions())
+        tables = registry.export(estimate, controller, template or ExportOptions())
         return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)
 
     @property
