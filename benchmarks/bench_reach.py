@@ -64,7 +64,7 @@ def figures(case: Case) -> tuple[int, float, float, float]:
 
     Readings come from below, as far as there is room to; the others of the raster are those of no travel.
     """
-    state = Covariance.of(case.observation, case.prior, case.yardstick.root)
+    state = Covariance.of(case.observation, case.prior.factor, case.yardstick.root)
     after = state.after_readings(case.lattice)
     yardstick: Yardstick = case.yardstick
     return (

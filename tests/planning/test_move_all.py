@@ -121,7 +121,7 @@ approach = "both"
     machine, (setup,) = case.description.machine, case.description.setups
     lattice = spread(machine, case.description.setups, 60)
     places = lattice.within(np.arange(0, len(lattice), max(1, len(lattice) // 6))[:6])
-    state = Covariance.of(case.observation, case.prior, case.yardstick.root)
+    state = Covariance.of(case.observation, case.prior.factor, case.yardstick.root)
     found = moved(state, places)
     assert state.after_readings(found).value < 0.999 * state.after_readings(places).value
     assert setup.chart is not None

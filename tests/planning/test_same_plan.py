@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 
 import numpy as np
@@ -35,8 +35,7 @@ class _Turned(Task):
 
     @property
     def state(self) -> Covariance:
-        before = Covariance.of(self.observation, self.belief, self.root)
-        return replace(before, factor=before.factor @ self.turn)
+        return Covariance.of(self.observation, self.belief.factor @ self.turn, self.root)
 
 
 def _turned(asked: Task, seed: int) -> Task:

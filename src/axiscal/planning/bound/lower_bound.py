@@ -13,7 +13,7 @@ as known: that can only lower the bound. In floating point, with a margin for ro
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
 
@@ -89,7 +89,7 @@ def with_main_directions(state: Covariance, dropped: float, most: int = _WIDE) -
         return state
     values, turn = np.linalg.eigh(target @ target.T)
     kept = np.cumsum(np.maximum(values, 0.0)) > dropped
-    return replace(state, root=Root(turn[:, kept].T @ state.root.matrix))
+    return Covariance.of(state.observation, state.factor, Root(turn[:, kept].T @ state.root.matrix))
 
 
 def _by_groups(whole: Relaxation, last: Round, plan: float) -> float:

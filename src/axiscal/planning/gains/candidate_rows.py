@@ -136,7 +136,7 @@ class Pool:
         factor = state.factor[: self.size]
         if factor.shape[1] > self.size:
             factor = np.asarray(np.linalg.qr(factor.T, mode="r")).T
-        return replace(state, observation=self._bare, factor=factor).scorer()
+        return Covariance.of(self._bare, factor, state.root).scorer()
 
     def rows(self, observation: Observation, index: int) -> Array:
         """Return the rows of a candidate whose cells have columns as far as their rests show in it, (k, n)."""

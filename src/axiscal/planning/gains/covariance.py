@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from axiscal.estimation.accuracy.criterion import Root
 from axiscal.estimation.accuracy.yardstick import Accuracy, Yardstick
-from axiscal.estimation.belief import Belief
 from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import PlaceRows, rows_at, visited
@@ -97,17 +96,17 @@ class LowRank(NamedTuple):
 class Covariance:
     """A covariance over all unknowns, those of visited cells included.
 
-    factor : F (n, r) with C = F Fᵀ; root : V (w, k) of the criterion, W = VᵀV
+    root : V (w, k) of the criterion, W = VᵀV; both : [V F; F] (w + n, r), which change alike
     """
 
     observation: Observation
-    factor: Array
     root: Root
+    both: Array
 
     @classmethod
-    def of(cls, observation: Observation, belief: Belief, root: Root) -> Covariance:
-        """Return the state of a belief."""
-        return cls(observation, belief.factor, root)
+    def of(cls, observation: Observation, factor: Array, root: Root) -> Covariance:
+        """Return the state with C = F Fᵀ.  factor : F (n, r)"""
+        return cls(observation, root, np.vstack([root.of(factor), factor]))
 
     @property
     def value(self) -> float:
@@ -117,7 +116,12 @@ class Covariance:
     @property
     def weighted(self) -> Array:
         """V F (w, r), whose squared length is J."""
-        return self.root.of(self.factor)
+        return self.both[: len(self.root.matrix)]
+
+    @property
+    def factor(self) -> Array:
+        """F (n, r) with C = F Fᵀ."""
+        return self.both[len(self.root.matrix) :]
 
     def opened(self, places: Places) -> Covariance:
         """Return the state with columns for the cells that the places lie in."""
@@ -128,11 +132,11 @@ class Covariance:
         if after is self.observation:
             return self
         extra = np.sqrt(self.observation.rest_variances(after))
-        (size, rank), count = self.factor.shape, len(extra)
-        factor = np.zeros((size + count, rank + count))
-        factor[:size, :rank] = self.factor
-        factor[np.arange(size, size + count), np.arange(rank, rank + count)] = extra
-        return replace(self, observation=after, factor=factor)
+        (size, rank), count = self.both.shape, len(extra)
+        both = np.zeros((size + count, rank + count))
+        both[:size, :rank] = self.both
+        both[np.arange(size, size + count), np.arange(rank, rank + count)] = extra
+        return replace(self, observation=after, both=both)
 
     def rows(self, places: Places) -> PlaceRows:
         """Return rows and variances of all numbers of readings; cells without columns count as noise."""
@@ -163,26 +167,26 @@ class Covariance:
             turn = _Turn.of(_turned(told[cut].T, turns), part.leaving)
             bases.append(_turned(turn.basis, turns[::-1]))
             turns.append(turn)
-        along = self.factor @ np.concatenate(bases, axis=1)
-        h = along * np.concatenate([turn.values for turn in turns])
-        reach = self.root.of(h)
-        felt = ((self.root.matrix.T @ reach).T @ self.factor[: self.root.size]).T
+        along, count = self.both @ np.concatenate(bases, axis=1), len(self.weighted)
+        seen = along * np.concatenate([turn.values for turn in turns])
+        reach, h = seen[:count], seen[count:]
+        felt = self.weighted.T @ reach
         for number, cut in enumerate(cuts[1:], start=1):
             felt[:, cut] = _turned(_turned(felt[:, cut], turns[:number]), turns[:number][::-1])
         z = self.factor @ felt
         shrunk = along * np.concatenate([turn.shrink for turn in turns])
-        taken = np.empty_like(self.factor)
-        take_off(self.factor, shrunk, np.concatenate([turn.basis for turn in turns], axis=1).T, taken)
+        taken = np.empty_like(self.both)
+        take_off(self.both, shrunk, np.concatenate([turn.basis for turn in turns], axis=1).T, taken)
         made = zip(turns, sizes, cuts, strict=True)
         changes = tuple([LowRank.of(turn, size, h[:, cut], z[:, cut], reach[:, cut]) for turn, size, cut in made])
-        return replace(self, factor=taken), changes
+        return replace(self, both=taken), changes
 
     def after_readings(self, places: Places) -> Covariance:
         """Return the state after readings, all at once."""
         state = self.opened(places)
         if not len(places):
             return state
-        return replace(state, factor=informed(state.factor, state.whitened(places)[0]))
+        return replace(state, both=informed(state.both, state.whitened(places)[0]))
 
     def losses(self, places: Places) -> tuple[Array, NDArray[np.intp]]:
         """Return what each number of readings takes off the covariance, d dᵀ, (m, n), and whose it is, (m,), in order.

@@ -51,9 +51,10 @@ class Task:
         return Places.none(len(self.observation.machine.axes)) if self.read is None else self.read
 
     @property
+    @remembered
     def state(self) -> Covariance:
         """The covariance before the first reading of the plan."""
-        return Covariance.of(self.observation, self.belief, self.root)
+        return Covariance.of(self.observation, self.belief.factor, self.root)
 
 
 @dataclass(frozen=True, slots=True)
