@@ -81,6 +81,14 @@ def solution_of_product(lower: Array, right: Array) -> Array:
     return solved
 
 
+def take_off(table: Array, left: Array, right: Array) -> None:
+    """Subtract a product of low rank from a table in place, row by row in memory: 2 m k j operations, 16 m k bytes.
+
+    table : (m, k); left : (m, j); right : (j, k)
+    """
+    _function("scipy.linalg.blas", "dgemm")(-1.0, right.T, left.T, beta=1.0, c=table.T, overwrite_c=1)
+
+
 def normal_share(below: Array) -> Array:
     """Return Φ(x), of the shape of x."""
     shares: Array = _function("scipy.special", "ndtr")(below)

@@ -23,7 +23,7 @@ from axiscal.measurement.observation import Observation
 from axiscal.measurement.reading import Places
 from axiscal.measurement.reading_rows import PlaceRows, rows_at, visited
 from axiscal.numerics import Array
-from axiscal.numerics.from_scipy import solution, solution_of_product
+from axiscal.numerics.from_scipy import solution, solution_of_product, take_off
 from axiscal.numerics.gaussian import lower_root
 from axiscal.planning.gains.gain import Scorer
 
@@ -167,16 +167,18 @@ class Covariance:
             turn = _Turn.of(_turned(told[cut].T, turns), part.leaving)
             bases.append(_turned(turn.basis, turns[::-1]))
             turns.append(turn)
-        along, count = self.both @ np.concatenate(bases, axis=1), len(self.weighted)
-        seen = along * np.concatenate([turn.values for turn in turns])
-        reach, h = seen[:count], seen[count:]
-        felt = self.weighted.T @ reach
+        turned = np.concatenate(bases, axis=1)
+        values = np.concatenate([turn.values for turn in turns])
+        reach = (self.weighted @ turned) * values
+        felt = (reach.T @ self.weighted).T
         for number, cut in enumerate(cuts[1:], start=1):
             felt[:, cut] = _turned(_turned(felt[:, cut], turns[:number]), turns[:number][::-1])
-        z = self.factor @ felt
+        seen = (np.hstack([turned, felt]).T @ self.both.T).T  # thin factors first: twice as fast
+        along, count = seen[:, : len(values)], len(reach)
+        h, z = along[count:] * values, seen[count:, len(values) :]
         shrunk = along * np.concatenate([turn.shrink for turn in turns])
-        taken = np.empty_like(self.both)
-        take_off(self.both, shrunk, np.concatenate([turn.basis for turn in turns], axis=1).T, taken)
+        taken = self.both.copy()
+        take_off(taken, shrunk, np.concatenate([turn.basis for turn in turns], axis=1).T)
         made = zip(turns, sizes, cuts, strict=True)
         changes = tuple([LowRank.of(turn, size, h[:, cut], z[:, cut], reach[:, cut]) for turn, size, cut in made])
         return replace(self, both=taken), changes
@@ -262,22 +264,6 @@ def _information(scaled: Array) -> Array:
     information: Array = scaled.T @ scaled
     information[np.diag_indices(len(information))] += 1.0
     return information
-
-
-_NEAR = 32768
-"""ReadNumbers that stay in the cache while a product is taken off: of speed, not of the result."""
-
-
-def take_off(table: Array, left: Array, right: Array, into: Array) -> None:
-    """Subtract a product of low rank, into = table − left right: 2 m k j operations, 16 m k bytes.
-
-    A few rows at a time, so that the product is taken off while it is near.
-    table, into : (m, k), perhaps the same; left : (m, j); right : (j, k)
-    """
-    height = max(1, _NEAR // max(table.shape[1], 1))
-    for start in range(0, len(table), height):
-        near = slice(start, start + height)
-        np.subtract(table[near], left[near] @ right, out=into[near])
 
 
 _TOGETHER = 80

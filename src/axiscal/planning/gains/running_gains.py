@@ -21,9 +21,10 @@ from numpy.typing import NDArray
 
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
+from axiscal.numerics.from_scipy import take_off
 from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import Covariance, LowRank, ReadNumbers, take_off
+from axiscal.planning.gains.covariance import Covariance, LowRank, ReadNumbers
 from axiscal.planning.gains.gain import Scorer, joint_gains
 
 _SMALLEST = 1e-9
@@ -367,5 +368,5 @@ class ReadingColumns:
     def _settle(self) -> None:
         """Take everything off that waits."""
         for table, left in zip(self._tables, self._left, strict=True):
-            take_off(table, left[:, : self._waiting], self._right[: self._waiting], table)
+            take_off(table, left[:, : self._waiting], self._right[: self._waiting])
         self._waiting = 0
