@@ -166,7 +166,7 @@ def _changes(state: Covariance, places: Places, free: _Free) -> list[Array]:
     return [(ends[i] - ends[count + i]) / apart[i] for i in range(count)]
 
 
-_SWEEPS = 50
+SWEEPS = 50
 """Sweeps end where no exchange helps; this only ends what would go round."""
 _BETTER = 1e-7
 """Rounding of a running gain, with room: what is no better is not exchanged, whatever the last bits say."""
@@ -184,7 +184,7 @@ _WORK = 4e9
 """Floating point operations after which an exchange ends: by work, not by the clock, for the same plan anywhere."""
 
 
-def exchange(scores: Scores, allowed: Allowed, sweeps: int = _SWEEPS, better: float = _BETTER) -> float:
+def exchange(scores: Scores, allowed: Allowed, sweeps: int = SWEEPS, better: float = _BETTER) -> float:
     """Exchange readings for candidates until a whole sweep finds nothing better; return the work, in operations.
 
     better : by this share of what a reading brings, another one must bring more

@@ -32,7 +32,7 @@ from axiscal.planning.gains.candidate_rows import Pool
 from axiscal.planning.gains.covariance import RunningAccuracy, along
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, plain_designs
-from axiscal.planning.plan.exchange import drop, exchange, fitted, polish
+from axiscal.planning.plan.exchange import SWEEPS, drop, exchange, fitted, polish
 from axiscal.planning.plan.greedy import Setups, Trial, affordable, chosen_setups, filled, within_reach
 from axiscal.planning.plan.order import arriving, in_order, interleaved, seconds_along, seconds_each
 from axiscal.planning.plan.task import PATIENCE, Clock, Limits, Patience, Task, clock
@@ -142,7 +142,7 @@ def _filled(task: Task, limits: Limits, times: Clock, trial: Trial, others: NDAr
 _RANDOM = 0.2
 """Share of the patience that random starts may take besides."""
 _MUCH = 1e9
-"""Operations of exchange from which on only the best beginning goes on after its first sweep."""
+"""Operations of exchange from which on only the best beginning is swept, or goes on after its first sweep."""
 _ROUNDS = 6
 """Rounds end where no reading moves; this only ends what would go round."""
 _SHAKES, _SHARE, _SEED = 10, 0.02, 1
@@ -255,11 +255,11 @@ def _together(task: Task, limits: Limits, times: Clock, setups: Setups, work: fl
         scores = base.fork()
         scores.enter_all(begun)
         trials.append(replace(greedy, scores=scores))
-    allowed = affordable(times, setups, limits.slack)
-    done = sum([exchange(trial.scores, allowed, 1) for trial in trials])
-    for place, trial in enumerate(_best_first(trials)):
-        if place == 0 or done < _MUCH:
-            done += exchange(trial.scores, allowed)
+    allowed, done = affordable(times, setups, limits.slack), 0.0
+    for sweeps in (1, SWEEPS):
+        for place, trial in enumerate(_best_first(trials)):
+            if place == 0 or done < _MUCH:
+                done += exchange(trial.scores, allowed, sweeps)
     return _best_first(trials)[0]
 
 
