@@ -32,7 +32,7 @@ def one_at_a_time(problem: Task, readings: int) -> tuple[float, float]:
         step = best_step(knowledge, problem.root, problem.lattice)
         seconds.append(time.process_time() - start)
         knowledge = knowledge.read([step.reading(knowledge.observation)])
-    return statistics.median(seconds), problem.root.value(knowledge.belief.factor)
+    return statistics.median(seconds), problem.root.criterion(knowledge.belief.factor)
 
 
 def timed(work: Callable[[], object]) -> float:

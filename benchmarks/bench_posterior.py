@@ -104,7 +104,7 @@ def measure(count: int) -> None:
     said("  draws", took)
     took, found = seconds_of(lambda: weighed(space, drawn))
     said("  weights", took)
-    took, _ = seconds_of(lambda: [each.answer() for each in found.given])
+    took, _ = seconds_of(lambda: [each.posterior() for each in found.given])
     said("  answers", took)
     whole, now = seconds_of(lambda: sorted_out(first).posterior())
     wanted, further = TARGETS.get(count, (np.nan, np.nan))
@@ -147,7 +147,7 @@ def _squares(every: Problem, few: Problem, theta: Array, root: Array) -> Array:
     own = np.zeros((root.shape[0], shown.shape[1]))
     own[:, every.first :] = root @ every.raw(np.eye(every.answered), theta, roots)[: root.shape[1]]
     true = np.sum((own - gain @ shown) ** 2) + np.sum(gain**2 * variances_of(every, theta) * every.noise**2)
-    covariance = found.answer().covariance[: root.shape[1], : root.shape[1]]
+    covariance = found.posterior().covariance[: root.shape[1], : root.shape[1]]
     return np.array([true, np.sum((root @ covariance) * root)])
 
 

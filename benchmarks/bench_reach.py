@@ -64,7 +64,7 @@ def figures(case: Case) -> tuple[int, float, float, float]:
 
     Readings come from below, as far as there is room to; the others of the raster are those of no travel.
     """
-    state = Covariance.of(case.observation, case.prior.factor, case.yardstick.root)
+    state = Covariance.from_factor(case.observation, case.prior.factor, case.yardstick.root)
     after = state.after_readings(case.lattice)
     yardstick: Yardstick = case.yardstick
     return (
@@ -80,7 +80,7 @@ def every_pose(case: Case) -> Places:
     (setup,) = case.description.setups
     chart, machine = setup.chart, case.description.machine
     assert chart is not None
-    values = [chart.bounds(number).values for number in range(chart.size)]
+    values = [each.values for each in chart.coordinates]
     grid = np.stack([each.ravel() for each in np.meshgrid(*values, indexing="ij")], axis=1)
     turned = machine.axes[0].travel[1] - _CLOSED
     grid = grid[(grid[:, -2] < turned) & chart.feasible(chart.poses(grid))]

@@ -94,7 +94,7 @@ def everything(case: Case) -> Places:
 
 def figures(case: Case) -> tuple[int, float, float]:
     """Return the number of readings, the RMS after them and after endless ones, um."""
-    state = Covariance.of(case.observation, case.prior.factor, case.yardstick.root)
+    state = Covariance.from_factor(case.observation, case.prior.factor, case.yardstick.root)
     places = everything(case)
     left = case.yardstick.rms_of(state.after_readings(places).value)
     return len(places), 1e6 * left, 1e6 * case.yardstick.unseen_rms

@@ -86,7 +86,7 @@ def _sent(database: Database, folder: Path) -> None:
 def _raw(address: str) -> None:
     """The same writers with one plain INSERT a commit, by the same driver: what server, disk and computer can do."""
     database = Database(store_address(address))
-    database.rows("CREATE TABLE IF NOT EXISTS raw (writer integer, number integer, payload text)")
+    database.select("CREATE TABLE IF NOT EXISTS raw (writer integer, number integer, payload text)")
     database.close()
     with multiprocessing.Pool(WRITERS) as pool:
         spans = pool.starmap(_write_raw, [(address, number) for number in range(WRITERS)])
@@ -96,10 +96,10 @@ def _raw(address: str) -> None:
 
 def _write_raw(address: str, number: int) -> tuple[float, float]:
     database, payload = Database(store_address(address)), "x" * 150
-    database.rows("SELECT 1")
+    database.select("SELECT 1")
     begin = time.monotonic()
     for n in range(EACH):
-        database.rows("INSERT INTO raw VALUES (:writer, :number, :payload)", writer=number, number=n, payload=payload)
+        database.select("INSERT INTO raw VALUES (:writer, :number, :payload)", writer=number, number=n, payload=payload)
     end = time.monotonic()
     database.close()
     return begin, end

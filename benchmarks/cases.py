@@ -50,7 +50,7 @@ def _problem(machine: Machine, setups: tuple[Setup, ...], candidates: int, joint
     observation = Observation(model, setups)
     belief = Belief(np.zeros(observation.size), observation.prior_covariance())
     coarse = spread(machine, setups, 1000)
-    parts = [observation.rows(s, *coarse.of(s)) for s in range(len(setups))]
+    parts = [observation.rows(s, *coarse.in_setup(s)) for s in range(len(setups))]
     rows = np.concatenate([seen.rows / np.sqrt(seen.variances)[:, None] for seen in parts])
     box = whole_travel(model)
     unseen = unseen_factor(belief.factor, rows)[: model.size]

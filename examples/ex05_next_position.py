@@ -23,12 +23,12 @@ def main() -> dict[str, object]:
     observation = ac.Observation(model, (setup,))
     knowledge = ac.Knowledge.before(observation)
     root = Root.of_gram(volume_moments(model, whole_travel(model)).gram)
-    places, rms = [], [np.sqrt(root.value(knowledge.belief.factor)) * 1e6]
+    places, rms = [], [np.sqrt(root.criterion(knowledge.belief.factor)) * 1e6]
     for _ in range(6):
         step = ac.best_step(knowledge, root, spread(machine, (setup,), 200))
         knowledge = knowledge.read([step.reading(observation)])
         places.append(float(step.pose[0]) * 1e3)
-        rms.append(np.sqrt(root.value(knowledge.belief.factor)) * 1e6)
+        rms.append(np.sqrt(root.criterion(knowledge.belief.factor)) * 1e6)
     return {
         "first place, mm": places[0],
         "RMS before, um": float(rms[0]),

@@ -68,7 +68,7 @@ def _after(case: Case, rng: np.random.Generator) -> Array:
     """Return the covariance of all unknowns after a campaign, (n, n)."""
     covariance = case.prior.covariance
     for index in range(len(case.description.setups)):
-        poses, approaches = case.lattice.of(index)
+        poses, approaches = case.lattice.in_setup(index)
         some = rng.choice(len(poses), EACH, replace=False)
         seen = case.observation.rows(index, poses[some], approaches[some])
         shown = covariance @ seen.rows.T

@@ -62,7 +62,7 @@ class Bench:
         )
         text = f'machine = "{NAME}"\n[target]\nrms = "{target}"\n{setups}'
         self.case = Case(campaign_from_texts(text, "campaign.toml", load_machine(NAME).text, NAME))
-        parts = [(index, *self.case.lattice.of(index)) for index in range(len(self.case.description.setups))]
+        parts = [(index, *self.case.lattice.in_setup(index)) for index in range(len(self.case.description.setups))]
         seen = [self.case.observation.rows(*part) for part in parts]
         self.rows = np.concatenate([each.rows for each in seen])
         self.variances = np.concatenate([each.variances for each in seen])
@@ -104,7 +104,7 @@ class Bench:
             )
             for place in places
         ]
-        return data_equation(self.case.observation, readings).of(self.units.root)
+        return data_equation(self.case.observation, readings).in_units(self.units.root)
 
 
 class VirtualType:

@@ -35,7 +35,7 @@ def gauss_newton(problem: BentReadings) -> Belief:
     normal = np.eye(len(z))
     for _ in range(_ROUNDS):
         point = problem.start + problem.root @ z
-        slopes = (problem.at(point).rows @ problem.root) / np.sqrt(problem.variances)[:, None]
+        slopes = (problem.linearised(point).rows @ problem.root) / np.sqrt(problem.variances)[:, None]
         normal = np.eye(len(z)) + slopes.T @ slopes
         z = z + np.linalg.solve(normal, slopes.T @ problem.left(point) - z)
     return _believed(problem, z, np.linalg.inv(normal))

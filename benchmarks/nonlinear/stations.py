@@ -82,7 +82,7 @@ def read(case: Case, seed: int) -> tuple[VirtualMachine, list[Reading]]:
         for _ in range(_POINTS):
             pose, side = tuple(rng.uniform(low, high).tolist()), tuple(int(s) for s in rng.choice([-1, 1], len(low)))
             if setup.length is not None:
-                poses, sides = case.lattice.of(index)
+                poses, sides = case.lattice.in_setup(index)
                 at = int(rng.integers(len(poses)))
                 pose, side = tuple(poses[at].tolist()), tuple(int(s) for s in sides[at])
             readings.append(Reading(setup.name, pose, side, machine.read(setup, pose, side, rng), time=0.0))

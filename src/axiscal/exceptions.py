@@ -42,7 +42,7 @@ class InputError(AxiscalError):
         self.file, self.line = file, line
         super().__init__(what, remedy)
 
-    def at(self, file: str | Path | None, line: int | None = None) -> InputError:
+    def placed(self, file: str | Path | None, line: int | None = None) -> InputError:
         """Return the same failure of the same class, placed in a file and line."""
         placed = type(self).__new__(type(self))
         InputError.__init__(placed, self.what, self.remedy, file, line)

@@ -87,6 +87,6 @@ def test_truth_lies_inside_u_as_often_as_it_says() -> None:
         for each, row in zip(asked, answered(known, {}), strict=True):
             assert each.map is not None
             where = each.map.poses, each.map.sides
-            missed = each.map.of(drawn.deviation(*where) - known.estimate().deviation(*where))
+            missed = each.map.row(drawn.deviation(*where) - known.estimate().deviation(*where))
             inside.setdefault(row.row.name, []).append(float(np.mean(np.abs(missed) <= row.known)))
     assert np.mean([np.mean(each) for each in inside.values()]) == pytest.approx(0.95, abs=0.03)

@@ -77,7 +77,7 @@ def test_backlash_read_from_both_sides_is_measured_over_the_places_read_from_bot
 def _of(known: Estimation, name: str) -> Array:
     asked = next(each for each in asked_rows(CASE.description, known.readings) if each.want.row.name == name)
     assert asked.map is not None
-    return asked.map.of(known.estimate().deviation(asked.map.poses, asked.map.sides))
+    return asked.map.row(known.estimate().deviation(asked.map.poses, asked.map.sides))
 
 
 def test_a_control_that_corrects_what_is_known_leaves_what_is_not() -> None:

@@ -42,7 +42,7 @@ def test_agrees_with_our_belief(posed: Posed) -> None:
     taken[:3] = np.array([0.0, TRAVEL, TRAVEL / 2])[:, None]
     seen = problem.observation.rows(0, taken, np.ones_like(taken))
     belief = problem.belief.update(seen.rows, np.zeros(12), seen.variances)
-    assert evaluator.value(posed, taken) == pytest.approx(problem.root.value(belief.factor), rel=1e-9)
+    assert evaluator.value(posed, taken) == pytest.approx(problem.root.criterion(belief.factor), rel=1e-9)
 
 
 @pytest.mark.parametrize("posed", EVERY, ids=lambda posed: f"{posed.case.letter}-{posed.criterion}")

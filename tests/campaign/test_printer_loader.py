@@ -233,4 +233,4 @@ def test_what_goes_to_no_printer_is_refused_before_a_file_is_written(
 
 def test_an_export_without_the_file_that_a_printer_takes_is_refused() -> None:
     with pytest.raises(TableError, match=r"takes bed_mesh\.cfg, which this export does not hold"):
-        loader_at("moonraker:here", "klipper").taken({"skew.gcode": ""})
+        loader_at("moonraker:here", "klipper").accepted_text({"skew.gcode": ""})

@@ -100,4 +100,4 @@ def in_force(printer: Levelled, file: Path, record: str) -> None:
     heights = [[float(each) for each in row] for row in rows]
     printer.klipper["bed_mesh"] = {"profile_name": "axiscal", "probed_matrix": heights}
     with Campaign.open(record, write=False) as campaign:
-        printer.check = Check.of(campaign, "klipper")
+        printer.check = Check.from_campaign(campaign, "klipper")

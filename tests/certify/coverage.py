@@ -127,7 +127,7 @@ def planned(problem: Case, readings: int) -> list[Reading]:
     """Return readings one after another, each the best of the program's candidates; their values are not looked at."""
     known, taken = problem.knowledge, list[Reading]()
     for _ in range(readings):
-        scorer = Scorer.of(known.observation, known.belief, problem.yardstick.root)
+        scorer = Scorer.from_belief(known.observation, known.belief, problem.yardstick.root)
         best = int(scorer.gains(problem.lattice).argmax())
         setup, pose = problem.description.setups[problem.lattice.setups[best]], problem.lattice.poses[best]
         approach = tuple(int(sign) for sign in problem.lattice.approaches[best])

@@ -52,7 +52,7 @@ def random_case(generator: np.random.Generator) -> Case:
 
 def shortfall(case: Case, points: int) -> float:
     """Return by how much the best of an exhaustive lattice beats the chosen reading, as a share of its gain."""
-    scorer = Scorer.of(case.observation, case.belief, case.root)
+    scorer = Scorer.from_belief(case.observation, case.belief, case.root)
     machine = case.observation.machine
     step = best_of(scorer, spread(machine, case.observation.setups, 1500))
     return max(float(gains.max()) for gains in _exhaustive(case, scorer, points)) / step.gain - 1
@@ -66,7 +66,7 @@ def _exhaustive(case: Case, scorer: Scorer, points: int) -> list[Array]:
     reverses = any(f.kind == "reversal" for f in case.observation.errors.functions)
     signs = np.array(list(itertools.product([1.0, -1.0], repeat=len(axes)))) if reverses else np.ones((1, len(axes)))
     shares = math.ceil(len(poses) / _BLOCK)
-    return [scorer.at(0, p, np.tile(s, (len(p), 1))) for s in signs for p in np.array_split(poses, shares)]
+    return [scorer.gains_at(0, p, np.tile(s, (len(p), 1))) for s in signs for p in np.array_split(poses, shares)]
 
 
 def _machine(generator: np.random.Generator, count: int) -> Machine:

@@ -39,7 +39,7 @@ def described(text: str, machine: str = "dmu60") -> CampaignDescription:
 def test_spheres_are_read_at_all_their_balls_with_all_rotary_axes() -> None:
     (setup,) = described(SPHERES + TOUCHED + 'raster = { B = "15 deg", C = "30 deg" }\n').setups
     assert isinstance(setup.chart, Balls)
-    assert [setup.chart.bounds(k).step for k in range(3)] == [1.0, math.radians(30), math.radians(15)]
+    assert [each.step for each in setup.chart.coordinates[:3]] == [1.0, math.radians(30), math.radians(15)]
     assert setup.contact == "retracted"
     assert setup.setup_time == 600.0
     assert setup.mean_sides
@@ -99,9 +99,9 @@ def test_a_bar_without_a_plane_is_free_in_space_and_with_one_goes_round_as_far_a
     ).setups
     assert isinstance(free.chart, Bar)
     assert isinstance(flat.chart, Circle)
-    assert flat.chart.arc == (0.0, math.tau)
+    assert flat.chart.coordinates[0][:2] == (0.0, math.tau)
     assert isinstance(upright.chart, Circle)
-    low, high = upright.chart.arc
+    low, high, *_ = upright.chart.coordinates[0]
     assert math.degrees(high - low) == pytest.approx(200, abs=2)  # as far as the stem of the tool lets it
 
 

@@ -39,7 +39,7 @@ def _members(found: type) -> list[str]:
 
 
 def _told(member: object) -> bool:
-    return isinstance(member, property | classmethod | staticmethod) or inspect.isfunction(member)
+    return isinstance(member, property | classmethod | staticmethod | int) or inspect.isfunction(member)
 
 
 def _said(name: str, member: object) -> str:

@@ -286,7 +286,7 @@ def test_interval_variances_add_up_to_the_overall_variance() -> None:
     node, weight = quadrature(function.basis)
     variance = belief.predict(function.basis.rows(node)).std ** 2
     intervals = (weight * variance).reshape(6, 5).sum(axis=1)
-    assert criterion.joint_root(model).value(belief.factor) == pytest.approx(intervals.sum(), rel=1e-12)
+    assert criterion.joint_root(model).criterion(belief.factor) == pytest.approx(intervals.sum(), rel=1e-12)
 
 
 def tenth_order(numerator: Array, denominator: Array) -> Array:
@@ -370,7 +370,7 @@ def test_overall_variance_of_stacked_vectorial_splines() -> None:
             variance = np.einsum("ij,jk,ik->i", rows, covariance[function.columns, function.columns], rows)
             total += float(weight @ variance)
     belief = Belief(np.zeros(model.size), covariance)
-    assert criterion.joint_root(model).value(belief.factor) == pytest.approx(total, rel=1e-12)
+    assert criterion.joint_root(model).criterion(belief.factor) == pytest.approx(total, rel=1e-12)
 
 
 def test_the_best_configuration_of_all_joints() -> None:
@@ -383,13 +383,13 @@ def test_the_best_configuration_of_all_joints() -> None:
     low, high = np.array([axis.travel for axis in machine().axes]).T
     grid = np.stack(np.meshgrid(*np.linspace(low, high, 25).T, indexing="ij"), axis=-1).reshape(-1, 3)
     rows = np.vstack([observation.rows(0, grid, np.ones_like(grid)).rows, chosen.row])
-    weight, noise = root.gram, 1e-12
+    weight, noise = root.weights, 1e-12
     along = rows @ covariance
     falls = np.einsum("ij,jk,ik->i", along, weight, along) / (noise + np.einsum("ij,ij->i", along, rows))
     assert falls[-1] == pytest.approx(chosen.gain, rel=1e-9)
     assert falls[:-1].max() <= falls[-1] * (1 + 1e-9)
     after = belief.update(chosen.row, 0.0, noise)
-    assert root.value(after.factor) == pytest.approx(root.value(belief.factor) - chosen.gain, rel=1e-9)
+    assert root.criterion(after.factor) == pytest.approx(root.criterion(belief.factor) - chosen.gain, rel=1e-9)
 
 
 def forward_recurrence(control: Array) -> Array:

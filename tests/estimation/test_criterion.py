@@ -30,12 +30,12 @@ def test_both_give_the_same_j_for_any_rank(rank: int) -> None:
     root, covariance = Root(np.random.default_rng(rank).standard_normal((rank, 6))), _covariance(8, rank)
     expected = np.trace(root.matrix @ covariance[:6, :6] @ root.matrix.T)
     factor: Array = np.asarray(np.linalg.cholesky(covariance), dtype=float)
-    assert root.value(factor) == pytest.approx(expected, rel=1e-12)
-    assert np.sum(root.gram * covariance[:6, :6]) == pytest.approx(expected, rel=1e-12)
-    again = Root.of_gram(root.gram)
+    assert root.criterion(factor) == pytest.approx(expected, rel=1e-12)
+    assert np.sum(root.weights * covariance[:6, :6]) == pytest.approx(expected, rel=1e-12)
+    again = Root.of_gram(root.weights)
     assert again.matrix.shape == (rank, 6)
-    assert again.value(factor) == pytest.approx(expected, rel=1e-12)
-    assert root.value(Belief(np.zeros(8), covariance).factor) == pytest.approx(expected, rel=1e-9)
+    assert again.criterion(factor) == pytest.approx(expected, rel=1e-12)
+    assert root.criterion(Belief(np.zeros(8), covariance).factor) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize(("chain", "reach"), [("w-X'-b-Z-C-t", 0.25), ("w-b-C-t", 1.0)])
@@ -52,4 +52,4 @@ def test_the_joint_criterion_is_the_integral_of_each_square_rotations_at_the_rea
         at = np.linspace(function.basis.knots[0], function.basis.knots[-1], 20_001)
         curve = function.basis.rows(at) @ drawn[function.columns]
         total += (reach if function.angular else 1.0) ** 2 * float(np.trapezoid(curve**2, at))
-    assert joint_root(model).value(drawn) == pytest.approx(total, rel=1e-6)
+    assert joint_root(model).criterion(drawn) == pytest.approx(total, rel=1e-6)

@@ -87,7 +87,7 @@ def test_all_three_directions_are_what_nobody_says() -> None:
 
 def test_the_criterion_is_blind_to_what_moves_the_nozzle_sideways() -> None:
     of = known().case.errors.names
-    alone, every = (each.case.yardstick.root.gram for each in (known(), known(_EVERY)))
+    alone, every = (each.case.yardstick.root.weights for each in (known(), known(_EVERY)))
     sideways, up = of["EXX"].columns, of["EZX"].columns
     assert np.abs(alone[sideways, sideways]).max() == 0.0
     np.testing.assert_allclose(alone[up, up], every[up, up], atol=1e-12)

@@ -21,7 +21,7 @@ from tests.generators.problems import asked, case_of, readings_of, sized, stated
 
 
 def _density(space: Space, x: Array) -> float:
-    found = space.given(space.problem.sizes.at(x)[0])
+    found = space.given(space.problem.sizes.theta(x)[0])
     assert found is not None
     return found.value - 0.5 * float(x @ x)
 
@@ -76,7 +76,7 @@ def _by_grid(space: Space, taught: NDArray[np.intp]) -> tuple[Array, Array]:
     logs = np.array([_density(space, each) for each in x])
     weights = np.exp(logs - logs.max())
     weights /= weights.sum()
-    theta = space.problem.sizes.at(x)[0]
+    theta = space.problem.sizes.theta(x)[0]
     mean = weights @ theta
     return mean, (weights[:, None] * (theta - mean)).T @ (theta - mean)
 

@@ -67,9 +67,9 @@ def test_wings_reach_where_the_density_has_fallen_by_its_root_of_two() -> None:
     for found, sign in ((below[0], -1.0), (above[0], 1.0)):
         x = best.x.copy()
         x[best.taught[0]] += sign * np.sqrt(2.0) * 0.5
-        there = Dense(space.problem).log_likelihood(space.problem.sizes.at(x)[0]) - 0.5 * float(x @ x)
+        there = Dense(space.problem).log_likelihood(space.problem.sizes.theta(x)[0]) - 0.5 * float(x @ x)
         y = best.x
-        here = Dense(space.problem).log_likelihood(space.problem.sizes.at(y)[0]) - 0.5 * float(y @ y)
+        here = Dense(space.problem).log_likelihood(space.problem.sizes.theta(y)[0]) - 0.5 * float(y @ y)
         assert found == pytest.approx(0.5 * np.clip((here - there) ** -0.5, 0.5, 2.0), rel=1e-4)
 
 

@@ -91,13 +91,13 @@ def test_the_worst_is_the_largest_and_rms_the_mean_over_the_volume(
     found = stick.measure(known)
     if counted == ALL:  # the moments of this case are those of all directions
         assert found.rms == pytest.approx(float(np.sqrt(traces[stick.evenly].mean())), rel=0.02)
-        assert stick.rms_of(stick.root.value(known.factor)) == pytest.approx(found.rms, rel=1e-9)
+        assert stick.rms_of(stick.root.criterion(known.factor)) == pytest.approx(found.rms, rel=1e-9)
     assert found.worst == pytest.approx(max(float(np.sqrt(traces.max())), found.rms), rel=1e-9)
     at, size = int(np.argmax(traces)), CASE.errors.size
     rows = CASE.errors.rows(*(each[[at]] for each in stick.poses))[0]
     rows = np.array(counted)[:, None] * (rows - np.array(zeroed)[:, None] * stick.moments.mean)
     np.testing.assert_allclose(stick.worst_root(known).matrix, rows, atol=1e-12)
-    assert stick.worst_root(known).size == size
+    assert stick.worst_root(known).unknowns == size
 
 
 def test_poses_are_the_corners_and_points_spread_evenly_from_both_sides() -> None:
@@ -123,10 +123,10 @@ def test_losses_of_readings_come_off_one_after_the_other() -> None:
     rng, size = np.random.default_rng(6), CASE.errors.size
     losses = 2e-6 * rng.standard_normal((5, size))
     ends = np.array([1, 3, 5])
-    for end, found in zip(ends, stick.along(known.factor[:size], losses, ends), strict=True):
+    for end, found in zip(ends, stick.accuracies(known.factor[:size], losses, ends), strict=True):
         left = known.covariance[:size, :size] - losses[:end].T @ losses[:end]
         variances = traces_of(defined(stick, left), ALL)
-        total = float(np.sum(stick.root.gram * left))
+        total = float(np.sum(stick.root.weights * left))
         assert found == pytest.approx(stick.figures(total, variances), rel=1e-9)
 
 

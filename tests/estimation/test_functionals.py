@@ -33,7 +33,7 @@ def _asked(wants: str, machine: str = MILL, setups: str = SETUPS) -> tuple[dict[
 
 def _found(asked: AskedRow, machine: VirtualMachine) -> Array:
     functional = _map(asked)
-    return functional.of(machine.deviation(functional.poses, functional.sides))
+    return functional.row(machine.deviation(functional.poses, functional.sides))
 
 
 def _map(asked: AskedRow) -> Functional:
@@ -94,7 +94,7 @@ def test_angles_are_rotations_less_their_mean(name: str, about: int) -> None:
     rows, machine = _asked(f'"{name}"')
     functional = _map(rows[name])
     turned = machine.rotation(functional.poses, functional.sides)
-    np.testing.assert_allclose(functional.of(turned), turned[:, about] - turned[:, about].mean(), atol=1e-15)
+    np.testing.assert_allclose(functional.row(turned), turned[:, about] - turned[:, about].mean(), atol=1e-15)
 
 
 FIVE = setup_text(
@@ -116,7 +116,7 @@ def test_a_shifted_rotary_axis_is_found_where_it_is_and_a_leaning_one_by_how_muc
         for other in only:
             alone[errors.names[other].columns] = 0.0
         deviation = deviation_of(errors, alone, functional.poses, functional.sides)
-        found = functional.of(deviation.rotation if functional.angular else deviation.displacement)
+        found = functional.row(deviation.rotation if functional.angular else deviation.displacement)
         assert np.linalg.norm(found) == pytest.approx(size, rel=1e-3)
 
 
@@ -136,7 +136,7 @@ def test_spectra_are_the_variances_of_drawn_machines(name: str) -> None:
             values.append(term.rows(at) @ drawn[term.columns] + rest)
         levers = (errors.angular_levers if functional.angular else errors.levers)(functional.poses)
         signed = errors.effects(np.array(values), functional.sides)
-        seen.append(functional.of(np.einsum("tm,tmc->mc", signed, levers)))
+        seen.append(functional.row(np.einsum("tm,tmc->mc", signed, levers)))
     spread = np.mean(np.square(seen), axis=0)
     np.testing.assert_allclose(functional.spectra(errors, factor)[:, 0], spread, rtol=0.3)
     assert functional.spectra(errors, factor).sum() == pytest.approx(spread.sum(), rel=0.12)

@@ -43,11 +43,11 @@ def drawn_sisters(hierarchy: Hierarchy, count: int, rng: np.random.Generator) ->
     of_part = means[hierarchy.kind_of]
     shares = rng.beta(CERTAINTY * of_part, CERTAINTY * (1 - of_part))
     width = SCALE / rng.gamma(SHAPE)
-    together = np.sqrt(width) * rng.standard_normal((hierarchy.size, hierarchy.directions))
+    together = np.sqrt(width) * rng.standard_normal((hierarchy.unknowns, hierarchy.directions))
     owner = hierarchy.owner
-    common = np.sqrt(scales * shares)[owner] * rng.standard_normal(hierarchy.size)
+    common = np.sqrt(scales * shares)[owner] * rng.standard_normal(hierarchy.unknowns)
     along = rng.standard_normal((count, hierarchy.directions))
-    free = rng.standard_normal((count, hierarchy.size))
+    free = rng.standard_normal((count, hierarchy.unknowns))
     own = np.sqrt(scales * (1 - shares))[owner] * (along @ together.T + free)
     return Sisters(scales, shares, level, means, common, own, together, along, width)
 
@@ -57,7 +57,7 @@ def drawn_sisters(hierarchy: Hierarchy, count: int, rng: np.random.Generator) ->
 def test_readings_drawn_anew_after_each_sweep_leave_the_prior_as_it_is() -> None:
     """Geweke 2004: sweeping and drawing readings in turn has the joint prior as its stationary distribution."""
     rng = np.random.default_rng(1)
-    rows = [rng.standard_normal((2, HIERARCHY.size)) for _ in range(COUNT)]
+    rows = [rng.standard_normal((2, HIERARCHY.unknowns)) for _ in range(COUNT)]
     before = np.array([_figures(drawn_sisters(HIERARCHY, COUNT, rng)) for _ in range(PRIOR_DRAWS)])
     state, after = drawn_sisters(HIERARCHY, COUNT, rng), list[Array]()
     for _ in range(SWEEPS):
@@ -74,7 +74,7 @@ def test_readings_drawn_anew_after_each_sweep_leave_the_prior_as_it_is() -> None
 def test_what_is_common_is_the_posterior_of_a_dense_normal() -> None:
     rng = np.random.default_rng(2)
     state = drawn_sisters(HIERARCHY, COUNT, rng)
-    data = [DataEquation(rng.standard_normal((4, HIERARCHY.size)), rng.standard_normal(4)) for _ in range(COUNT)]
+    data = [DataEquation(rng.standard_normal((4, HIERARCHY.unknowns)), rng.standard_normal(4)) for _ in range(COUNT)]
     _, common = swept(state, data, HIERARCHY, rng)
     roots, joint = half_covariance(state, HIERARCHY)
     own = np.diag(roots**2) + joint @ joint.T

@@ -72,7 +72,7 @@ def test_of_each_interval_the_estimate_has_the_mean_and_the_variance_that_all_ot
     shown = 20e-6 * rng.integers(-1, 3, len(at))
     readings = [replace(each, value=float(value)) for each, value in zip(readings_at(at, 0.0), shown, strict=True)]
     readings[4] = replace(readings[4], std=1e-6)
-    fitted, setup = Fitted.of(coarse, readings), coarse.setups[0]
+    fitted, setup = Fitted.expected(coarse, readings), coarse.setups[0]
     changed, scatter = sited(coarse, readings), setup.scatter
     values = fitted.values + np.array([new.value - old.value for new, old in zip(changed, readings, strict=True)])
     precisions = np.array([(each.std or np.nan) ** -2 for each in changed])

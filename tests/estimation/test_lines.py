@@ -61,7 +61,7 @@ def test_a_line_goes_from_end_to_end_of_what_was_read_where_most_of_it_was_read(
     assert np.unique(line.poses[:, 1:], axis=0).tolist() == [[0.1, 0.2]]
     assert (line.plus, line.minus, line.both) == ((0.1, 0.2, 0.3), (0.1, 0.4), (0.1,))
     assert line.read == 4
-    np.testing.assert_allclose(line.at([0.5, 0.0]), [[0.5, 0.1, 0.2], [0.0, 0.1, 0.2]])
+    np.testing.assert_allclose(line.poses_at([0.5, 0.0]), [[0.5, 0.1, 0.2], [0.0, 0.1, 0.2]])
     whole = line_of(setup, readings, axes, whole=True)
     np.testing.assert_allclose(whole.positions[[0, -1]], axes.axes[0].travel)
     assert whole.poses[0, 1:].tolist() == [0.1, 0.2]

@@ -90,7 +90,7 @@ def test_it_covers_what_it_promises() -> None:
 
 def _score(problem: Problem, row: Array, rng: np.random.Generator) -> float:
     """Return how far the truth of a machine drawn from the model lies from its mean, in standard deviations."""
-    theta = problem.sizes.at(rng.standard_normal(len(problem.sizes)))[0]
+    theta = problem.sizes.theta(rng.standard_normal(len(problem.sizes)))[0]
     truth, values = drawn_values(problem, theta, rng)
     found = sorted_out(replace(problem, values=values), sure=range(len(values))).posterior()
     return float(row @ (truth - found.mean) / np.sqrt(row @ found.covariance @ row))
@@ -101,7 +101,7 @@ def test_readings_of_the_model_agree_with_each_other(kinds: tuple[str, ...], low
     """Over campaigns of the model the mean z² of what is left out is one, and less where it has taught the sizes."""
     problem, rng, found = sized(asked("axis", 14, 2), kinds), np.random.default_rng(5), list[Posterior]()
     for _ in range(25 if kinds else 120):
-        theta = problem.sizes.at(rng.standard_normal(len(problem.sizes)))[0]
+        theta = problem.sizes.theta(rng.standard_normal(len(problem.sizes)))[0]
         values = drawn_values(problem, theta, rng)[1]
         found.append(sorted_out(replace(problem, values=values), sure=range(14)).posterior())
     assert low < np.mean([each.agreement.c2 for each in found]) < high

@@ -38,7 +38,7 @@ def problems(draw: st.DrawFn, kinds: tuple[str, ...] = KINDS) -> tuple[Problem, 
     kind, seed = draw(st.sampled_from(kinds)), draw(st.integers(0, 2))
     found = _problem(kind, seed, draw(st.booleans()), draw(st.booleans()))
     x = np.random.default_rng(draw(st.integers(0, 999))).standard_normal(len(found.sizes))
-    return found, found.sizes.at(x)[0]
+    return found, found.sizes.theta(x)[0]
 
 
 def _both(problem: Problem) -> tuple[Space, Space]:
@@ -102,7 +102,7 @@ def test_answers_are_those_of_the_equations(drawn: tuple[Problem, Array]) -> Non
     mean, covariance = Dense(problem).unknowns(theta)
     stds = np.sqrt(np.diagonal(covariance))
     for space in _both(problem):
-        answer = _given(space, theta).answer()
+        answer = _given(space, theta).posterior()
         np.testing.assert_allclose((answer.mean - mean) / stds, 0, atol=1e-4)
         np.testing.assert_allclose((answer.covariance - covariance) / np.outer(stds, stds), 0, atol=1e-4)
 
@@ -113,14 +113,14 @@ def test_rests_of_cells_are_those_of_the_equations(drawn: tuple[Problem, Array])
     """C Zᵀ K⁻¹ y of the columns of cells, turned back into rests."""
     problem, theta = drawn
     dense = Dense(problem)
-    every = dense.prior(theta) @ problem.rows.T @ np.linalg.solve(dense.covariance(theta), problem.values)
+    every = dense.prior_covariance(theta) @ problem.rows.T @ np.linalg.solve(dense.covariance(theta), problem.values)
     turn, start = np.zeros((len(problem.cells),) * 2), 0
     for root in problem.cell_roots:
         turn[start : start + len(root), start : start + len(root)] = root
         start += len(root)
     wanted = turn @ every[problem.first_cell : problem.first_cell + len(problem.cells)]
     for space in _both(problem):
-        _close(_given(space, theta).cells(), wanted, 1e-5)
+        _close(_given(space, theta).cell_means(), wanted, 1e-5)
 
 
 @settings(max_examples=8)
@@ -151,7 +151,7 @@ def test_without_sizes_the_posterior_is_that_of_the_belief(kind: str) -> None:
     mean, covariance = belief.mean[: problem.answered], belief.covariance[: problem.answered, : problem.answered]
     stds = np.sqrt(np.diagonal(covariance))
     for space in _both(problem):
-        answer = _given(space, np.zeros(0)).answer()
+        answer = _given(space, np.zeros(0)).posterior()
         np.testing.assert_allclose((answer.mean - mean) / stds, 0, atol=1e-5)
         np.testing.assert_allclose((answer.covariance - covariance) / np.outer(stds, stds), 0, atol=1e-5)
 
@@ -165,7 +165,7 @@ def test_curves_have_the_prior_of_matern(smoothness: float, seed: int) -> None:
     (curves,) = problem.curves
     assert isinstance(curves, Curves)
     curves = replace(curves, smoothness=smoothness)
-    theta = problem.sizes.at(np.random.default_rng(seed).standard_normal(len(problem.sizes)))[0]
+    theta = problem.sizes.theta(np.random.default_rng(seed).standard_normal(len(problem.sizes)))[0]
     (at,) = curves.length_at
 
     def covariance(by: float) -> Array:
@@ -186,7 +186,7 @@ def test_an_inherited_prior_is_what_no_reading_changes() -> None:
     left = inherited(case_of("plate"), 1)
     blind = problem.only(np.zeros(len(problem.values), dtype=bool))
     for space in _both(blind):
-        answer = _given(space, np.zeros(len(problem.sizes))).answer()
+        answer = _given(space, np.zeros(len(problem.sizes))).posterior()
         size = len(left.mean)
         _close(answer.mean[:size], left.mean, 1e-9)
         _close(answer.covariance[:size, :size], left.covariance, 1e-9)

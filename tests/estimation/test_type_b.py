@@ -370,7 +370,7 @@ def test_the_posterior_is_that_of_k_with_the_columns_and_the_lines_are_what_it_h
     for space in (Numbers(made), Unknowns(made)):
         given = space.given(np.zeros(0))
         assert given is not None
-        assert given.answer().covariance == pytest.approx(covariance, rel=1e-4, abs=1e-16)
+        assert given.posterior().covariance == pytest.approx(covariance, rel=1e-4, abs=1e-16)
         moved = root @ given.gain(columns / made.noise[:, None])[: root.shape[1]]
         lines = np.linalg.norm(moved, axis=0)
         assert lines == pytest.approx(np.linalg.norm(root @ (gained @ columns)[: root.shape[1]], axis=0), rel=1e-5)
@@ -389,7 +389,7 @@ def test_the_gain_is_by_what_the_mean_moves() -> None:
         assert given is not None
         moved = room(_moved(made, column[:, 0])).given(np.zeros(0))
         assert moved is not None
-        assert given.gain(column)[:, 0] == pytest.approx(moved.answer().mean - given.answer().mean, abs=1e-12)
+        assert given.gain(column)[:, 0] == pytest.approx(moved.posterior().mean - given.posterior().mean, abs=1e-12)
 
 
 def _moved(made: Problem, by: Array) -> Problem:

@@ -107,7 +107,7 @@ def test_rows_are_the_slopes_of_what_is_shown_about_the_same_point() -> None:
         assert rows[:, column] == pytest.approx(slope, rel=1e-4, abs=1e-5 * np.abs(slope).max())
     still = problem.rows(problem.start)
     assert np.abs(problem.rows(point)[:, columns] - still[:, columns]).max() > 0.02
-    assert problem.at(point).rows == pytest.approx(problem.rows(point))
+    assert problem.linearised(point).rows == pytest.approx(problem.rows(point))
 
 
 def test_the_polish_ends_where_no_direction_leads_lower() -> None:

@@ -34,7 +34,7 @@ def _conditioned(problem: Case, readings: list[Reading], precisions: Array) -> t
 def test_mean_and_variance_are_those_of_conditioning_on_all_readings() -> None:
     problem = mixed()
     readings = drawn(problem)
-    fitted = Fitted.of(problem.observation, readings)
+    fitted = Fitted.expected(problem.observation, readings)
     variances = seen(visited_by(problem.observation, readings), readings).variances
     assert fitted.noise == pytest.approx(variances, rel=1e-9, abs=0)
     precisions = np.random.default_rng(1).uniform(0.1, 1.0, len(fitted.noise)) / fitted.noise

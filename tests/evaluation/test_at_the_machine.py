@@ -44,7 +44,7 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def check(record: Path) -> Check:
     with Campaign.open(record, write=False) as campaign:
-        return Check.of(campaign, CONTROL)
+        return Check.from_campaign(campaign, CONTROL)
 
 
 def tips(check: Check, places: Places) -> list[float]:
@@ -131,11 +131,11 @@ def test_who_read_and_what_was_in_force_is_kept_for_the_readings_as_they_were_ta
     file, taken = tmp_path / "left.csv", Taken("Anna", "linuxcnc-live", {"axiscal.vcomp": "0123"})
     file.write_text("as read")
     taken.write(file)
-    assert Taken.of(file) == taken
+    assert Taken.with_file(file) == taken
     file.write_text("as typed")
-    assert Taken.of(file) == Taken()
+    assert Taken.with_file(file) == Taken()
     file.with_name("left.taken.json").write_text("[1]")
-    assert Taken.of(file) == Taken()
+    assert Taken.with_file(file) == Taken()
 
 
 def test_a_place_that_a_machine_does_not_reach_is_said(check: Check, tmp_path: Path) -> None:
@@ -218,7 +218,7 @@ def exported(folder: Path) -> Path:
 def test_what_is_to_be_in_force_is_what_was_exported(check: Check, tmp_path: Path) -> None:
     for name, text in check.tables.files.items():
         (tmp_path / name).write_text(text)
-    wanted = InForce.of(tmp_path)
+    wanted = InForce.from_folder(tmp_path)
     assert wanted.checksum is not None
     assert wanted.files == {"axiscal.vcomp": hashlib.sha256((tmp_path / "axiscal.vcomp").read_bytes()).hexdigest()}
     there = READY | {"whole": True, "checksum": str(wanted.checksum)}
@@ -235,7 +235,7 @@ def test_what_is_to_be_in_force_is_what_was_exported(check: Check, tmp_path: Pat
 
 
 def test_tables_are_known_by_what_is_in_them(tmp_path: Path) -> None:
-    wanted = InForce.of(exported(tmp_path / "tables"))
+    wanted = InForce.from_folder(exported(tmp_path / "tables"))
     digest = hashlib.sha256(b"0 0 0\n1 0.1 0.1\n").hexdigest()
     there = READY | {"compensated": [0], "tables": [digest, None]}
     wanted.refuse(there)
@@ -245,7 +245,7 @@ def test_tables_are_known_by_what_is_in_them(tmp_path: Path) -> None:
         wanted.refuse(there | {"whole": True})
     (tmp_path / "empty").mkdir()
     with pytest.raises(TableError, match="no file for LinuxCNC"):
-        InForce.of(tmp_path / "empty")
+        InForce.from_folder(tmp_path / "empty")
 
 
 def test_nothing_or_anything_may_be_in_force() -> None:

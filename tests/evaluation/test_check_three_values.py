@@ -147,7 +147,7 @@ def test_a_check_with_a_tracker_set_down_by_eye_passes(tmp_path: Path, capsys: p
 def two_setups(tmp_path_factory: pytest.TempPathFactory) -> Check:
     record = _record(tmp_path_factory.mktemp("two") / "m.axiscal", NEAR + 'moves = ["X"]\n', PROBE)
     with Campaign.open(record, write=False) as campaign:
-        return Check.of(campaign, "csv")
+        return Check.from_campaign(campaign, "csv")
 
 
 @pytest.mark.parametrize("count", [3, 4, 5, 7, 8, 10, None])
@@ -232,7 +232,7 @@ def test_a_board_that_has_no_new_places_is_read_again_as_it_lies(
     assert (said["verdict"], said["estimate_believed"], said["against_own_line"]) == ("pass", True, [])
     assert said["left_rms_um"] < said["found_rms_um"]
     with Campaign.open(record, write=False) as campaign:
-        check = Check.of(campaign, "linuxcnc")
+        check = Check.from_campaign(campaign, "linuxcnc")
     places = check.planned()
     once = check.asked(f"sim:{SEED}", places.within(places.setups == places.setups[0]))
     with pytest.raises(ReadingError, match="one artefact cannot tell"):

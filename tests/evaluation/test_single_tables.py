@@ -49,7 +49,7 @@ def checked(folder: Path) -> tuple[Check, VirtualMachine]:
     with Campaign.create(folder / "bench.axiscal", described) as campaign:
         campaign.run(SimulatedSource(truth, 8), lambda _: None)
     with Campaign.open(folder / "bench.axiscal", write=False) as campaign:
-        return Check.of(campaign, "csv"), truth
+        return Check.from_campaign(campaign, "csv"), truth
 
 
 @pytest.fixture(scope="module")

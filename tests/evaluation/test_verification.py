@@ -170,7 +170,7 @@ def test_where_fewer_places_are_new_than_usual_those_are_read(
     with Campaign.create(tmp_path / "m.axiscal", described) as campaign:
         truth = Simulator(described.machine, described.setups).drawn(1)
         campaign.run(SimulatedSource(truth, 1), lambda _: None)
-        check = Check.of(campaign, "csv")
+        check = Check.from_campaign(campaign, "csv")
         if tables == "that ask for no place":
             monkeypatch.setattr(Check, "parts", ())
         assert 4 <= len(check.planned()) <= 7

@@ -55,7 +55,7 @@ HALF = Imagined(0.5, 0.8)
 
 def read_on(number: int, imagined: Imagined = HALF, seed: int = 3, again: int = 0) -> list[Reading]:
     """Return what is read of one machine of a type.  again : with other noise"""
-    machine, _ = VirtualType(slide(), imagined, seed).machine(number)
+    machine, _ = VirtualType(slide(), imagined, seed).drawn(number)
     return measured(machine, slide(), PLACES, number + 1000 * again)
 
 

@@ -88,7 +88,7 @@ def test_a_quarter_turn_about_z_takes_x_to_y() -> None:
     assert np.abs(turn[0] @ [1, 0, 0] - [0, 1, 0]).max() < 1e-15
     moved = rigid.Motion(turn, np.array([[5.0, 0.0, 0.0]]))
     assert np.abs(moved.apply(np.array([1.0, 0.0, 0.0])) - [[5.0, 1.0, 0.0]]).max() < 1e-15
-    assert np.abs(moved.moved(np.array([1.0, 0.0, 0.0])).translation - [[5.0, 1.0, 0.0]]).max() < 1e-15
+    assert np.abs(moved.shifted(np.array([1.0, 0.0, 0.0])).translation - [[5.0, 1.0, 0.0]]).max() < 1e-15
 
 
 def test_a_model_without_errors_is_empty() -> None:

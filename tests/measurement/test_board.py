@@ -154,7 +154,7 @@ def test_columns_are_those_of_where_balls_stand(number: int) -> None:
 
     def stands(**own: float) -> Array:
         assert setup.artefact is not None
-        return setup.artefact.moved(own, balls)
+        return setup.artefact.displacements(own, balls)
 
     for one in names:
         slope = (stands(**{one: step}) - stands(**{one: -step})) / (2 * step)

@@ -13,7 +13,7 @@ from axiscal.machine import load_machine, machine_from_text
 from axiscal.measurement.charts.bar import Bar, Circle
 from axiscal.measurement.charts.box import Line, Sight
 from axiscal.measurement.charts.held import Balls, Held
-from axiscal.measurement.charts.room import Chart, Room, arrivals, crossings, has_room
+from axiscal.measurement.charts.room import Chart, Coordinate, Room, arrivals, crossings, has_room, turns
 from axiscal.numerics import Array
 from tests.generators.kinematics import in_travel, stem, tip
 
@@ -27,7 +27,7 @@ HOME = np.array([0.0 if axis.rotary else sum(axis.travel) / 2 for axis in DMU.ax
 def held(ball: str = "low", step: float = 0.0, cone: float = 100.0) -> Held:
     """The tool point at one of the balls of the table of the five-axis machine."""
     steps = (math.radians(step), math.radians(step))
-    return Held(Room.empty(DMU), np.array(BALLS[ball]), UP, math.radians(cone), (0, 1), HOME, steps)
+    return Held(Room.empty(DMU), np.array(BALLS[ball]), UP, math.radians(cone), (0, 1), HOME, turns(DMU, (0, 1), steps))
 
 
 def circle(plane: str = "xy", centre: tuple[float, float, float] = (0.0, 0.0, 0.1), turning: float = 0.0) -> Circle:
@@ -36,9 +36,13 @@ def circle(plane: str = "xy", centre: tuple[float, float, float] = (0.0, 0.0, 0.
     first, second = (np.eye(3)[way] for way in ways)
     rates = np.array([turning, 0.0, 0.0, 0.0, 0.0])
     room = Room.empty(DMU)
-    return Circle(
-        room, np.array(centre), first, second, 0.15, UP, math.radians(100), (0.0, math.tau), HOME, rates, 0.0, 1e-3
-    )
+    arc = (Coordinate(0.0, math.tau, 0.0, 1e-3 / 0.15, endless=turning == 0),)
+    return Circle(room, np.array(centre), first, second, 0.15, UP, math.radians(100), HOME, rates, arc)
+
+
+def sphere(overrun: float) -> tuple[Coordinate, ...]:
+    """Azimuth and elevation of a bar."""
+    return Coordinate(0.0, math.tau, 0.0, overrun, endless=True), Coordinate(-math.pi / 2, math.pi / 2, 0.0, overrun)
 
 
 def levels() -> tuple[Array, ...]:
@@ -134,7 +138,7 @@ def test_as_many_poses_of_a_raster_can_be_taken_as_counted_elsewhere(
     found = []
     for ball in BALLS:
         chart = held(ball, step, cone)
-        values = chart.bounds(0).values[:-1], chart.bounds(1).values  # a full turn once
+        values = chart.coordinates[0].values[:-1], chart.coordinates[1].values  # a full turn once
         grid = np.stack([g.ravel() for g in np.meshgrid(*values)], axis=1)
         poses = chart.poses(grid)
         taken = chart.feasible(poses)
@@ -165,7 +169,7 @@ def test_a_rotary_axis_in_step_leaves_the_bar_where_it_is_in_the_workpiece() -> 
 
 def test_a_bar_in_space_reaches_all_of_its_sphere_and_no_place_under_the_stem() -> None:
     room = Room.empty(DMU)
-    chart = Bar(room, np.array([0.0, 0.0, 0.1]), 0.15, UP, math.radians(100), (), HOME, (0.0, 0.0), 1e-3)
+    chart = Bar(room, np.array([0.0, 0.0, 0.1]), 0.15, UP, math.radians(100), (), HOME, sphere(1e-3 / 0.15))
     rng = np.random.default_rng(2)
     places = np.column_stack([rng.uniform(0, math.tau, 200), rng.uniform(-1.5, 1.5, 200)])
     poses = chart.poses(places)
@@ -178,8 +182,8 @@ def test_a_bar_in_space_reaches_all_of_its_sphere_and_no_place_under_the_stem() 
 def test_a_line_goes_straight_from_end_to_end() -> None:
     ends = np.array([[0.1, 0.1, -0.3], [0.5, 0.4, -0.1]])
     park = np.array([sum(axis.travel) / 2 for axis in MILL.axes])
-    chart = Line(Room.empty(MILL), ends, park, 0.0, 1e-3)
-    length = chart.bounds(0).high
+    chart = Line.between_ends(Room.empty(MILL), ends, park, 0.0, 1e-3)
+    length = chart.coordinates[0].high
     assert length == pytest.approx(math.dist(*ends))
     for share, pose in zip(np.linspace(0, 1, 9), chart.poses(np.linspace(0, length, 9)[:, None]), strict=True):
         np.testing.assert_allclose(tip(MILL, pose), ends[0] + share * (ends[1] - ends[0]), atol=1e-12)
@@ -248,7 +252,7 @@ def test_what_is_to_be_kept_out_is_kept_out_with_the_width_of_the_tool() -> None
 def test_a_tracker_sees_what_is_in_range_and_in_its_reflector_s_cone() -> None:
     spans = np.array([axis.travel for axis in MILL.axes])
     park = spans.mean(axis=1)
-    box = (Room.empty(MILL), (0, 1, 2), spans, park, (0.0, 0.0, 0.0))
+    box = (Room.empty(MILL), (0, 1, 2), tuple(Coordinate(*axis.travel) for axis in MILL.axes), park)
     station = np.array([0.3, -1.0, 0.0])
     chart = Sight(*box, station[None], (0.9, 1.4), np.array([0.0, -1.0, 0.0]), math.radians(20))
     rng = np.random.default_rng(6)

@@ -75,7 +75,7 @@ def test_a_wandering_zero_is_the_integral_of_a_rate_that_forgets_itself() -> Non
 
 def test_a_course_has_that_covariance_at_its_nodes_and_nearly_so_between_them() -> None:
     nodes = [100.0, 700.0, 1100.0, 5000.0, 100000.0]
-    course = Course.begun(RATE, nodes[0], 7)
+    course = Course.from_zero(RATE, nodes[0], 7)
     for node in nodes[1:]:
         assert course.needs_node(node)
         course = course.with_node(node, 7 + len(course.columns))

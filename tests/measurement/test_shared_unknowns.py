@@ -76,7 +76,7 @@ def test_the_columns_are_what_a_small_change_of_each_unknown_does_to_what_is_sho
     observation, rng = Observation(ErrorModel(DMU), description.setups), np.random.default_rng(1)
     for index, setup in enumerate(description.setups):
         assert setup.chart is not None
-        low, high = (np.array([setup.chart.bounds(k)[end] for k in range(setup.chart.size)]) for end in (0, 1))
+        low, high = (np.array([each[end] for each in setup.chart.coordinates]) for end in (0, 1))
         poses = setup.chart.poses(
             np.round(rng.uniform(low, high, (6, len(low)))) if len(low) > 3 else rng.uniform(low, high, (6, len(low)))
         )

@@ -172,7 +172,7 @@ def test_no_place_of_a_dense_lattice_gains_more(base: float) -> None:
     low, high = base / 2, 1 - base / 2
     assert low <= step.pose[0] <= high
     dense = np.linspace(low, high, 40001)[:, None]
-    gains = Scorer.of(observation, belief, asked.root).at(0, dense, np.ones_like(dense))
+    gains = Scorer.from_belief(observation, belief, asked.root).gains_at(0, dense, np.ones_like(dense))
     assert gains.max() <= step.gain * (1 + 1e-9)
     assert step.gain <= gains.max() * (1 + 1e-5)
 

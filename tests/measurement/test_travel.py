@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.machine.motion import approach_seconds, travel_seconds
 from axiscal.measurement.charts.held import Held
-from axiscal.measurement.charts.room import Room, arrivals
+from axiscal.measurement.charts.room import Room, arrivals, turns
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import held_seconds, off_seconds, way_seconds
 from axiscal.numerics import Array
@@ -73,7 +73,8 @@ def test_coming_from_the_other_side_goes_past_the_place_and_back() -> None:
 def test_off_a_ball_the_tool_goes_from_where_it_is_drawn_back_to_where_it_is_drawn_back() -> None:
     """With a head that swivels these are not as far apart as the places at the ball."""
     built = machine("w-C'-b-X-Y-Z-B-t")
-    chart = Held(Room.empty(built), np.array([0.05, 0.0, 0.1]), UP, np.radians(100), (0, 4), np.zeros(5), (0.0, 0.0))
+    turning = turns(built, (0, 4), (0.0, 0.0))
+    chart = Held(Room.empty(built), np.array([0.05, 0.0, 0.1]), UP, np.radians(100), (0, 4), np.zeros(5), turning)
     sphere = replace(SPHERE, chart=chart)
     start, stop = chart.poses(places((10, -40), (20, 60)))
     off = [pose_with_tip(built, pose, tip(built, pose) + 0.05 * stem(built, pose)) for pose in (start, stop)]

@@ -13,7 +13,7 @@ from axiscal.machine.kinematics import frames
 from axiscal.measurement.charts.bar import Bar
 from axiscal.measurement.charts.box import Line
 from axiscal.measurement.charts.held import Held
-from axiscal.measurement.charts.room import Room
+from axiscal.measurement.charts.room import Coordinate, Room, turns
 from axiscal.measurement.charts.swing import Slides, stem_rate
 from axiscal.measurement.charts.ways import SmoothChart, clear
 from axiscal.numerics import Array
@@ -44,10 +44,11 @@ def charts(built: Machine) -> list[SmoothChart]:
     """A ball, a bar in space and a line on a machine."""
     turning = tuple(k for k, axis in enumerate(built.axes) if axis.rotary)
     room, home, ball = Room.empty(built), np.zeros(5), np.array([0.11, -0.04, 0.02])
+    sphere = Coordinate(0.0, math.tau, 0.0, 0.01, endless=True), Coordinate(-math.pi / 2, math.pi / 2, 0.0, 0.01)
     return [
-        Held(room, ball, UP, math.radians(100), turning, home, (0.0, 0.0)),
-        Bar(room, ball, 0.1, UP, math.radians(100), turning, home, (0.0,) * 4, 1e-3),
-        Line(room, np.array([[-0.2, -0.1, 0.0], [0.2, 0.1, 0.1]]), home, 0.0, 1e-3),
+        Held(room, ball, UP, math.radians(100), turning, home, turns(built, turning, (0.0, 0.0))),
+        Bar(room, ball, 0.1, UP, math.radians(100), turning, home, (*sphere, *turns(built, turning, (0.0, 0.0)))),
+        Line.between_ends(room, np.array([[-0.2, -0.1, 0.0], [0.2, 0.1, 0.1]]), home, 0.0, 1e-3),
     ]
 
 
@@ -57,8 +58,9 @@ def test_no_axis_bends_more_than_its_bound_and_no_tool_turns_faster(chain: str) 
     linear = [k for k, axis in enumerate(built.axes) if not axis.rotary]
     for chart in charts(built):
         for _ in range(6):
-            start = rng.uniform(-0.5, 0.5, chart.size) + (0.2 if chart.size == 1 else 0.0)
-            stop = start + rng.uniform(-0.3, 0.3, chart.size)
+            size = len(chart.coordinates)
+            start = rng.uniform(-0.5, 0.5, size) + (0.2 if size == 1 else 0.0)
+            stop = start + rng.uniform(-0.3, 0.3, len(start))
             swing, share = chart.swing(start, stop), np.linspace(0.0, 1.0, 401)
             poses = chart.poses(start + share[:, None] * (stop - start))
             bend = np.abs(np.diff(poses[:, linear], 2, axis=0)).max() * 400**2
@@ -132,7 +134,7 @@ def test_a_circle_whose_side_bulges_out_of_a_travel_by_a_tenth_of_a_micrometre_i
 
 
 def test_where_nothing_turns_the_bound_of_a_line_is_nought() -> None:
-    line = Line(Room.empty(DMU), np.array([[-0.2, -0.2, 0.0], [0.2, 0.2, 0.1]]), HOME, 0.0, 1e-3)
+    line = Line.between_ends(Room.empty(DMU), np.array([[-0.2, -0.2, 0.0], [0.2, 0.2, 0.1]]), HOME, 0.0, 1e-3)
     start, stop = np.array([0.0]), np.array([0.3])
     bends: Array = Slides(DMU, line.swing(start, stop)).bends(frames(DMU, line.poses(start[None])), np.ones(1))
     assert bends[0] == 0.0

@@ -30,7 +30,7 @@ for name, machine in {"dmu60": load_machine("dmu60"), "bed": bed(), "table": tab
         found[f"unit {number} of {name}"] = scaled(column)
     for plane in model.planes:
         found[f"shapes of {plane.name} of {name}"] = scaled(plane.rows(plane.coordinates(poses)))
-found["a sister"] = scaled(VirtualType(slide(), Imagined(), 1).machine(2)[1])
+found["a sister"] = scaled(VirtualType(slide(), Imagined(), 1).drawn(2)[1])
 """
 _CAMPAIGN = """
 from pathlib import Path

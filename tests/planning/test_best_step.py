@@ -37,7 +37,7 @@ def test_one_spline_follows_the_published_sequence() -> None:
             mirrored = abs(found - position) > 0.01
         assert (10 - found if mirrored else found) == pytest.approx(position, abs=6e-5)
         belief = belief.update(step.row, 0.0, step.variance)
-        assert asked.root.value(belief.factor) == pytest.approx(value, abs=6e-6)
+        assert asked.root.criterion(belief.factor) == pytest.approx(value, abs=6e-6)
 
 
 def test_three_stacked_splines_end_where_exact_greedy_ends() -> None:
@@ -45,10 +45,10 @@ def test_three_stacked_splines_end_where_exact_greedy_ends() -> None:
     belief = asked.belief
     for _ in range(20):
         step = best_step(Knowledge(asked.observation, belief), asked.root, asked.lattice)
-        before = asked.root.value(belief.factor)
+        before = asked.root.criterion(belief.factor)
         belief = belief.update(step.row, 0.0, step.variance)
-        assert before - asked.root.value(belief.factor) == pytest.approx(step.gain, rel=1e-9)
-    assert asked.root.value(belief.factor) == pytest.approx(2.8749, abs=5e-4)
+        assert before - asked.root.criterion(belief.factor) == pytest.approx(step.gain, rel=1e-9)
+    assert asked.root.criterion(belief.factor) == pytest.approx(2.8749, abs=5e-4)
 
 
 @pytest.mark.parametrize("setup", [0, 1])
@@ -56,13 +56,13 @@ def test_three_stacked_splines_end_where_exact_greedy_ends() -> None:
 def test_nowhere_along_an_axis_is_there_a_better_reading(setup: int, axis: int) -> None:
     generator = np.random.default_rng(10 * setup + axis)
     asked = read(levered(), generator, 6)
-    scorer = Scorer.of(asked.observation, asked.belief, asked.root)
+    scorer = Scorer.from_belief(asked.observation, asked.belief, asked.root)
     poses, approaches = random_poses(asked, generator, 4)
     _, found, gains = Climb.begun(scorer, setup, poses, approaches)._along(axis)
     for pose, approach, position, gain in zip(poses, approaches, found, gains, strict=True):
         line = np.tile(pose, (4002, 1))
         line[:, axis] = [*np.linspace(*asked.observation.machine.axes[axis].travel, 4001), position]
-        along = scorer.at(setup, line, np.tile(approach, (4002, 1)))
+        along = scorer.gains_at(setup, line, np.tile(approach, (4002, 1)))
         assert along.max() <= gain * (1 + 1e-9)
         assert along[-1] == pytest.approx(gain, rel=1e-9)
 
@@ -93,23 +93,23 @@ def test_pairs_hold_the_form_everywhere() -> None:
     rows = [generator.normal(size=(p, c)) for p, c in ((4, 2), (5, 3), (3, 2))]
     parts = [generator.normal(size=(c, 6)) for c in (2, 3, 2)]
     fixed = generator.normal(size=6)
-    pairs = Pairs.of(fixed, rows, parts).plus(1.5, [generator.normal(size=p) * 0 for p in (4, 5, 3)])
+    pairs = Pairs.from_parts(fixed, rows, parts).plus(1.5, [generator.normal(size=p) * 0 for p in (4, 5, 3)])
     everywhere = pairs.everywhere()
     for where in itertools.product(range(4), range(5), range(3)):
         vector = fixed + sum(r[i] @ p for r, p, i in zip(rows, parts, where, strict=True))
         assert everywhere[where] == pytest.approx(vector @ vector + 1.5)
     index = np.array([[1, 2, 0], [3, 4, 2]])
-    np.testing.assert_allclose(pairs.along(1, index), [everywhere[1, :, 0], everywhere[3, :, 2]])
+    np.testing.assert_allclose(pairs.axis_forms(1, index), [everywhere[1, :, 0], everywhere[3, :, 2]])
 
 
 def test_gains_are_the_fall_of_the_criterion() -> None:
     asked = read(levered(), np.random.default_rng(3), 3)
-    scorer = Scorer.of(asked.observation, asked.belief, asked.root)
+    scorer = Scorer.from_belief(asked.observation, asked.belief, asked.root)
     pose, approach = random_poses(asked, np.random.default_rng(4), 1)
     seen = asked.observation.rows(1, pose, approach)
     after: Belief = asked.belief.update(seen.rows, 0.0, seen.variances)
-    fall = asked.root.value(asked.belief.factor) - asked.root.value(after.factor)
-    assert float(scorer.at(1, pose, approach)[0]) == pytest.approx(fall, rel=1e-8)
+    fall = asked.root.criterion(asked.belief.factor) - asked.root.criterion(after.factor)
+    assert float(scorer.gains_at(1, pose, approach)[0]) == pytest.approx(fall, rel=1e-8)
 
 
 _PITCH = 'EXX_pitch = { std = "4 um", period = "90 mm", harmonics = 2 }\n'
@@ -124,5 +124,5 @@ def test_no_position_of_twenty_thousand_gains_more(count: int) -> None:
     errors = observation.errors
     root = Root.of_gram(volume_moments(errors, whole_travel(errors)).gram)
     step = best_step(known, root, spread(errors.machine, observation.setups, 400))
-    scorer, at = Scorer.of(known.observation, known.belief, root), np.linspace(0, 1, 20_001)[:, None]
-    assert step.gain >= float(np.max(scorer.at(0, at, np.ones_like(at)))) * (1 - 1e-9)
+    scorer, at = Scorer.from_belief(known.observation, known.belief, root), np.linspace(0, 1, 20_001)[:, None]
+    assert step.gain >= float(np.max(scorer.gains_at(0, at, np.ones_like(at)))) * (1 - 1e-9)

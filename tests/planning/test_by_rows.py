@@ -86,7 +86,7 @@ def test_j_is_the_variance_over_the_squared_limit() -> None:
     """A limit that is half as wide weighs four times; of two rows J is the sum."""
     factor = dial("readings = 12").prior.factor
     one, half, other, both = (
-        rows_root(dial(f"readings = 12\nwants = [{wants}]")).value(factor)
+        rows_root(dial(f"readings = 12\nwants = [{wants}]")).criterion(factor)
         for wants in (
             '"squareness XY 20 urad"',
             '"squareness XY 10 urad"',

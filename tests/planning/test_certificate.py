@@ -223,7 +223,7 @@ def test_which_zeros_count() -> None:
 def test_a_zero_that_is_known_with_other_things_does_not_count() -> None:
     asked = with_zeros(1e-4, 30)
     state = asked.state
-    place = Pool(asked.observation, asked.lattice).lattice.at(3)
+    place = Pool(asked.observation, asked.lattice).lattice.single(3)
     assert zeros_of(zeros_each(state.after_readings(place), asked.lattice), (int(place.setups[0]),)) is None
 
 

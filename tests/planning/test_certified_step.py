@@ -79,7 +79,7 @@ def _known(machine: Machine, count: int, moves: tuple[int, int] = (0, 1)) -> tup
     readings = [Reading("probe", tuple(pose), (1,) * places.shape[1], 0.0) for pose in places]
     known = Knowledge.before(observation).read(readings)
     root = Root.of_gram(volume_moments(known.observation.errors, whole_travel(known.observation.errors)).gram)
-    return known, Scorer.of(known.observation, known.belief, root)
+    return known, Scorer.from_belief(known.observation, known.belief, root)
 
 
 @pytest.mark.parametrize("count", [0, 3, 9])
@@ -91,7 +91,7 @@ def test_the_step_reaches_what_is_certified(count: int) -> None:
     certified = certified_gain(scorer, 0, step.gain)
     assert certified.upper <= step.gain * (1 + 2e-6)
     tried = poses_of(machine, 30_000, 8)
-    assert scorer.at(0, tried, np.ones_like(tried)).max() <= certified.upper
+    assert scorer.gains_at(0, tried, np.ones_like(tried)).max() <= certified.upper
 
 
 def test_with_lever_arms_the_degree_grows_and_the_certificate_holds() -> None:
@@ -101,7 +101,7 @@ def test_with_lever_arms_the_degree_grows_and_the_certificate_holds() -> None:
     certified = certified_gain(scorer, 0)
     tried = poses_of(machine, 30_000, 8)
     tried[:, 0] = certified.pose[0]
-    best = scorer.at(0, tried, np.ones_like(tried)).max()
+    best = scorer.gains_at(0, tried, np.ones_like(tried)).max()
     assert best <= certified.upper
     assert certified.upper <= certified.lower * (1 + 2e-6)
 
@@ -112,6 +112,6 @@ def test_along_an_axis_that_turns_the_certificate_holds() -> None:
     certified = certified_gain(scorer, 0)
     tried = poses_of(machine, 30_000, 8)
     tried[:, 2:] = certified.pose[2:]
-    best = scorer.at(0, tried, np.ones_like(tried)).max()
+    best = scorer.gains_at(0, tried, np.ones_like(tried)).max()
     assert certified.lower * (1 - 1e-3) <= best <= certified.upper
     assert certified.upper <= certified.lower * (1 + 2e-6)

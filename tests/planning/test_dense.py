@@ -40,20 +40,20 @@ def _known(asked: Task) -> dense.DenseState:
 
 def _gains(asked: Task, places: Places) -> Array:
     """The gain of each place alone, plainly."""
-    return np.array([dense.gain(_known(asked), asked.root.gram, places.at(i)) for i in range(len(places))])
+    return np.array([dense.gain(_known(asked), asked.root.weights, places.single(i)) for i in range(len(places))])
 
 
 def test_the_gain_of_one_number_is_the_ratio_of_the_paper() -> None:
     """ΔJ = gᵀCWCg / (σ² + gᵀCg) (B&H eq. 27, 37), and J falls by it."""
     asked = levered(10)
-    known, place = dense.opened(_known(asked), asked.lattice.at(3)), asked.lattice.at(3)
+    known, place = dense.opened(_known(asked), asked.lattice.single(3)), asked.lattice.single(3)
     row = known.observation.rows(int(place.setups[0]), place.poses, place.approaches).rows[0]
-    noise, size = asked.observation.setups[place.setups[0]].noise, asked.root.size
+    noise, size = asked.observation.setups[place.setups[0]].noise, asked.root.unknowns
     h = known.covariance @ row
-    expected = h[:size] @ asked.root.gram @ h[:size] / (noise**2 + row @ h)
-    assert dense.gain(_known(asked), asked.root.gram, place) == pytest.approx(expected, rel=1e-12)
-    after = dense.value(dense.after_readings(_known(asked), place), asked.root.gram)
-    assert dense.value(_known(asked), asked.root.gram) - after == pytest.approx(expected, rel=1e-6)
+    expected = h[:size] @ asked.root.weights @ h[:size] / (noise**2 + row @ h)
+    assert dense.gain(_known(asked), asked.root.weights, place) == pytest.approx(expected, rel=1e-12)
+    after = dense.value(dense.after_readings(_known(asked), place), asked.root.weights)
+    assert dense.value(_known(asked), asked.root.weights) - after == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("nest", [False, True])
@@ -61,9 +61,9 @@ def test_readings_together_bring_what_they_bring_one_after_another(nest: bool) -
     asked = _asked(0, nest)
     places, known, total = asked.lattice.within(np.array([1, 1, 20, 41, 7])), _known(asked), 0.0
     for i in range(len(places)):
-        total += dense.gain(known, asked.root.gram, places.at(i))
-        known = dense.after_readings(known, places.at(i))
-    assert dense.gain(_known(asked), asked.root.gram, places) == pytest.approx(total, rel=1e-6)
+        total += dense.gain(known, asked.root.weights, places.single(i))
+        known = dense.after_readings(known, places.single(i))
+    assert dense.gain(_known(asked), asked.root.weights, places) == pytest.approx(total, rel=1e-6)
     np.testing.assert_allclose(
         known.covariance, dense.after_readings(_known(asked), places).covariance, atol=1e-9 * known.covariance.max()
     )
@@ -78,10 +78,10 @@ def test_every_fast_way_brings_the_plain_gain(seed: int, nest: bool) -> None:
     expected = _gains(asked, places)
     np.testing.assert_allclose(asked.state.scorer().gains(places), expected, rtol=1e-6)
     for i in range(len(places)):
-        entered, change = asked.state.entered(places.at(i))
+        entered, change = asked.state.entered(places.single(i))
         assert change.gain == pytest.approx(expected[i], rel=1e-6)
         assert asked.state.value - entered.value == pytest.approx(expected[i], rel=1e-5)
-        fall = asked.state.value - asked.state.after_readings(places.at(i)).value
+        fall = asked.state.value - asked.state.after_readings(places.single(i)).value
         assert fall == pytest.approx(expected[i], rel=1e-5)
     pool = Pool(asked.observation, asked.lattice)
     np.testing.assert_allclose(Scores(pool, asked.state).gains, _gains(asked, pool.lattice), rtol=1e-6)
@@ -96,7 +96,7 @@ def test_forms_bring_the_plain_gain(axis: int, nest: bool) -> None:
     for setup in (0, 1):
         line = Places.of_setup(setup, np.tile(poses, (9, 1)), np.tile(approaches, (9, 1)))
         line.poses[:, axis] = positions
-        above, below = asked.state.scorer().forms(setup, line.poses, line.approaches)
+        above, below = asked.state.scorer().gain_forms(setup, line.poses, line.approaches)
         np.testing.assert_allclose(above / below, _gains(asked, line), rtol=1e-6)
 
 
@@ -146,7 +146,7 @@ def test_columns_are_those_of_tables_from_which_everything_is_taken_off_at_once(
             plain.change(*parts)
         there = found.copy() if step % 7 == 0 else found
         for slot in range(READINGS):
-            cross, reach = there.of(slot)
+            cross, reach = there.against(slot)
             np.testing.assert_allclose(cross, plain.cross[slot], atol=1e-11)
             np.testing.assert_allclose(reach, plain.reach[slot], atol=1e-11)
 
@@ -156,7 +156,7 @@ def test_a_candidate_opens_the_cells_that_a_reading_there_opens() -> None:
     pool, observation = Pool(task.observation, task.lattice), task.observation
     for index in range(0, len(pool), 5):
         opened = pool.opened(observation, index)
-        assert dict(opened.cells) == dict(visited(observation, pool.lattice.at(index)).cells)
+        assert dict(opened.cells) == dict(visited(observation, pool.lattice.single(index)).cells)
         observation = opened
     assert len(observation.cells) > 0
     assert pool.opened(observation, 0) is observation

@@ -82,7 +82,7 @@ def test_two_readings_and_set_ups_that_move_several_axes_stay_as_they_are() -> N
 def test_where_the_machine_stands_counts() -> None:
     _, task = one_axis()
     before = planned(task)
-    here = replace(task, here=before.at(19))
+    here = replace(task, here=before.single(19))
     after = interleaved(here, Limits(20), in_order(here, before))
     assert seconds_along(here, after) < seconds_along(task, after)
     assert left(here, after) < left(here, in_order(here, before))

@@ -73,7 +73,7 @@ def seen_and_left(case: Case, task: Task, places: Places, values: Array) -> tupl
     ]
     read, after = block(Knowledge(case.observation, case.prior), readings, np.ones(len(readings), dtype=bool))
     chi = float(sum(each.chi_square for each in read.innovations))
-    return chi, case.yardstick.root.of(after.belief.mean[: case.errors.size])
+    return chi, case.yardstick.root.times(after.belief.mean[: case.errors.size])
 
 
 def damage(case: Case, task: Task, places: Places) -> float:
@@ -152,7 +152,7 @@ def test_what_is_left_is_read_in_its_order_wherever_the_campaign_was_broken_off(
     _, task = one_axis(approach)
     order = apart(task)
     for count in range(1, 18, 3):
-        after = replace(task, here=order.at(count - 1), read=order.within(slice(0, count)))
+        after = replace(task, here=order.single(count - 1), read=order.within(slice(0, count)))
         left = order.within(slice(count, None))
         none = replace(after, lattice=Places.none(1))
         kept = renewed(none, Limits(readings=20 - count), left, usual=True)
@@ -172,9 +172,9 @@ def test_a_set_up_that_moves_several_axes_goes_a_short_way() -> None:
 def test_of_several_axes_a_place_that_is_read_again_is_read_last() -> None:
     task = levered(300)
     places = task.lattice.within(np.arange(0, 100, 15))
-    order = in_order(task, Places.joined([places, places.at(2)]))
+    order = in_order(task, Places.joined([places, places.single(2)]))
     assert np.array_equal(order.poses[-1], places.poses[2])
-    assert order.same_as(Places.joined([places, places.at(2)]))
+    assert order.same_as(Places.joined([places, places.single(2)]))
 
 
 def test_many_readings_along_an_axis_lie_one_in_each_part_two_at_its_ends_and_few_where_the_plan_has_them() -> None:

@@ -64,7 +64,7 @@ def test_never_worse_than_designs_that_need_no_thought(seed: int) -> None:
 def test_an_accuracy_out_of_reach_is_given_up_and_one_within_reach_is_not() -> None:
     asked, setups = levered(200), (0, 1)
     base = Scores(Pool(asked.observation, asked.lattice), asked.state)
-    meter = RunningAccuracy.of(asked.yardstick, asked.state.factor)
+    meter = RunningAccuracy.from_factor(asked.yardstick, asked.state.factor)
 
     def made(rms: float, longest: float) -> Trial:
         return filled(base.fork(), meter, Limits(rms=rms), clock(asked), setups, most=100, longest=longest)
@@ -74,7 +74,7 @@ def test_an_accuracy_out_of_reach_is_given_up_and_one_within_reach_is_not() -> N
     assert not near.met
     assert not beyond.met
     assert len(beyond.scores.places) < len(near.scores.places) // 2
-    rms = RunningAccuracy.of(asked.yardstick, near.scores.state.factor).accuracy.rms
+    rms = RunningAccuracy.from_factor(asked.yardstick, near.scores.state.factor).accuracy.rms
     for limit in (1.001 * rms, 1.1 * rms, 1.5 * rms):
         assert made(limit, 1e9).met
         assert made(limit, 1e9).seconds == made(limit, np.inf).seconds
@@ -107,7 +107,7 @@ def test_the_accuracy_after_each_reading_is_that_of_the_belief() -> None:
     plan = make_plan(asked, Limits(readings=5), bounded=False, patience=0.0)
     observation, belief = asked.observation, asked.belief
     for i, reading in enumerate(plan.readings):
-        observation, belief = read_at(observation, belief, plan.places.at(i))
+        observation, belief = read_at(observation, belief, plan.places.single(i))
         np.testing.assert_allclose(reading.accuracy, asked.yardstick.measure(belief), rtol=1e-6)
 
 

@@ -58,7 +58,7 @@ def test_no_place_of_many_gains_more() -> None:
     root = Root.of_gram(volume_moments(observation.errors, whole_travel(observation.errors)).gram)
     step = best_step(known, root, spread(machine, observation.setups, 1500))
     tried = poses_of(machine, 40_000, 11)
-    best = Scorer.of(observation, known.belief, root).at(0, tried, np.ones_like(tried)).max()
+    best = Scorer.from_belief(observation, known.belief, root).gains_at(0, tried, np.ones_like(tried)).max()
     assert best <= step.gain * (1 + 1e-9)
 
 
@@ -77,17 +77,17 @@ def test_the_exact_greedy_sequence_over_a_plane_is_the_published_one() -> None:
         Belief(np.zeros(model.size), covariance),
         Root.of_gram(volume_moments(model, whole_travel(model)).gram),
     )
-    found = [root.value(belief.factor)]
+    found = [root.criterion(belief.factor)]
     lattice = spread(machine, (setup,), 400)
     for _ in range(9):
         step = best_step(Knowledge(observation, belief), root, lattice)
         belief = belief.update(step.row, 0.0, step.variance)
-        found.append(root.value(belief.factor))
+        found.append(root.criterion(belief.factor))
     np.testing.assert_allclose(found, PUBLISHED, rtol=2e-5)
     places = np.stack([g.ravel() for g in np.meshgrid([0.0, 0.5, 1.0], [0.0, 0.5, 1.0])], axis=1)
     rows = observation.rows(0, places, np.ones_like(places)).rows
     even = Belief(np.zeros(model.size), covariance).update(rows, np.zeros(9), np.full(9, 1e-3))
-    assert root.value(even.factor) == pytest.approx(GRID, abs=1e-6)
+    assert root.criterion(even.factor) == pytest.approx(GRID, abs=1e-6)
 
 
 MACHINE = machine_text(

@@ -160,11 +160,11 @@ def test_in_touch_all_axes_come_from_sides_that_one_way_has(text: str) -> None:
     (setup,) = campaign.setups
     chart = setup.chart
     assert chart is not None
-    places, overrun = planned(campaign, 6), np.array([chart.bounds(k).overrun for k in range(chart.size)])
+    places, overrun = planned(campaign, 6), np.array([each.overrun for each in chart.coordinates])
     for place in places:
         (u,) = chart.places(np.array([place.pose]))
         ways = [
-            np.array(place.pose) - chart.poses((u - np.array(side) * overrun)[None])[0] for side in SIDES[chart.size]
+            np.array(place.pose) - chart.poses((u - np.array(side) * overrun)[None])[0] for side in SIDES[len(overrun)]
         ]
         assert any(
             all(come == 0 or come * gone > 0 for come, gone in zip(place.approach, way, strict=True)) for way in ways

@@ -27,7 +27,7 @@ def taken(asked: Task, places: Places, believed: bool = True) -> Task:
     observation, belief = asked.observation, asked.belief
     if believed:
         observation, belief = read_at(observation, belief, places)
-    last = places.at(len(places) - 1)
+    last = places.single(len(places) - 1)
     return replace(asked, observation=observation, belief=belief, here=replace(last, approaches=np.zeros((1, 3))))
 
 
@@ -50,7 +50,7 @@ def worth(asked: Task, places: Places) -> float:
 def way(asked: Task, places: Places) -> float:
     """Return the seconds of readings in this order, one after the other."""
     machine, before, seconds = asked.observation.machine, asked.here, 0.0
-    for place in map(places.at, range(len(places))):
+    for place in map(places.single, range(len(places))):
         setup = asked.observation.setups[place.setups[0]]
         if before is None or before.setups[0] != place.setups[0]:
             seconds += setup.setup_time
@@ -87,7 +87,7 @@ def test_a_plan_that_no_exchange_improves_stays_in_its_order() -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_after_a_reading_elsewhere_no_worse_than_what_was_left_and_about_as_good_as_a_new_plan(seed: int) -> None:
     pose = np.random.default_rng(seed).uniform([-1.0, 0.0, 0.0], [2.0, 0.6, 0.4])
-    after = taken(ASKED, part(PLAN, 0, 4).moved(np.vstack([PLAN.poses[:3], pose])))
+    after = taken(ASKED, part(PLAN, 0, 4).at_poses(np.vstack([PLAN.poses[:3], pose])))
     rest = renewed(after, Limits(readings=10), part(PLAN, 4))
     fresh = make_plan(after, Limits(readings=10), patience=0.0, bounded=False)
     assert len(rest) == 10
@@ -102,7 +102,7 @@ def test_a_rejected_reading_is_made_up_for_where_an_accuracy_is_asked_for() -> N
     plan = make_plan(ASKED, limits, patience=0.0, bounded=False)
     assert plan.met
     half = len(plan.places) // 2
-    first, bad = taken(ASKED, part(plan.places, 0, half)), plan.places.at(half)
+    first, bad = taken(ASKED, part(plan.places, 0, half)), plan.places.single(half)
     without = taken(first, bad, believed=False)
     rest = renewed(without, limits, part(plan.places, half + 1))
     assert limits.met(ASKED.yardstick.measure(taken(without, rest).belief))

@@ -8,7 +8,7 @@ import pytest
 from axiscal.measurement.reading import Places
 from axiscal.planning.gains import covariance
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import Covariance, RunningAccuracy, along
+from axiscal.planning.gains.covariance import Covariance, RunningAccuracy, after_each
 from axiscal.planning.gains.gain import joint_gains
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Task
@@ -18,7 +18,7 @@ from tests.planning.test_three_values import mixed
 
 def _fresh(scores: Scores, start: Covariance) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     state = start.after_readings(scores.places)
-    above, below = scores.pool.forms(state.scorer())
+    above, below = scores.pool.gain_forms(state.scorer())
     return joint_gains(above.transpose(2, 0, 1), below.transpose(2, 0, 1))
 
 
@@ -52,7 +52,7 @@ def test_repeating_in_one_cell_shares_its_rest() -> None:
     scores = Scores(Pool(asked.observation, asked.lattice), asked.state)
     scores.enter(5)
     again = float(scores.gains[5])
-    independent = asked.state.after_readings(scores.pool.lattice.at(5))
+    independent = asked.state.after_readings(scores.pool.lattice.single(5))
     assert again == pytest.approx(float(_fresh(scores, asked.state)[5]), rel=1e-8)
     assert independent.value == pytest.approx(scores.state.value, rel=1e-10)
 
@@ -84,8 +84,8 @@ def test_candidates_of_some_setups_have_the_gains_that_they_have_among_all(asked
 
 def test_a_factor_stays_narrow_however_often_readings_leave() -> None:
     asked = levered(100)
-    state = asked.state.opened(asked.lattice.at(0))
-    rows, variances, _ = state.rows(asked.lattice.at(0))
+    state = asked.state.opened(asked.lattice.single(0))
+    rows, variances, _ = state.rows(asked.lattice.single(0))
     row, variance = rows[0], float(variances[0])
     value = state.value
     for _ in range(80):
@@ -104,7 +104,7 @@ def test_readings_that_enter_together_are_those_that_enter_one_by_one(asked: Tas
     together.without(0)
     together.leave(0)
     places = asked.lattice.within(np.arange(0, 50, 5))
-    gains = sum(one.enter(places.at(index)) for index in range(len(places)))
+    gains = sum(one.enter(places.single(index)) for index in range(len(places)))
     assert together.enter_all(places) == pytest.approx(gains, rel=1e-9)
     np.testing.assert_allclose(together.gains, one.gains, rtol=1e-7)
     np.testing.assert_allclose(together.losses(), one.losses(), rtol=1e-6)
@@ -152,10 +152,13 @@ def test_the_figures_after_each_reading_are_those_of_readings_one_by_one(
     monkeypatch.setattr(covariance, "_TOGETHER", together)
     chosen = np.random.default_rng(3).permutation(len(asked.lattice))[:20]
     order, state = asked.lattice.within(np.concatenate([chosen, chosen[:3]])), asked.state
-    found, meter = list(along(state, asked.yardstick, order)), RunningAccuracy.of(asked.yardstick, state.factor)
+    found, meter = (
+        list(after_each(state, asked.yardstick, order)),
+        RunningAccuracy.from_factor(asked.yardstick, state.factor),
+    )
     assert len(found) == len(order)
     for i, (value, accuracy) in enumerate(found):
-        state, change = state.entered(order.at(i))
+        state, change = state.entered(order.single(i))
         meter = meter.after(change)
         assert value == pytest.approx(state.value, rel=1e-8)
         np.testing.assert_allclose(accuracy, meter.accuracy, rtol=1e-8)
@@ -163,4 +166,4 @@ def test_the_figures_after_each_reading_are_those_of_readings_one_by_one(
 
 def test_of_no_reading_there_is_nothing_to_say() -> None:
     asked = splines(1, 5, 0.1, 50)
-    assert not list(along(asked.state, asked.yardstick, asked.lattice.within(slice(0, 0))))
+    assert not list(after_each(asked.state, asked.yardstick, asked.lattice.within(slice(0, 0))))

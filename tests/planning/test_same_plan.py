@@ -35,7 +35,7 @@ class _Turned(Task):
 
     @property
     def state(self) -> Covariance:
-        return Covariance.of(self.observation, self.belief.factor @ self.turn, self.root)
+        return Covariance.from_factor(self.observation, self.belief.factor @ self.turn, self.root)
 
 
 def _turned(asked: Task, seed: int) -> Task:

@@ -55,7 +55,7 @@ def begun(name: str) -> tuple[Case, Scorer, Places]:
     lattice = spread(case.description.machine, case.description.setups, 120)
     knowledge = case.knowledge
     known = knowledge.read([_reading(case, lattice, number) for number in (3, 40)])
-    return case, Scorer.of(known.observation, known.belief, root_of(case, known.belief)), lattice
+    return case, Scorer.from_belief(known.observation, known.belief, root_of(case, known.belief)), lattice
 
 
 def _reading(case: Case, lattice: Places, number: int) -> Reading:
@@ -73,7 +73,7 @@ def gains_along(case: Case, scorer: Scorer, climb: Climb, number: int, values: A
     taken = has_room(chart, places, sides)
     come = arrivals_of(case.description.machine, setup, chart, places[taken], sides[taken])
     found = np.full(len(values), -np.inf)
-    found[taken] = scorer.at(0, chart.poses(places[taken]), come)
+    found[taken] = scorer.gains_at(0, chart.poses(places[taken]), come)
     return found
 
 
@@ -89,7 +89,7 @@ def chart_of(scorer: Scorer) -> Chart:
 def test_nowhere_along_a_coordinate_is_there_a_better_reading(name: str) -> None:
     case, scorer, lattice = begun(name)
     climb = Climb.begun(scorer, 0, lattice.poses[[7]], lattice.approaches[[7]])
-    for number in range(chart_of(scorer).size):
+    for number in range(len(chart_of(scorer).coordinates)):
         _, _, (best,) = climb._along(number)
         cut = climb.ground.pieces(number, climb.places[0], climb.sides[0])
         assert len(cut) > 5
@@ -139,7 +139,7 @@ def test_a_raster_keeps_to_its_steps() -> None:
     text = AT_BALL.format(instrument="probe", keys="@").replace("@", keys)
     case = Case(campaign_from_texts(text, "c.toml", load_machine("dmu60").text, "dmu60"))
     lattice = spread(case.description.machine, case.description.setups, 60)
-    scorer = Scorer.of(case.observation, case.prior, case.yardstick.root)
+    scorer = Scorer.from_belief(case.observation, case.prior, case.yardstick.root)
     climb = Climb.begun(scorer, 0, lattice.poses[:2], lattice.approaches[:2])
     climb.finish()
     swivels = np.degrees(climb.readings[0][:, 1])

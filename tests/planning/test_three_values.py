@@ -59,12 +59,14 @@ def dense_value(asked: Task, places: Places) -> float:
         noise = observation.setups[setup].noise ** 2 * np.eye(seen.covariances.shape[1])
         np.testing.assert_allclose(seen.covariances, np.tile(noise, (len(mine), 1, 1)), atol=1e-30)
     known = dense.DenseState(observation, observation.prior_covariance())
-    return dense.value(dense.after_readings(known, places), asked.root.gram)
+    return dense.value(dense.after_readings(known, places), asked.root.weights)
 
 
 def _falls(asked: Task, places: Places, pool: Pool, indices: Array) -> Array:
     before = dense_value(asked, places)
-    return np.array([before - dense_value(asked, Places.joined([places, pool.lattice.at(int(i))])) for i in indices])
+    return np.array(
+        [before - dense_value(asked, Places.joined([places, pool.lattice.single(int(i))])) for i in indices]
+    )
 
 
 @pytest.mark.long
@@ -128,10 +130,10 @@ def test_no_pose_gains_more_than_the_chosen_one(seed: int) -> None:
         state = state.entered(Places.of_setup(setup, *random_poses(asked, rng, 1)))[0]
     belief = type(asked.belief)(np.zeros(len(state.factor)), state.factor @ state.factor.T)
     step = best_step(Knowledge(state.observation, belief), asked.root, asked.lattice)
-    scorer = Scorer.of(state.observation, belief, asked.root)
+    scorer = Scorer.from_belief(state.observation, belief, asked.root)
     for setup in (0, 1):
         poses, approaches = random_poses(asked, rng, 20000)
-        assert scorer.at(setup, poses, approaches).max() <= step.gain * (1 + 1e-3)
+        assert scorer.gains_at(setup, poses, approaches).max() <= step.gain * (1 + 1e-3)
     after = state.entered(step.place)[0]
     assert state.value - after.value == pytest.approx(step.gain, rel=1e-6)
 
@@ -146,7 +148,7 @@ def test_forms_of_three_values_are_their_gains(axis: int) -> None:
         for position in np.linspace(*asked.observation.machine.axes[axis].travel, 3):
             pose = poses[line].copy()
             pose[axis] = position
-            above, below = scorer.forms(0, pose[None], approaches[line][None])
+            above, below = scorer.gain_forms(0, pose[None], approaches[line][None])
             fall = start - dense_value(asked, Places.one(0, pose, approaches[line]))
             assert above[0] / below[0] == pytest.approx(fall, rel=1e-6)
 

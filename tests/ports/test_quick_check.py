@@ -150,7 +150,7 @@ def _loss(case: Case, places: Places) -> float:
     """Return the sum over the crashes, by a Cholesky root of the scatter of all numbers."""
     rows, variances = list[Array](), list[Array]()
     for index in range(len(places)):
-        one = places.at(index)
+        one = places.single(index)
         for seen in case.observation.rows_each(int(one.setups[0]), one.poses, one.approaches):
             rows.append(seen.rows)
             variances.append(seen.variances)

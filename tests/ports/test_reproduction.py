@@ -102,7 +102,7 @@ def test_no_lattice_point_beats_a_reading_chosen(experiment: Experiment, name: s
 
     def gains(factor: Array, rows: Array) -> Array:
         seen = rows @ factor
-        reach = seen @ stack.joint.of(factor).T
+        reach = seen @ stack.joint.times(factor).T
         found: Array = np.sum(reach**2, axis=1) / (stack.setup.noise**2 + np.sum(seen**2, axis=1))
         return found
 

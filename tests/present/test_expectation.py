@@ -59,12 +59,12 @@ def test_a_place_that_was_read_before_is_said_with_its_number(tmp_path: Path) ->
     with Campaign.create(tmp_path / "mill.axiscal", described) as campaign:
         first = campaign.next()
         assert isinstance(first, Asked)
-        question = Question.of(campaign, first)
+        question = Question.from_campaign(campaign, first)
         assert question.again == ""
         known = expectation(campaign.estimate(), first.place)
         assert question.surprise(known.mean - 3 * known.std) == pytest.approx(3.0)
         campaign.record(1e-6)
-        assert "where reading 1 was taken" in Question.of(campaign, Asked(2, first.place)).again
+        assert "where reading 1 was taken" in Question.from_campaign(campaign, Asked(2, first.place)).again
         other = campaign.next()
         assert isinstance(other, Asked)
-        assert Question.of(campaign, other).again == ""
+        assert Question.from_campaign(campaign, other).again == ""

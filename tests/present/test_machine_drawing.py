@@ -30,7 +30,7 @@ from axiscal.present.drawing.scene import (
     flat,
 )
 from axiscal.present.machine_drawing.instruments import _DRAWN
-from axiscal.present.machine_drawing.machine_scene import machine_parts, reached
+from axiscal.present.machine_drawing.machine_scene import machine_parts, reach_edges
 from axiscal.present.machine_drawing.setup_picture import plan_picture, setup_scene
 from axiscal.present.machine_drawing.standing_machine import StandingMachine
 from tests.docs.howtos import DOCS, written
@@ -117,7 +117,7 @@ def test_the_tip_is_where_the_chain_puts_it(machine: Machine) -> None:
             if room.tool
             else room.tip
         )
-        there = (room.moved(room.spindle) @ np.append(room.tip, 1.0))[:3]
+        there = (room.part_motion(room.spindle) @ np.append(room.tip, 1.0))[:3]
         np.testing.assert_allclose(there, on_bed, atol=1e-12)
         np.testing.assert_allclose(room.on_table(tip(machine, pose)[None])[0], there, atol=1e-12)
         np.testing.assert_allclose(room.tip_now, there, atol=1e-12)
@@ -168,7 +168,7 @@ def test_what_is_reached_holds_the_tool_and_the_drawing_shows_the_machine(machin
     solids = [part for part in machine_parts(room) if isinstance(part, Solid)]
     assert len(solids) >= 4
     if any(not axis.rotary for axis in machine.axes):
-        lines = np.vstack([part.points for part in reached(room)])
+        lines = np.vstack([part.points for part in reach_edges(room)])
         assert np.ptp(lines, axis=0).max() == pytest.approx((high - low).max(), rel=1e-9)
 
 
@@ -335,7 +335,7 @@ def test_a_line_on_the_table_moves_with_it() -> None:
     """Two drawings of one mill differ for the table by what its axes differ, and not at all for the column."""
     machine = load_machine("three-axis-mill")
     one, other = (StandingMachine(machine, np.array(pose)) for pose in ([0.1, 0.1, 0.1], [0.3, 0.25, 0.1]))
-    for a, b in zip(reached(one), reached(other), strict=True):
+    for a, b in zip(reach_edges(one), reach_edges(other), strict=True):
         assert isinstance(a, Stroke)
         np.testing.assert_allclose(b.points - a.points, np.tile([-0.2, -0.15, 0.0], (2, 1)), atol=1e-12)
     bed = [_lowest([part for part in machine_parts(room) if isinstance(part, Solid)]) for room in (one, other)]

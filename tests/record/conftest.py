@@ -18,8 +18,8 @@ def server() -> Iterator[RunningServer]:
         database = Database(store_address(found.address()))
         assert prepare(database)
         for role in ("reader", "measurer"):
-            database.rows(f"CREATE ROLE {role} LOGIN IN ROLE axiscal_{role}")
-        database.rows("CREATE ROLE stranger LOGIN")
+            database.select(f"CREATE ROLE {role} LOGIN IN ROLE axiscal_{role}")
+        database.select("CREATE ROLE stranger LOGIN")
         database.close()
         yield found
 

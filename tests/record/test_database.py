@@ -43,7 +43,7 @@ def by_tls(port: int, mode: str, host: str = NAMES[0]) -> bool:
     address = f"postgresql://{OWNER}@{host}:{port}/postgres" + (f"?sslmode={mode}" if mode else "")
     database = Database(store_address(address, {}))
     try:
-        return bool(database.rows("SELECT ssl FROM pg_stat_ssl WHERE pid = pg_backend_pid()")[0][0])
+        return bool(database.select("SELECT ssl FROM pg_stat_ssl WHERE pid = pg_backend_pid()")[0][0])
     finally:
         database.close()
 

@@ -74,7 +74,7 @@ def test_nobody_changes_or_deletes_and_its_owner_neither(server: RunningServer, 
     other = as_user(server, user)
     for change in CHANGES:
         with pytest.raises(RecordError, match="may not do that"):
-            other.rows(change)
+            other.select(change)
         assert log.texts() == before, change
     other.close()
 
@@ -91,7 +91,9 @@ def test_who_may_read_and_who_may_add(server: RunningServer, log: ServerLog) -> 
                     opened.append(READING)
     with pytest.raises(RecordError, match="axiscal_reader"):
         ServerLog.open(as_user(server, "stranger"), name)
-    writers = log._database.rows("SELECT DISTINCT writer FROM axiscal.events WHERE number = 4 AND writer = 'measurer'")
+    writers = log._database.select(
+        "SELECT DISTINCT writer FROM axiscal.events WHERE number = 4 AND writer = 'measurer'"
+    )
     assert writers == [["measurer"]]
 
 
@@ -107,20 +109,20 @@ def test_the_server_itself_refuses_what_does_not_follow(
     log: ServerLog, number: str, payload: str, digest: str, said: str
 ) -> None:
     with pytest.raises(RecordError, match=said):
-        log._database.rows(_INSERT.format(number=number, payload=payload, digest=digest))
+        log._database.select(_INSERT.format(number=number, payload=payload, digest=digest))
     assert log.last() == 3
 
 
 def test_what_was_changed_behind_its_back_is_said(log: ServerLog, database: Database) -> None:
-    database.rows("ALTER TABLE axiscal.events DISABLE TRIGGER keep")
+    database.select("ALTER TABLE axiscal.events DISABLE TRIGGER keep")
     try:
-        database.rows(
+        database.select(
             "UPDATE axiscal.events SET payload = replace(payload, '1e-06', '2e-06') "
             "WHERE number = 2 AND campaign = CAST(:id AS uuid)",
             id=log.entry.id,
         )
     finally:
-        database.rows("ALTER TABLE axiscal.events ENABLE TRIGGER keep")
+        database.select("ALTER TABLE axiscal.events ENABLE TRIGGER keep")
     with pytest.raises(RecordError, match="damaged: event 2 does not follow"):
         ServerLog.open(database, log.entry.name)
 
@@ -138,7 +140,7 @@ def test_two_campaigns_of_one_name_are_refused_and_an_id_names_one(log: ServerLo
 )
 def test_a_name_is_never_a_part_of_a_query(database: Database, name: str, request: pytest.FixtureRequest) -> None:
     name = f"{name} {name_of(request)}"
-    database.rows("SET standard_conforming_strings = off")  # a backslash would hide a quotation mark
+    database.select("SET standard_conforming_strings = off")  # a backslash would hide a quotation mark
     ServerLog.create(database, name, CREATED).append(READING, after=1)
     assert ServerLog.open(database, name).last() == 2
 
@@ -166,8 +168,8 @@ def test_an_answer_that_was_not_waited_for_is_not_taken_for_the_next_one(
     with monkeypatch.context() as patched:
         patched.setattr(Connection, "handle_messages", interrupted)
         with pytest.raises(KeyboardInterrupt):
-            database.rows("SELECT 1")
-    assert database.rows("SELECT 2") == [[2]]
+            database.select("SELECT 1")
+    assert database.select("SELECT 2") == [[2]]
 
 
 ADDRESSES: dict[str, Callable[[RunningServer], str]] = {
@@ -254,23 +256,23 @@ def test_a_server_that_goes_away_and_comes_back_has_lost_nothing() -> None:
 def _ended_in_the_middle(server: RunningServer, database: Database, log: ServerLog) -> None:
     """End our session before each statement of an append: it is there whole or not at all, and can be given again."""
     keeper, told = Database(store_address(server.address())), list[str]()
-    asked = database.rows
+    asked = database.select
     for nth in range(4):
         statements, last = iter(range(99)), log.last()
 
         def rows(query: str, _nth: int = nth, _counted: object = statements, **values: object) -> list[list[object]]:
             if next(_counted) == _nth:  # type: ignore[call-overload]
-                keeper.rows("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid() AND "
-                            "application_name = 'axiscal'")  # fmt: skip
+                keeper.select("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid() "
+                              "AND application_name = 'axiscal'")  # fmt: skip
             return asked(query, **values)
 
-        database.rows, database.at_once = rows, _never_at_once  # type: ignore[method-assign,assignment]
+        database.select, database.at_once = rows, _never_at_once  # type: ignore[method-assign,assignment]
         try:
             log.append(READING, READING, after=last)
         except RecordError as failure:
             told.append(failure.what)
         finally:
-            database.rows = asked  # type: ignore[method-assign]
+            database.select = asked  # type: ignore[method-assign]
             del database.at_once
         assert log.last() in (last, last + 2)
         assert log.append(READING, after=log.last()) == log.last()
@@ -290,11 +292,11 @@ def _ended_while_it_was_asked_once(server: RunningServer, database: Database, lo
     end = "SELECT pg_terminate_backend(pid, 5000) FROM pg_stat_activity WHERE pid <> pg_backend_pid() AND "
 
     def dropped(line: int) -> bool:
-        keeper.rows(f"{end} application_name = 'axiscal'")
+        keeper.select(f"{end} application_name = 'axiscal'")
         return speaks(line)
 
     def dropped_after_a_look(line: int) -> bool:
-        keeper.rows(f"{end} application_name = 'axiscal'")
+        keeper.select(f"{end} application_name = 'axiscal'")
         return False
 
     for each in (dropped, dropped_after_a_look):
@@ -349,7 +351,7 @@ def test_what_the_server_still_does_while_its_answer_is_lost_is_kept_once(
             other._tried(lambda: slowly(query, values))
 
     def slowly(query: str, values: dict[str, object]) -> None:
-        other.rows(query, **values)
+        other.select(query, **values)
         begun.set()
         time.sleep(0.5)  # a look in the meantime finds nothing
 
@@ -373,19 +375,19 @@ def test_an_append_is_one_question_to_the_server(log: ServerLog, database: Datab
     def never(query: str, **values: object) -> list[list[object]]:
         raise AssertionError(query)
 
-    database.rows = never  # type: ignore[method-assign]
+    database.select = never  # type: ignore[method-assign]
     try:
         assert [log.append(READING) for _ in range(3)] == [4, 5, 6]
     finally:
-        del database.rows
+        del database.select
 
 
 def test_what_is_put_back_is_said_by_the_one_question_too(log: ServerLog, database: Database) -> None:
-    database.rows("ALTER TABLE axiscal.events DISABLE TRIGGER keep")
+    database.select("ALTER TABLE axiscal.events DISABLE TRIGGER keep")
     try:
-        database.rows("DELETE FROM axiscal.events WHERE number = 3 AND campaign = CAST(:id AS uuid)", id=log.entry.id)
+        database.select("DELETE FROM axiscal.events WHERE number = 3 AND campaign = CAST(:id AS uuid)", id=log.entry.id)
     finally:
-        database.rows("ALTER TABLE axiscal.events ENABLE TRIGGER keep")
+        database.select("ALTER TABLE axiscal.events ENABLE TRIGGER keep")
     with pytest.raises(RecordError, match="an older state of the store"):
         log.append(READING)
 
@@ -427,7 +429,7 @@ def test_the_store_takes_from_no_client_what_is_no_event(
     with pytest.raises(RecordError, match="The store refuses it"):
         insert(measurer, log.entry.id, 3, [ChainedText(row, chained(log.name, row))])
     with pytest.raises(RecordError, match="axiscal_measurer"):
-        measurer.rows(_INSERT.format(number=_NEXT, payload="payload", digest="digest"))
+        measurer.select(_INSERT.format(number=_NEXT, payload="payload", digest="digest"))
     measurer.close()
     assert log.last() == 3
 
@@ -442,10 +444,10 @@ def test_the_store_takes_no_name_that_is_none(log: ServerLog, database: Database
 
 @pytest.mark.parametrize("form", [1, 2])
 def test_a_store_of_before_is_prepared_once_more(server: RunningServer, database: Database, form: int) -> None:
-    database.rows(f"CREATE DATABASE earlier{form}")
+    database.select(f"CREATE DATABASE earlier{form}")
     earlier = Database(store_address(server.address(f"earlier{form}")))
     for script in range(1, form + 1):
-        earlier.rows((ROOT / "tests" / "record" / "earlier" / f"store-{script}.sql").read_text())
+        earlier.select((ROOT / "tests" / "record" / "earlier" / f"store-{script}.sql").read_text())
     with pytest.raises(RecordError, match="sync --prepare"):
         ServerLog.create(earlier, "mill", CREATED)
     assert [prepare(earlier), prepare(earlier)] == [True, False]
@@ -454,10 +456,10 @@ def test_a_store_of_before_is_prepared_once_more(server: RunningServer, database
 
 
 def test_a_newer_store_is_refused(server: RunningServer, database: Database) -> None:
-    database.rows("CREATE DATABASE newer")
+    database.select("CREATE DATABASE newer")
     newer = Database(store_address(server.address("newer")))
     prepare(newer)
-    newer.rows("INSERT INTO axiscal.form VALUES (99)")
+    newer.select("INSERT INTO axiscal.form VALUES (99)")
     with pytest.raises(RecordError, match="newer axiscal"):
         ServerLog.create(newer, "mill", CREATED)
     newer.close()
@@ -478,7 +480,7 @@ def test_what_a_measurer_holds_open_stops_nobody(log: ServerLog, server: Running
     other = ServerLog.open(as_user(server, "measurer"), log.entry.id)
 
     def kept_open() -> None:
-        measurer.rows(statement)
+        measurer.select(statement)
         insert(measurer, log.entry.id, 3, [ChainedText(row, chained(log.name, row))])
         assert [log.append(Noted("x")), other.append(Noted("y")), log.append(Noted("z"))] == [4, 5, 6]
 
@@ -508,7 +510,7 @@ def test_an_entry_that_is_none_is_set_aside_by_the_owner_alone(
     assert again.append(READING) == 4
     with pytest.raises(RecordError, match="was set aside"):  # a laptop that still has it cannot bring it back
         insert(measurer, log.entry.id, 4, texts[:1])
-    assert log._database.rows("SELECT count(*) FROM axiscal.events WHERE payload = '{}'")[0][0] >= 1
+    assert log._database.select("SELECT count(*) FROM axiscal.events WHERE payload = '{}'")[0][0] >= 1
     for text in ("store:4", f"store:{log.entry.id}:x"):
         assert run(["sync", "--quarantine", text, "--store", address]) == 2
     assert run(["sync", "--quarantine", f"store:{log.entry.id}:1", "--store", address]) == 1
@@ -518,7 +520,7 @@ def test_an_entry_that_is_none_is_set_aside_by_the_owner_alone(
 
 def test_only_serializable_transactions_add_events(log: ServerLog, server: RunningServer) -> None:
     measurer, row = as_user(server, "measurer"), EventText(AT, "noted", '{"text":"mine"}')
-    measurer.rows("SET default_transaction_isolation = 'read committed'")
+    measurer.select("SET default_transaction_isolation = 'read committed'")
     with pytest.raises(RecordError, match="only a serializable transaction"):
         insert(measurer, log.entry.id, 3, [ChainedText(row, chained(log.name, row))])
     measurer.close()

@@ -178,7 +178,7 @@ def test_a_server_that_goes_away_at_any_moment_leaves_a_beginning(
     shop: Shop, server: RunningServer, case: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _made(shop, case)
-    keeper, asked, told = Database(store_address(server.address())), Database.rows, 0
+    keeper, asked, told = Database(store_address(server.address())), Database.select, 0
     mine = shop.database
     for nth in range(14):
         counted = iter(range(99))
@@ -191,7 +191,7 @@ def test_a_server_that_goes_away_at_any_moment_leaves_a_beginning(
 
         before, mine_before = shop.chains(), [text.chain for text in shop.texts("two")]
         with monkeypatch.context() as patched:
-            patched.setattr(Database, "rows", rows)
+            patched.setattr(Database, "select", rows)
             try:
                 shop.synced("two")
             except RecordError:
@@ -226,7 +226,7 @@ def test_the_command_says_what_was_done(
     server: RunningServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     keeper = Database(store_address(server.address()))
-    keeper.rows("CREATE DATABASE shop")
+    keeper.select("CREATE DATABASE shop")
     keeper.close()
     monkeypatch.setenv("AXISCAL_STORE", server.address("shop"))
     monkeypatch.chdir(tmp_path)

@@ -31,7 +31,7 @@ def _store() -> Iterator[RunningServer]:
     with running_server() as server:
         keeper = Database(store_address(server.address()))
         prepare(keeper)
-        keeper.rows(f"CREATE ROLE {MEASURER} LOGIN IN ROLE axiscal_measurer")
+        keeper.select(f"CREATE ROLE {MEASURER} LOGIN IN ROLE axiscal_measurer")
         ServerLog.create(keeper, SHARED, CREATED)
         keeper.close()
         yield server
@@ -53,7 +53,7 @@ def clients(count: int, seconds: float, seed: int = 7) -> Trial:
         keeper, end = _opened(server, "keeper"), time.monotonic() + seconds
         while time.monotonic() < end:
             time.sleep(drawn.uniform(0.1, 2.0))
-            cuts += len(keeper.rows(_CUT))
+            cuts += len(keeper.select(_CUT))
         for child in children:
             os.kill(child, signal.SIGTERM)
             os.waitpid(child, 0)
@@ -172,9 +172,9 @@ def statements(count: int, seed: int = 11) -> Trial:
             bad = _opened(server)
             for _ in range(count):
                 with suppress(RecordError):
-                    bad.rows(_wild(drawn, campaign))
+                    bad.select(_wild(drawn, campaign))
                 with suppress(RecordError):
-                    bad.rows("ROLLBACK")  # else everything behind a refusal is refused unread
+                    bad.select("ROLLBACK")  # else everything behind a refusal is refused unread
             os._exit(0)
         longest, value, ended = 0.0, 0, (0, 0)
         with ServerLog.open(_opened(server), SHARED) as log:

@@ -478,7 +478,9 @@ def test_pivots_take_away_where_rotors_lie(way: str, sign: int) -> None:
     errors = {name: 1e-5 * (1 + i) for i, name in enumerate(pivots.names(machine))}
     for name, value in errors.items():
         only[model.names[name].columns] = value
-    control = pivots.control(machine, nominal, pivots.read(pivots.write(pivots.pivots(machine, errors), "mm"), "mm"))
+    control = pivots.joint_shift(
+        machine, nominal, pivots.read(pivots.write(pivots.pivots(machine, errors), "mm"), "mm")
+    )
     found = effect_of_control(machine, lambda p, a: model.rows(p, a) @ only, control, poses, estimate.box)
     assert found.after < 1e-9 < 1e-5 < found.before
 

@@ -88,7 +88,7 @@ def answer_text(answer: ResultAnswer, agreement: str, record: str, results: str 
     found = [_agreement(answer, agreement), _unmeasured(answer), _checked(answer.checked)]
     return AnswerText(
         _first_line(answer),
-        cells(groups, controls_of(groups)) if groups else [],
+        table_lines(groups, controls_of(groups)) if groups else [],
         [sentence for sentence in found if sentence],
         list(_commands(answer.steps, shlex.quote(record), results)),
     )
@@ -153,7 +153,7 @@ def controls_of(groups: Sequence[Sequence[AnswerRow]]) -> list[str]:
     return list(dict.fromkeys(name for group in groups for row in group for name in row.left))
 
 
-def cells(groups: Sequence[Sequence[AnswerRow]], controls: Sequence[str]) -> list[list[str]]:
+def table_lines(groups: Sequence[Sequence[AnswerRow]], controls: Sequence[str]) -> list[list[str]]:
     """Return the heading and a line for each group of rows: its name, found, U, what each control leaves."""
     lefts = [said("left with {control}", control=name) if number == 0 else name for number, name in enumerate(controls)]
     lines = [["", said("found"), "U (95 %)", *lefts]]
@@ -342,10 +342,10 @@ def _table(groups: Sequence[Sequence[AnswerRow]], room: int, advised: str) -> It
         hidden = sum(map(len, groups[room - 2 : -1]))
         groups = [*groups[: room - 2], groups[-1]]
     controls = sorted(controls_of(groups), key=lambda name: name == advised)[-_LEFT:]
-    lines = columns(cells(groups, controls))
+    lines = columns(table_lines(groups, controls))
     while controls and max(map(len, lines)) > WIDTH:
         controls = controls[1:]
-        lines = columns(cells(groups, controls))
+        lines = columns(table_lines(groups, controls))
     yield from lines
     if hidden:
         yield counted("  … and {count} row in result.json", "  … and {count} rows in result.json", hidden)

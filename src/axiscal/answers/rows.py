@@ -74,9 +74,9 @@ def _row(asked: AskedRow, functional: Functional, known: Estimation, controls: M
         at, left = functional.rows(case.errors) @ estimate.mean, dict[str, Array]()
     else:
         where = functional.poses, functional.sides
-        at = functional.of(estimate.deviation(*where))
+        at = functional.row(estimate.deviation(*where))
         left = {
-            name: functional.of(left_by(estimate.machine, estimate.deviation, control, *where))
+            name: functional.row(left_by(estimate.machine, estimate.deviation, control, *where))
             for name, control in controls.items()
         }
     found = _squares(functional, at) + variances
@@ -104,17 +104,17 @@ def _volume(asked: AskedRow, known: Estimation, controls: Mapping[str, Control])
     def shape(deviations: Array) -> Array:
         return deviations if estimate.alignment is None else estimate.alignment.left(where[0], deviations)
 
-    def size(deviations: Array) -> float:
+    def root_mean_square(deviations: Array) -> float:
         return float(np.hypot(rms(shape(deviations), estimate.counted), unknown))
 
     here = estimate.deviation(*where)
     return AnsweredRow(
         **vars(known_row(asked, known.case, known.printed.belief, bool(known.readings))),
-        found=size(here),
+        found=root_mean_square(here),
         largest=float(np.hypot(_farthest(shape(here), estimate.counted), unknown)),
         stated=without_readings(asked, known.stated),
         left={
-            name: size(left_by(estimate.machine, estimate.deviation, control, *where))
+            name: root_mean_square(left_by(estimate.machine, estimate.deviation, control, *where))
             for name, control in controls.items()
         },
     )

@@ -46,7 +46,7 @@ def described(record: EventLog) -> CampaignDescription:
     if created is None:
         raise RecordError("The record is empty", "Start a campaign with `axiscal step start`", record.path)
     description = created_description(created)
-    possible = Possible.of(description)
+    possible = Possible.at_start(description)
     for stored in record.events():
         if fault := possible.fault(stored.event):
             what = "The record is damaged: event {number} cannot be: {reason}"
@@ -145,7 +145,7 @@ class Possible:
     before_jumps: frozenset[str] = frozenset()
 
     @classmethod
-    def of(cls, description: CampaignDescription) -> Possible:
+    def at_start(cls, description: CampaignDescription) -> Possible:
         """Return what can happen at the beginning of a campaign."""
         axes = description.machine.axes
         bounds = ((*axis.travel, _SLACK * axis.length) for axis in axes)

@@ -246,7 +246,7 @@ def _fitting(
 
 def _following(entries: Mapping[int, EventText], description: CampaignDescription, path: Path) -> list[EventText]:
     """Return entries with the numbers that they have now; raises _UnfitError."""
-    folding, possible = Folding(), Possible.of(description)
+    folding, possible = Folding(), Possible.at_start(description)
     numbers, rows = dict[int, int](), list[EventText]()
     for number, row in entries.items():
         event = _event(number, row)

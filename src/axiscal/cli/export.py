@@ -147,7 +147,7 @@ def export(
         doubts = [finding.text for finding in findings(estimation, ended=campaign.state.finished is not None)]
         agreement = agreement_words(estimation, record) if estimation.readings else ""
         offered = introduced(offered, doubts, agreement, record_state(campaign))
-        sent = None if loader is None else loader.taken(offered.files)
+        sent = None if loader is None else loader.accepted_text(offered.files)
         manifest = f"manifest-{offered.controller}.json"
         with result_set(out, manifest) as folder:
             write_files(offered, folder)

@@ -284,7 +284,7 @@ def check(
     with Campaign.open(record, write=False) as campaign:
         begun = datetime.fromisoformat(campaign.begun)
         share = kept if kept is not None else _usual(begun)
-        asked = QuickCheck.of(campaign, share, tables)
+        asked = QuickCheck.from_campaign(campaign, share, tables)
     if found is None:
         _planned(asked, record, readings, plan, json)
         return

@@ -72,7 +72,7 @@ class Prompt:
     def _answered(self, asked: Asked | Ended) -> _Then:
         if isinstance(asked, Ended):
             return self._ended(asked)
-        question = Question.of(self.campaign, asked)
+        question = Question.from_campaign(self.campaign, asked)
         if question.setup != self.mounted:
             steps = [f"  {step.name:<9} {step.what}" for step in question.mounting]
             mounted = said('Set-up "{setup}"', setup=question.setup)

@@ -36,7 +36,7 @@ class StageLine:
         with self._lock:
             self._stack.append((stage, time.monotonic()))
 
-    def moved(self, number: int) -> None:
+    def advanced(self, number: int) -> None:
         """So many things of the last stage are done."""
         with self._lock:
             stage, since = self._stack[-1]

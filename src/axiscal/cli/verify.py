@@ -121,7 +121,7 @@ def verify(
     with Campaign.open(record, write=False) as campaign:
         control = registry.named(to or advised_control(campaign))
         registry.refuse_untaken(control, () if options is None else options.given)
-        check = Check.of(campaign, control, options)
+        check = Check.from_campaign(campaign, control, options)
     again = f"axiscal verify {shlex.quote(str(record))} --to {check.tables.controller}"
     again += "" if template is None else f" --template {shlex.quote(str(template))}"
     if found is not None or source is not None:
@@ -133,7 +133,7 @@ def verify(
             say_either(json, "axiscal-verify/1", {"verdict": None, "next": to_do}, [to_do])
             return
     if found is not None and left is not None:
-        readings, taken = check.read(found, left), Taken.of(left)
+        readings, taken = check.read(found, left), Taken.with_file(left)
     elif source is not None:
         readings = check.asked(source, check.planned(points, tolerance=check.allowed(tolerance)))
         taken = Taken(own_hand().person, source, check.digests)
@@ -194,13 +194,13 @@ def _opening(
         from axiscal.ports.printers.printer import Exported, Moonraker
         from axiscal.ports.printers.printer_source import PrinterSource
 
-        exported = None if tables is None else Exported.of(tables)
+        exported = None if tables is None else Exported.from_folder(tables)
         machine = check.description.machine
         return lambda: PrinterSource(Moonraker(host, exported), machine), {} if exported is None else exported.files
     from axiscal.ports.linuxcnc.live import InForce, attached_to
 
     any_of = InForce(active or bool(check.description.compensation_active))
-    in_force = any_of if tables is None else InForce.of(tables)
+    in_force = any_of if tables is None else InForce.from_folder(tables)
     return lambda: attached_to(host, check.description.machine, in_force), in_force.files
 
 

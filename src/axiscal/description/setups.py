@@ -140,7 +140,7 @@ class _Reader:
         setup = on_square(table, around.artefacts, self._at, setup)
         setup = seen(table, around.machine, self._at, setup) if site is None else self._sited(setup, site)
         with self._at("instrument" if base is None else "base"):
-            model_of(setup).check(setup, self._machine)
+            model_of(setup).check_setup(setup, self._machine)
         return self._complete(dense(table, around.machine, self._at, setup))
 
     def _sited(self, setup: Setup, site: Site) -> Setup:

@@ -17,13 +17,13 @@ from axiscal.description.vectors import At
 from axiscal.errors.model import ErrorModel
 from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import later, listed, said
-from axiscal.machine import Machine
+from axiscal.machine import Axis, Machine
 from axiscal.machine.kinematics import linear_axes
 from axiscal.measurement.candidates import FEWEST, chart_candidates
 from axiscal.measurement.charts.bar import Circle
-from axiscal.measurement.charts.box import Sight
+from axiscal.measurement.charts.box import FINEST_PLACE, Sight
 from axiscal.measurement.charts.held import Balls, Held
-from axiscal.measurement.charts.room import Chart, Room
+from axiscal.measurement.charts.room import Chart, Coordinate, Room
 from axiscal.measurement.instrument import Instrument
 from axiscal.measurement.instruments.distance import MOST
 from axiscal.measurement.setup import Setup, Vector
@@ -43,7 +43,7 @@ def refuse_unreachable(machine: Machine, setup: Setup) -> None:
     each = chart.each if isinstance(chart, Balls) else () if chart is None else (chart,)
     for number, part in enumerate(each):
         poses, _ = chart_candidates(machine, setup, part, _LOOKED_AT)
-        finite = all(part.bounds(k).step > 0 for k in range(part.size))
+        finite = all(each.step > 0 for each in part.coordinates)
         if len(poses) >= (1 if finite else FEWEST):
             continue
         if isinstance(part, Sight):
@@ -63,8 +63,8 @@ def refuse_unreachable(machine: Machine, setup: Setup) -> None:
 
 def _nearest(machine: Machine, part: Chart) -> str:
     """Say what is lacking at the place that leaves the travels least."""
-    ends = [part.bounds(k) for k in range(part.size)]
-    unit = even_points(_LOOKED_AT, part.size)
+    ends = part.coordinates
+    unit = even_points(_LOOKED_AT, len(ends))
     poses = part.poses(
         np.column_stack([unit[:, :0], *(e.low + (e.high - e.low) * s for e, s in zip(ends, unit.T, strict=True))])
     )
@@ -140,7 +140,7 @@ def reached_arc(circle: Circle, name: str) -> tuple[float, float]:
 
 def refuse_gap(circle: Circle, name: str) -> None:
     """Raise DescriptionError where an arc that was asked for cannot be gone round."""
-    low, high = circle.arc
+    low, high, *_ = circle.coordinates[0]
     angles = np.linspace(low, high, 2 + int((high - low) / _FINE))
     taken = _taken(circle, angles)
     if np.all(taken):
@@ -238,14 +238,11 @@ def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
     said = [key for key in _KEYS if getattr(table, key) is not None]
     if not said or not setup.standing:
         return setup
-    spans = np.array([setup.span(machine.axes[k], k) for k in setup.moves])
-    steps = tuple(setup.raster[k] for k in setup.moves)
     chart = Sight(
         Room.empty(machine),
         setup.moves,
-        spans,
+        tuple(_seen_along(setup, machine.axes[k], k) for k in setup.moves),
         np.array(setup.park),
-        steps,
         np.array(setup.standing),
         _range(table, at),
         _faces(table, at),
@@ -255,6 +252,11 @@ def seen(table: SetupTable, machine: Machine, at: At, setup: Setup) -> Setup:
     with at(said[0]):
         refuse_unreachable(machine, setup)
     return setup
+
+
+def _seen_along(setup: Setup, axis: Axis, index: int) -> Coordinate:
+    along = Coordinate(*setup.span(axis, index), setup.raster[index], axis.overrun)
+    return along if axis.rotary else along._replace(finest=FINEST_PLACE)
 
 
 def _range(table: SetupTable, at: At) -> tuple[float, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -23,7 +23,7 @@ from axiscal.measurement.artefact import Artefact
 from axiscal.measurement.charts.bar import Bar, Circle
 from axiscal.measurement.charts.box import Line
 from axiscal.measurement.charts.held import Balls, Held
-from axiscal.measurement.charts.room import Chart, Coordinate, Room
+from axiscal.measurement.charts.room import Chart, Coordinate, Room, turns
 from axiscal.measurement.instruments.distance import RADIUS
 from axiscal.measurement.instruments.kind import TOOL
 from axiscal.measurement.observation import unknowns_at
@@ -111,8 +111,8 @@ class SiteReader:
             park = self._park()
             overrun = max(axis.overrun for axis in self._machine.axes if not axis.rotary)
             step = self._step("along", "length")
-            line = Line(self._room(None), points, park, step, overrun)
-            for end in (0.0, line.bounds(0).high):
+            line = Line.between_ends(self._room(None), points, park, step, overrun)
+            for end in (0.0, line.coordinates[0].high):
                 if not line.feasible(line.poses(np.array([[end]])))[0]:
                     what = (
                         "the second end of the line is out of travel"
@@ -177,7 +177,6 @@ class SiteReader:
         first, second = self._plane()
         free, cone = self._cone(artefact)
         turning = self._turning()
-        whole = (0.0, math.tau)
         circle = Circle(
             self._room(artefact),
             np.array(centre),
@@ -186,18 +185,16 @@ class SiteReader:
             length,
             free,
             cone,
-            whole,
             self._park(),
             turning,
-            self._step("arc", "angle"),
-            self._overrun(),
+            (Coordinate(0.0, math.tau, self._step("arc", "angle"), self._overrun() / length, not np.any(turning)),),
         )
         return self._on_arc(circle)
 
     def _on_arc(self, circle: Circle) -> Circle:
         if self._table.arc is None:
             with self._at("plane"):
-                return replace(circle, arc=reached_arc(circle, self._table.name))
+                return circle.over(*reached_arc(circle, self._table.name))
         with self._at("arc"):
             if len(self._table.arc) != 2:
                 remedy = 'Write ["0 deg", "360 deg"]'
@@ -205,21 +202,21 @@ class SiteReader:
             low, high = (parse_quantity(text, "angle") for text in self._table.arc)
             if not 0 < high - low <= 4 * math.tau:
                 raise DescriptionError("{text} is no arc", "Give the lower end first", text=shown(self._table.arc))
-            circle = replace(circle, arc=(low, high))
+            circle = circle.over(low, high)
             refuse_gap(circle, self._table.name)
         return circle
 
     def _sphere(self, centre: Vector, length: float, artefact: Artefact | None) -> Bar:
         free, cone = self._cone(artefact)
         turning = self._turned_by_moves()
-        steps = (
-            self._step("azimuth", "angle"),
-            self._step("elevation", "angle"),
-            *(self._step(self._machine.axes[k].name, "angle") for k in turning),
+        steps = tuple(self._step(self._machine.axes[k].name, "angle") for k in turning)
+        overrun, quarter = self._overrun() / length, math.pi / 2
+        coordinates = (
+            Coordinate(0.0, math.tau, self._step("azimuth", "angle"), overrun, endless=True),
+            Coordinate(-quarter, quarter, self._step("elevation", "angle"), overrun),
+            *turns(self._machine, turning, steps),
         )
-        return Bar(
-            self._room(artefact), np.array(centre), length, free, cone, turning, self._park(), steps, self._overrun()
-        )
+        return Bar(self._room(artefact), np.array(centre), length, free, cone, turning, self._park(), coordinates)
 
     def _overrun(self) -> float:
         return max(axis.overrun for axis in self._machine.axes if not axis.rotary)
@@ -262,12 +259,13 @@ class SiteReader:
             self._refuse_no_turn(turning, artefact)
         steps = tuple(self._step(self._machine.axes[k].name, "angle") for k in turning)
         self._refuse_one_place(turning, steps)
+        coordinates = turns(self._machine, turning, steps)
         park, room = self._park(set(turning)), self._room(artefact)
         contact: Contact = "held" if self._table.instrument == "rtest" else "retracted"
         back = 0.0 if contact == "held" else self._table.retract or RETRACT
         free, touching = np.array(artefact.free), (back, self._coming(), self._touching(artefact))
         each = tuple(
-            Held(room, np.array(artefact.balls[i].place), free, artefact.cone, turning, park, steps, *touching)
+            Held(room, np.array(artefact.balls[i].place), free, artefact.cone, turning, park, coordinates, *touching)
             for i in balls
         )
         chart: Chart = each[0] if len(each) == 1 and turning else Balls(each)

@@ -156,7 +156,7 @@ class Sizes:
         """The largest θ of each size, (k,)."""
         return np.array([_LARGEST.get(size.kind, _FARTHEST) for size in self.of])
 
-    def at(self, x: Array) -> tuple[Array, Array]:
+    def theta(self, x: Array) -> tuple[Array, Array]:
         """Return θ and dθ/dx, (..., k) each.  x : (..., k)"""
         near = np.minimum(np.abs(x), _FARTHEST_X)
         tail = normal_share(-near)

@@ -141,7 +141,7 @@ class Document:
         """Return a failure placed in this file at the line of a key path, its text beginning with the dotted path."""
         led = put("{keys}: {fault}", keys=dotted(keys), fault=failure.what)
         failure = type(failure)(led, failure.remedy) if keys else failure
-        return failure.at(self.path, self.line(*keys))
+        return failure.placed(self.path, self.line(*keys))
 
     @contextmanager
     def placed(self, *keys: Key) -> Iterator[None]:

@@ -67,7 +67,7 @@ class Aspect:
         return self.share > _WHOLE
 
     @property
-    def size(self) -> float:
+    def std(self) -> float:
         """Unseen standard deviation, m or rad."""
         return float(np.sqrt(self.share)) * self.scale
 
@@ -344,7 +344,7 @@ def _missing(function: Term, acting: Array) -> Aspect:
     """Return the aspect of an error that is missed most: all of the curve, or only its slope or constant."""
     if isinstance(function, PlaneError) or function.stated_shape:
         return _of_a_whole(function, acting)
-    return max(_candidates(function, acting), key=lambda a: (a.kind == "curve" and a.share > _CURVE, a.size))
+    return max(_candidates(function, acting), key=lambda a: (a.kind == "curve" and a.share > _CURVE, a.std))
 
 
 def _of_a_whole(term: Term, unseen: Array) -> Aspect:

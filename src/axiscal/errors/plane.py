@@ -146,7 +146,7 @@ class PlaneError:
         low, high = self.edges(0, axis)[0]
         return float(high - low)
 
-    def gram(self) -> Array:
+    def plane_gram(self) -> Array:
         """Return the integral of rows rowsᵀ over the plane in closed form, G_x ⊗ G_y: (c, c)."""
         first, second = (side.basis.T @ side.spline.gram() @ side.basis for side in self.sides)
         return chosen(first, self.pairs[:, 0]) * chosen(second, self.pairs[:, 1])

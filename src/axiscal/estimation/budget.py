@@ -95,7 +95,7 @@ def _of_type_b(known: Estimation, spread: Array) -> Iterator[BudgetShare]:
 def _spread(known: Estimation) -> Array:
     """Return V C, (r, size): V is what all unknowns do to the tool over the volume."""
     factor = known.knowledge.belief.factor
-    spread: Array = known.case.yardstick.root.of(factor) @ factor.T
+    spread: Array = known.case.yardstick.root.times(factor) @ factor.T
     return spread
 
 
@@ -109,7 +109,7 @@ def _of_unknowns(known: Estimation, spread: Array) -> Iterator[BudgetShare]:
     yardstick = case.yardstick_as_sized
     found["detail"] += yardstick.moments.rest
     whitened = np.linalg.lstsq(case.prior.factor[:own], spread[:, :own].T)[0]
-    errors = float(np.sum(whitened**2)) - yardstick.root.value(yardstick.unseen)
+    errors = float(np.sum(whitened**2)) - yardstick.root.criterion(yardstick.unseen)
     found |= {"prior": max(errors, 0.0), "unseen": yardstick.unseen_rms**2}
     yield from (BudgetShare(kind, "", float(np.sqrt(each))) for kind, each in found.items())
 

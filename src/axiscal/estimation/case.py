@@ -309,7 +309,7 @@ class Case:
     def _allowed_parts(self) -> Iterator[tuple[int, int, Rows]]:
         """Yield the readings there: index of a set-up, which of their numbers, and its rows."""
         for index in range(len(self.description.setups)):
-            for number, seen in enumerate(self.observation.rows_each(index, *self._allowed.of(index))):
+            for number, seen in enumerate(self.observation.rows_each(index, *self._allowed.in_setup(index))):
                 yield index, number, seen
 
     @property

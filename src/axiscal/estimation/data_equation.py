@@ -29,7 +29,7 @@ class DataEquation:
     rows: Array
     values: Array
 
-    def of(self, units: Array) -> DataEquation:
+    def in_units(self, units: Array) -> DataEquation:
         """Return the equation over x where the errors are a = T x.  units : (n, k) T"""
         return DataEquation(self.rows @ units, self.values)
 

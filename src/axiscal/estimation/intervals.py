@@ -61,7 +61,7 @@ def sited(
     coarse = [len(r.values) == 1 and r.std is None and is_coarse(setups[r.setup]) for r in readings]
     if not any(coarse):
         return list(readings)
-    fitted = Fitted.of(observation, readings, prior)
+    fitted = Fitted.expected(observation, readings, prior)
     which = np.array(coarse)[fitted.reading]
     owners = [setups[readings[int(i)].setup] for i in fitted.reading]
     steps = np.where(which, [setup.interval for setup in owners], 0.0)
@@ -130,7 +130,7 @@ class Fitted:
         self._features, self.noise, self.values, self.reading = _short(features), noise, values, reading
 
     @classmethod
-    def of(
+    def expected(
         cls, observation: Observation, readings: Sequence[Reading], prior: tuple[Array, Array] | None = None
     ) -> Fitted:
         """Return the numbers of readings, by the stated model or another prior of the errors (mean, covariance)."""

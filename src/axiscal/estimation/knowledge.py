@@ -69,7 +69,7 @@ class Block:
 
     def accuracies(self, yardstick: Yardstick) -> list[Accuracy]:
         """Return how well the machine was known after each reading."""
-        return yardstick.along(self.factor, self.losses, np.cumsum([each.degrees for each in self.innovations]))
+        return yardstick.accuracies(self.factor, self.losses, np.cumsum([each.degrees for each in self.innovations]))
 
 
 def block(

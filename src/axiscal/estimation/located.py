@@ -200,7 +200,7 @@ def _ambiguity(case: Case, index: int, number: int, best: Optimum, other: Optimu
 
 def _decisive(case: Case, index: int, number: int, first: Array, second: Array) -> tuple[list[float], float]:
     """Return the place where the predictions of two optima differ the most, and by how much, m."""
-    poses, sides = case.lattice.of(index)
+    poses, sides = case.lattice.in_setup(index)
     one, two = (case.observation.shown(index, poses, sides, point)[:, number] for point in (first, second))
     best = int(np.argmax(np.abs(one - two)))
     return poses[best].tolist(), float(abs(one - two)[best])

@@ -39,13 +39,13 @@ class BentReadings:
         self.values = np.array([value for reading in readings for value in reading.values])
         self.variances = seen(case.observation, readings).variances
 
-    def at(self, point: Array) -> Seen:
+    def linearised(self, point: Array) -> Seen:
         """Return the readings linearised about a point (k,) of errors and unknowns."""
         return seen(self._about(point), self.readings)
 
     def rows(self, point: Array) -> Array:
         """Return the rows about a point, (m, k): they change with where a station or tracker is found alone."""
-        return self._still if self.case.located(point) is None else self.at(point).rows
+        return self._still if self.case.located(point) is None else self.linearised(point).rows
 
     @cached_property
     def _still(self) -> Array:

@@ -72,7 +72,7 @@ class Taken:
         write_whole(_beside(file), (json.dumps(kept, indent=1) + "\n").encode())
 
     @classmethod
-    def of(cls, file: Path) -> Taken:
+    def with_file(cls, file: Path) -> Taken:
         """Return what is kept beside a file of readings, nothing where that was typed or has been changed since."""
         try:
             kept = json.loads(_beside(file).read_bytes())
@@ -168,7 +168,7 @@ class Check:
     tables: Export
 
     @classmethod
-    def of(cls, campaign: Campaign, controller: str, template: ExportOptions | None = None) -> Check:
+    def from_campaign(cls, campaign: Campaign, controller: str, template: ExportOptions | None = None) -> Check:
         """Return the check of a campaign; raises InputError for a controller that its tables cannot be made for.
 
         template : holds the control's own file, for those that need one

@@ -63,7 +63,7 @@ class Part:
     rotary: bool = False
 
     @property
-    def size(self) -> str:
+    def motion(self) -> str:
         """Its largest motion, as text."""
         return format_quantity(self.largest, "arcsec" if self.rotary else "um", 2)
 
@@ -160,7 +160,7 @@ def shares(parts: Sequence[Part], columns: Array, change: Array, covariance: Arr
     spread = np.sqrt(np.sum((right[shown].T / sizes[shown]) ** 2, axis=1))
     open_ones = np.sum(right[shown] ** 2, axis=0) < 1 - 1e-6
     stds = np.where(open_ones, np.inf, spread)
-    return tuple(Share(p.name, float(v), float(s), p.size) for p, v, s in zip(parts, values, stds, strict=True))
+    return tuple(Share(p.name, float(v), float(s), p.motion) for p, v, s in zip(parts, values, stds, strict=True))
 
 
 def idle_axes(estimate: Estimate, poses: Array, directions: Array) -> tuple[str, ...]:

@@ -28,7 +28,7 @@ class Listener(Protocol):
     def begun(self, stage: Stage) -> None:
         """A stage begins, inside the one before."""
 
-    def moved(self, number: int) -> None:
+    def advanced(self, number: int) -> None:
         """So many things of the last stage are done."""
 
     def ended(self) -> None:
@@ -68,7 +68,7 @@ def staged(name: str, things: Iterable[Thing], of: int) -> Iterator[Thing]:
     with stage(name, 0, of):
         for number, thing in enumerate(things):
             if listener is not None:
-                listener.moved(number)
+                listener.advanced(number)
             yield thing
 
 
@@ -82,6 +82,6 @@ def counting(name: str) -> Iterator[Callable[[int, int], None]]:
             if listener is not None and not number:
                 stack.enter_context(stage(name, 0, of))
             if listener is not None:
-                listener.moved(number)
+                listener.advanced(number)
 
         yield moved

@@ -135,10 +135,6 @@ class PlaneEntry:
         first, second = self.sides
         return first.axis, second.axis
 
-    def along(self, index: int) -> str:
-        """Return what the length along one of its axes is called: "EZXY along X"."""
-        return f"{self.name} along {self.axes[index]}"
-
     @property
     def angular(self) -> bool:
         """Whether it is a rotation."""

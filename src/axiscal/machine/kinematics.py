@@ -129,11 +129,11 @@ def tool_motion(machine: Machine, poses: Array, small: SmallMotions) -> rigid.Mo
         turn = rigid.rotation(small.rotation[k])
         motion = to_frame(axis, motion, coordinate, tilt)
         if axis.workpiece_side:
-            motion = motion.then(np.swapaxes(turn, 1, 2)).moved(-small.displacement[k])
+            motion = motion.then(np.swapaxes(turn, 1, 2)).shifted(-small.displacement[k])
         else:
-            motion = motion.moved(small.displacement[k]).then(turn)
+            motion = motion.shifted(small.displacement[k]).then(turn)
         motion = from_frame(axis, motion, coordinate, tilt)
-    return motion.moved(tool_point(machine))
+    return motion.shifted(tool_point(machine))
 
 
 class Deviation(NamedTuple):
@@ -167,17 +167,17 @@ def tool_point(machine: Machine) -> Array:
 def to_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
     """Return the motion up to the frame of an axis.  tilt : (m, 3, 3) of the direction of travel, None for none"""
     if axis.rotary:
-        motion = motion.moved(np.array(axis.origin))
+        motion = motion.shifted(np.array(axis.origin))
         return motion.then(_turn(axis, coordinate)) if axis.workpiece_side else motion
-    return motion if axis.workpiece_side else motion.moved(_travel(axis, coordinate, tilt))
+    return motion if axis.workpiece_side else motion.shifted(_travel(axis, coordinate, tilt))
 
 
 def from_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array | None) -> rigid.Motion:
     """Return the motion from the frame of an axis to that of the next one; arguments as for `to_frame`."""
     if axis.rotary:
         motion = motion if axis.workpiece_side else motion.then(_turn(axis, coordinate))
-        return motion.moved(-np.array(axis.origin))
-    return motion.moved(_travel(axis, coordinate, tilt)) if axis.workpiece_side else motion
+        return motion.shifted(-np.array(axis.origin))
+    return motion.shifted(_travel(axis, coordinate, tilt)) if axis.workpiece_side else motion
 
 
 def _travel(axis: Axis, coordinate: Array, tilt: Array | None) -> Array:

@@ -60,11 +60,11 @@ def motion_effects(machine: Machine, poses: Array, small: SmallMotions) -> Motio
         base = motion
         if axis.workpiece_side:
             back = np.swapaxes(turn, 1, 2)
-            motion = motion.then(back).moved(-small.displacement[k])
+            motion = motion.then(back).shifted(-small.displacement[k])
             displaced, turned = -base.rotation @ back, -base.rotation @ rigid.left_jacobian(-small.rotation[k])
             about = base.translation
         else:
-            motion = motion.moved(small.displacement[k])
+            motion = motion.shifted(small.displacement[k])
             displaced, turned = base.rotation, base.rotation @ rigid.left_jacobian(small.rotation[k])
             about = motion.translation
             motion = motion.then(turn)
@@ -75,7 +75,7 @@ def motion_effects(machine: Machine, poses: Array, small: SmallMotions) -> Motio
             tilted = carrier @ _crossed(rigid.left_jacobian(small.tilt[k]), straight)
         joints.append(_Joint(displaced, turned, about, tilted))
         motion = from_frame(axis, motion, coordinate, tilt)
-    motion = motion.moved(tool_point(machine))
+    motion = motion.shifted(tool_point(machine))
     rotation = np.stack([_crossed(each.turned, motion.translation - each.about) for each in joints])
     displacement, turn, tilt = (np.stack(parts) for parts in zip(*[(j[0], j[1], j[3]) for j in joints], strict=True))
     return MotionEffects(displacement, rotation, tilt, turn)

@@ -109,7 +109,7 @@ class Artefact:
         mine = np.array([name == self.balls[i].name for i in balls])
         return np.where(mine[:, None], self._turned @ along, 0.0)
 
-    def moved(self, own: Mapping[str, float], balls: NDArray[np.intp]) -> Array:
+    def displacements(self, own: Mapping[str, float], balls: NDArray[np.intp]) -> Array:
         """Return where balls are against their stated places, nothing linearised, (m, 3) m."""
         turn = rigid.rotation(np.array([[own.get(f"turn_{axis}", 0.0) for axis in "xyz"]]))[0]
         each = np.array([[own.get(f"{ball.name}_{axis}", 0.0) for axis in "xyz"] for ball in self.balls])[balls]

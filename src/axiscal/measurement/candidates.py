@@ -177,26 +177,24 @@ def turned_to(machine: Machine, setup: Setup, approaches: Array) -> Array:
 
 def _chosen(machine: Machine, setup: Setup, chart: Chart, count: int) -> Chosen:
     choices = chart_sides(machine, setup, chart)
-    ends = [chart.bounds(number) for number in range(chart.size)]
-    if all(end.step > 0 for end in ends):
+    if all(end.step > 0 for end in chart.coordinates):
         return _thinned(_raster(chart, choices), _WHOLE * count if count >= _MANY else count, count)
     return _even(chart, choices, count)
 
 
 def chart_sides(machine: Machine, setup: Setup, chart: Chart) -> Array:
     """Return the sides from which places of a set-up are come to and that differ in what is seen, (choices, size)."""
-    return side_choices(setup.approach, chart.size, _sides_count(machine, setup, chart))
+    return side_choices(setup.approach, len(chart.coordinates), _sides_count(machine, setup, chart))
 
 
 def _sides_count(machine: Machine, setup: Setup, chart: Chart) -> NDArray[np.bool_]:
     """Return of which coordinates the side shows: where an axis that they move has a reversal value."""
     reverses = [k for k, axis in enumerate(machine.axes) if f"{axis.positioning_error}_reversal" in _reversals(machine)]
     shown = [k for k in reverses if machine.axes[k].rotary or setup.sides_follow]
-    middle = np.array([[(chart.bounds(n).low + chart.bounds(n).high) / 2 for n in range(chart.size)]])
-    result = np.zeros(chart.size, dtype=bool)
-    for number in range(chart.size):
-        overrun = chart.bounds(number).overrun
-        aside = middle + np.eye(chart.size)[number] * (overrun or 1.0)
+    middle = np.array([[(each.low + each.high) / 2 for each in chart.coordinates]])
+    result = np.zeros(middle.size, dtype=bool)
+    for number, (*_, overrun, _, _) in enumerate(chart.coordinates):
+        aside = middle + np.eye(middle.size)[number] * (overrun or 1.0)
         moved = np.abs(chart.poses(aside) - chart.poses(middle))[0]
         result[number] = overrun > 0 and bool(np.any(moved[shown] > 0))
     return result
@@ -207,18 +205,17 @@ def _reversals(machine: Machine) -> set[str]:
 
 
 def _raster(chart: Chart, choices: Array) -> Chosen:
-    values = [chart.bounds(number).values for number in range(chart.size)]
+    values = [each.values for each in chart.coordinates]
     grid = np.stack([g.ravel() for g in np.meshgrid(*values, indexing="ij")], axis=1) if values else np.zeros((1, 0))
     return _taken(chart, np.repeat(grid, len(choices), axis=0), np.tile(choices, (len(grid), 1)))
 
 
 def _even(chart: Chart, choices: Array, count: int) -> Chosen:
     """Return so many places that can be taken, spread evenly; out of MOST_TRIED at the most."""
-    ends = [chart.bounds(number) for number in range(chart.size)]
-    tried = count
+    ends, tried = chart.coordinates, count
     while True:
-        unit = even_points(tried, chart.size + 1)
-        shares = unit[:, : chart.size] if chart.size > 1 else even_points(tried, 1)
+        unit = even_points(tried, len(ends) + 1)
+        shares = unit[:, : len(ends)] if len(ends) > 1 else even_points(tried, 1)
         places = np.column_stack([_placed(end, share) for end, share in zip(ends, shares.T, strict=True)])
         which = (unit[:, -1] * len(choices)).astype(np.intp)
         found = _taken(chart, places, choices[which])

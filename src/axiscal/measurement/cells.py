@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from axiscal.errors.model import ErrorModel
 from axiscal.measurement.setup import Setup
-from axiscal.measurement.travel import feet, moved
+from axiscal.measurement.travel import feet, shifted
 from axiscal.numerics import Array
 
 Cell = tuple[int, int]
@@ -56,7 +56,7 @@ def rest_effects(
     parts = list[RestEffects]()  # a base without length is refused where its way has a rest
     for foot in feet(mounted.base) if felt else ():
         functions = np.array(felt, dtype=np.intp)
-        at = moved(poses, mounted.moves[0], foot.shift)
+        at = shifted(poses, mounted.moves[0], foot.shift)
         parts.append(RestEffects(functions, foot.weight * effects[..., functions, :], _cells_of(errors, functions, at)))
     return _of_all_feet(parts, len(poses))
 
@@ -99,12 +99,7 @@ class CellColumns:
             visited = np.array(list(cells), dtype=np.intp)
             self.columns[self.first[visited[:, 0]] + visited[:, 1]] = list(cells.values())
 
-    def of(self, function: int) -> NDArray[np.intp]:
-        """Return those of the cells of one error."""
-        start = int(self.first[function])
-        return self.columns[start : start + int(self._counts[function])]
-
-    def at(self, effects: RestEffects) -> NDArray[np.intp]:
+    def visited(self, effects: RestEffects) -> NDArray[np.intp]:
         """Return those of the cells that readings are in, (e, m)."""
         found: NDArray[np.intp] = self.columns[self.first[effects.functions][:, None] + effects.cells]
         return found
@@ -144,14 +139,14 @@ class Course:
     paces: Array
 
     @classmethod
-    def begun(cls, rate: float, time: float, column: int) -> Course:
+    def from_zero(cls, rate: float, time: float, column: int) -> Course:
         """Return the course at its first reading, where the zero stands at zero, with one unknown: its rate."""
         return cls(rate, (column,), (time,), np.zeros((1, 1)), np.array([[rate]]))
 
     @classmethod
     def over(cls, rate: float, times: Sequence[float]) -> Course:
         """Return the course over times, in order, s, with its own unknowns."""
-        course = cls.begun(rate, times[0], 0)
+        course = cls.from_zero(rate, times[0], 0)
         for time in times:
             if course.needs_node(time):
                 course = course.with_node(time, len(course.columns))

@@ -205,7 +205,7 @@ class Observation:
                 own[:, list(course.columns)] = share * course.rows(times)
         variances = mounted.noise**2 + self._unknown_sides(mounted, levers, poses, approaches)
         effects = self._rest_effects(mounted, levers, poses, approaches)
-        add_rests(effects, self._stated_rests[effects.functions], self.cell_columns.at(effects), rows, variances)
+        add_rests(effects, self._stated_rests[effects.functions], self.cell_columns.visited(effects), rows, variances)
         return rows, variances
 
     def _error_rows(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
@@ -229,7 +229,7 @@ class Observation:
     def _fresh_rests(self, setup: int, poses: Array, approaches: Array, levers: Array) -> Array:
         """Return the covariances that rests of cells not visited yet give the numbers of each reading, (m, k, k)."""
         effects = self._rest_effects(self.setups[setup], levers, poses, approaches)
-        rests = np.where(self.cell_columns.at(effects) < 0, self._stated_rests[effects.functions][:, None], 0.0)
+        rests = np.where(self.cell_columns.visited(effects) < 0, self._stated_rests[effects.functions][:, None], 0.0)
         reach = (effects.reach * rests).transpose(2, 0, 1)
         covariances: Array = reach @ reach.transpose(0, 2, 1)
         return covariances

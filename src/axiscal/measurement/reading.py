@@ -64,7 +64,7 @@ class Places:
         setups, poses, approaches = (np.concatenate(column) for column in columns)
         return cls(setups.astype(np.intp), poses, approaches)
 
-    def of(self, setup: int) -> tuple[Array, Array]:
+    def in_setup(self, setup: int) -> tuple[Array, Array]:
         """Return poses and approaches of one set-up."""
         mine = self.setups == setup
         return self.poses[mine], self.approaches[mine]
@@ -78,7 +78,7 @@ class Places:
         """Return some of them: those that are kept, or those at indices, in their order."""
         return Places(self.setups[kept], self.poses[kept], self.approaches[kept])
 
-    def at(self, index: int) -> Places:
+    def single(self, index: int) -> Places:
         """Return one of them."""
         return self.within(np.array([index], dtype=np.intp))
 
@@ -96,7 +96,7 @@ class Places:
         )
         return result
 
-    def moved(self, poses: Array) -> Places:
+    def at_poses(self, poses: Array) -> Places:
         """Return the same set-ups and sides at other poses, (m, q)."""
         return replace(self, poses=poses)
 

@@ -77,7 +77,7 @@ def _fresh_cells(observation: Observation, places: Places, among: Collection[Cel
     fresh = defaultdict[int, list[Cell]](list)
     for setup, mine in places.by_setup() if observation.with_rest else ():
         shown = cells_shown(observation, setup, places.poses[mine])
-        where, which = np.nonzero(((observation.cell_columns.at(shown) < 0) & (shown.reach > 0)).T)
+        where, which = np.nonzero(((observation.cell_columns.visited(shown) < 0) & (shown.reach > 0)).T)
         cells = zip(shown.functions[which].tolist(), shown.cells[which, where].tolist(), strict=True)
         for place, cell in zip(mine[where].tolist(), cells, strict=True):
             if among is None or cell in among:
@@ -91,7 +91,7 @@ def _let_wander(observation: Observation, courses: dict[Zero, Course], setup: in
     for number in range(values_of(mounted)):
         before = courses.get((setup, number))
         if before is None:
-            courses[setup, number] = Course.begun(mounted.drift, time, size)
+            courses[setup, number] = Course.from_zero(mounted.drift, time, size)
             size += 1
         elif before.needs_node(time):
             courses[setup, number] = before.with_node(time, size)

@@ -137,7 +137,7 @@ class Setup:
 
         axes : of the machine
         """
-        if self.chart is None or self.chart.size == len(self.moves):
+        if self.chart is None or len(self.chart.coordinates) == len(self.moves):
             return self.moves
         return tuple(k for k in self.moves if axes[k].rotary and self.length is None)
 

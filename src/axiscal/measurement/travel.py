@@ -53,7 +53,7 @@ def across(machine: Machine, setup: Setup, poses: Array) -> Array:
     return result
 
 
-def moved(poses: Array, axis: int, shift: float) -> Array:
+def shifted(poses: Array, axis: int, shift: float) -> Array:
     """Return poses (m, q) with one axis further by a shift, m or rad."""
     further = poses.copy()
     further[:, axis] += shift
@@ -101,12 +101,12 @@ class Way:
             if isinstance(function, PlaneError):
                 return function.slopes(at, self.axis)
             return function.basis.rows(at, derivative=1)
-        ends = (function.coordinates(moved(poses, self.axis, foot.shift)) for foot in feet(self._base))
+        ends = (function.coordinates(shifted(poses, self.axis, foot.shift)) for foot in feet(self._base))
         front, back = (foot.weight * function.rows(at) for foot, at in zip(feet(self._base), ends, strict=True))
         return front + back
 
     def _displaced(self, poses: Array, direction: Array, shift: float) -> Array:
-        displaced: Array = np.einsum("fmc,mc->fm", self._errors.levers(moved(poses, self.axis, shift)), direction)
+        displaced: Array = np.einsum("fmc,mc->fm", self._errors.levers(shifted(poses, self.axis, shift)), direction)
         return displaced
 
 
@@ -165,8 +165,7 @@ def _in_touch(
 ) -> Array:
     """Return the time of ways with the tool point held, over the places from where the sides are come from."""
     here, there = chart.places(start), chart.places(stop)
-    ends = [chart.bounds(number) for number in range(chart.size)]
-    past = there - sides_of(chart, there, approach) * np.array([end.overrun for end in ends])
+    past = there - sides_of(chart, there, approach) * np.array([end.overrun for end in chart.coordinates])
     if straight:
         return held_seconds(machine, chart, here, past) + held_seconds(machine, chart, past, there)
     return np.array([_held_or_off(machine, setup, chart, *way) for way in zip(here, past, there, strict=True)])
@@ -193,8 +192,8 @@ def sides_of(chart: Chart, there: Array, approach: Array) -> Array:
 
     there : (m, size) u; approach : (m, q) +1, −1, 0 of the axes
     """
-    away = np.array([chart.bounds(number).overrun for number in range(chart.size)])
-    choices = np.array(list(product((1.0, -1.0), repeat=chart.size)))
+    away = np.array([each.overrun for each in chart.coordinates])
+    choices = np.array(list(product((1.0, -1.0), repeat=len(away))))
     here = np.nan_to_num(chart.poses(there))
     ways = [here - np.nan_to_num(chart.poses(there - choice * away)) for choice in choices]
     agreed = np.stack([np.sum(np.where(np.abs(way) > _ASIDE, np.sign(way), 0.0) * approach, axis=1) for way in ways])
@@ -206,7 +205,9 @@ def held_seconds(machine: Machine, chart: Chart, start: Array, stop: Array) -> A
     """Return the time of ways straight in u with all axes together, (m,).  start, stop : (m, size)"""
     share = np.linspace(0.0, 1.0, _SAMPLES)[:, None, None]
     places = start + share * (stop - start)
-    return path_seconds(machine, chart.poses(places.reshape(-1, chart.size)).reshape(_SAMPLES, len(start), -1))
+    return path_seconds(
+        machine, chart.poses(places.reshape(-1, len(chart.coordinates))).reshape(_SAMPLES, len(start), -1)
+    )
 
 
 def path_seconds(machine: Machine, path: Array) -> Array:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -237,6 +237,7 @@ class Constant:
     raises KnotError : the stretch is not finite or not increasing
     """
 
+    size: ClassVar[int] = 1
     start: float = 0.0
     stop: float = 1.0
 
@@ -247,11 +248,6 @@ class Constant:
     def knots(self) -> Array:
         """Both ends of the stretch, (2,)."""
         return np.array([self.start, self.stop])
-
-    @property
-    def size(self) -> int:
-        """One control value."""
-        return 1
 
     @property
     def control_positions(self) -> Array:

@@ -84,7 +84,7 @@ class _Work:
     def take(self, keep: NDArray[np.bool_]) -> _Work:
         return _Work(self.left[keep], self.right[keep], self.owner[keep], self.numerator[keep], self.denominator[keep])
 
-    def at(self, x: Array) -> Array:
+    def positions(self, x: Array) -> Array:
         """Return the positions of local coordinates x (b, k), exact at the ends."""
         return self.left[:, None] * ((1 - x) / 2) + self.right[:, None] * ((1 + x) / 2)
 
@@ -129,7 +129,7 @@ class _Search:
         """Evaluate at the ends and the nodes of every interval."""
         empty = np.zeros((len(left), 0))
         points = np.concatenate([[-1.0], nodes(count), [1.0]])
-        numerator, denominator = self.offer(_Work(left, right, owner, empty, empty).at(points[None, :]), owner)
+        numerator, denominator = self.offer(_Work(left, right, owner, empty, empty).positions(points[None, :]), owner)
         return _Work(left, right, owner, numerator[:, 1:-1], denominator[:, 1:-1])
 
     def solve(self, work: _Work) -> tuple[Array, Array, NDArray[np.intp]]:
@@ -146,7 +146,7 @@ class _Search:
     def _misfits(self, work: _Work) -> NDArray[np.bool_]:
         """Offer the stationary points of the intervals; return which of them the series did not follow."""
         x, claimed = maximise_ratio(work.numerator, work.denominator)
-        numerator, denominator = self.offer(work.at(np.clip(x, -_WITHIN, _WITHIN)[:, None]), work.owner)
+        numerator, denominator = self.offer(work.positions(np.clip(x, -_WITHIN, _WITHIN)[:, None]), work.owner)
         fresh = numerator[:, 0] / denominator[:, 0]
         misfit: NDArray[np.bool_] = np.abs(fresh - claimed) > _MISFIT * np.maximum(np.abs(fresh), np.abs(claimed))
         return misfit

@@ -26,7 +26,7 @@ class Motion(NamedTuple):
         """Return T_AB T_BC where T_BC turns about the origin of B."""
         return Motion(self.rotation @ rotation, self.translation)
 
-    def moved(self, vector: Array) -> Motion:
+    def shifted(self, vector: Array) -> Motion:
         """Return T_AB T_BC where T_BC shifts by a vector in B.  vector : (m, 3) or (3,)."""
         return Motion(self.rotation, self.apply(vector))
 

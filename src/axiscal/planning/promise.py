@@ -71,7 +71,7 @@ class Blank(NamedTuple):
     @property
     def knowledge(self) -> Knowledge:
         """What they make known."""
-        answer = self.found.answer()
+        answer = self.found.posterior()
         return Knowledge(self.case.observation, Belief(answer.mean, (answer.covariance + answer.covariance.T) / 2))
 
 

@@ -119,7 +119,7 @@ def _refuse_too_noisy(case: Case, target: float) -> None:
     yardstick = case.yardstick
     asked = posed(case, case.knowledge, candidates=_CANDIDATES)
     pool = Pool(asked.observation, asked.lattice)
-    state = Covariance.of(case.observation, case.prior.factor, yardstick.root)
+    state = Covariance.from_factor(case.observation, case.prior.factor, yardstick.root)
     relaxation = Relaxation(pool, state, pool.lattice.within(slice(0, 0)), np.ones(len(pool)), float(MOST))
     for _ in range(_ROUNDS):
         dual = relaxation.solved()

@@ -75,11 +75,11 @@ def _found(estimate: Estimate, row: Functional) -> Array:
     if row.angular:
         turned: Array = row.rows(estimate.model) @ estimate.mean
         return turned
-    return row.of(estimate.deviation(row.poses, row.sides))
+    return row.row(estimate.deviation(row.poses, row.sides))
 
 
 def _left(estimate: Estimate, control: Control, row: Functional) -> Array:
-    return row.of(left_by(estimate.machine, estimate.deviation, control, row.poses, row.sides))
+    return row.row(left_by(estimate.machine, estimate.deviation, control, row.poses, row.sides))
 
 
 def _sides(values: Array, unit: str) -> tuple[list[float], list[float]]:

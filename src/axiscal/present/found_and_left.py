@@ -82,7 +82,7 @@ def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", le
         frame = Viewport(x + _SIDE, y + head, across - 2 * _SIDE, high)
         shown = [*ghost, *_bent(volume, room, values, times, colour), *_triad(volume, room)]
         body += drawn(shown, frame, around)
-    scale = Fit.of(around, Viewport(0, 0, across - 2 * _SIDE, high)).scale
+    scale = Fit.into(around, Viewport(0, 0, across - 2 * _SIDE, high)).scale
     top = (high + head) * (1 if beside else len(panels))
     parts = [said("errors × {times}", times=f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}")]
     if volume.aligned:

@@ -8,7 +8,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from axiscal.answers.answer import number, numbers
+from axiscal.answers.answer import number, rounded
 from axiscal.estimation.accuracy.expanded import BAND
 from axiscal.language.spoken import joined, resaid, said
 from axiscal.present import sentences
@@ -78,13 +78,13 @@ def report_values(summary: Summary) -> dict[str, Any]:
 
 def positioning_figure(curve: PositioningCurve) -> Figure:
     """Return positioning from below, solid, and from above, dashed: found, and left over it, both with 95 %."""
-    at, bands, lines = numbers(curve.position, f"positions of {curve.axis}"), list[Figure](), list[Figure]()
+    at, bands, lines = rounded(curve.position, f"positions of {curve.axis}"), list[Figure](), list[Figure]()
     shown = [(curve.found, "var(--truth)", "var(--truth-band)")]
     shown += [] if curve.left is None else [(curve.left, "var(--read)", "var(--read-band)")]
     for sides, colour, fill in shown:
         for values, half, dash in zip(sides, curve.half, ("solid", "dash"), strict=True):
-            middle = numbers(values, f"deviations of {curve.axis}")
-            bands.append(band(at, middle, numbers(half, "a band"), fill))
+            middle = rounded(values, f"deviations of {curve.axis}")
+            bands.append(band(at, middle, rounded(half, "a band"), fill))
             lines.append(line_trace(at, middle, colour, 2.0, dash))
     x = axis_style(f"{curve.axis}, {unit_text(curve.position_unit)}", nticks=6)
     title = said("deviation, {unit}", unit=unit_text(curve.value_unit))
@@ -142,8 +142,8 @@ def _row(curves: list[CurveSummary], height: int) -> list[Panel]:
 
 def _content(curve: CurveSummary) -> list[float]:
     size = len(curve.position)
-    means = numbers(curve.mean, f"mean of {curve.name}", size)
-    halves = [BAND * std for std in numbers(curve.std, f"std of {curve.name}", size)]
+    means = rounded(curve.mean, f"mean of {curve.name}", size)
+    halves = [BAND * std for std in rounded(curve.std, f"std of {curve.name}", size)]
     edges = [mean + sign * half for mean, half in zip(means, halves, strict=True) for sign in (1, -1)]
     truth = [] if curve.truth is None else list(curve.truth[1])
     return [*edges, *truth, *(point.value for point in curve.points if not point.rejected), 0.0]
@@ -151,10 +151,10 @@ def _content(curve: CurveSummary) -> list[float]:
 
 def panel_figure(curve: CurveSummary, shared: list[float], height: int) -> Figure:
     """Return one panel.  shared : the range upwards of its row"""
-    size, positions = len(curve.position), numbers(curve.position, f"position of {curve.name}")
-    mean = numbers(curve.mean, f"mean of {curve.name}", size)
+    size, positions = len(curve.position), rounded(curve.position, f"position of {curve.name}")
+    mean = rounded(curve.mean, f"mean of {curve.name}", size)
     prior, whole, seen = (
-        [BAND * std for std in numbers(stds, f"{what} of {curve.name}", size)]
+        [BAND * std for std in rounded(stds, f"{what} of {curve.name}", size)]
         for what, stds in (("prior_std", curve.prior_std), ("std", curve.std), ("std_seen", curve.std_seen))
     )
     traces = [
@@ -170,7 +170,7 @@ def panel_figure(curve: CurveSummary, shared: list[float], height: int) -> Figur
     span = max(curve.position, default=0.0) - min(curve.position, default=0.0)
     x = axis_style(
         f"{curve.axis}, {unit_text(curve.position_unit)}",
-        range=numbers([low - pad, high + pad], "range"),
+        range=rounded([low - pad, high + pad], "range"),
         nticks=6,
         **{"dtick": 90} if axis_unit(curve.axis) == "deg" and 180 < span <= 540 else {},
     )
@@ -181,7 +181,7 @@ def panel_figure(curve: CurveSummary, shared: list[float], height: int) -> Figur
 def _truth(curve: CurveSummary) -> list[Figure]:
     if curve.truth is None:
         return []
-    positions, value = (numbers(values, f"truth of {curve.name}") for values in curve.truth)
+    positions, value = (rounded(values, f"truth of {curve.name}") for values in curve.truth)
     return [line_trace(positions, value, "var(--truth)", 1.6, "4px,3px")]
 
 
@@ -196,7 +196,7 @@ def _points(curve: CurveSummary) -> list[Figure]:
 def _point_trace(curve: CurveSummary, points: list[CurvePoint], symbol: str, colour: str) -> Figure:
     bars = {"array": [number(BAND * p.std, "std of a point") for p in points], "color": "var(--whisker)"}
     text = [_point_text(point, curve.value_unit) for point in points]
-    data = {"x": numbers([p.position for p in points], "points"), "y": numbers([p.value for p in points], "points")}
+    data = {"x": rounded([p.position for p in points], "points"), "y": rounded([p.value for p in points], "points")}
     edge = colour if symbol == "circle-open" else "var(--card)"
     marker = {"color": "var(--card)" if edge == colour else colour, "size": 5.0, "symbol": symbol, "round": True}
     marker["line"] = {"color": edge, "width": 1.5 if edge == colour else 0.6}
@@ -218,7 +218,7 @@ def _maps(plane: PlaneSummary, rows: Sequence[HistoryRow]) -> list[tuple[Figure,
     whole = _map(plane, plane.whole_mean, _EITHER_WAY, both=True)
     first, second = plane.axes
     read = [row.position for row in rows if row.position and {first, second} <= set(row.position)]
-    at = {name: numbers([position[axis] for position in read], axis)
+    at = {name: rounded([position[axis] for position in read], axis)
           for name, axis in (("x", first), ("y", second))}  # fmt: skip
     marker = {"size": 4, "color": "#1c1b18", "line": {"color": "#f4f1e8", "width": 0.8}}
     whole["data"].append({"type": "scatter", "mode": "markers", **at, "marker": marker, "cliponaxis": False})
@@ -231,8 +231,8 @@ def _maps(plane: PlaneSummary, rows: Sequence[HistoryRow]) -> list[tuple[Figure,
 
 def _map(plane: PlaneSummary, values: Grid, colours: Sequence[Sequence[object]], both: bool) -> Figure:
     """Return a map with the first axis to the right.  both : whether values lie on both sides of 0"""
-    first, second = (numbers(at, f"position of {plane.name}") for at in plane.position)
-    heights = [numbers(row, f"map of {plane.name}", len(first)) for row in zip(*values, strict=True)]
+    first, second = (rounded(at, f"position of {plane.name}") for at in plane.position)
+    heights = [rounded(row, f"map of {plane.name}", len(first)) for row in zip(*values, strict=True)]
     largest = number(max(abs(value) for row in heights for value in row) or 1.0, plane.name)
     trace = {
         "type": "heatmap",

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from hashlib import sha256
 from typing import Any
 
-from axiscal.answers.answer import ResultAnswer, coordinate, number, numbers
+from axiscal.answers.answer import ResultAnswer, coordinate, number, rounded
 from axiscal.estimation.accuracy.expanded import LEVEL
 from axiscal.language.spoken import said
 from axiscal.measurement.readers.csv_readings import FOUND
@@ -133,14 +133,14 @@ def _figures(value: Any, what: str) -> Any:
 
 def _curve(curve: CurveSummary) -> dict[str, Any]:
     for name in ("mean", "std", "std_seen", "prior_std"):
-        numbers(getattr(curve, name), f"{name} of {curve.name}", len(curve.position))
+        rounded(getattr(curve, name), f"{name} of {curve.name}", len(curve.position))
     return _kept(curve, _CURVE)
 
 
 def _plane(plane: PlaneSummary) -> dict[str, Any]:
     for name in ("mean", "std", "prior_std", "whole_mean", "whole_std"):
         for row in getattr(plane, name):
-            numbers(row, f"{name} of {plane.name}", len(plane.position[1]))
+            rounded(row, f"{name} of {plane.name}", len(plane.position[1]))
     return _kept(plane, _PLANE)
 
 
@@ -160,7 +160,7 @@ def _expanded(summary: Summary) -> dict[str, Any]:
     if summary.answer.withheld:
         return dict.fromkeys(("U_um", "U_axis_um", "U_worst_um", "U_level", "k", "U_holds_for", "rms_um", "worst_um"))
     found = summary.expanded
-    x, y, z = numbers(found.axes, "U_axis_um", 3)
+    x, y, z = rounded(found.axes, "U_axis_um", 3)
     of_u = _kept(found, "", U_um=found.space, U_worst_um=found.worst, U_level=LEVEL, k=found.factor)
     return {
         **of_u,

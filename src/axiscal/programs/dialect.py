@@ -102,7 +102,7 @@ class Dialect:
     numbered: bool = False
     log: Log | None = None
 
-    def check(self, axes: Iterable[Axis]) -> None:
+    def check_axes(self, axes: Iterable[Axis]) -> None:
         """Raise ProgramError for an axis that the control has no name for."""
         for axis in axes:
             if not re.fullmatch(self.axes, axis.name):
@@ -146,7 +146,7 @@ class Dialect:
             axis + "=" * (len(axis) > 1) + ("" if value.startswith("-") else plus) + value for axis, value in words
         )
 
-    def moved(self, words: Words, feed: int | str) -> str:
+    def straight_move(self, words: Words, feed: int | str) -> str:
         """Return a straight move in machine coordinates."""
         return self.move.format(to=self.words(words), feed=feed)
 
@@ -169,7 +169,7 @@ class Dialect:
             code=code,
             into=self.words(touch.words(touch.into)),
             back=self.words(touch.words(touch.back)),
-            away=self.moved(touch.words(touch.beside), touch.travel),
+            away=self.straight_move(touch.words(touch.beside), touch.travel),
             along=" ".join(f"I{axis}{way / reach:+.6f}" for axis, way in steps),
             reach=reach,
             backwards=math.hypot(*map(float, touch.back)),

@@ -20,7 +20,7 @@ from axiscal.exceptions import ProgramError, TravelError
 from axiscal.machine.description import Machine
 from axiscal.machine.kinematics import drawn_back
 from axiscal.machine.motion import LARGEST_TURN
-from axiscal.measurement.charts.room import KNOWN, Chart, Room, begun
+from axiscal.measurement.charts.room import KNOWN, Chart, Room, starts_of_ways
 from axiscal.measurement.reading import Place
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.touched import SideTouch, cycle_of, touches
@@ -43,7 +43,7 @@ class SphereCycle:
         self._cycle = cycle_of(machine, setup)
         self._group = next((group for group in groups if set(group.names) == set("XYZ")), None)
 
-    def at(self, target: ReadingTarget, place: Place) -> Iterator[Step]:
+    def steps(self, target: ReadingTarget, place: Place) -> Iterator[Step]:
         """Yield the touches of a reading, from where the tool is drawn back and back to there."""
         group = self._group
         if group is None:
@@ -115,7 +115,7 @@ class InTouch:
         poses, approaches = (np.array([getattr(place, key) for _, place in readings]) for key in ("pose", "approach"))
         there = self._ways.chart.places(poses)
         sides = sides_of(self._ways.chart, there, approaches)
-        standing = begun(self._ways.chart, there[:1], sides[:1])[0]
+        standing = starts_of_ways(self._ways.chart, there[:1], sides[:1])[0]
         yield from self._start(standing)
         for (number, place), at, side in zip(readings, there, sides, strict=True):
             for stop in self._stops(standing, at, side):
@@ -142,7 +142,7 @@ class InTouch:
         straight = self._ways.legs(standing, there)
         if straight is not None and len(straight) == 2 and self._ways.comes_right(standing, there, side):
             return [there]
-        return [begun(self._ways.chart, there[None], side[None])[0], there]
+        return [starts_of_ways(self._ways.chart, there[None], side[None])[0], there]
 
     def _way(self, here: Array, there: Array) -> Iterator[Step]:
         """Yield a way in touch; where there is none the tool goes off, and comes back."""
@@ -185,18 +185,17 @@ class Ways:
         self._clear = clear
         self._room = Room.with_boxes(machine, () if setup.artefact is None else setup.artefact.keep_out)
         self._kept = KeptOut(self._room)
-        self._ends = [chart.bounds(number) for number in range(chart.size)]
 
     def comes_right(self, here: Array, there: Array, side: Array) -> bool:
         """Return whether a straight way, and the axes that follow, come from the right side over the whole overrun.
 
         These go by its slant: coming far along one coordinate and hardly along another a slide may come from elsewhere.
         """
-        overrun, gone, asked = np.array([end.overrun for end in self._ends]), there - here, side != 0
+        overrun, gone, asked = np.array([end.overrun for end in self.chart.coordinates]), there - here, side != 0
         if not np.all(~asked | (gone * side >= overrun - _SLACK)):
             return False
         last = float(np.max(overrun[asked] / np.abs(gone[asked]), initial=0.0))
-        start = begun(self.chart, there[None], side[None])
+        start = starts_of_ways(self.chart, there[None], side[None])
         at, slanted, begin = self.chart.poses(np.vstack([there, there - last * gone, start]))
         known = KNOWN * np.array([axis.overrun for axis in self._machine.axes])
         return bool(np.all((np.abs(at - begin) < known) | ((at - slanted) * np.sign(at - begin) >= known)))

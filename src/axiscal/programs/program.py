@@ -118,7 +118,7 @@ class _Writer:
     """Writes the program of one set-up in one dialect."""
 
     def __init__(self, machine: Machine, dialect: Dialect, setup: Setup, log: bool) -> None:
-        dialect.check(machine.axes)
+        dialect.check_axes(machine.axes)
         self._machine, self._dialect, self._setup = machine, dialect, setup
         self._scales = tuple(AxisScale.of(axis, _decimals(axis, setup, dialect)) for axis in machine.axes)
         self._groups = groups(machine, setup.driving)
@@ -158,7 +158,7 @@ class _Writer:
 
     def _cycle(self, places: Mapping[int, Place]) -> Callable[[ReadingTarget], Iterator[Step]]:
         cycle = SphereCycle(self._machine, self._setup, self._scales, self._groups)
-        return lambda reached: cycle.at(reached, places[reached.number])
+        return lambda reached: cycle.steps(reached, places[reached.number])
 
     def _in_touch(self, chart: Chart) -> InTouch:
         """Return what drives a set-up in touch; raises ProgramError where the control cannot."""
@@ -220,7 +220,7 @@ class _Writer:
                 return self._dialect.touched(code, step)
             case Move():
                 words = [(self._machine.axes[k].name, self._scales[k].written(v)) for k, v in step.to.items()]
-                return [self._dialect.moved(words, step.feed)]
+                return [self._dialect.straight_move(words, step.feed)]
             case Glide():
                 return [self._dialect.tip_move.format(to=self._dialect.words(step.to), feed=step.feed)]
             case Hold():

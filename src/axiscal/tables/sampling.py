@@ -219,7 +219,7 @@ def _fitted(estimate: Estimate, axis: int, over: int, hats: Hats, curves: Array)
     anchor = _anchor(estimate, axis, over, hats, curves, free)
     shown = curves @ estimate.mean - anchor @ estimate.mean
     values = hats.best(shown.T).T
-    known, before = (_Spread.of(free, anchor, root) for root in (estimate.factor, estimate.model.prior_root()))
+    known, before = (_Spread.from_rows(free, anchor, root) for root in (estimate.factor, estimate.model.prior_root()))
     departure = max(hats.departure(curve, line) for curve, line in zip(shown, values, strict=True))
     values = values + _rest_read(estimate, axis, over, hats.points)
     own, looked_up = estimate.machine.axes[axis], estimate.machine.axes[over]
@@ -249,7 +249,7 @@ class _Spread(NamedTuple):
     shape: Array
 
     @classmethod
-    def of(cls, rows: Array, anchor: Array, root: Array) -> _Spread:
+    def from_rows(cls, rows: Array, anchor: Array, root: Array) -> _Spread:
         """Return those of rows (s, points, size), less an anchor (size,), by F with F Fᵀ the covariance."""
         counts = np.any(rows, axis=(0, 1)) | (anchor != 0)
         known = root[counts]

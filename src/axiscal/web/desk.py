@@ -188,7 +188,7 @@ class Desk:
         """Keep a reading of what is asked; raises SurprisingError where nobody has confirmed a strange one."""
         self._refuse_overtaken(after)
         asked = self.campaign.open_question()
-        question = self._question or Question.of(self.campaign, asked)
+        question = self._question or Question.from_campaign(self.campaign, asked)
         typed = self._value(text, question)
         surprise = question.surprise(typed.values)
         if surprise >= SURPRISING and not (keep or vouch):
@@ -325,7 +325,7 @@ class Desk:
             return None, None, str(failure)
         if isinstance(asked, Ended):
             return None, asked.because, ""
-        return Question.of(self.campaign, asked), None, ""
+        return Question.from_campaign(self.campaign, asked), None, ""
 
     def _next(self) -> Asked | Ended:
         """Return what is asked; another program may be asking at the same moment."""

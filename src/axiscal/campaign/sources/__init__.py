@@ -56,7 +56,7 @@ def open_source(
 
         return ExecSource(rest, TIMEOUT if timeout is None else timeout)
     if kind in ("moonraker", "duet"):
-        printer: Source = ours("ports.printers.printer_source:reached")(kind, rest.strip(), simulator.machine)
+        printer: Source = ours("ports.printers.printer_source:printer_behind")(kind, rest.strip(), simulator.machine)
         return printer
     if (brought := one_of("axiscal.sources", kind)) is not None:
         made: Source = brought(rest)

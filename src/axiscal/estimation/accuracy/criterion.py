@@ -28,21 +28,21 @@ class Root:
         return cls((vectors[:, kept] * np.sqrt(values[kept])).T)
 
     @property
-    def size(self) -> int:
+    def unknowns(self) -> int:
         """How many unknowns count, n."""
         return int(self.matrix.shape[1])
 
-    def of(self, factor: Array) -> Array:
+    def times(self, factor: Array) -> Array:
         """Return V F.  factor : F (m, k) or a vector (m,), over all unknowns, m at least n"""
-        seen: Array = self.matrix @ factor[: self.size]
+        seen: Array = self.matrix @ factor[: self.unknowns]
         return seen
 
-    def value(self, factor: Array) -> float:
+    def criterion(self, factor: Array) -> float:
         """Return J of C = F Fᵀ.  factor : F (m, k) or a vector (m,), m at least n"""
-        return float(np.sum(self.of(factor) ** 2))
+        return float(np.sum(self.times(factor) ** 2))
 
     @property
-    def gram(self) -> Array:
+    def weights(self) -> Array:
         """W = VᵀV, (n, n)."""
         gram: Array = self.matrix.T @ self.matrix
         return gram
@@ -58,6 +58,6 @@ def joint_root(model: ErrorModel) -> Root:
     reach = float(np.linalg.norm(travels)) / 2 if travels else 1.0
     for term in model.terms:
         scale = reach if term.angular else 1.0
-        own = term.gram() if isinstance(term, PlaneError) else term.basis.gram()
+        own = term.plane_gram() if isinstance(term, PlaneError) else term.basis.gram()
         gram[term.columns, term.columns] = scale**2 * own
     return Root.of_gram(gram)

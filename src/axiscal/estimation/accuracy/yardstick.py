@@ -130,13 +130,13 @@ class Yardstick:
     @cached_property
     def floors(self) -> tuple[float, float]:
         """RMS over the volume and largest standard deviation that endless readings would leave, m."""
-        rms = self.rms_of(self.root.value(self.left))
+        rms = self.rms_of(self.root.criterion(self.left))
         return rms, max(float(np.sqrt(self.variances(self.left).max())), rms)
 
     @cached_property
     def _unseen_total(self) -> float:
         """tr(V C_∞ Vᵀ), m²."""
-        return self.root.value(self.unseen)
+        return self.root.criterion(self.unseen)
 
     @cached_property
     def _unseen_shift(self) -> float:
@@ -151,16 +151,16 @@ class Yardstick:
 
     def measure(self, belief: Belief) -> Accuracy:
         """Return the figures of a belief."""
-        return self.figures(self.root.value(belief.factor), self.variances(belief.factor))
+        return self.figures(self.root.criterion(belief.factor), self.variances(belief.factor))
 
-    def along(self, factor: Array, losses: Array, ends: NDArray[np.intp]) -> list[Accuracy]:
+    def accuracies(self, factor: Array, losses: Array, ends: NDArray[np.intp]) -> list[Accuracy]:
         """Return the figures after each of many readings.
 
         factor : F (n, r) before them; losses : (m, n) what each number takes off the covariance, d dᵀ
         ends : how many numbers there were after each reading
         """
         own = losses[:, : self.errors.size]
-        total, variances = self.root.value(factor), self.variances(factor)
+        total, variances = self.root.criterion(factor), self.variances(factor)
         totals = total - _summed(np.sum((own @ self.root.matrix.T) ** 2, axis=1))[ends]
         lost = (own @ self.rows.reshape(-1, self.errors.size).T).reshape(len(own), -1, 3)
         left = variances - _summed(np.einsum("ipc,ipc->ip", lost, lost))[ends]

@@ -48,7 +48,7 @@ class Functional:
     angular: bool = False
     dimensions: int = 1
 
-    def of(self, deviations: Array) -> Array:
+    def row(self, deviations: Array) -> Array:
         """Return the row of deviations (m, 3): (k,), m or rad."""
         row: Array = np.einsum("kmc,mc->k", self.weights, deviations)
         return row
@@ -107,7 +107,7 @@ def _positioning(line: AxisLine, way: int) -> Functional:
 
 
 def _backlash(line: AxisLine, way: int) -> Functional:
-    poses = line.at(line.both) if line.both else line.poses
+    poses = line.poses_at(line.both) if line.both else line.poses
     share = np.full((1, len(poses)), 1 / len(poses))
     return _two_sided(line, poses, np.hstack([share, -share]), way)
 
@@ -213,7 +213,7 @@ class AxisLine:
         """Number of places read."""
         return len(self.plus) + len(self.minus) - len(self.both)
 
-    def at(self, positions: Sequence[float]) -> Array:
+    def poses_at(self, positions: Sequence[float]) -> Array:
         """Return poses of the line at other positions of the axis, (len, q)."""
         poses = np.tile(self.poses[0], (len(positions), 1))
         poses[:, self.axis] = positions

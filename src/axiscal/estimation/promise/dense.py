@@ -45,7 +45,7 @@ class Dense:
 
     problem: Problem
 
-    def prior(self, theta: Array) -> Array:
+    def prior_covariance(self, theta: Array) -> Array:
         """Return C(θ), (p, p): s² times correlation, block by block."""
         problem, size = self.problem, np.exp(np.append(theta, 0.0))[self.problem.size_at]
         result = np.eye(len(size))
@@ -61,7 +61,7 @@ class Dense:
     def covariance(self, theta: Array) -> Array:
         """Return K(θ), (m, m)."""
         rows = self.problem.rows
-        return np.asarray(rows @ self.prior(theta) @ rows.T + np.diag(self.sigma(theta) ** 2))
+        return np.asarray(rows @ self.prior_covariance(theta) @ rows.T + np.diag(self.sigma(theta) ** 2))
 
     def log_likelihood(self, theta: Array) -> float:
         """Return log L(θ)."""
@@ -69,7 +69,7 @@ class Dense:
 
     def unknowns(self, theta: Array) -> Normal:
         """Return the posterior of the answered unknowns at θ, m and rad."""
-        problem, prior = self.problem, self.prior(theta)
+        problem, prior = self.problem, self.prior_covariance(theta)
         seen = prior @ problem.rows.T @ np.linalg.inv(self.covariance(theta))
         mean, covariance = seen @ problem.values, prior - seen @ problem.rows @ prior
         turn, last = np.eye(len(mean)), slice(problem.first, None)

@@ -84,7 +84,7 @@ class Draws:
     @property
     def thetas(self) -> Array:
         """θ of each draw, (n, k)."""
-        return self.sizes.at(self.x)[0]
+        return self.sizes.theta(self.x)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +112,7 @@ class Weighed:
 
 def _density(space: Space, x: Array) -> float:
     """Return log L(θ) φ(x) up to a constant."""
-    return _valued(space.given(space.problem.sizes.at(x)[0]), x)
+    return _valued(space.given(space.problem.sizes.theta(x)[0]), x)
 
 
 def _valued(found: Given | None, x: Array) -> float:
@@ -144,7 +144,7 @@ def mode(space: Space) -> Mode:
         step *= _LONGEST / max(_LONGEST, float(np.max(np.abs(step))))
         if float(gradient @ step) < _SETTLED * 0.1:
             break
-        there = space.given(sizes.at(x + step)[0])
+        there = space.given(sizes.theta(x + step)[0])
         if there is not None and _valued(there, x + step) > value:
             x, damped = x + step, damped * _LESS
             value, gradient, information = _pull(sizes, there, x)
@@ -155,7 +155,7 @@ def mode(space: Space) -> Mode:
 
 def _pull(sizes: Sizes, found: Given, x: Array) -> tuple[float, Array, Array]:
     """Return log L φ, its gradient and its information by x.  found : at the sizes of x"""
-    by, slope = sizes.at(x)[1], found.slope()
+    by, slope = sizes.theta(x)[1], found.slope()
     information = slope.information * by[:, None] * by + np.eye(len(x))
     return slope.value - 0.5 * float(x @ x), slope.gradient * by - x, information
 

@@ -34,7 +34,7 @@ class Numbers:
             part = slice(start - problem.first, start - problem.first + len(root))
             self._roots[part, part] = root @ root.T
 
-    def prior(self, theta: Array, roots: Sequence[Array]) -> Array:
+    def prior_covariance(self, theta: Array, roots: Sequence[Array]) -> Array:
         """Return the prior covariance of the answered unknowns, (answered, answered) m² and rad²."""
         result, factors = self._roots.copy(), factors_of(self.problem, theta)[self.problem.first :]
         for curves, lower in zip(self.problem.curves, roots, strict=True):
@@ -138,11 +138,11 @@ class _InNumbers:
         """G F, (answered, m)."""
         return self.space.problem.raw(solution(self.root, self._shown).T, self.theta, self.roots)
 
-    def answer(self) -> Answered:
+    def posterior(self) -> Answered:
         """Return the posterior of the answered unknowns."""
         problem = self.space.problem
         mean = problem.mean + problem.raw(self._shown.T @ self.weighted, self.theta, self.roots)
-        covariance = self.space.prior(self.theta, self.roots)
+        covariance = self.space.prior_covariance(self.theta, self.roots)
         covariance -= self._gain @ self._gain.T
         return Answered(mean, covariance)
 
@@ -150,7 +150,7 @@ class _InNumbers:
         """Return G B."""
         return np.asarray(self._gain @ solution(self.root, columns))
 
-    def cells(self) -> Array:
+    def cell_means(self) -> Array:
         """Return the means of the rests of the cells that were visited."""
         problem = self.space.problem
         part = slice(problem.first_cell, problem.first_cell + len(problem.cells))

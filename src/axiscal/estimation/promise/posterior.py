@@ -254,7 +254,7 @@ def _moments(judged: Sequence[_Judged], volume: Array) -> _Moments:
     """
     weights = np.concatenate([each.found.weights for each in judged]) / len(judged)
     givens = [(each.problem.held, given) for each in judged for given in each.found.given]
-    answers = [given.answer() for _, given in givens]
+    answers = [given.posterior() for _, given in givens]
     about = answers[0].mean  # open zeros are large beside what draws differ by
     shift = np.sum([w * (each.mean - about) for w, each in zip(weights, answers, strict=True)], axis=0)
     aparts = np.array([each.mean - about - shift for each in answers])
@@ -268,7 +268,7 @@ def _moments(judged: Sequence[_Judged], volume: Array) -> _Moments:
             covariance = covariance + moved @ moved.T
         total += weights[i] * covariance
         squares[i] += np.einsum("kl,kl->", volume, covariance[:counts, :counts])
-    cells = np.sum([w * given.cells() for w, (_, given) in zip(weights, givens, strict=True)], axis=0)
+    cells = np.sum([w * given.cell_means() for w, (_, given) in zip(weights, givens, strict=True)], axis=0)
     mean = float(weights @ squares)
     varied = float(weights @ (squares - mean) ** 2)
     degrees = 4 + 2 * mean**2 / varied if varied > (_ALL_ALIKE * mean) ** 2 else np.inf

@@ -54,10 +54,10 @@ class Given(Protocol):
     def slope(self) -> Slope:
         """Return value, gradient and information."""
 
-    def answer(self) -> Answered:
+    def posterior(self) -> Answered:
         """Return the posterior of the answered unknowns."""
 
-    def cells(self) -> Array:
+    def cell_means(self) -> Array:
         """Return the means of the rests of the cells that were visited, (c,) m or rad."""
 
     def left_out(self, part: NDArray[np.intp]) -> tuple[Array, Array]:

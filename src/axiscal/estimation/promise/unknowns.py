@@ -158,7 +158,7 @@ class _InUnknowns:
             raw[curves.columns] = (lower @ raw[curves.columns][:, :, None])[:, :, 0]
         return float(space.totals[index] - 2 * raw @ space.products[index] + raw @ space.squares[index] @ raw)
 
-    def answer(self) -> Answered:
+    def posterior(self) -> Answered:
         """Return the posterior of the answered unknowns: they stand last, so the trailing triangle is enough."""
         problem = self.space.problem
         first = problem.first
@@ -166,7 +166,7 @@ class _InUnknowns:
         covariance = problem.raw(half.T, self.theta, self.roots)
         return Answered(problem.mean + problem.raw(self.solved[first:], self.theta, self.roots), covariance)
 
-    def cells(self) -> Array:
+    def cell_means(self) -> Array:
         """Return the means of the rests of the cells that were visited."""
         problem = self.space.problem
         part = slice(problem.first_cell, problem.first_cell + len(problem.cells))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ class Bar(SmoothChart):
     """u : azimuth about z from x, elevation above the xy plane, rad; then the rotary axes that turn.
 
     centre : (3,) m, workpiece frame; length : m; free, cone : as of a ball, and the same between bar and tool
-    turning : indices of rotary axes; park : (q,); steps : (size,) rad, 0 continuous
+    turning : indices of rotary axes; park : (q,)
     """
 
     room: Room
@@ -30,22 +30,7 @@ class Bar(SmoothChart):
     cone: float
     turning: tuple[int, ...]
     park: Array
-    steps: tuple[float, ...]
-    overrun: float
-
-    @property
-    def size(self) -> int:
-        """Number of coordinates."""
-        return 2 + len(self.turning)
-
-    def bounds(self, number: int) -> Coordinate:
-        """Return a full turn, from pole to pole, or the travel of a rotary axis."""
-        if number == 0:
-            return Coordinate(0.0, math.tau, self.steps[0], self.overrun / self.length, True)
-        if number == 1:
-            return Coordinate(-math.pi / 2, math.pi / 2, self.steps[1], self.overrun / self.length)
-        axis = self.room.machine.axes[self.turning[number - 2]]
-        return Coordinate(*axis.travel, self.steps[number], axis.overrun)
+    coordinates: tuple[Coordinate, ...]
 
     def poses(self, places: Array) -> Array:
         """Return the poses (m, q) with the tool point on the sphere."""
@@ -81,8 +66,8 @@ class Circle(SmoothChart):
     """u : the angle of the bar in its plane, rad.
 
     centre : (3,) m, workpiece frame; first, second : (3,) unit vectors that span the plane; length : m
-    free, cone : as of a ball, and the same between the bar and the tool; arc : from where to where, rad
-    park : (q,) of the rotary axes at the angle 0; turning : (q,) rad of each per rad of arc; step : rad, 0 continuous
+    free, cone : as of a ball, and the same between the bar and the tool
+    park : (q,) of the rotary axes at the angle 0; turning : (q,) rad of each per rad of arc; coordinates : the arc
     """
 
     room: Room
@@ -92,22 +77,14 @@ class Circle(SmoothChart):
     length: float
     free: Array
     cone: float
-    arc: tuple[float, float]
     park: Array
     turning: Array
-    step: float
-    overrun: float
+    coordinates: tuple[Coordinate]
 
-    @property
-    def size(self) -> int:
-        """Number of coordinates."""
-        return 1
-
-    def bounds(self, number: int) -> Coordinate:
-        """Return the arc."""
-        low, high = self.arc
+    def over(self, low: float, high: float) -> Circle:
+        """Return it over another arc, rad; a full turn on which no axis turns has no end."""
         whole = abs(high - low - math.tau) <= 1e-9 and not np.any(self.turning)
-        return Coordinate(low, high, self.step, self.overrun / self.length, whole)
+        return replace(self, coordinates=(self.coordinates[0]._replace(low=low, high=high, endless=whole),))
 
     def directions(self, places: Array) -> Array:
         """Return the unit vectors (m, 3) from the centre to the tool point."""
@@ -133,8 +110,8 @@ class Circle(SmoothChart):
     def places(self, poses: Array) -> Array:
         """Return the angles of poses, within the arc as far as whole turns allow."""
         bar = frames(self.room.machine, poses).tcp - self.centre
-        angle = np.arctan2(bar @ self.second, bar @ self.first)
-        around = self.arc[0] + np.mod(angle - self.arc[0], math.tau)
-        beyond = around - self.arc[0] > math.tau - 1e-9
-        folded: Array = np.where(beyond & (around > self.arc[1] + 1e-12), around - math.tau, around)
+        angle, (low, high, *_) = np.arctan2(bar @ self.second, bar @ self.first), self.coordinates[0]
+        around = low + np.mod(angle - low, math.tau)
+        beyond = around - low > math.tau - 1e-9
+        folded: Array = np.where(beyond & (around > high + 1e-12), around - math.tau, around)
         return folded[:, None]

@@ -16,7 +16,7 @@ from axiscal.measurement.charts.swing import Swing
 from axiscal.measurement.charts.ways import SmoothChart
 from axiscal.numerics import Array
 
-_FINEST_PLACE = 1e-6
+FINEST_PLACE = 1e-6
 """m: what a person can dial in."""
 
 
@@ -24,31 +24,25 @@ _FINEST_PLACE = 1e-6
 class Line(SmoothChart):
     """u : how far along, m from the first end.
 
-    ends : (2, 3) m, workpiece frame; park : (q,) of the rotary axes; step : m, 0 continuous
-    overrun : m, over which a side is come from
+    ends : (2, 3) m, workpiece frame; park : (q,) of the rotary axes
     """
 
     room: Room
     ends: Array
     park: Array
-    step: float
-    overrun: float
+    coordinates: tuple[Coordinate]
 
-    @property
-    def size(self) -> int:
-        """Number of coordinates."""
-        return 1
+    @classmethod
+    def between_ends(cls, room: Room, ends: Array, park: Array, step: float, overrun: float) -> Line:
+        """Return all of a line.  step : m, 0 continuous; overrun : m, over which a side is come from"""
+        length = float(np.linalg.norm(ends[1] - ends[0]))
+        return cls(room, ends, park, (Coordinate(0.0, length, step, overrun, finest=FINEST_PLACE),))
 
     @property
     def direction(self) -> Array:
         """The unit vector from the first end to the second, (3,)."""
         along: Array = self.ends[1] - self.ends[0]
         return along / np.linalg.norm(along)
-
-    def bounds(self, number: int) -> Coordinate:
-        """Return from where to where it goes, m."""
-        length = float(np.linalg.norm(self.ends[1] - self.ends[0]))
-        return Coordinate(0.0, length, self.step, self.overrun, finest=_FINEST_PLACE)
 
     def poses(self, places: Array) -> Array:
         """Return the poses (m, q) with the tool point on the line."""
@@ -72,16 +66,13 @@ class Line(SmoothChart):
 
 _SLACK = 1e-10
 """Share of a travel: rounding."""
-_FINEST, _FINEST_TURN = 1e-6, float(np.radians(1e-4))
-"""m and rad: what a person can dial in."""
 
 
 @dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
 class Sight:
     """u : the axes that move, without what cannot be seen; on a way where a beam is lost it is found again.
 
-    moves : their indices; spans : (moves, 2) from where to where each can be read, m or rad; park : (q,)
-    steps : (moves,) m or rad, 0 continuous
+    moves : their indices; coordinates : from where to where each can be read; park : (q,)
     stations : (k, 3) m, workpiece frame: all of them see the tool
     range : from how near to how far, m
     faces : (3,) where the reflector looks, in the frame of the workpiece; None looks to the station
@@ -90,25 +81,12 @@ class Sight:
 
     room: Room
     moves: tuple[int, ...]
-    spans: Array
+    coordinates: tuple[Coordinate, ...]
     park: Array
-    steps: tuple[float, ...]
     stations: Array
     range: tuple[float, float]
     faces: Array | None
     cone: float
-
-    @property
-    def size(self) -> int:
-        """Number of coordinates."""
-        return len(self.moves)
-
-    def bounds(self, number: int) -> Coordinate:
-        """Return from where to where an axis can be read."""
-        low, high = self.spans[number].tolist()
-        axis = self.room.machine.axes[self.moves[number]]
-        finest = _FINEST_TURN if axis.rotary else _FINEST
-        return Coordinate(low, high, self.steps[number], axis.overrun, finest=finest)
 
     def poses(self, places: Array) -> Array:
         """Return the poses (m, q)."""
@@ -118,7 +96,7 @@ class Sight:
 
     def breaks(self, number: int, place: Array, levels: tuple[Array, ...]) -> Array:
         """Return where the axis is at one of its levels."""
-        low, high, *_ = self.bounds(number)
+        low, high, *_ = self.coordinates[number]
 
         def curve(values: Array) -> Array:
             return np.repeat(values[:, None], len(self.park), axis=1)
@@ -128,7 +106,7 @@ class Sight:
 
     def feasible(self, poses: Array) -> NDArray[np.bool_]:
         """Return which poses are within reach, with nothing in the way, and seen."""
-        low, high = self.spans.T
+        low, high = np.array([each[:2] for each in self.coordinates]).T
         slack, moved = _SLACK * (high - low), poses[:, list(self.moves)]
         within: NDArray[np.bool_] = np.all((moved >= low - slack) & (moved <= high + slack), axis=1)
         found = within & self.room.holds(poses)

@@ -20,7 +20,7 @@ class Held(SmoothChart):
     """u : the rotary axes that turn.
 
     point : (3,) the ball, m, workpiece frame; free : (3,) where it is free; cone : rad, that the tool keeps within
-    turning : indices of the rotary axes; park : (q,); steps : (turning,) rad, 0 continuous
+    turning : indices of the rotary axes; park : (q,); coordinates : (turning,)
     back : m, by which the tool must be able to draw back along itself, from where it comes to the ball
     overrun : (q,) m, by which the axes must be able to go on from there either way, for they come from a side
     touching : poses (m, q) -> where the axes go to touch the ball, (stops, m, q); None where nobody says
@@ -32,20 +32,10 @@ class Held(SmoothChart):
     cone: float
     turning: tuple[int, ...]
     park: Array
-    steps: tuple[float, ...]
+    coordinates: tuple[Coordinate, ...]
     back: float = 0.0
     overrun: Array | float = 0.0
     touching: Callable[[Array], Array] | None = None
-
-    @property
-    def size(self) -> int:
-        """Number of coordinates."""
-        return len(self.turning)
-
-    def bounds(self, number: int) -> Coordinate:
-        """Return the travel of a rotary axis."""
-        axis = self.room.machine.axes[self.turning[number]]
-        return Coordinate(*axis.travel, self.steps[number], axis.overrun)
 
     def poses(self, places: Array) -> Array:
         """Return the poses (m, q) with the tool point at the ball."""
@@ -92,13 +82,9 @@ class Balls:
     each: tuple[Held, ...]
 
     @property
-    def size(self) -> int:
-        """Number of coordinates."""
-        return 1 + self.each[0].size
-
-    def bounds(self, number: int) -> Coordinate:
-        """Return the numbers of the balls, or the travel of a rotary axis."""
-        return Coordinate(0.0, len(self.each) - 1.0, 1.0) if number == 0 else self.each[0].bounds(number - 1)
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """The numbers of the balls, and the travel of each rotary axis."""
+        return Coordinate(0.0, len(self.each) - 1.0, 1.0), *self.each[0].coordinates
 
     def poses(self, places: Array) -> Array:
         """Return the poses (m, q) with the tool point at each ball."""

@@ -50,17 +50,20 @@ class Coordinate(NamedTuple):
         return self.step * np.arange(first, last + 1, dtype=np.float64)
 
 
+def turns(machine: Machine, turning: Sequence[int], steps: Sequence[float]) -> tuple[Coordinate, ...]:
+    """Return the coordinates of rotary axes, each over its travel.  turning : their indices; steps : rad"""
+    axes = (machine.axes[k] for k in turning)
+    return tuple(Coordinate(*axis.travel, step, axis.overrun) for axis, step in zip(axes, steps, strict=True))
+
+
 class Chart(Protocol):
     """Where a set-up can be read: a map from coordinates u to poses."""
 
     __slots__ = ()
 
     @property
-    def size(self) -> int:
-        """Number of coordinates."""
-
-    def bounds(self, number: int) -> Coordinate:
-        """Return one coordinate's ends and steps."""
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Ends and steps of each coordinate, (size,)."""
 
     def poses(self, places: Array) -> Array:
         """Return the poses (m, q) of places u (m, size), whether they can be taken or not; NaN where there are none."""
@@ -81,19 +84,18 @@ class Chart(Protocol):
         """Return the coordinates (m, size) of the places nearest to poses (m, q)."""
 
 
-def begun(chart: Chart, places: Array, sides: Array) -> Array:
+def starts_of_ways(chart: Chart, places: Array, sides: Array) -> Array:
     """Return where the ways into places begin, an overrun away.  places, sides : (m, size) u and +1, −1, 0"""
-    away = np.array([chart.bounds(number).overrun for number in range(chart.size)])
+    away = np.array([each.overrun for each in chart.coordinates])
     begin: Array = places - sides * away
     return begin
 
 
 def has_room(chart: Chart, places: Array, sides: Array) -> NDArray[np.bool_]:
     """Return which places can be come to from their sides, over the whole overrun and within the chart, (m,)."""
-    begin = begun(chart, places, sides)
+    begin = starts_of_ways(chart, places, sides)
     found = chart.feasible(chart.poses(begin)) & chart.feasible(chart.poses(places))
-    for number in range(chart.size):
-        end, at = chart.bounds(number), begin[:, number]
+    for end, at in zip(chart.coordinates, begin.T, strict=True):
         slack = _OUTSIDE * (end.high - end.low)
         found &= end.endless | ((at >= end.low - slack) & (at <= end.high + slack))
     return found
@@ -101,7 +103,7 @@ def has_room(chart: Chart, places: Array, sides: Array) -> NDArray[np.bool_]:
 
 def arrivals(chart: Chart, overruns: Array, places: Array, sides: Array) -> Array:
     """Return from where each axis comes, (m, q) +1, −1, or 0 where nobody knows.  overruns : (q,) of the axes"""
-    way = chart.poses(places) - chart.poses(begun(chart, places, sides))
+    way = chart.poses(places) - chart.poses(starts_of_ways(chart, places, sides))
     known = np.abs(way) >= KNOWN * overruns
     return np.where(known, np.sign(way), 0.0)
 

@@ -54,7 +54,7 @@ class Slides:
         alike = all(k < min(self._axes) for k in before)  # all linear axes turn together
         self._rate = float(swing.turns[before].sum()) * (1.0 if alike else np.sqrt(len(self._axes)))
         self._loosened = 0.0 if alike else self._rate
-        self._spin = _Spin.of(machine, swing.turns)
+        self._spin = _Spin.by_turns(machine, swing.turns)
 
     def bends(self, at: Frames, widths: Array) -> Array:
         """Return them of pieces that begin at frames, (m,) m; without end where the linear axes may fall together."""
@@ -82,7 +82,7 @@ class _Spin(NamedTuple):
     bend: float
 
     @classmethod
-    def of(cls, machine: Machine, turns: Array) -> _Spin:
+    def by_turns(cls, machine: Machine, turns: Array) -> _Spin:
         """Return it of a way on which axes turn by so much, (q,) rad: from the tool to the workpiece."""
         about, lever, speed, bend = tool_point(machine), 0.0, 0.0, 0.0
         for axis, rate in reversed(list(zip(machine.axes, turns.tolist(), strict=True))):

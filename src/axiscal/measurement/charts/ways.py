@@ -42,7 +42,7 @@ class SmoothChart(Chart, Protocol):
 
     def breaks(self, number: int, place: Array, levels: tuple[Array, ...]) -> Array:
         """Return where an axis is at one of its levels along one coordinate."""
-        low, high, *_ = self.bounds(number)
+        low, high, *_ = self.coordinates[number]
         return along_one(self.poses, number, place, (low, high), levels)
 
     def between(self, start: Array, stop: Array) -> Array | None:
@@ -77,7 +77,7 @@ def _clear(chart: SmoothChart, start: Array, stop: Array) -> bool:
         poses = chart.poses(start + ends[:, None] * (stop - start))
         if tried > _MOST_TRIED or not np.all(chart.feasible(poses)):
             return False
-        open_ = ~proof.of(poses, right - left)
+        open_ = ~proof.of_pieces(poses, right - left)
         middle = (left[open_] + right[open_]) / 2
         left, right = np.concatenate([left[open_], middle]), np.concatenate([middle, right[open_]])
     return True
@@ -92,7 +92,7 @@ class _Proof:
         self._low, self._high = np.array([axis.travel for axis in machine.axes]).T
         self._fastest = swing.speed + machine.tool * stem_rate(machine, swing.turns)
 
-    def of(self, poses: Array, widths: Array) -> NDArray[np.bool_]:
+    def of_pieces(self, poses: Array, widths: Array) -> NDArray[np.bool_]:
         """Return it of pieces, (m,).  poses : (2 m, q) of their beginnings, then of their ends; widths : (m,) of s"""
         at, count = frames(self._room.machine, poses), len(widths)
         begin = Frames(at.rotations[:, :count], at.origins[:, :count], at.tcp[:count], at.tool[:count])

@@ -47,7 +47,7 @@ class Stepped(Rotation):
         shown: Array = np.arctan(slope) + unknowns.get("zero", 0.0)
         return shown
 
-    def check(self, setup: Setup, machine: Machine) -> None:
+    def check_setup(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError where there is no slope to be read."""
         _refuse_other_moves(setup, machine)
         base, axis = setup.base or 0.0, machine.axes[setup.moves[0]]

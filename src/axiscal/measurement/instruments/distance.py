@@ -135,7 +135,7 @@ class Distance(Model):
         shown: Array = seen - np.linalg.norm(nominal.tcp - station.stated, axis=1) + own.get("zero", 0.0)
         return shown
 
-    def check(self, setup: Setup, machine: Machine) -> None:
+    def check_setup(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""
         if not setup.stations:
             need_station(setup, "the {instrument}'s other end")
@@ -225,7 +225,7 @@ class Tracker(Nest):
         shown: Array = ((line + displaced(nominal, actual, unknowns)) @ turn.T - line + zero) @ direction
         return shown
 
-    def check(self, setup: Setup, machine: Machine) -> None:
+    def check_setup(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError without a station."""
         need_station(setup, "the tracker")
 

@@ -107,7 +107,7 @@ class Model(Protocol):
     ) -> Array:
         """Return what it would show, nothing linearised, noise left out, (m,)."""
 
-    def check(self, setup: Setup, machine: Machine) -> None:
+    def check_setup(self, setup: Setup, machine: Machine) -> None:
         """Raise DescriptionError for a set-up that makes no sense on a machine; as a rule every one does."""
         return
 
@@ -142,7 +142,7 @@ def ball_moved(setup: Setup, own: Mapping[str, float], nominal: Nominal) -> Arra
     """Return how the tip stands against its ball with everything that the artefact leaves open, (m, 3) m."""
     if setup.artefact is None:
         return np.zeros((nominal.count, 3))
-    return -setup.artefact.moved(own, setup.artefact.nearest(nominal.tcp, setup.balls))
+    return -setup.artefact.displacements(own, setup.artefact.nearest(nominal.tcp, setup.balls))
 
 
 def need_station(setup: Setup, what: str) -> None:

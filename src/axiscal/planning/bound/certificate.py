@@ -50,7 +50,7 @@ class Dual:
     z: Array
 
     @classmethod
-    def of(cls, state: Covariance, scaled: Array) -> Dual:
+    def from_rows(cls, state: Covariance, scaled: Array) -> Dual:
         """Return Φ (I + BᵀB)⁻¹.  scaled : B (m, r), rows of unit noise under the state's factor."""
         target = state.weighted
         if not len(scaled):
@@ -176,7 +176,7 @@ def zeros_of(each: ZerosEach, group: tuple[int, ...]) -> Zeros | None:
 def _of_setup(state: Covariance, lattice: Places, setup: int) -> list[tuple[int, float]]:
     """Return the zeros of a set-up, as in `ZerosEach`."""
     observation, found = state.observation, list[tuple[int, float]]()
-    poses, approaches = lattice.of(setup)
+    poses, approaches = lattice.in_setup(setup)
     if not len(poses):
         return found
     ways = observation.rows_each(setup, poses, approaches)

@@ -89,7 +89,7 @@ def with_main_directions(state: Covariance, dropped: float, most: int = _WIDE) -
         return state
     values, turn = np.linalg.eigh(target @ target.T)
     kept = np.cumsum(np.maximum(values, 0.0)) > dropped
-    return Covariance.of(state.observation, state.factor, Root(turn[:, kept].T @ state.root.matrix))
+    return Covariance.from_factor(state.observation, state.factor, Root(turn[:, kept].T @ state.root.matrix))
 
 
 def _by_groups(whole: Relaxation, last: Round, plan: float) -> float:
@@ -305,7 +305,7 @@ def largest_seen(
     if found.lower > known:
         tops, lengths = np.vstack([tops, found.place]), np.append(lengths, found.lower)
     highest = np.argsort(-lengths, kind="stable")[: int(np.sum(lengths > level * (1 + gap / 8)))]
-    poses, approaches = region.readings(tops)
+    poses, approaches = region.as_poses(tops)
     spans = np.array([axis.length for axis in observation.machine.axes])
     chosen = _apart(np.hstack([poses / spans, approaches]), highest)
     return Largest(found.upper, Places.of_setup(setup, poses[chosen], approaches[chosen]))
@@ -323,7 +323,7 @@ def _forms(observation: Observation, setup: int, region: Region, reach: Array) -
     """Return |g reach|², over one, as a function of places (m, size)."""
 
     def forms(places: Array) -> tuple[Array, Array]:
-        seen = observation.numbers(setup, *region.readings(places)).rows
+        seen = observation.numbers(setup, *region.as_poses(places)).rows
         return np.sum((seen @ reach) ** 2, axis=(1, 2)), np.ones(len(places))
 
     return forms

@@ -80,7 +80,7 @@ class Relaxation:
             self.support, self.weights = self._first()
 
     def _first(self) -> tuple[NDArray[np.intp], Array]:
-        slopes = self.slopes(Dual.of(self.state, np.zeros((0, self.state.factor.shape[1]))))
+        slopes = self.slopes(Dual.from_rows(self.state, np.zeros((0, self.state.factor.shape[1]))))
         best = int((slopes / self.costs).argmax())
         return np.array([best]), np.array([self.limit / self.costs[best]])
 
@@ -106,7 +106,7 @@ class Relaxation:
     def dual(self) -> Dual:
         """Return the matrix that the weights lead to as they stand."""
         state, along, owner = self._rows()
-        return Dual.of(state, along * np.sqrt(self.weights[owner])[:, None])
+        return Dual.from_rows(state, along * np.sqrt(self.weights[owner])[:, None])
 
     def begin_everywhere(self) -> None:
         """Begin with the same weight on every candidate of the pool."""
@@ -138,7 +138,7 @@ class Relaxation:
         state, along, owner = self._rows()
         costs, self._close = self.costs[self.support], close
         self.weights = optimal_weights(along, owner, state.weighted, self.weights, costs, self.limit, close)
-        return Dual.of(state, along * np.sqrt(self.weights[owner])[:, None])
+        return Dual.from_rows(state, along * np.sqrt(self.weights[owner])[:, None])
 
     def over_all(self, slopes: Array) -> Iterator[Turn]:
         """Let every candidate have a weight that may want one, and bring them to the optimum turn by turn.
@@ -159,7 +159,7 @@ class Relaxation:
     def value_if(self, shares: Array) -> float:
         """Return J were each candidate of the support read with its weight times a share, (s,)."""
         state, along, owner = self._rows()
-        return Dual.of(state, along * np.sqrt((self.weights * shares)[owner])[:, None]).value
+        return Dual.from_rows(state, along * np.sqrt((self.weights * shares)[owner])[:, None]).value
 
     def _rows(self) -> tuple[Covariance, Array, NDArray[np.intp]]:
         """Return the state with the cells of the support, its rows R^-½ G F (m, r), and whose each is (m,)."""
@@ -233,7 +233,7 @@ def turns(
     seen = informed(along, along * np.sqrt(weights[owner])[:, None])
     spread = np.maximum(np.add.reduceat(np.sum(seen**2, axis=1), first), _NOUGHT)
     while True:
-        dual = Dual.of(state, along * np.sqrt(weights[owner])[:, None])
+        dual = Dual.from_rows(state, along * np.sqrt(weights[owner])[:, None])
         slopes = np.add.reduceat(np.sum((along @ dual.z.T) ** 2, axis=1), first)
         yield Turn(weights, dual, slopes)
         above = np.maximum(slopes / (costs * float(slopes @ weights) / limit), _NOUGHT)

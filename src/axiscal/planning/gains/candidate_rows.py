@@ -120,7 +120,7 @@ class Pool:
             seen[:, number :: block.values] += moved[:, None]
         return seen
 
-    def forms(self, scorer: Scorer) -> tuple[Array, Array]:
+    def gain_forms(self, scorer: Scorer) -> tuple[Array, Array]:
         """Return N = G C W C Gᵀ and M = R + G C Gᵀ of every candidate, each (w, w, M)."""
         above = np.zeros((self.width, self.width, len(self)))
         below = np.eye(self.width)[:, :, None] * self.noise
@@ -136,7 +136,7 @@ class Pool:
         factor = state.factor[: self.size]
         if factor.shape[1] > self.size:
             factor = np.asarray(np.linalg.qr(factor.T, mode="r")).T
-        return Covariance.of(self._bare, factor, state.root).scorer()
+        return Covariance.from_factor(self._bare, factor, state.root).scorer()
 
     def rows(self, observation: Observation, index: int) -> Array:
         """Return the rows of a candidate whose cells have columns as far as their rests show in it, (k, n)."""
@@ -147,7 +147,7 @@ class Pool:
         result[:, block.felt] = self._rows(block)[inside]
         effects = block.rests.effects
         of = RestEffects(effects.functions, effects.reach[:, inside], effects.cells[:, inside])
-        add_rests(of, np.zeros(len(of.functions)), observation.cell_columns.at(of), result, np.zeros(count))
+        add_rests(of, np.zeros(len(of.functions)), observation.cell_columns.visited(of), result, np.zeros(count))
         for number, course, share in self._drifts(observation, block.setup):
             result[number, list(course.columns)] += share * course.rows()[0]
         return result
@@ -192,7 +192,7 @@ class Pool:
         part = self.lattice.poses[candidates], self.lattice.approaches[candidates]
         functions, reach, cells = self._bare.rest_effects(setup, *part)
         inside = reach.transpose(1, 2, 0).reshape(len(functions), len(reach) * len(part[0]))
-        return RestsInCells.of(self._bare, RestEffects(functions, inside, np.repeat(cells, len(reach), axis=1)))
+        return RestsInCells.ordered(self._bare, RestEffects(functions, inside, np.repeat(cells, len(reach), axis=1)))
 
     def _rows(self, block: _Block) -> Array:
         if block.rows is not None:
@@ -225,7 +225,7 @@ class RestsInCells:
     first: NDArray[np.intp]
 
     @classmethod
-    def of(cls, observation: Observation, effects: RestEffects) -> RestsInCells:
+    def ordered(cls, observation: Observation, effects: RestEffects) -> RestsInCells:
         """Return them in the order of the cells."""
         table = observation.cell_columns
         cells = (table.first[effects.functions][:, None] + effects.cells).ravel()

@@ -57,7 +57,7 @@ class _Turn(NamedTuple):
     shrink: Array
 
     @classmethod
-    def of(cls, seen: Array, leaving: bool) -> _Turn:
+    def from_numbers(cls, seen: Array, leaving: bool) -> _Turn:
         """Return what numbers make of a factor.  seen : Fᵀ Gᵀ R^-½ (r, k)"""
         basis, values, turn = _singular(seen)
         if leaving:
@@ -82,7 +82,7 @@ class LowRank(NamedTuple):
     back: Array
 
     @classmethod
-    def of(cls, turn: _Turn, sizes: Array, h: Array, z: Array, reach: Array) -> LowRank:
+    def by_turn(cls, turn: _Turn, sizes: Array, h: Array, z: Array, reach: Array) -> LowRank:
         """Return what numbers change.  sizes : the std of each, (k,); reach : V H (w, k)"""
         return cls(np.diag(turn.weights), h, z, reach.T @ reach, sizes[:, None] * turn.turn.T)
 
@@ -104,9 +104,9 @@ class Covariance:
     both: Array
 
     @classmethod
-    def of(cls, observation: Observation, factor: Array, root: Root) -> Covariance:
+    def from_factor(cls, observation: Observation, factor: Array, root: Root) -> Covariance:
         """Return the state with C = F Fᵀ.  factor : F (n, r)"""
-        return cls(observation, root, np.vstack([root.of(factor), factor]))
+        return cls(observation, root, np.vstack([root.times(factor), factor]))
 
     @property
     def value(self) -> float:
@@ -164,7 +164,7 @@ class Covariance:
         )
         cuts, turns, bases = _cuts(parts), list[_Turn](), list[Array]()
         for part, cut in zip(parts, cuts, strict=True):
-            turn = _Turn.of(_turned(told[cut].T, turns), part.leaving)
+            turn = _Turn.from_numbers(_turned(told[cut].T, turns), part.leaving)
             bases.append(_turned(turn.basis, turns[::-1]))
             turns.append(turn)
         turned = np.concatenate(bases, axis=1)
@@ -180,7 +180,7 @@ class Covariance:
         taken = self.both.copy()
         take_off(taken, shrunk, np.concatenate([turn.basis for turn in turns], axis=1).T)
         made = zip(turns, sizes, cuts, strict=True)
-        changes = tuple([LowRank.of(turn, size, h[:, cut], z[:, cut], reach[:, cut]) for turn, size, cut in made])
+        changes = tuple([LowRank.by_turn(turn, size, h[:, cut], z[:, cut], reach[:, cut]) for turn, size, cut in made])
         return replace(self, both=taken), changes
 
     def after_readings(self, places: Places) -> Covariance:
@@ -279,14 +279,14 @@ class RunningAccuracy:
     variances: Array
 
     @classmethod
-    def of(cls, yardstick: Yardstick, factor: Array) -> RunningAccuracy:
+    def from_factor(cls, yardstick: Yardstick, factor: Array) -> RunningAccuracy:
         """Return the accuracy of a covariance C = F Fᵀ.  factor : F (n, r)."""
-        return cls(yardstick, yardstick.root.value(factor), yardstick.variances(factor))
+        return cls(yardstick, yardstick.root.criterion(factor), yardstick.variances(factor))
 
     def after(self, change: LowRank) -> RunningAccuracy:
         """Return the accuracy after a change C ← C − H η Hᵀ."""
         root, rows = self.yardstick.root, self.yardstick.rows
-        reach, seen = root.of(change.h), rows @ change.h[: rows.shape[2]]
+        reach, seen = root.times(change.h), rows @ change.h[: rows.shape[2]]
         total = self.total - float(np.sum(reach @ change.eta * reach))
         variances = self.variances - np.sum(seen @ change.eta * seen, axis=(1, 2))
         return RunningAccuracy(self.yardstick, total, variances)
@@ -297,13 +297,13 @@ class RunningAccuracy:
         return self.yardstick.figures(self.total, self.variances)
 
 
-def along(state: Covariance, yardstick: Yardstick, order: Places) -> Iterator[tuple[float, Accuracy]]:
+def after_each(state: Covariance, yardstick: Yardstick, order: Places) -> Iterator[tuple[float, Accuracy]]:
     """Yield J and the accuracy after each of many readings.  state : before the first"""
     for start in range(0, len(order), _TOGETHER):
         part = order.within(slice(start, start + _TOGETHER))
         state = state.opened(part)
         losses, owner = state.losses(part)
         ends = np.searchsorted(owner, np.arange(len(part)), side="right")
-        values = state.value - np.cumsum(np.sum(state.root.of(losses.T) ** 2, axis=0))[ends - 1]
-        yield from zip(values.tolist(), yardstick.along(state.factor, losses, ends), strict=True)
+        values = state.value - np.cumsum(np.sum(state.root.times(losses.T) ** 2, axis=0))[ends - 1]
+        yield from zip(values.tolist(), yardstick.accuracies(state.factor, losses, ends), strict=True)
         state = state.after_readings(part)

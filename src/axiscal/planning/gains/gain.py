@@ -34,10 +34,10 @@ class Scorer:
     both: Array
 
     @classmethod
-    def of(cls, observation: Observation, belief: Belief, root: Root) -> Scorer:
+    def from_belief(cls, observation: Observation, belief: Belief, root: Root) -> Scorer:
         """Return the scorer of a belief."""
         factor = belief.factor
-        weighted = root.of(factor)
+        weighted = root.times(factor)
         return cls(observation, factor, weighted, np.hstack([factor, factor @ weighted.T]))
 
     def widened(self, columns: Array, reach: Array) -> Scorer:
@@ -61,12 +61,12 @@ class Scorer:
             return above[:, None, None], seen.covariances + below[:, None, None]
         return far @ far.swapaxes(1, 2), seen.covariances + near @ near.swapaxes(1, 2)
 
-    def forms(self, setup: int, poses: Array, approaches: Array) -> tuple[Array, Array]:
+    def gain_forms(self, setup: int, poses: Array, approaches: Array) -> tuple[Array, Array]:
         """Return numerator and denominator of the gain at poses, each (m,).  poses, approaches : (m, q)."""
         seen = self.observation.numbers(setup, poses, approaches)
         return joint_forms(*self.split_all(seen), self.observation.setups[setup].noise ** 2)
 
-    def at(self, setup: int, poses: Array, approaches: Array) -> Array:
+    def gains_at(self, setup: int, poses: Array, approaches: Array) -> Array:
         """Return the gain at poses, (m,).  poses, approaches : (m, q)."""
         return joint_gains(*self.split_all(self.observation.numbers(setup, poses, approaches)))
 
@@ -77,7 +77,7 @@ class Scorer:
             mine = np.flatnonzero(lattice.setups == setup)
             for start in range(0, len(mine), _BLOCK):
                 block = mine[start : start + _BLOCK]
-                result[block] = self.at(int(setup), lattice.poses[block], lattice.approaches[block])
+                result[block] = self.gains_at(int(setup), lattice.poses[block], lattice.approaches[block])
         return result
 
 

@@ -70,7 +70,7 @@ class Scores:
         self.pool, self.state, self.begun = pool, state, state
         self.places, self.noise = Places.none(pool.lattice.poses.shape[1]), np.zeros(0)
         self.rows = np.zeros((0, pool.width, state.observation.size))
-        self.above, self.below = pool.forms(state.scorer())
+        self.above, self.below = pool.gain_forms(state.scorer())
         self._columns: ReadingColumns | None = None
         self._leavings: Leavings | None = None
         self._bare: tuple[Covariance, Scorer] | None = None
@@ -128,7 +128,8 @@ class Scores:
             rows, variances, _ = self.state.rows(what)
             return what, rows, float(variances[0])
         self.state = self.state.opened_to(self.pool.opened(self.state.observation, what))
-        return self.pool.lattice.at(what), self.pool.rows(self.state.observation, what), float(self.pool.noise[what])
+        rows = self.pool.rows(self.state.observation, what)
+        return self.pool.lattice.single(what), rows, float(self.pool.noise[what])
 
     def enter_all(self, places: Places) -> float:
         """Take readings into the plan together, after those that it has, and return by how much J falls."""
@@ -221,12 +222,12 @@ class Scores:
     def scorer_without(self, change: LowRank) -> Scorer:
         """Return the same without a reading.  change : what its leaving would change"""
         columns = change.h[: self.pool.size] * np.sqrt(-np.diagonal(change.eta))
-        return self.scorer().widened(columns, self.state.root.of(columns))
+        return self.scorer().widened(columns, self.state.root.times(columns))
 
     def without(self, slot: int) -> tuple[Array, float]:
         """Return the gains (M,) of the candidates were a reading not taken, and that of the reading itself."""
         left, every = self._left_by(), slice(len(self.pool))
-        cross, reach = self._followed().of(slot)
+        cross, reach = self._followed().against(slot)
         scaled, half = _scaled(-left.grown[slot], left.omega[slot], cross, reach)
         gains = _gains(*_after(self.above[:, :, every], self.below[:, :, every], scaled, half, cross))
         return gains, float(np.sum(left.grown[slot] * left.omega[slot]))
@@ -335,7 +336,7 @@ class ReadingColumns:
         shape = (-1, self._width, self._width, self._count)
         return type(self)(*(table.reshape(shape) for table in self._tables))
 
-    def of(self, slot: int) -> tuple[Array, Array]:
+    def against(self, slot: int) -> tuple[Array, Array]:
         """Return G C Gᵀ and G C W C Gᵀ of the candidates and a reading, each (w, w, M), its own numbers first."""
         own = slice(slot * self._width, (slot + 1) * self._width)
         found = self._tables[:, own] - self._left[:, own, : self._waiting] @ self._right[: self._waiting]

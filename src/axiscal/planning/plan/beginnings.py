@@ -91,7 +91,7 @@ class _Plans:
         axes = max(map(len, sizes.values()), default=0)
         self._sizes = np.array([sizes[s] + [1] * (axes - len(sizes[s])) for s in setups.tolist()]).reshape(-1, axes)
         self._factor = task.state.factor[: self._bare.size]
-        root = np.pad(task.root.matrix, ((0, 0), (0, self._bare.size - task.root.size)))
+        root = np.pad(task.root.matrix, ((0, 0), (0, self._bare.size - task.root.unknowns)))
         self._weights, self._rng = root.T @ root, np.random.default_rng(_SEED)
 
     @cached_property

@@ -55,7 +55,7 @@ class _Free(NamedTuple):
     high: Array
     charts: tuple[Chart | None, ...]
 
-    def of(self, places: Places) -> Array:
+    def coordinates(self, places: Places) -> Array:
         """Return them, (f,) m or rad."""
         coordinates: Array = places.poses[self.reading, np.minimum(self.axis, places.poses.shape[1] - 1)]
         for k, chart in enumerate(self.charts):
@@ -74,10 +74,10 @@ class _Free(NamedTuple):
             at[0, self.axis[k]] = coordinates[k]
             found = chart.poses(at)[0]
             poses[self.reading[k]] = found if np.all(np.isfinite(found)) else poses[self.reading[k]]
-        return places.moved(poses)
+        return places.at_poses(poses)
 
 
-def moved(state: Covariance, places: Places) -> Places:
+def relocated(state: Covariance, places: Places) -> Places:
     """Return the readings, of the same set-ups and from the same sides, where J is lower; the same where it is not.
 
     state : before the first.  Coordinates on a raster stay; what leaves what its chart can give goes back.
@@ -93,7 +93,7 @@ def moved(state: Covariance, places: Places) -> Places:
     def value(shares: Array) -> tuple[float, Array]:
         return _value(state, placed(shares), free)
 
-    start = (free.of(places) - free.low) / span
+    start = (free.coordinates(places) - free.low) / span
     ended = placed(np.clip(lowest(value, start, 0.0, 1.0, _ITERATIONS), 0.0, 1.0))
     ended = _that_can_be_taken(state, places, ended)
     return ended if state.after_readings(ended).value < state.after_readings(places).value else places
@@ -131,8 +131,7 @@ def _coordinates(state: Covariance, reading: int, number: int) -> Iterator[tuple
             if setup.raster[k] == 0:
                 yield reading, k, *setup.span(axes[k], k), None
         return
-    for k in range(setup.chart.size):
-        low, high, step, *_ = setup.chart.bounds(k)
+    for k, (low, high, step, *_) in enumerate(setup.chart.coordinates):
         if step == 0:
             yield reading, k, low, high, setup.chart
 
@@ -156,12 +155,12 @@ def _changes(state: Covariance, places: Places, free: _Free) -> list[Array]:
     alone, count, span = places.within(free.reading), len(free.reading), free.high - free.low
     own = free._replace(reading=np.arange(count))
     further, nearer = (
-        own.put(alone, np.clip(own.of(alone) + sign * _STEP * span, free.low, free.high)) for sign in (1, -1)
+        own.put(alone, np.clip(own.coordinates(alone) + sign * _STEP * span, free.low, free.high)) for sign in (1, -1)
     )
     rows, owner = state.whitened(Places.joined([further, nearer]))
     first = np.searchsorted(owner, np.arange(2 * count + 1))
     ends = [rows[first[k] : first[k + 1]] for k in range(2 * count)]
-    apart = (own.of(further) - own.of(nearer)) / span
+    apart = (own.coordinates(further) - own.coordinates(nearer)) / span
     apart = np.where(apart > 0, apart, 1.0)  # where a chart gives no pose beside it, nothing changes
     return [(ends[i] - ends[count + i]) / apart[i] for i in range(count)]
 
@@ -224,10 +223,10 @@ def polish(scores: Scores, allowed: Allowed, rounds: int, patience: Patience) ->
 
 
 def _move(scores: Scores) -> None:
-    found = moved(scores.begun, scores.places)
+    found = relocated(scores.begun, scores.places)
     for slot in np.flatnonzero(np.any(found.poses != scores.places.poses, axis=1)).tolist():
         if not scores.held_alone(slot):
-            scores.exchange(slot, found.at(slot))
+            scores.exchange(slot, found.single(slot))
 
 
 def _climb_all(scores: Scores, allowed: Allowed, patience: Patience, work: float) -> None:
@@ -250,7 +249,7 @@ def _better(scores: Scores, slot: int, allowed: Allowed) -> Places | None:
     gains, _ = scores.without(slot)
     gains = np.where(allowed(scores, slot), gains, -np.inf)
     state, change = scores.known_without(slot)
-    found = _climbed(scores.pool, scores.scorer_without(change), gains, scores.places.at(slot))
+    found = _climbed(scores.pool, scores.scorer_without(change), gains, scores.places.single(slot))
     more = state.entered(found)[1].gain > -change.gain * (1 + _BETTER)  # tables are changed for what is better only
     return found if more else None
 
@@ -263,7 +262,7 @@ def _climbed(pool: Pool, scorer: Scorer, gains: Array, old: Places) -> Places:
     """
     order = ranked(gains, ALIKE, _CANDIDATES)
     begun = Places.joined([old, pool.lattice.within(order[np.isfinite(gains[order])])])
-    climbs = [_climb(scorer, setup, *begun.of(setup)) for setup, _ in begun.by_setup()]
+    climbs = [_climb(scorer, setup, *begun.in_setup(setup)) for setup, _ in begun.by_setup()]
     best = climbs[first_best(np.array([climb.gains.max() for climb in climbs]), ALIKE)]
     top = first_best(best.gains, ALIKE)
     return Places.one(best.setup, *(part[top] for part in best.readings))
@@ -288,7 +287,7 @@ def fitted(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
     if limits.budget is None:
         return trial
     if not trial.met:
-        meter = RunningAccuracy.of(task.yardstick, trial.scores.state.factor)
+        meter = RunningAccuracy.from_factor(task.yardstick, trial.scores.state.factor)
         in_time, spent = replace(limits, rms=None, worst=None), seconds_of(task, trial.scores.places)
         filled(trial.scores, meter, in_time, times, trial.setups, begun=spent)  # what is too much goes again
     while len(trial.scores.places) > 1 and (over := seconds_of(task, trial.scores.places) - limits.budget) > 0:
@@ -306,7 +305,7 @@ def _shrunk(task: Task, limits: Limits, times: Clock, trial: Trial) -> Trial:
     """Take out the readings that are worth least per second, while the accuracy asked for holds."""
 
     def met(scores: Scores) -> bool:
-        return limits.met(RunningAccuracy.of(task.yardstick, scores.state.factor).accuracy)
+        return limits.met(RunningAccuracy.from_factor(task.yardstick, scores.state.factor).accuracy)
 
     if not met(trial.scores):
         return trial

@@ -99,7 +99,7 @@ def _coarse(task: Task) -> tuple[Scores, RunningAccuracy]:
     """Return the gains of a thinned lattice, and the accuracy before any reading."""
     lattice = task.lattice.within(np.arange(0, len(task.lattice), max(1, len(task.lattice) // _COARSE)))
     scores = Scores(Pool(task.observation, lattice, task.memory), task.state)
-    return scores, RunningAccuracy.of(task.yardstick, scores.state.factor)
+    return scores, RunningAccuracy.from_factor(task.yardstick, scores.state.factor)
 
 
 def _parts(task: Task, everything: Setups) -> list[Setups]:
@@ -191,7 +191,7 @@ def _hopeless(missed: Sequence[float], left: float) -> bool:
 def picked(task: Task, limits: Limits, setups: Setups) -> Places:
     """Return the readings that picks alone make a plan of, before any exchange: about as many."""
     pool = Pool(task.observation, task.lattice.within(np.isin(task.lattice.setups, setups)), task.memory)
-    meter = RunningAccuracy.of(task.yardstick, task.state.factor)
+    meter = RunningAccuracy.from_factor(task.yardstick, task.state.factor)
     return filled(Scores(pool, task.state), meter, limits, clock(task), setups).scores.places
 
 

@@ -226,7 +226,7 @@ class _AtTurns(NamedTuple):
     growth: Array
 
     @classmethod
-    def at(cls, setup: Setup, clock: Array) -> _AtTurns:
+    def timed(cls, setup: Setup, clock: Array) -> _AtTurns:
         """Return it.  clock : (r,) of the turns, s"""
         drift, growth = (_LARGER * each(setup, clock) for each in (drift_functions, growth_functions))
         return cls(drift @ drift.T, growth @ growth.T)
@@ -255,7 +255,7 @@ class _OneSetup:
     ways: Array
     first: Array
 
-    def value(self, turns: NDArray[np.intp]) -> float:
+    def loss(self, turns: NDArray[np.intp]) -> float:
         """Return D.  turns : (r,) of each reading"""
         at = np.ix_(turns[self.owner], turns[self.owner])
         known = self.lasting + self.passing.zeros[at] * self.shared + self.passing.growth[at] * self.growing
@@ -291,13 +291,13 @@ def _turned(task: Task, limits: Limits, order: Places, where: NDArray[np.intp]) 
     turns = np.arange(count)
     others = seconds_along(task, order) - way.seconds(turns)
     most = np.inf if limits.budget is None else max(limits.budget, others + way.seconds(turns))
-    least = way.value(turns) * (others + way.seconds(turns))
+    least = way.loss(turns) * (others + way.seconds(turns))
     rng = np.random.default_rng(_SEED)
     for _ in range(int(min(_PAIRS, _WORK / (2 * len(way.owner) ** 3)))):
         changed, pair = turns.copy(), rng.choice(count, 2, replace=False)
         changed[pair] = turns[pair[::-1]]
         seconds = others + way.seconds(changed)
-        if seconds <= most and (cost := way.value(changed) * seconds) < least:
+        if seconds <= most and (cost := way.loss(changed) * seconds) < least:
             turns, least = changed, cost
     return np.argsort(turns)
 
@@ -317,7 +317,7 @@ def _way(task: Task, order: Places, where: NDArray[np.intp]) -> _OneSetup:
     here = task.here if task.here is not None and int(task.here.setups[0]) == index else None
     first = np.zeros(len(mine)) if here is None else way_seconds(machine, setup, here.poses, mine.poses, counted)
     return _OneSetup(
-        _AtTurns.at(setup, np.cumsum(seconds_each(task, order)[where])),
+        _AtTurns.timed(setup, np.cumsum(seconds_each(task, order)[where])),
         float(np.sum(np.linalg.pinv(lasting, _SAME, hermitian=True) * weights)),
         lasting + np.diag(variances),
         weights,

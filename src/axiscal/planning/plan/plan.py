@@ -29,7 +29,7 @@ from axiscal.numerics.threads import one_thread
 from axiscal.numerics.ties import ALIKE, ranked
 from axiscal.planning.bound.lower_bound import Bound, lower_bound
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import RunningAccuracy, along
+from axiscal.planning.gains.covariance import RunningAccuracy, after_each
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, plain_designs
 from axiscal.planning.plan.exchange import SWEEPS, drop, exchange, fitted, polish
@@ -99,7 +99,7 @@ def _needed(task: Task, limits: Limits, times: Clock, base: Scores, places: Plac
     if not limits.accurate or not np.isin(task.lattice.setups, here).any() or mine.all():
         return places
     scores = _begun(base.among(here), limits, times, here, places.within(mine)).scores
-    meter = RunningAccuracy.of(task.yardstick, scores.state.factor)
+    meter = RunningAccuracy.from_factor(task.yardstick, scores.state.factor)
     spent, longest = (seconds_along(task, in_order(task, each)) for each in (places.within(mine), places))
     alone = filled(scores, meter, replace(limits, budget=None), times, here, 1, _MOST, longest, begun=spent)
     return scores.places if alone.met else places
@@ -135,7 +135,7 @@ def _filled(task: Task, limits: Limits, times: Clock, trial: Trial, others: NDAr
     if len(others):
         mounted = float((times.mounting + times.reading)[others].max())
         most, longest = _MOST, max(mounted, _FAR * float(times.reading[list(trial.setups)].min()))
-    meter = RunningAccuracy.of(task.yardstick, trial.scores.state.factor)
+    meter = RunningAccuracy.from_factor(task.yardstick, trial.scores.state.factor)
     return filled(trial.scores, meter, replace(limits, budget=None), times, trial.setups, 1, most, longest, begun=0.0)
 
 
@@ -246,7 +246,7 @@ def _together(task: Task, limits: Limits, times: Clock, setups: Setups, work: fl
 
     work : operations that random starts may take
     """
-    base, meter = _scores(task, setups), RunningAccuracy.of(task.yardstick, task.state.factor)
+    base, meter = _scores(task, setups), RunningAccuracy.from_factor(task.yardstick, task.state.factor)
     greedy = filled(base.fork(), meter, limits, times, setups)
     counts = [(s, int(np.sum(greedy.scores.places.setups == s))) for s in setups]
     trials = [greedy]
@@ -274,9 +274,9 @@ def judged(task: Task, limits: Limits, places: Places, bounded: bool = True) -> 
     """
     state, among = task.state, chosen_setups(task, limits)
     lattice = task.lattice.within(np.isin(task.lattice.setups, among))
-    before = RunningAccuracy.of(task.yardstick, state.factor).accuracy
+    before = RunningAccuracy.from_factor(task.yardstick, state.factor).accuracy
     ends = np.cumsum(seconds_each(task, places)).tolist()
-    known = zip(along(state, task.yardstick, places), ends, strict=True)
+    known = zip(after_each(state, task.yardstick, places), ends, strict=True)
     readings = tuple(PlannedReading(value, accuracy, seconds) for (value, accuracy), seconds in known)
     value, accuracy = (readings[-1].value, readings[-1].accuracy) if readings else (state.value, before)
     bound = None
@@ -327,7 +327,7 @@ def _spread_if_as_good(task: Task, limits: Limits, places: Places) -> Places:
         parts = np.clip(np.arange(-1, len(mine) - 1), 0, len(mine) - 3) + 0.5
         even.poses[mine, axis] = low + (high - low) * (parts + _DRAWN * drawn) / (len(mine) - 2)
     before, after = task.state.after_readings(places), task.state.after_readings(even)
-    reached = not limits.accurate or limits.met(RunningAccuracy.of(task.yardstick, after.factor).accuracy)
+    reached = not limits.accurate or limits.met(RunningAccuracy.from_factor(task.yardstick, after.factor).accuracy)
     return even if reached and after.value <= _AS_GOOD * before.value else places
 
 

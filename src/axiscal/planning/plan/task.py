@@ -54,7 +54,7 @@ class Task:
     @remembered
     def state(self) -> Covariance:
         """The covariance before the first reading of the plan."""
-        return Covariance.of(self.observation, self.belief.factor, self.root)
+        return Covariance.from_factor(self.observation, self.belief.factor, self.root)
 
 
 @dataclass(frozen=True, slots=True)

@@ -83,7 +83,7 @@ def best_step(knowledge: Knowledge, root: Root, lattice: Places) -> Step:
 
     root : V of the criterion, as `criterion` makes it; lattice : candidates to start from, at least one per set-up
     """
-    scorer = Scorer.of(knowledge.observation, knowledge.belief, root)
+    scorer = Scorer.from_belief(knowledge.observation, knowledge.belief, root)
     found = best_of(scorer, lattice)
     for setup in np.unique(lattice.setups).tolist():
         if knowledge.observation.errors.planes and _on_a_plane(scorer.observation, setup):
@@ -156,7 +156,7 @@ def _begun(scorer: Scorer, setup: int, lattice: Places) -> Climb:
     if sieves in (_STACKED, _FEW_AXES):
         found = starts(scorer, setup) if sieves is _STACKED else dense_starts(scorer, setup)
         return Climb.begun(scorer, setup, found.poses, found.approaches, found.gains)
-    climb = Climb.begun(scorer, setup, *lattice.of(setup)).best(_LOOKED_AT, 0.0, 1.0)
+    climb = Climb.begun(scorer, setup, *lattice.in_setup(setup)).best(_LOOKED_AT, 0.0, 1.0)
     return climb.scattered(_STARTS, _APART)
 
 
@@ -212,10 +212,10 @@ def certified_gain(scorer: Scorer, setup: int, known: float = 0.0) -> CertifiedG
     for region in regions(scorer.observation, setup):
 
         def forms(places: Array, region: Region = region) -> tuple[Array, Array]:
-            return scorer.forms(setup, *region.readings(places))
+            return scorer.gain_forms(setup, *region.as_poses(places))
 
         each = largest_ratio(patches(forms, region.low, region.high, region.degree), known)
-        pose, approach = (part[0] for part in region.readings(each.place[None]))
+        pose, approach = (part[0] for part in region.as_poses(each.place[None]))
         found.append(CertifiedGain(each.lower, each.upper, pose, approach, each.boxes))
     best, upper = max(found, key=lambda each: each.lower), max(each.upper for each in found)
     return best._replace(upper=upper, boxes=sum(each.boxes for each in found))

@@ -52,14 +52,14 @@ class Climb:
     def begun(cls, scorer: Scorer, setup: int, poses: Array, approaches: Array, gains: Array | None = None) -> Climb:
         """Return the climb from readings.  poses, approaches : (n, q); gains : (n,) where they are known"""
         ground = ground_of(scorer.observation, setup)
-        climb = cls(scorer, setup, ground, *ground.begun(poses, approaches), np.zeros(len(poses)))
+        climb = cls(scorer, setup, ground, *ground.as_places(poses, approaches), np.zeros(len(poses)))
         climb.gains = climb._gains(climb.places, climb.sides) if gains is None else gains
         return climb
 
     @property
     def readings(self) -> tuple[Array, Array]:
         """Poses and approaches, (n, q) each."""
-        return self.ground.readings(self.places, self.sides)
+        return self.ground.as_poses(self.places, self.sides)
 
     def keep(self, chosen: NDArray[np.bool_] | NDArray[np.intp]) -> Climb:
         """Return the climb of the chosen ones."""
@@ -116,12 +116,12 @@ class Climb:
 
     def _gains(self, places: Array, sides: Array) -> Array:
         """Return the gains at places, (m,); −∞ where no reading can be taken."""
-        taken = self.ground.taken(places, sides)
+        taken = self.ground.approachable(places, sides)
         if taken is None:
-            return self.scorer.at(self.setup, *self.ground.readings(places, sides))
+            return self.scorer.gains_at(self.setup, *self.ground.as_poses(places, sides))
         gains = np.full(len(places), -np.inf)
         if taken.any():
-            gains[taken] = self.scorer.at(self.setup, *self.ground.readings(places[taken], sides[taken]))
+            gains[taken] = self.scorer.gains_at(self.setup, *self.ground.as_poses(places[taken], sides[taken]))
         return gains
 
     def _gains_at(self, numbers: list[int], values: Array, going: NDArray[np.intp]) -> Array:
@@ -201,7 +201,7 @@ class Climb:
             whose = np.repeat(owner[piece], values.shape[1])
             places = self.places[whose]
             places[:, number] = values.ravel()
-            above, below = self.scorer.forms(self.setup, *self.ground.readings(places, self.sides[whose]))
+            above, below = self.scorer.gain_forms(self.setup, *self.ground.as_poses(places, self.sides[whose]))
             return above.reshape(values.shape), below.reshape(values.shape)
 
         found, gains = maximise_along(forms, left, right, self.ground.nodes(number), owner, self.gains)

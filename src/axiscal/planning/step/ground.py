@@ -29,7 +29,7 @@ from axiscal.measurement.candidates import (
     smoothness_along,
     turned_to,
 )
-from axiscal.measurement.charts.room import KNOWN, Chart, begun, crossings, has_room
+from axiscal.measurement.charts.room import KNOWN, Chart, crossings, has_room, starts_of_ways
 from axiscal.measurement.instrument import values_of
 from axiscal.measurement.observation import Observation, directions_of
 from axiscal.measurement.travel import sides_of
@@ -72,13 +72,13 @@ class Ground(Protocol):
     def sided(self) -> NDArray[np.intp]:
         """The coordinates that may be come to from either side, where it shows in what is read from which."""
 
-    def begun(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
+    def as_places(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
         """Return places and sides, (m, size) each.  poses, approaches : (m, q)"""
 
-    def taken(self, places: Array, sides: Array) -> NDArray[np.bool_] | None:
+    def approachable(self, places: Array, sides: Array) -> NDArray[np.bool_] | None:
         """Return which places can be come to from their sides, (m,); None where that is all of them."""
 
-    def readings(self, places: Array, sides: Array) -> tuple[Array, Array]:
+    def as_poses(self, places: Array, sides: Array) -> tuple[Array, Array]:
         """Return poses and approaches, (m, q) each."""
 
     def looks(self, number: int) -> Array:
@@ -126,13 +126,13 @@ class _Axes:
     def sided(self) -> NDArray[np.intp]:
         return np.flatnonzero(np.ptp(self.choices, axis=0) > 0)
 
-    def begun(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
+    def as_places(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
         return poses[:, self._moves], approaches[:, self._moves]
 
-    def taken(self, places: Array, sides: Array) -> None:
+    def approachable(self, places: Array, sides: Array) -> None:
         return None
 
-    def readings(self, places: Array, sides: Array) -> tuple[Array, Array]:
+    def as_poses(self, places: Array, sides: Array) -> tuple[Array, Array]:
         poses = np.tile(np.array(self.observation.setups[self.setup].park), (len(places), 1))
         approaches = np.zeros_like(poses)
         poses[:, self._moves], approaches[:, self._moves] = places, sides
@@ -165,11 +165,11 @@ class _OnChart:
 
     @cached_property
     def ends(self) -> Array:
-        return np.array([self.chart.bounds(number)[:2] for number in range(self.chart.size)])
+        return np.array([each[:2] for each in self.chart.coordinates])
 
     @cached_property
     def continuous(self) -> list[int]:
-        return [number for number in range(self.chart.size) if self.chart.bounds(number).step == 0]
+        return [number for number, each in enumerate(self.chart.coordinates) if each.step == 0]
 
     @cached_property
     def choices(self) -> Array:
@@ -179,21 +179,21 @@ class _OnChart:
     def sided(self) -> NDArray[np.intp]:
         return np.flatnonzero(np.ptp(self.choices, axis=0) > 0)
 
-    def begun(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
+    def as_places(self, poses: Array, approaches: Array) -> tuple[Array, Array]:
         places = self.chart.places(poses)
         come = turned_to(self.observation.machine, self.observation.setups[self.setup], approaches)
         found = sides_of(self.chart, places, come)
         return places, np.where(found == 0, 1.0, found)
 
-    def taken(self, places: Array, sides: Array) -> NDArray[np.bool_]:
+    def approachable(self, places: Array, sides: Array) -> NDArray[np.bool_]:
         return has_room(self.chart, places, sides)
 
-    def readings(self, places: Array, sides: Array) -> tuple[Array, Array]:
+    def as_poses(self, places: Array, sides: Array) -> tuple[Array, Array]:
         mounted = self.observation.setups[self.setup]
         return self.chart.poses(places), arrivals_of(self.observation.machine, mounted, self.chart, places, sides)
 
     def looks(self, number: int) -> Array:
-        end = self.chart.bounds(number)
+        end = self.chart.coordinates[number]
         return end.values if end.step > 0 else np.linspace(end.low, end.high, _EVEN)
 
     def pieces(self, number: int, place: Array, sides: Array) -> Array:
@@ -232,7 +232,7 @@ def pieces(observation: Observation, setup: int, chart: Chart, number: int, plac
 
     place : (size,) u, its own value of the coordinate does not matter; sides : (size,) from which they are come to
     """
-    low, high, *_ = chart.bounds(number)
+    low, high, *_ = chart.coordinates[number]
     grid = np.linspace(low, high, _LOOKED_AT)
     taken = _taken(chart, number, place, sides, grid)
     if not taken.any():
@@ -269,12 +269,12 @@ def _edges(chart: Chart, number: int, place: Array, sides: Array, seen: tuple[Ar
 
 def _turns_of_sides(observation: Observation, chart: Chart, number: int, place: Array, sides: Array) -> Array:
     """Return where it changes from which side an axis comes that follows, or whether anybody knows."""
-    low, high, *_ = chart.bounds(number)
+    low, high, *_ = chart.coordinates[number]
     least = KNOWN * np.array([axis.overrun for axis in observation.machine.axes])
 
     def way(values: Array) -> Array:
         places = places_along(place, number, values)
-        return chart.poses(places) - chart.poses(begun(chart, places, np.tile(sides, (len(values), 1))))
+        return chart.poses(places) - chart.poses(starts_of_ways(chart, places, np.tile(sides, (len(values), 1))))
 
     return crossings(way, low, high, tuple(np.array([-each, each]) for each in least))
 
@@ -306,9 +306,9 @@ class Region(NamedTuple):
     high: Array
     degree: tuple[int, ...]
 
-    def readings(self, places: Array) -> tuple[Array, Array]:
+    def as_poses(self, places: Array) -> tuple[Array, Array]:
         """Return poses and approaches, (m, q) each.  places : (m, size) u"""
-        return self.ground.readings(places, np.tile(self.sides, (len(places), 1)))
+        return self.ground.as_poses(places, np.tile(self.sides, (len(places), 1)))
 
 
 def regions(observation: Observation, setup: int) -> list[Region]:
@@ -351,7 +351,7 @@ def _boxes(ground: Ground, sides: Array, free: list[int], charted: bool) -> tupl
         each = [ground.pieces(k, place, sides) if k in free else place[[[k, k]]] for k in range(size)]
         if charted:
             each = [_parts(ends, cut[k]) if k in free else ends for k, ends in enumerate(each)]
-        if not free and not np.all(ground.taken(place[None], sides[None])):
+        if not free and not np.all(ground.approachable(place[None], sides[None])):
             continue
         for into, end in ((low, 0), (high, 1)):
             grids = np.meshgrid(*(ends[:, end] for ends in each), indexing="ij")
@@ -370,7 +370,7 @@ def _follows(observation: Observation, setup: int, region: Region) -> bool:
     """Return whether polynomials are the squares of what readings see."""
 
     def forms(places: Array) -> tuple[Array, Array]:
-        seen = observation.numbers(setup, *region.readings(places)).rows
+        seen = observation.numbers(setup, *region.as_poses(places)).rows
         return np.sum(seen**2, axis=(1, 2)), np.ones(len(places))
 
     few = np.unique(np.linspace(0, len(region.low) - 1, _COMPARED).astype(np.intp))

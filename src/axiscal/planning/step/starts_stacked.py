@@ -121,8 +121,8 @@ class StackedStarts:
         """Return numerator and denominator of the gain on the tensor lattice."""
         parked, parts = self.row @ scorer.both, [scorer.both[g.columns] for g in self.grids]
         rows, rank = [g.rows for g in self.grids], scorer.rank
-        above = Pairs.of(parked[rank:], rows, [p[:, rank:] for p in parts])
-        below = Pairs.of(parked[:rank], rows, [p[:, :rank] for p in parts])
+        above = Pairs.from_parts(parked[rank:], rows, [p[:, rank:] for p in parts])
+        below = Pairs.from_parts(parked[:rank], rows, [p[:, :rank] for p in parts])
         return above, below.plus(self.variance, [g.variances for g in self.grids])
 
 
@@ -176,7 +176,7 @@ def _climbed(above: Pairs, below: Pairs, sizes: list[int]) -> tuple[NDArray[np.i
     for _ in range(_SWEEPS):
         before = gains
         for axis in range(len(sizes)):
-            ratio = above.along(axis, points) / below.along(axis, points)
+            ratio = above.axis_forms(axis, points) / below.axis_forms(axis, points)
             points[:, axis] = first_best_each(ratio, TIE)
             gains = ratio[np.arange(len(ratio)), points[:, axis]]
         if np.all(gains <= before * (1 + 1e-12)):
@@ -224,7 +224,7 @@ class Pairs:
     double: dict[tuple[int, int], Array]
 
     @classmethod
-    def of(cls, fixed: Array, rows: list[Array], parts: list[Array]) -> Pairs:
+    def from_parts(cls, fixed: Array, rows: list[Array], parts: list[Array]) -> Pairs:
         """Return the tables for v_0 = fixed (x,) and v_k = rows_k (p_k, c_k) parts_k (c_k, x)."""
         axes = range(len(rows))
         single = [_quadratic(r, p @ p.T) + 2 * r @ (p @ fixed) for r, p in zip(rows, parts, strict=True)]
@@ -245,7 +245,7 @@ class Pairs:
             result = result + values.reshape([-1 if i == k else 1 for i in axes])
         return result
 
-    def along(self, axis: int, points: NDArray[np.intp]) -> Array:
+    def axis_forms(self, axis: int, points: NDArray[np.intp]) -> Array:
         """Return the form at every lattice position of one axis, (n, p_axis).  points : (n, axes), lattice indices."""
         rest = np.full(len(points), self.constant)
         result = np.tile(self.single[axis], (len(points), 1))

@@ -143,7 +143,7 @@ def _pairs(history: Sequence[MachineRecord], known: dict[str, Estimation], left:
         except AxiscalError as fault:
             left.append(after.as_sister(why_not(fault)))
             continue
-        yield Pair(years, found_by(first), equation, Wearing.of(first))
+        yield Pair(years, found_by(first), equation, Wearing.from_estimation(first))
 
 
 def moment(text: str) -> datetime:

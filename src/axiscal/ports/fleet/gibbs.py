@@ -76,7 +76,7 @@ def _machines_drawn(
     roots, joint = half_covariance(state, hierarchy)
     lowers = []
     precision = np.diag(1.0 / (state.scales * state.shares)[hierarchy.owner])
-    pull = np.zeros(hierarchy.size)
+    pull = np.zeros(hierarchy.unknowns)
     for each in data:
         half = np.hstack([each.rows * roots, each.rows @ joint])
         lower = lower_root(half @ half.T + np.eye(len(half)))
@@ -87,10 +87,10 @@ def _machines_drawn(
     root = lower_root(precision)
     covariance = inverse_of_product(root)
     mean = covariance @ pull
-    common = mean + back_solution(root, rng.standard_normal(hierarchy.size))
+    common = mean + back_solution(root, rng.standard_normal(hierarchy.unknowns))
     own = np.empty_like(state.own)
     for j, (each, lower) in enumerate(zip(data, lowers, strict=True)):
-        first = roots * rng.standard_normal(hierarchy.size) + joint @ rng.standard_normal(hierarchy.directions)
+        first = roots * rng.standard_normal(hierarchy.unknowns) + joint @ rng.standard_normal(hierarchy.directions)
         left = each.values - each.rows @ (common + first) - rng.standard_normal(len(each.values))
         back = each.rows.T @ back_solution(lower, solution(lower, left))
         own[j] = first + roots**2 * back + joint @ (joint.T @ back)
@@ -107,7 +107,7 @@ def _directions_drawn(state: Sisters, hierarchy: Hierarchy, rng: np.random.Gener
     along += rng.standard_normal((count, directions)) @ np.linalg.inv(root)
     root = lower_root(along.T @ along + np.eye(directions) / state.width)
     together = scaled.T @ along @ inverse_of_product(root)
-    together += rng.standard_normal((hierarchy.size, directions)) @ np.linalg.inv(root)
+    together += rng.standard_normal((hierarchy.unknowns, directions)) @ np.linalg.inv(root)
     width = (SCALE + np.sum(together**2) / 2) / rng.gamma(SHAPE + together.size / 2)
     return replace(state, along=along, together=together, width=float(width))
 
@@ -200,7 +200,7 @@ def sister_prior(
     data : of each sister, over the unknowns of the hierarchy; seed : the same one gives the same prior
     """
     rng, squeezed = np.random.default_rng(list(seed)), [each.squeezed for each in data]
-    state, size = usual(hierarchy, len(data), rng), hierarchy.size
+    state, size = usual(hierarchy, len(data), rng), hierarchy.unknowns
     means, states = list[Array](), list[Sisters]()
     within, own = (np.zeros((size, size)) for _ in range(2))
     for sweep in staged("sweeps", range(BEFORE + SWEEPS), BEFORE + SWEEPS):

@@ -52,7 +52,7 @@ class ErrorBlock:
     weight: float = 1.0
 
     @property
-    def size(self) -> int:
+    def unknowns(self) -> int:
         """Number of unknowns."""
         return int(self.columns.stop - self.columns.start)
 
@@ -65,7 +65,7 @@ class Hierarchy:
     directions: int
 
     @property
-    def size(self) -> int:
+    def unknowns(self) -> int:
         """Number of unknowns of one machine."""
         return int(self.parts[-1].columns.stop)
 
@@ -77,7 +77,7 @@ class Hierarchy:
     @cached_property
     def sizes(self) -> Array:
         """Number of unknowns of each error, (f,)."""
-        return np.array([part.size for part in self.parts], dtype=float)
+        return np.array([part.unknowns for part in self.parts], dtype=float)
 
     @cached_property
     def owner(self) -> NDArray[np.intp]:
@@ -126,7 +126,7 @@ class Sisters:
 
 def usual(hierarchy: Hierarchy, count: int, rng: np.random.Generator) -> Sisters:
     """Return where the sampler begins: scales as stated, half of it common, hardly any direction."""
-    errors, size, directions = len(hierarchy.parts), hierarchy.size, hierarchy.directions
+    errors, size, directions = len(hierarchy.parts), hierarchy.unknowns, hierarchy.directions
     return Sisters(
         np.ones(errors),
         np.full(errors, 0.5),

@@ -103,7 +103,7 @@ class QuickCheck:
         self._control = control
 
     @classmethod
-    def of(cls, campaign: Campaign, kept: float, controller: str | None = None) -> QuickCheck:
+    def from_campaign(cls, campaign: Campaign, kept: float, controller: str | None = None) -> QuickCheck:
         """Return the check of a campaign that has been measured.
 
         controller : whose tables of it are loaded; None for none, or for such as take all away that was found
@@ -113,7 +113,7 @@ class QuickCheck:
             raise RecordError("The record has no readings", "Name a campaign that has been measured", campaign.path)
         known = campaign.estimate(ended=True)
         control = None if controller is None else control_of(known, controller)
-        return cls(again(known), found_by(known), kept, control, Wearing.of(known))
+        return cls(again(known), found_by(known), kept, control, Wearing.from_estimation(known))
 
     def planned(self, count: int) -> tuple[Place, ...]:
         """Return the places that say most, moved until crashes show; raises PlanError."""
@@ -199,7 +199,7 @@ class _CrashRows:
         most = max(len(directions_of(case.description.setups[setup])) for setup in set(places.setups.tolist()))
         self._rows, self._variances = np.zeros((len(places), most, size)), np.ones((len(places), most))
         for setup, mine in places.by_setup():
-            for number, seen in enumerate(case.observation.rows_each(setup, *places.of(setup))):
+            for number, seen in enumerate(case.observation.rows_each(setup, *places.in_setup(setup))):
                 self._rows[mine, number], self._variances[mine, number] = seen.rows, seen.variances
         self._moved = np.einsum("mkn,fn->mkf", self._rows[:, :, :errors], looked_for)
         self._crashes = crash_count
@@ -226,7 +226,7 @@ def _ordered(case: Case, places: Places) -> Places:
     """Return places set-up by set-up, each in a short way."""
     machine, setups, parts = case.description.machine, case.description.setups, list[Places]()
     for setup in dict.fromkeys(places.setups.tolist()):
-        poses, approaches = places.of(setup)
+        poses, approaches = places.in_setup(setup)
         order, _ = short_way(machine, setups[setup], poses, approaches)
         parts.append(Places.of_setup(setup, poses[order], approaches[order]))
     return Places.joined(parts)

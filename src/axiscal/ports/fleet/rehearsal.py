@@ -171,7 +171,7 @@ class VirtualType:
         self._common = imagined.size * np.sqrt(imagined.common) * rng.standard_normal(count)
         self._together = _LOAD * rng.standard_normal((count, _DIRECTIONS))
 
-    def machine(self, number: int) -> tuple[VirtualMachine, Array]:
+    def drawn(self, number: int) -> tuple[VirtualMachine, Array]:
         """Return one of its machines, and the control values of its errors, (n,)."""
         rng = np.random.default_rng((self._seed, 5, number))
         along = self._together @ rng.standard_normal(_DIRECTIONS)
@@ -210,7 +210,7 @@ def rehearsed(
     virtual, case = VirtualType(described, imagined, seed), Case(replace(described, prior_text="", sisters=None))
     places = placed(case, planned(case))
     for number, file in enumerate(staged("sisters", files, count), start=1):
-        machine, _ = virtual.machine(number)
+        machine, _ = virtual.drawn(number)
         with Campaign.create(file, described) as campaign:
             campaign.adopt(tuple(measured(machine, described, places, seed * 1000 + number)))
             campaign.finish("rehearsed")

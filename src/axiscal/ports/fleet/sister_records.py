@@ -199,7 +199,7 @@ def equations_of(
         why = _unlike(record, reference) or again.get(record.digest, "")
         if not why:
             try:
-                equations[record.digest] = equation_of(record, errors).of(units)
+                equations[record.digest] = equation_of(record, errors).in_units(units)
             except AxiscalError as fault:
                 why = why_not(fault)
         seen.append(record.as_sister(why))
@@ -231,4 +231,4 @@ def equation_of(record: MachineRecord, errors: ErrorModel) -> DataEquation:
     others = np.hstack([across.beyond(), *(root[:, columns] for columns in new)])
     left_out = known.absorbed.left_out
     counts = [reading for index, reading in enumerate(known.readings) if index not in left_out]
-    return data_equation(known.case.observation, counts, others).of(across.matrix)
+    return data_equation(known.case.observation, counts, others).in_units(across.matrix)

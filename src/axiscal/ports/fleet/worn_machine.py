@@ -77,7 +77,7 @@ class Wearing(NamedTuple):
         return cls(np.zeros(errors.size), errors.prior_covariance())
 
     @classmethod
-    def of(cls, known: Estimation) -> Self:
+    def from_estimation(cls, known: Estimation) -> Self:
         """Return that of a machine that was measured, by what its type has taught where it was measured by that."""
         errors, text = known.case.errors, known.stated.description.prior_text
         stranger = known.membership is not None and known.membership.sister < _SISTER
@@ -185,7 +185,7 @@ class WornMachine:
         self._fresh = np.zeros(errors.size, dtype=bool)
         for term in errors.terms:
             self._fresh[term.columns] = any(errors.machine.axes[axis].name in renewed for axis in term.axes)
-        self._found, self._wears = found_by(known), Wearing.of(known)
+        self._found, self._wears = found_by(known), Wearing.from_estimation(known)
         self._control = None if tables is None else control_of(known, tables)
         if self._control is None:
             moving = self._found.mean - self._wears.mean
@@ -199,7 +199,7 @@ class WornMachine:
         rho, square = self._aging.kept(years)
         once = np.array([1.0, rho - 1.0, -1.0])
         moved = once @ self._products @ once + (square - rho**2) * self._products[1, 1]
-        drifted = np.sum(self._root.gram * self._wears.covariance(self._found, square, self._fresh))
+        drifted = np.sum(self._root.weights * self._wears.covariance(self._found, square, self._fresh))
         return self._known.case.yardstick.rms_of(float(drifted + moved))
 
 

@@ -29,7 +29,7 @@ def single_spline(experiment: Experiment) -> list[Figure]:
 
 def stacked(experiment: Experiment) -> list[list[Figure]]:
     """Return figure 7: a row of three splines before measuring and after some readings."""
-    plan, shown = experiment.stacked, experiment.machine
+    plan, shown = experiment.stacked, experiment.figure_machine
     return [
         [_curve(plan, shown, readings, function, (-3.6, 3.6)) for function in plan.stack.errors.functions]
         for readings in SHOWN_STACKED

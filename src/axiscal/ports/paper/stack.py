@@ -70,7 +70,7 @@ class Experiment:
         return _simulated(self.single, _SEED)
 
     @cached_property
-    def machine(self) -> Simulated:
+    def figure_machine(self) -> Simulated:
         """The machine of figure 7."""
         return _simulated(self.stacked, _SEED)
 
@@ -184,7 +184,7 @@ class Stack:
     @cached_property
     def unseen(self) -> Array:
         """Factor (size, r) of the covariance that no number of readings takes away."""
-        seen = self.observation.rows(0, *self.candidates.of(0))
+        seen = self.observation.rows(0, *self.candidates.in_setup(0))
         return unseen_factor(self.prior.factor, seen.rows / np.sqrt(seen.variances)[:, None])
 
     def rows(self, poses: Array) -> Array:
@@ -193,12 +193,12 @@ class Stack:
 
     def height_variance(self, belief: Belief) -> float:
         """Return the mean variance of the height over the travel, paper units."""
-        return self.volume.value(belief.factor) / UNIT**2
+        return self.volume.criterion(belief.factor) / UNIT**2
 
     @property
     def variance_left(self) -> float:
         """Limit of J for endless readings, paper units."""
-        return self.joint.value(self.unseen) / UNIT**3
+        return self.joint.criterion(self.unseen) / UNIT**3
 
     @property
     def length(self) -> float:
@@ -227,7 +227,7 @@ class GreedyPlan:
     @property
     def overall_variances(self) -> list[float]:
         """The paper's J (B&H eq. 26, 36), before the first reading and after each."""
-        return [self.stack.joint.value(belief.factor) / UNIT**3 for belief in self.beliefs]
+        return [self.stack.joint.criterion(belief.factor) / UNIT**3 for belief in self.beliefs]
 
     @property
     def height_variances(self) -> list[float]:

@@ -77,7 +77,7 @@ class Database:
         self._line, self._prepared = -1, Memo()
         self._within = False
 
-    def rows(self, query: str, **values: object) -> list[list[Any]]:
+    def select(self, query: str, **values: object) -> list[list[Any]]:
         """Return what a query gives; `:name` in it stands for a value.
 
         Outside of a transaction a query only reads, or begins one, so it may run twice. It runs again over a new
@@ -119,21 +119,21 @@ class Database:
 
     def _tried(self, deed: Callable[[], _Done]) -> _Done:
         try:
-            self.rows("START TRANSACTION")
+            self.select("START TRANSACTION")
             self._within = True
             done = deed()
             self._commit()
             return done
         except BaseException:
             with contextlib.suppress(RecordError):
-                self.rows("ROLLBACK")
+                self.select("ROLLBACK")
             raise
         finally:
             self._within = False
 
     def _commit(self) -> None:
         try:
-            self.rows("COMMIT")
+            self.select("COMMIT")
         except UnreachableError as failure:
             raise not_known(failure) from None
 
@@ -297,7 +297,7 @@ def opened_database(store: str | None = None) -> Database:
         remedy = "Install it: pip install 'axiscal[postgres]'"
         raise RecordError("The driver for PostgreSQL is not installed", remedy) from None
     database = Database(address)
-    database.rows("SELECT 1")
+    database.select("SELECT 1")
     return database
 
 

@@ -197,7 +197,7 @@ class ServerLog(EventLog):
         known, found = len(self._texts), list[tuple[int, ChainedText]]()
         until: int | None = None
         for source in self._sources:
-            rows = self._database.rows(
+            rows = self._database.select(
                 "SELECT number, at, kind, payload, digest FROM axiscal.standing "
                 "WHERE campaign = CAST(:id AS uuid) AND number >= :first AND number <= :until ORDER BY number",
                 id=source.id,
@@ -234,7 +234,7 @@ def _closed_at_a_fault(database: Database) -> Iterator[None]:
 
 def entries(database: Database, name: str | None = None) -> list[Entry]:
     """Return the campaigns of a store: all, or those of a name or an id that begins so."""
-    rows = database.rows(
+    rows = database.select(
         f"{_ENTRIES} WHERE CAST(:name AS text) IS NULL OR name = :name "
         "OR (length(:name) >= :few AND starts_with(CAST(id AS text), :name)) "
         "ORDER BY name, id",
@@ -246,13 +246,13 @@ def entries(database: Database, name: str | None = None) -> list[Entry]:
 
 def entry_of(database: Database, campaign: str) -> Entry | None:
     """Return the campaign of an id, None if the store has none."""
-    rows = database.rows(f"{_ENTRIES} WHERE id = CAST(:id AS uuid)", id=campaign)
+    rows = database.select(f"{_ENTRIES} WHERE id = CAST(:id AS uuid)", id=campaign)
     return Entry(*rows[0]) if rows else None
 
 
 def enter(database: Database, entry: Entry) -> None:
     """Add a campaign to a store; nothing where it is there."""
-    database.rows(
+    database.select(
         "SELECT axiscal.enter(CAST(:id AS uuid), :name, CAST(:branch_of AS uuid), CAST(:branch_at AS bigint))",
         **entry._asdict(),
     )
@@ -261,7 +261,7 @@ def enter(database: Database, entry: Entry) -> None:
 def insert(database: Database, campaign: str, last: int, texts: Sequence[ChainedText]) -> None:
     """Add events behind the last one of a campaign, within a transaction."""
     if texts:
-        database.rows(_INSERT, **_inserted(campaign, last, texts))
+        database.select(_INSERT, **_inserted(campaign, last, texts))
 
 
 def _inserted(campaign: str, last: int, texts: Sequence[ChainedText]) -> dict[str, object]:

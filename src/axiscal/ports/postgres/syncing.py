@@ -69,7 +69,7 @@ def _new(database: Database, entry: Entry, texts: Sequence[ChainedText]) -> tupl
 def _countersigned(database: Database, record: str, path: Path, there: Entry, texts: Sequence[ChainedText]) -> int:
     """Let the store keep how far it saw this file, and return the last event it had seen before and that has gone."""
     of_this = {"record": record, "copy": f"{own_hand().computer}:{path.resolve()}"}
-    rows = database.rows(
+    rows = database.select(
         "SELECT s.number, e.digest FROM axiscal.seen AS s JOIN axiscal.standing AS e USING (campaign, number) "
         "WHERE s.record = CAST(:record AS uuid) AND s.copy = :copy ORDER BY s.id DESC LIMIT 1",
         **of_this,
@@ -77,7 +77,7 @@ def _countersigned(database: Database, record: str, path: Path, there: Entry, te
     number, digest = rows[0] if rows else (0, EMPTY)
     if (number, digest) != (len(texts), texts[-1].chain):
         seen = "SELECT axiscal.saw(CAST(:record AS uuid), :copy, CAST(:campaign AS uuid), CAST(:number AS bigint))"
-        database.rows(seen, **of_this, campaign=there.id, number=len(texts))
+        database.select(seen, **of_this, campaign=there.id, number=len(texts))
     kept = number <= len(texts) and digest in (EMPTY, texts[number - 1].chain)
     return 0 if kept else int(number)
 

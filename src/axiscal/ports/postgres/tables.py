@@ -166,11 +166,11 @@ def prepare(database: Database) -> bool:
 
     def made() -> None:
         for role in ROLES:
-            database.rows(_ROLE.format(role=role))
+            database.select(_ROLE.format(role=role))
         if not there:
             _make(database, _FIRST, "campaigns", "events")
         _make(database, _NOW, "seen", "aside")
-        database.rows(_RIGHTS)
+        database.select(_RIGHTS)
 
     database.transaction(made)
     return True
@@ -192,20 +192,20 @@ def refuse_other(database: Database) -> None:
 def _make(database: Database, script: str, *tables: str) -> None:
     """Run a script; nobody changes or deletes what the tables hold."""
     for each in (script, *(_KEPT.format(table=table) for table in tables)):
-        database.rows(each)
+        database.select(each)
 
 
 def _form(database: Database) -> int:
     """Return the form of a store; one without is as new as can be."""
-    form = database.rows("SELECT max(number) FROM axiscal.form")[0][0]
+    form = database.select("SELECT max(number) FROM axiscal.form")[0][0]
     return FORM + 1 if form is None else int(form)
 
 
 def _there(database: Database) -> bool:
-    return bool(database.rows("SELECT to_regclass('axiscal.form') IS NOT NULL")[0][0])
+    return bool(database.select("SELECT to_regclass('axiscal.form') IS NOT NULL")[0][0])
 
 
 def quarantined(database: Database, campaign: str, first: int) -> int:
     """Set the events of a campaign from one on aside, as the owner, and return how many; raises RecordError."""
     asked = "SELECT axiscal.quarantine(CAST(:campaign AS uuid), CAST(:first AS bigint))"
-    return int(database.rows(asked, campaign=campaign, first=first)[0][0])
+    return int(database.select(asked, campaign=campaign, first=first)[0][0])

@@ -60,7 +60,7 @@ class Exported(NamedTuple):
     files: Mapping[str, str]
 
     @classmethod
-    def of(cls, folder: Path) -> Exported:
+    def from_folder(cls, folder: Path) -> Exported:
         """Return that of the files in a folder; raises TableError, OSError."""
         for name in ("axiscal.vcomp", "bed_mesh.cfg"):
             if (folder / name).is_file():
@@ -92,7 +92,7 @@ class Printer(ABC):
         """Return where the probe is beside the nozzle, x and y, mm."""
 
     @abstractmethod
-    def moved(self, codes: list[str]) -> None:
+    def execute(self, codes: list[str]) -> None:
         """Execute lines."""
 
     @abstractmethod
@@ -207,7 +207,7 @@ class Moonraker(Printer):
         x, y = (self._height(found_at(settings, f"{axis}_offset") or 0.0) for axis in "xy")
         return x, y
 
-    def moved(self, codes: list[str]) -> None:
+    def execute(self, codes: list[str]) -> None:
         """Send the lines."""
         self._script("\n".join(codes))
 
@@ -239,13 +239,13 @@ class Moonraker(Printer):
 
     def probed(self, codes: list[str], over: list[str]) -> float:
         """Send the lines and PROBE; `last_z_result` is where it met the bed, before what is in force is added."""
-        self.moved([*codes, "PROBE"])
+        self.execute([*codes, "PROBE"])
         found = self._status("probe", "toolhead", "gcode_move")
         self._refuse_skewed(found)
         height = self._height(found_at(found, "probe", "last_z_result"))
         if self._exported is None:
             return height
-        self.moved(over)  # what is in force acts where the nozzle is
+        self.execute(over)  # what is in force acts where the nozzle is
         found = self._status("toolhead", "gcode_move")
         motors, asked = ((found_at(found, *key) or [None] * 3)[2] for key in _THERE)
         return height - (self._height(motors) - self._height(asked))
@@ -309,14 +309,14 @@ class Duet(Printer):
         x, y = (self._height(each) for each in (found or (0.0, 0.0))[:2])
         return x, y
 
-    def moved(self, codes: list[str]) -> None:
+    def execute(self, codes: list[str]) -> None:
         """Send the lines, one by one."""
         for code in codes:
             self._run(code)
 
     def probed(self, codes: list[str], over: list[str]) -> float:
         """Send the lines and G30 S-1, which probes and only says at which height."""
-        self.moved(codes)
+        self.execute(codes)
         found = _FOUND.search(said := self._run("G30 S-1", wait=True))
         if found is None:
             raise self._failed("the printer {host} answers {message!r} to G30 S-1", message=said.strip()[:200])

@@ -95,7 +95,7 @@ class _Loader(Printer):
         self._store(file, new)
         return said
 
-    def taken(self, files: Mapping[str, str]) -> str:
+    def accepted_text(self, files: Mapping[str, str]) -> str:
         """Return the text that the printer takes; raises TableError where an export does not hold it."""
         if self._file not in files:
             remedy = "Leave --load out; the README of the export says how its files are used"
@@ -258,7 +258,7 @@ class PrinterSource:
         beside = {each.name: at[each.name] - to_unit(each.overrun, "mm") * side[each.name] for each in request.axes}
         stops = [beside, at] if any(side[name] for name in "XY") else [at]
         height = self._printer.probed(self._way(_CLEAR, stops, self._aside), self._way(_CLEAR, [at]))
-        self._printer.moved(self._way(_CLEAR, []))  # homing would drag what still touches
+        self._printer.execute(self._way(_CLEAR, []))  # homing would drag what still touches
         if not abs(height) <= _FARTHEST:
             what = "the probe met something {height:.3f} mm off the bed's zero"
             remedy = "Look at the probe and its offset; beyond {most:g} mm nothing is believed"
@@ -279,13 +279,13 @@ class PrinterSource:
         for hit in hits:
             stop = {name: float(to_unit(hit[machine.index(name)], "mm")) for name in "XY"}
             hit[z] = from_unit(self._printer.probed(self._way(clear, [stop], self._aside), []), "mm")
-        self._printer.moved(self._way(clear, []))
+        self._printer.execute(self._way(clear, []))
         value, *others = read_as(machine, setup, pose, list(hits), met)
         return Answer(value, others=tuple(others), live=True)
 
     def _put_down(self, standing: str, clear: float) -> None:
         """Lift the probe, and wait until the artefact is put down at its next place."""
-        self._printer.moved(self._way(clear, []))
+        self._printer.execute(self._way(clear, []))
         answer = self._asked(said("Put it down: {artefact}. Enter goes on, stop ends: ", artefact=standing)).strip()
         if answer:
             remedy = "Give the command again when it is clear"
@@ -313,6 +313,6 @@ class PrinterSource:
             raise SourceError("a printer cannot take the readings of the set-up {setup}", remedy, setup=setup.name)
 
 
-def reached(kind: str, host: str, machine: Machine) -> PrinterSource:
+def printer_behind(kind: str, host: str, machine: Machine) -> PrinterSource:
     """Return the printer behind a web server; raises SourceError.  kind : of `open_source`"""
     return PrinterSource({"moonraker": Moonraker, "duet": Duet}[kind](host), machine)

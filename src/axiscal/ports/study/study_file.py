@@ -289,7 +289,7 @@ def _try_values(study: Study, document: Document) -> None:
         for index, value in enumerate(values):
             fault = _fault_of(study, {key: value})
             if fault is not None and _fault_of(study, {**first, key: value}) is not None:
-                raise _of_study(fault, key, value).at(document.path, document.line("grid", key, index))
+                raise _of_study(fault, key, value).placed(document.path, document.line("grid", key, index))
 
 
 def _fault_of(study: Study, choices: Mapping[str, Any]) -> InputError | None:

@@ -62,7 +62,7 @@ def checked(campaign: Campaign, truth: VirtualMachine) -> TablesChecked | None:
     """Return what twelve new places of the true machine show of the tables; None where the target is not reached."""
     if not reaches(campaign.description.target, campaign.estimate(ended=True)):
         return None
-    check = Check.of(campaign, CONTROL)
+    check = Check.from_campaign(campaign, CONTROL)
     places = check.planned(tolerance=check.allowed(None))
     judged = check.judged(check.read_on(truth, SEED, places), None)
     return check_answer(judged, len(places), check.tables.U, Taken()).summary

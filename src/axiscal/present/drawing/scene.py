@@ -229,7 +229,7 @@ class Fit:
     frame: Viewport
 
     @classmethod
-    def of(cls, points: Array, frame: Viewport) -> Fit:
+    def into(cls, points: Array, frame: Viewport) -> Fit:
         """Return the largest way to fit points, (n, 3) m, into a frame."""
         seen = flat(points)
         low, high = seen.min(axis=0), seen.max(axis=0)
@@ -254,7 +254,7 @@ def drawn(parts: Sequence[Part], frame: Viewport, within: Array | None = None) -
 
     within : points that fill the frame, (n, 3) m, in place of those of the parts; several scenes get one scale by it
     """
-    fitted = Fit.of(points_of(parts) if within is None else within, frame)
+    fitted = Fit.into(points_of(parts) if within is None else within, frame)
     parts = list(_apart(parts, fitted))
     solids = far_to_near([part for part in parts if isinstance(part, Solid)], EYE)
     marks = [part for part in parts if isinstance(part, (Stroke, RoundMark, Arrow))]

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from markupsafe import Markup
 
-from axiscal.answers.answer import numbers
+from axiscal.answers.answer import rounded
 from axiscal.language.spoken import decimals
 from axiscal.present.drawing.strokes import (
     Point,
@@ -81,7 +81,7 @@ def band(position: list[float], middle: list[float], half: list[float], fill: st
     """Return a filled band middle ± half as one closed outline."""
     upper = [m + h for m, h in zip(middle, half, strict=True)]
     lower = [m - h for m, h in zip(middle, half, strict=True)]
-    outline = {"x": position + position[::-1], "y": numbers(upper + lower[::-1], "a band")}
+    outline = {"x": position + position[::-1], "y": rounded(upper + lower[::-1], "a band")}
     style = {"fill": "toself", "fillcolor": fill, "mode": "lines"}
     return {"type": "scatter", **outline, **style}
 
@@ -90,7 +90,7 @@ def finite_range(values: Sequence[float]) -> list[float]:
     """Return an axis range with a margin around values, at least as wide as a picture needs."""
     low, high = min(values, default=-1.0), max(values, default=1.0)
     margin = max(0.08 * (high - low), 1e-3 * max(abs(low), abs(high)), 1e-9)
-    return numbers([low - margin, high + margin], "range") if math.isfinite(margin) else [-1.0, 1.0]
+    return rounded([low - margin, high + margin], "range") if math.isfinite(margin) else [-1.0, 1.0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +100,7 @@ class Frame:
     x: PixelScale
     y: PixelScale
 
-    def at(self, x: float, y: float) -> Point:
+    def point(self, x: float, y: float) -> Point:
         """Return a point of the picture."""
         return self.x.pixel(x), self.y.pixel(y)
 
@@ -182,7 +182,7 @@ def _trace(trace: Figure, frame: Frame) -> Iterator[str]:
     if trace["type"] == "heatmap":
         yield _map(trace, frame)
         return
-    points = [frame.at(x, y) for x, y in zip(trace["x"], trace["y"], strict=True)]
+    points = [frame.point(x, y) for x, y in zip(trace["x"], trace["y"], strict=True)]
     mode = trace["mode"]
     if trace.get("fill"):
         yield f'<path d="{way(points, closed=True)}" fill="{trace["fillcolor"]}"/>'

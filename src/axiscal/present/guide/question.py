@@ -176,7 +176,7 @@ class Question(AnswerDocument):
     names: list[str]
 
     @classmethod
-    def of(cls, campaign: Campaign, asked: Asked) -> Question:
+    def from_campaign(cls, campaign: Campaign, asked: Asked) -> Question:
         """Return what is asked."""
         setup, readings = campaign.description.setup(asked.place.setup), campaign.state.readings
         places, touch, unit = axis_places(campaign, asked), touch_text(campaign, asked), reading_unit(setup)

@@ -34,7 +34,7 @@ class MountedSetup:
         self.room, self.tip = sizes.room, sizes.room.tip_now
         self.direction = self.room.direction_on_table(setup.direction)
         foot = self.room.tip * [1, 1, 0] + up(sizes.table)
-        self.table = float((self.room.moved(self.room.table) @ np.append(foot, 1.0))[2])
+        self.table = float((self.room.part_motion(self.room.table) @ np.append(foot, 1.0))[2])
 
     def post(self, at: Array) -> Stroke:
         """Return a post from the table up to a place, (3,) m."""
@@ -187,7 +187,7 @@ def _level(stand: MountedSetup) -> Iterator[Part]:
     rests = stand.tip if stand.setup.base is not None else room.on_table(np.mean(room.reach, axis=0))[0]
     foot = rests * [1, 1, 0] + up(stand.table)
     if axis in room.tool and stand.setup.base is None:
-        foot = (room.moved(axis) @ np.append(_ledge(stand), 1.0))[:3]
+        foot = (room.part_motion(axis) @ np.append(_ledge(stand), 1.0))[:3]
     about = np.abs(stand.direction)
     half = np.array([0.03, 0.09, 0.0]) * s if about[0] > 0.7 else np.array([0.09, 0.03, 0.0]) * s
     yield box(foot - half, foot + half + up(0.055 * s), "gold")

@@ -205,12 +205,12 @@ def _neck(sizes: Measures, axis: int, level: float) -> tuple[float, list[Laid]]:
 
 def level_of(sizes: Measures, axis: int, level: float) -> float:
     """Return the top of a fork, m: above the line that it swivels about, and above the spindle."""
-    return max(float(sizes.room.line(axis)[2]), level) + 0.22 * sizes.spindle
+    return max(float(sizes.room.axis_point(axis)[2]), level) + 0.22 * sizes.spindle
 
 
 def _cheeks(sizes: Measures, axis: int, level: float) -> Iterator[Laid]:
     room, t, base = sizes.room, sizes.spindle, under(sizes.room, axis)
-    along, line = np.eye(3)[room.way(axis)], room.line(axis)
+    along, line = np.eye(3)[room.way(axis)], room.axis_point(axis)
     top, middle = level_of(sizes, axis, level), room.tip * [1, 1, 0]
     across_it = (1 - along) * [1, 1, 0]
     wide = 0.07 * t * np.array([1.0, 1.0, 0.0])
@@ -228,7 +228,7 @@ def _cheeks(sizes: Measures, axis: int, level: float) -> Iterator[Laid]:
 def _on_line(sizes: Measures, axis: int, beside: Array) -> Array:
     """Return the point on the line of an axis that lies beside another point, (3,) m."""
     along = np.eye(3)[sizes.room.way(axis)]
-    point: Array = sizes.room.line(axis) * (1 - along) + beside * along
+    point: Array = sizes.room.axis_point(axis) * (1 - along) + beside * along
     return point
 
 
@@ -241,10 +241,10 @@ def machine_parts(room: StandingMachine) -> list[Part]:
     sizes = Measures(room)
     laid = lathe(sizes) if room.lying else (*work_side(sizes), *tool_side(sizes))
     motions: dict[int, Array] = {}
-    return [part.moved(motions.setdefault(index, room.moved(index))) for index, part in laid]
+    return [part.moved(motions.setdefault(index, room.part_motion(index))) for index, part in laid]
 
 
-def reached(room: StandingMachine) -> Iterator[Part]:
+def reach_edges(room: StandingMachine) -> Iterator[Part]:
     """Yield the edges of the tool's reach with rotary axes at 0."""
     yield from edges(room.on_table(box_corners(*room.reach), turned=False), "part", "5 4")
 
@@ -272,7 +272,7 @@ def lathe(sizes: Measures) -> Iterator[Laid]:
     left, right = x - float(room.half[0]), x + float(room.half[0])
     radius, floor = 0.05 * s, z - 0.3 * s
     spindle = next((k for k in room.work if room.machine.axes[k].rotary), BED)
-    _, centre, level = (room.origin if spindle == BED else room.line(spindle)).tolist()
+    _, centre, level = (room.origin if spindle == BED else room.axis_point(spindle)).tolist()
     base = under(room, spindle) if spindle != BED else BED
     yield (
         BED,
@@ -364,7 +364,7 @@ def _lift(sizes: Measures, axis: int) -> Iterator[Laid]:
 
 def _round_table(sizes: Measures, axis: int) -> Iterator[Laid]:
     room, s, top = sizes.room, sizes.whole, sizes.tops[axis]
-    centre = room.line(axis) * [1, 1, 0] + up(top)
+    centre = room.axis_point(axis) * [1, 1, 0] + up(top)
     radius = 0.92 * float(room.half[:2].min())
     yield axis, cylinder(centre - up(0.09 * s), centre, radius, "table")
     for slot in (0, 1):  # that show how it is turned
@@ -377,7 +377,7 @@ def _round_table(sizes: Measures, axis: int) -> Iterator[Laid]:
 def _cradle(sizes: Measures, axis: int) -> Iterator[Laid]:
     """Yield a platform between two bearings, on the line of its axis."""
     room, s, way = sizes.room, sizes.whole, sizes.room.way(axis)
-    along, base, line = np.eye(3)[way], under(room, axis), room.line(axis)
+    along, base, line = np.eye(3)[way], under(room, axis), room.axis_point(axis)
     top = sizes.tops[axis]
     wide = 0.92 * room.half * (1 - along) * [1, 1, 0]
     middle = line * (1 - along) * [1, 1, 0] + room.tip * along

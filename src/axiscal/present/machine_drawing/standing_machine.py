@@ -74,12 +74,12 @@ class StandingMachine:
         there: Array = own.sign * self.upright @ np.array(own.direction)
         return there
 
-    def line(self, axis: int) -> Array:
+    def axis_point(self, axis: int) -> Array:
         """Return a point on the line of a rotary axis at home, in the room, (3,) m."""
         order = self._from_bed(axis)[:-1]
         return self._in_room(_carried(self.machine.axes, order, self.home), np.array(self.machine.axes[axis].origin))
 
-    def moved(self, part: int) -> Array:
+    def part_motion(self, part: int) -> Array:
         """Return the motion of a part in the room from home to the pose, (4, 4)."""
         order = self._from_bed(part)
         now, then = (_carried(self.machine.axes, order, pose) for pose in (self.pose, self.home))

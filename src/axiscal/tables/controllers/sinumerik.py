@@ -112,7 +112,7 @@ class TableBlock:
     direction: int
 
     @property
-    def size(self) -> float:
+    def largest(self) -> float:
         """The most that it adds to an axis, m or rad."""
         return float(np.max(np.abs(self.values)))
 
@@ -292,7 +292,7 @@ def _by_axis(blocks: Sequence[TableBlock], sizes: Sequence[float]) -> dict[str, 
 
 
 def _sums(blocks: Sequence[TableBlock], names: Mapping[str, str]) -> str:
-    sums = _by_axis(blocks, [block.size for block in blocks])
+    sums = _by_axis(blocks, [block.largest for block in blocks])
     units = {block.table.axis: "deg" if block.table.rotary else "mm" for block in blocks}
     shown = {axis: _above(to_unit(size, units[axis]), 4) for axis, size in sums.items()}
     return ", ".join(f"{size} {units[axis]} ({names[axis]})" for axis, size in shown.items())

@@ -255,7 +255,7 @@ class _WayToBall:
         """Yield the touches, with the moves between them."""
         request = self._request
         place = Place(request.setup.name, tuple(self._pose.tolist()), request.approach)
-        yield from SphereCycle(self._machine, request.setup, self._scales, self._groups).at(self.target, place)
+        yield from SphereCycle(self._machine, request.setup, self._scales, self._groups).steps(self.target, place)
 
     def expected(self, step: Touched) -> Array:
         """Return the pose (q,) in which a side is expected: between where a touch begins and where it ends."""

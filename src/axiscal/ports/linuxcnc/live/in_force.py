@@ -28,7 +28,7 @@ class InForce:
     files: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, folder: Path) -> InForce:
+    def from_folder(cls, folder: Path) -> InForce:
         """Return that of the files in a folder, as `axiscal export` wrote them; raises TableError, OSError."""
         texts = {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.is_file()}
         digests = {name: hashlib.sha256(text).hexdigest() for name, text in texts.items()}

@@ -69,7 +69,7 @@ class Linuxcnc(TableFormat):
         lies, names, nominal = _pivots(estimate), pivots.names(machine), pivots.pivots(machine, {})
         draft, text = super().make(_without(estimate, names), options), pivots.write(lies, options.unit)
         wanted, held = (
-            sum_of(control, pivots.control(machine, nominal, found))
+            sum_of(control, pivots.joint_shift(machine, nominal, found))
             for control, found in ((draft.wanted, lies), (draft.control, pivots.read(text, options.unit)))
         )
         steps = summed([*draft.resolution.items(), *((name, float(from_unit(4e-7, options.unit))) for name in "XYZ")])

@@ -136,7 +136,7 @@ def read(text: str, unit: str) -> Pivots:
     return Pivots(swivel, (x, y, z + found["z-offset"]), found[f"{'xy'[_SWIVELS[swivel]]}-offset"], ways[0])
 
 
-def control(machine: Machine, nominal: Pivots, found: Pivots) -> Control:
+def joint_shift(machine: Machine, nominal: Pivots, found: Pivots) -> Control:
     """Return how much further the joints go to the same place on the workpiece when the axes lie elsewhere.
 
     Unless they are told otherwise the kinematics turn the workpiece by the right hand when a drive counts up, and ISO
