@@ -31,7 +31,7 @@ EXPANDED = Uncertainty(23.4, (11.0, 12.0, 13.0), 51.0, 1.65, "for a tool of 120 
 def _bare(**changes: Any) -> Summary:
     first = HistoryRow(0, None, None, None, None, None, 14.2, 31.0, 0.0)
     figures = 0, 0.0, 14.2, 31.0, 0.0, [first], EXPANDED, answer(verdict="nothing", readings=0, compared=0, minutes=0.0)
-    empty = Summary("t", "m", "", "c.toml", "", [], "nothing measured", *figures)
+    empty = Summary("t", "m", "", "c.toml", "2026-03-14", [], "nothing measured", *figures)
     return replace(empty, **changes)
 
 

@@ -140,7 +140,7 @@ def five_axis_summary(readings: int = 60) -> Summary:
         machine="Five-axis machine, 600 × 500 × 500",
         chain="w-C'-B'-b-Y-X-Z-t",
         campaign_file="campaign.toml",
-        date="2026-03-14 09:26",
+        date="2026-03-14",
         setups=[
             SetupUse("set-up 1", "interferometer", "x", ("X",), "0.3 µm", 15),
             SetupUse("set-up 2", "straightedge", "y", ("X", "Z"), "0.5 µm", 15),

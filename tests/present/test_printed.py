@@ -51,7 +51,8 @@ def test_what_is_signed_stands_in_it(tmp_path: Path) -> None:
 
 def test_any_text_is_only_text(tmp_path: Path) -> None:
     attack = "#panic[x] $x$ *b* " + HOSTILE
-    assert "#panic[x] $x$ *b*" in _words(pdf(_with_every_text(five_axis_summary(3), attack)), tmp_path)
+    attacked = replace(_with_every_text(five_axis_summary(3), attack), date="2026-03-14")
+    assert "#panic[x] $x$ *b*" in _words(pdf(attacked), tmp_path)
 
 
 def test_a_campaign_without_readings_can_be_printed(tmp_path: Path) -> None:

@@ -302,8 +302,8 @@ def check(
 
 def _usual(begun: datetime) -> float:
     """Return the share that is kept as a rule since a day."""
-    since = datetime.now(UTC) - (begun if begun.tzinfo else begun.replace(tzinfo=UTC))
-    return aging([]).kept(max(since, timedelta(0)).total_seconds() / YEAR)[0]
+    since = max(datetime.now(UTC) - begun, timedelta(0))
+    return aging([]).kept(since.total_seconds() / YEAR)[0]
 
 
 def _planned(asked: QuickCheck, record: Path, readings: int, plan: Path | None, as_json: bool) -> None:

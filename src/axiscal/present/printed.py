@@ -41,8 +41,8 @@ def pdf(summary: Summary) -> bytes:
     with TemporaryDirectory(prefix="axiscal-", ignore_cleanup_errors=True) as name:
         file = Path(name) / "report.typ"
         file.write_bytes(filled(summary, Path(name)).encode("utf-8", "replace"))
-        day = _day(summary)
-        return _set(file, int(datetime(day.year, day.month, day.day, tzinfo=UTC).timestamp()))
+        begun = datetime.fromisoformat(summary.date).replace(tzinfo=UTC)  # the same campaign gives the same bytes
+        return _set(file, int(begun.timestamp()))
 
 
 def filled(summary: Summary, folder: Path) -> str:
@@ -58,7 +58,7 @@ def filled(summary: Summary, folder: Path) -> str:
         "draw": lambda figure: kept(paper_svg(figure, _WIDE if figure.get("wide") else _PANEL)),
         "draw_circle": lambda circle: kept(alone(circle_picture(circle, _PANEL))),
         "picture": "" if summary.bent is None else kept(alone(found_and_left(summary.bent, _PAPER))),
-        "day": _day(summary),
+        "day": date.fromisoformat(summary.date),
     }
     templates = environment("axiscal.present", _literal)
     return templates.get_template("report.typ").render(report_values(summary) | drawn)
@@ -97,14 +97,6 @@ def _set(template: Path, moment: int) -> bytes:
     what = "report.pdf could not be set: {reason}"
     remedy = "report.html beside it says the same; please report this defect of axiscal"
     raise PrintingError(what, remedy, reason=reason)
-
-
-def _day(summary: Summary) -> date:
-    """Return when the campaign was begun: the same campaign gives the same bytes."""
-    try:
-        return date.fromisoformat(summary.date[:10])
-    except ValueError:
-        return date(1970, 1, 1)
 
 
 VERSION = "3.3.0"

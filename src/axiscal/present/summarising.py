@@ -207,7 +207,7 @@ def _summary(campaign: Campaign, estimation: Estimation, extras: Extras) -> Summ
         machine=description.machine.name,
         chain=description.machine.chain,
         campaign_file=description.source,
-        date=campaign.begun[:10],
+        date=datetime.fromisoformat(campaign.begun).date().isoformat(),
         setups=[_setup_use(setup, campaign) for setup in description.setups],
         stopped_because=because_text(campaign.state.finished or "not finished"),
         readings=len(campaign.state.readings),

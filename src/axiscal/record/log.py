@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from abc import abstractmethod
+from bisect import bisect_left
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -220,11 +221,7 @@ def shared_events(one: Sequence[str], other: Sequence[str]) -> int:
 
     one, other : the chain behind each of their events
     """
-    low, high = 0, min(len(one), len(other))
-    while low < high:
-        middle = (low + high + 1) // 2
-        low, high = (middle, high) if one[middle - 1] == other[middle - 1] else (low, middle - 1)
-    return low
+    return bisect_left(range(min(len(one), len(other))), True, key=lambda index: one[index] != other[index])
 
 
 def rows_of(events: Sequence[Event]) -> list[EventText]:

@@ -11,10 +11,11 @@ passes the target.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, date, datetime, timedelta
+from datetime import date, datetime, timedelta
 from itertools import pairwise
 from pathlib import Path
 
@@ -137,19 +138,13 @@ def _pairs(history: Sequence[MachineRecord], known: dict[str, Estimation], left:
         if before.renewed:
             continue
         first = known[before.digest]
-        years = (moment(after.begun) - moment(before.begun)).total_seconds() / YEAR
+        years = (datetime.fromisoformat(after.begun) - datetime.fromisoformat(before.begun)).total_seconds() / YEAR
         try:
             equation = equation_of(after, first.case.errors)
         except AxiscalError as fault:
             left.append(after.as_sister(why_not(fault)))
             continue
         yield Pair(years, found_by(first), equation, Wearing.from_estimation(first))
-
-
-def moment(text: str) -> datetime:
-    """Return a time of a record; one that names no zone is UTC."""
-    at = datetime.fromisoformat(text)
-    return at if at.tzinfo else at.replace(tzinfo=UTC)
 
 
 def _due(
@@ -159,7 +154,7 @@ def _due(
     if target is None:
         remedy = 'Say one for all machines: --target "4 um"'
         raise TargetError("the campaign asks for no RMS and no U that could be kept", remedy, record.file)
-    last = moment(record.begun).date()
+    last = datetime.fromisoformat(record.begun).date()
     machine = WornMachine(known, learnt, record.renewed, tables)
     days = _first_day(lambda day: machine.rms(day * _DAY) > target)
     return DueMachine(
@@ -186,13 +181,8 @@ def _own_target(known: Estimation) -> float | None:
 
 def _first_day(passed: Callable[[int], bool]) -> int | None:
     """Return the first day on which it is passed, by bisection; None where it is not within the horizon."""
-    low, high = -1, int(_HORIZON / _DAY)
-    if not passed(high):
-        return None
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if passed(middle) else (middle, high)
-    return high
+    last = int(_HORIZON / _DAY)
+    return bisect_left(range(last), True, key=passed) if passed(last) else None
 
 
 def again(known: Estimation) -> CampaignDescription:
