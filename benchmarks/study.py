@@ -51,7 +51,7 @@ def worked(study: Study, folder: Path, engine: Engine, kill: int = 0) -> tuple[d
     with Results(folder, study.text, study.digest, versions(), resume=False) as results:
         items = (WorkItem(case.key, case) for case in study.cases())
         run_missing(results, items, study.count, outcome, engine, watch)
-        return results.all(), time.monotonic() - wall, time.process_time() - own
+        return results.found, time.monotonic() - wall, time.process_time() - own
 
 
 def head_killed(folder: Path, machines: int, alone: dict[str, Done]) -> str:
@@ -66,7 +66,7 @@ def head_killed(folder: Path, machines: int, alone: dict[str, Done]) -> str:
     with Results(folder / "out", study.text, study.digest, versions(), resume=True) as results:
         items = (WorkItem(case.key, case) for case in study.cases())
         ran = run_missing(results, items, study.count, outcome, Processes(2))
-        same = all(alone[key] == done for key, done in results.all().items())
+        same = all(alone[key] == done for key, done in results.found.items())
     return f"{ran.there} of {study.count} kept, {ran.computed} computed, {'equal' if same else 'NOT EQUAL'} to serial"
 
 

@@ -59,7 +59,7 @@ class Keeping:
         engine: Engine = Processes(self.processes) if self.processes > 1 else here
         with Results(folder, self.part, name, versions(), resume=True) as results:
             run_missing(results, items, len(trials), solve, engine)
-            found = results.all()
+            found = results.found
         if wrong := next((done for done in found.values() if done.result is None), None):
             raise StudyError(f"{wrong.key} could not be tried: {wrong.error}", f"Mend it, and remove {folder}")
         return {tuple(json.loads(key)): done.result or {} for key, done in found.items()}

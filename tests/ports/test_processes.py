@@ -90,7 +90,7 @@ def test_a_head_that_is_killed_loses_nothing_and_leaves_no_process(tmp_path: Pat
     assert 5 <= before < 200
     with Results(tmp_path, "text", "digest", {"axiscal": "1"}, resume=True) as results:
         ran = run_missing(results, numbers(200), 200, doubled, here)
-        found = results.all()
+        found = dict(results.found)
     assert (ran.there, ran.computed, ran.failed) == (before, 200 - before, 0)
     assert {key: done.result["twice"] for key, done in found.items() if done.result} == {
         str(number): 2 * number for number in range(200)

@@ -31,8 +31,8 @@ def test_a_case_is_kept_once_and_is_there_when_opened_again(tmp_path: Path) -> N
         results.keep(Done("a", {"U_um": 0.2}))
         results.keep(Done("b", None, "wrong"))
     with _opened(tmp_path, resume=True) as results:
-        assert results.keys() == {"a", "b"}
-        assert results.all() == {"a": Done("a", {"U_um": 0.1}), "b": Done("b", None, "wrong")}
+        assert results.found.keys() == {"a", "b"}
+        assert dict(results.found) == {"a": Done("a", {"U_um": 0.1}), "b": Done("b", None, "wrong")}
 
 
 def test_a_folder_without_results_needs_no_resume(tmp_path: Path) -> None:
@@ -58,7 +58,7 @@ def test_results_of_another_study_are_refused(
     with pytest.raises(StudyError, match=said):
         _opened(tmp_path, digest, resume, versions)
     with _opened(tmp_path, resume=True) as results:
-        assert results.keys() == {"a"}
+        assert results.found.keys() == {"a"}
 
 
 def test_two_heads_do_not_work_in_one_folder(tmp_path: Path) -> None:
@@ -104,13 +104,13 @@ def test_a_changed_line_is_no_result_and_its_case_is_worked_on_again(
     changed[at] ^= 1 << bit
     (folder / FILE).write_bytes(changed)
     with _opened(folder, resume=True) as results:
-        left = results.all()
+        left = dict(results.found)
         assert left.items() <= KEPT.items()
         assert len(left) >= 1
         for done in KEPT.values():
             results.keep(done)
     with _opened(folder, resume=True) as results:
-        assert results.all() == KEPT
+        assert dict(results.found) == KEPT
 
 
 def test_a_file_that_was_cut_off_anywhere_goes_on(tmp_path: Path) -> None:
@@ -118,7 +118,7 @@ def test_a_file_that_was_cut_off_anywhere_goes_on(tmp_path: Path) -> None:
     for end in range(whole.index(b"\n") + 1, len(whole)):
         (tmp_path / FILE).write_bytes(whole[:end])
         with _opened(tmp_path, resume=True) as results:
-            assert len(results.keys()) == whole[:end].count(b"\n") - 1
+            assert len(results.found) == whole[:end].count(b"\n") - 1
             for done in KEPT.values():
                 results.keep(done)
         assert (tmp_path / FILE).read_bytes() == whole
@@ -130,7 +130,7 @@ def test_what_json_cannot_say_is_no_result(tmp_path: Path, value: str) -> None:
     with (tmp_path / FILE).open("a") as file:
         file.write(f'{{"key":"d","result":{{"U_um":{value}}},"error":"","sha256":""}}\n')
     with _opened(tmp_path, resume=True) as results:
-        assert results.all() == KEPT
+        assert dict(results.found) == KEPT
 
 
 def test_a_disk_that_is_full_is_said_and_nothing_half_is_believed(
@@ -146,10 +146,10 @@ def test_a_disk_that_is_full_is_said_and_nothing_half_is_believed(
             patched.setattr(results_module, "write_at", full)
             with pytest.raises(StudyError, match="cannot be written: No space left"):
                 results.keep(KEPT["c"])
-        assert results.keys() == {"a"}
+        assert results.found.keys() == {"a"}
         results.keep(KEPT["b"])
     with _opened(tmp_path, resume=True) as results:
-        assert results.all() == {key: KEPT[key] for key in "ab"}
+        assert dict(results.found) == {key: KEPT[key] for key in "ab"}
 
 
 TEXT = STUDY.replace("machines = 2", "machines = 4\nseed = 4")

@@ -17,7 +17,7 @@ from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import RecordError
 from axiscal.ports.fleet import shop_list as listing
-from axiscal.ports.fleet.shop_list import _found, brought, shop_list, target_words
+from axiscal.ports.fleet.shop_list import _found, brought, shop_list
 from tests.generators.sisters import read_on, shop, slide, write_record
 
 
@@ -176,7 +176,3 @@ def test_one_that_cannot_be_brought_stops_no_other(
     assert "not a campaign record" in " ".join(captured.err.split())
     assert run(["bring", str(folder), str(mine), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["brought"][0]["what"] == "there already"
-
-
-def test_targets_in_words() -> None:
-    assert target_words(slide().target) == "RMS 2 um"

@@ -89,11 +89,11 @@ def _kept(results: Results, described: Study, again: str) -> str:
         "{kept} of {count} case are kept; go on with: {again}",
         "{kept} of {count} cases are kept; go on with: {again}",
     )
-    return counted(one, many, described.count, kept=len(results.keys()), again=again)
+    return counted(one, many, described.count, kept=len(results.found), again=again)
 
 
 def _write(described: Study, results: Results, folder: Path, ran: Ran, json: bool) -> None:
-    found = results.all()
+    found = results.found
     table = write_table(folder, rows_of(described, found))
     page = folder / "study.html"
     write_whole(page, render(described, found).encode())

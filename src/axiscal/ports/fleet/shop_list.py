@@ -18,19 +18,19 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from axiscal.campaign.possible import described, versions
-from axiscal.description.target import Target
 from axiscal.document.durable import clear_drafts, write_whole
 from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import AxiscalError, RecordError, UnreachableError
+from axiscal.language.spoken import speaking
 from axiscal.language.stages import staged
 from axiscal.ports.fleet.sister_records import why_not
+from axiscal.present.guide.progress import goals_text
 from axiscal.record.copies import opened_log, records_of
 from axiscal.record.events import Recorded
 from axiscal.record.log import campaign_of, shared_events
 from axiscal.record.store import Record
-from axiscal.units import format_quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +183,9 @@ def _found(file: Path) -> Known:
         description, state, events = described(record), record.state(), record.events()
     machine, serial = description.machine.name, description.particulars.serial
     last = next((each.at for each in reversed(events) if isinstance(each.event, Recorded)), "")
-    said = machine, serial, events[0].at, last, len(state.readings), target_words(description.target)
+    with speaking("en"):  # it is kept for whoever asks next
+        goals = goals_text(description.target)
+    said = machine, serial, events[0].at, last, len(state.readings), goals
     ended = state.finished or ""
     if not state.readings:
         return Known(*said, ended, None, None, "", "it has no readings")
@@ -194,18 +196,6 @@ def _found(file: Path) -> Known:
     if known.agreement.withheld:
         return Known(*said, ended, None, None, "contradict")
     return Known(*said, ended, known.accuracy.rms, expanded_uncertainty(known).space, "agree")
-
-
-def target_words(target: Target) -> str:
-    """Return when a campaign stops, in words."""
-    lengths = ("RMS", target.rms), ("worst", target.worst), ("U", target.expanded)
-    said = [f"{name} {format_quantity(value, 'um', 3)}" for name, value in lengths if value is not None]
-    said += [want.row.name for want in target.lines]
-    if target.readings is not None:
-        said.append(f"{target.readings} readings")
-    if target.budget is not None:
-        said.append(format_quantity(target.budget, "min", 3))
-    return ", ".join(said)
 
 
 @dataclass(frozen=True, slots=True)

@@ -132,10 +132,11 @@ class Results(Closing):
     """The open results of a folder; a context manager.
 
     digest : of all that the cases are a function of; versions : of the programs
+    found : what came of every case that is there, by its key
     """
 
     def __init__(self, folder: Path, text: str, digest: str, versions: Mapping[str, str], resume: bool) -> None:
-        self.path, self._found = folder / FILE, dict[str, Done]()
+        self.path, self.found = folder / FILE, dict[str, Done]()
         self._held = ExitStack()
         try:
             with self._refusing("The results cannot be read: {reason}"):
@@ -146,7 +147,7 @@ class Results(Closing):
                     write_whole(self.path, _line(begun))
                 content = self.path.read_bytes()
             *lines, _ = content.split(b"\n")
-            self._found = {done.key: done for done in map(_done, reversed(lines[1:])) if done is not None}
+            self.found = {done.key: done for done in map(_done, reversed(lines[1:])) if done is not None}
             self._refuse_other(lines[0] if lines else b"", digest, versions, resume)
             self._end = content.rfind(b"\n") + 1  # behind it stands what an end of power or room has torn
             with self._refusing("The results cannot be written: {reason}"):
@@ -163,7 +164,7 @@ class Results(Closing):
             case _:
                 remedy = "Name another folder"
                 raise StudyError("It cannot be read of which study these results are", remedy, self.path)
-        if not resume and self._found:
+        if not resume and self.found:
             remedy = "Go on with it by --resume, or name another --out"
             raise StudyError("This folder holds a study already", remedy, self.path)
         if of != digest:
@@ -174,13 +175,9 @@ class Results(Closing):
             remedy = "Go on with that version, or name another --out"
             raise StudyError(what, remedy, self.path, first=by, own=versions["axiscal"])
 
-    def keys(self) -> set[str]:
-        """Return the keys of the cases that are there."""
-        return set(self._found)
-
     def keep(self, done: Done) -> None:
         """Write what came of a case, once; it is on the disk when this returns."""
-        if done.key in self._found:
+        if done.key in self.found:
             return
         line = _line({**done._asdict(), "sha256": _digest(done)})
         with self._refusing("The results cannot be written: {reason}"):
@@ -188,11 +185,7 @@ class Results(Closing):
             write_at(self._file, self._end, line)
             sync(self._file)
         self._end += len(line)
-        self._found[done.key] = done
-
-    def all(self) -> dict[str, Done]:
-        """Return what came of every case that is there, by its key."""
-        return dict(self._found)
+        self.found[done.key] = done
 
     @contextmanager
     def _refusing(self, what: str) -> Iterator[None]:
@@ -274,7 +267,7 @@ def run_missing(
 
     count : of all items.  Raises StudyError, KeyboardInterrupt; what was kept is kept.
     """
-    there = results.keys()
+    there = set(results.found)
     missing, done = count - len(there), 0
     left = (item for item in items if item.key not in there)
     first = next(left, None)
@@ -285,7 +278,7 @@ def run_missing(
                 results.keep(found)
                 done += 1
                 watch(done, missing)
-    failed = sum(found.result is None for found in results.all().values())
+    failed = sum(found.result is None for found in results.found.values())
     return Ran(len(there), done, failed)
 
 
