@@ -18,6 +18,7 @@ import urllib.parse
 import urllib.request
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from queue import Empty, Queue
 from typing import Any, NamedTuple
@@ -264,9 +265,14 @@ class Moonraker(Printer):
 class Duet(Printer):
     """RepRapFirmware: `/machine/code` of a Duet with a computer beside it, `rr_gcode` of one that stands alone."""
 
-    def __init__(self, host: str) -> None:
-        super().__init__(host)
-        self._alone = False
+    @cached_property
+    def _alone(self) -> bool:
+        """Whether it has no computer beside it."""
+        try:
+            self._document("/machine/model")
+        except SourceError:
+            return True
+        return False
 
     def refuse_unready(self) -> None:
         """Ask the object model for state, homing and compensation."""
@@ -295,10 +301,7 @@ class Duet(Printer):
 
     def _model(self) -> dict[str, Any]:
         if not self._alone:
-            try:
-                return self._document("/machine/model")
-            except SourceError:
-                self._alone = True
+            return self._document("/machine/model")
         self._document("/rr_connect", {"password": ""})
         return {key: self._document("/rr_model", {"key": key}).get("result") for key in _OF_MODEL}
 

@@ -132,13 +132,9 @@ class MoonrakerLoader(_Loader, Moonraker):
         return self._held(f"/server/files/config/{file}")
 
     def _store(self, file: str, data: bytes) -> None:
-        parts = [("root", None, b"config"), ("file", file, data)]
-        lines = list[bytes]()
-        for field, named, content in parts:
-            more = f'; filename="{named}"' if named else ""
-            head = f'--{_BOUNDARY}\r\nContent-Disposition: form-data; name="{field}"{more}\r\n'
-            lines += [head.encode(), content]
-        body = b"\r\n".join([*lines, f"--{_BOUNDARY}--\r\n".encode()])
+        head = f"--{_BOUNDARY}\r\nContent-Disposition: form-data; name="
+        root, named = f'{head}"root"\r\n\r\nconfig\r\n', f'{head}"file"; filename="{file}"\r\n\r\n'
+        body = f"{root}{named}".encode() + data + f"\r\n--{_BOUNDARY}--\r\n".encode()
         self._ask("/server/files/upload", body=body, kind=f"multipart/form-data; boundary={_BOUNDARY}")
 
     def _wait_until_ready(self) -> None:

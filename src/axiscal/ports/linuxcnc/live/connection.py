@@ -70,7 +70,7 @@ class Connection:
     def __init__(self, words: Sequence[str]) -> None:
         self._lines: Queue[str] = Queue()
         self._last: Queue[str] = Queue()
-        self._sending, self._closed = threading.Lock(), False
+        self._sending = threading.Lock()
         try:
             self._process = subprocess.Popen(
                 words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True
@@ -109,9 +109,8 @@ class Connection:
 
     def close(self) -> None:
         """Let go; may be called twice.  The agent stops what moves when its line is closed."""
-        if not self._closed:
-            with contextlib.suppress(SourceError):
-                self._send({"do": "bye"})
+        with contextlib.suppress(SourceError):
+            self._send({"do": "bye"})
         self._end()
 
     def _ask(self, message: object) -> dict[str, Any]:
@@ -160,13 +159,12 @@ class Connection:
         self._lines.put("")
 
     def _keep_alive(self) -> None:
-        while not self._closed and self._process.poll() is None:
+        while self._process.poll() is None:
             with contextlib.suppress(SourceError):
                 self._send({"do": "alive"})
             time.sleep(_ALIVE)
 
     def _end(self) -> None:
-        self._closed = True
         with contextlib.suppress(OSError, ValueError):
             _pipe(self._process.stdin).close()
         try:
