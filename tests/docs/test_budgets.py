@@ -29,10 +29,10 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(65_042, 50_000),
+    "lines of src": Budget(64_983, 50_000),
     "files of src": Budget(335, 335),
     "mechanisms that remember": Budget(3, 1),
-    "classes that change": Budget(34, 15),
+    "classes that change": Budget(32, 15),
     "public names of more than five functions": Budget(11, 10),
 }
 WALKS = {

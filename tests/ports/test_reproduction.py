@@ -98,7 +98,8 @@ def test_no_lattice_point_beats_a_reading_chosen(experiment: Experiment, name: s
     plan: GreedyPlan = getattr(experiment, name)
     stack = plan.stack
     along = [np.linspace(*axis.travel, points) for axis in stack.machine.axes]
-    rows = stack.rows(np.stack([g.ravel() for g in np.meshgrid(*along, indexing="ij")], axis=1))
+    poses = np.stack([g.ravel() for g in np.meshgrid(*along, indexing="ij")], axis=1)
+    rows = stack.observation.rows(0, poses, np.ones_like(poses)).rows
 
     def gains(factor: Array, rows: Array) -> Array:
         seen = rows @ factor

@@ -373,11 +373,6 @@ class Judgement:
         return self.changed >= HARDLY
 
     @property
-    def faulty(self) -> tuple[Share, ...]:
-        """The tables that are missing, or loaded with the wrong sign."""
-        return tuple(share for share in self.shares if share.checked and not share.works)
-
-    @property
     def unchecked(self) -> tuple[str, ...]:
         """The tables of which the readings cannot tell whether they work."""
         return tuple(share.name for share in self.shares if not share.checked)

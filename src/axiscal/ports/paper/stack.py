@@ -187,10 +187,6 @@ class Stack:
         seen = self.observation.rows(0, *self.candidates.in_setup(0))
         return unseen_factor(self.prior.factor, seen.rows / np.sqrt(seen.variances)[:, None])
 
-    def rows(self, poses: Array) -> Array:
-        """Return what readings at poses would see.  poses : (m, q) m; returns (m, size)."""
-        return self.observation.rows(0, poses, np.ones_like(poses)).rows
-
     def height_variance(self, belief: Belief) -> float:
         """Return the mean variance of the height over the travel, paper units."""
         return self.volume.criterion(belief.factor) / UNIT**2
