@@ -12,7 +12,7 @@ import pytest
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import whole_travel
+from axiscal.errors.volume import MovedErrors, whole_travel
 from axiscal.estimation.belief import Belief
 from axiscal.estimation.estimate import estimated
 from axiscal.estimation.estimation import Estimation
@@ -208,6 +208,16 @@ def test_old_heights_are_added_at_the_points_of_the_new_mesh() -> None:
     plane = 10.0 * x[None, :] + 10.0 * y[:, None]
     assert found.added == pytest.approx(new.added + 2e-6 * plane)
     assert Loaded().under_mesh(new).added == pytest.approx(new.added)
+
+
+@pytest.mark.parametrize("control", ["linuxcnc-volumetric", "klipper-volumetric", "isg"])
+def test_a_control_turns_about_the_axes_as_described_wherever_levers_were_found(control: str) -> None:
+    """Errors of milliradians: rows of readings are taken where the machine is then, by a micrometre elsewhere."""
+    found = known("three-axis-mill")[0]
+    belief = Belief(30 * found.mean, 1e-20 * np.eye(found.model.size))
+    bent = replace(found, model=MovedErrors(found.machine, belief.mean[: found.model.size]), belief=belief)
+    exported = registry.export(bent, control, ExportOptions())
+    assert exported.effect.after < 0.1 * exported.effect.before
 
 
 def test_a_reversal_takes_a_fifth_of_the_acceleration_of_each_joint_within_5_ms_and_5_s() -> None:

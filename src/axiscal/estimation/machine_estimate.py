@@ -66,6 +66,11 @@ class Estimate:
         return self.model.machine
 
     @property
+    def as_described(self) -> ErrorModel:
+        """The errors about the axes of the machine as described, as a control has them, wherever levers were found."""
+        return ErrorModel(self.machine)
+
+    @property
     def mean(self) -> Array:
         """Posterior mean of the machine's coefficients, (size,)."""
         return self.belief.mean[: self.model.size]

@@ -126,8 +126,7 @@ def joint_errors(axis: VcompAxis, at: Array, ways: Array, unit: str) -> Array:
     fade = FADE_DEG if axis.rotary else FADE_MM if unit == "mm" else FADE_MM / _INCH
     inside = low + np.mod(at - low, high - low) if axis.cyclic else np.clip(at, low, high)
     beyond = np.zeros_like(at) if axis.cyclic else at - inside
-    far = np.minimum(np.abs(beyond), fade)
-    faded = np.sign(beyond) * (far - far**2 / (2 * fade))
+    faded = _faded(beyond, fade)
     found = np.clip(np.searchsorted(axis.knots, inside, side="right") - 1, 0, len(axis.knots) - 2)
     x = (inside - axis.knots[found])[:, None]
 
@@ -140,6 +139,13 @@ def joint_errors(axis: VcompAxis, at: Array, ways: Array, unit: str) -> Array:
     if axis.reversals.shape[1] == MOTIONS:
         total = total + 0.5 * ways[:, None] * value(axis.reversals)
     return total
+
+
+def _faded(beyond: Array, fade: float) -> Array:
+    """Return how far curves go on straight beyond a travel: ever less, until they stay as they are at `fade`."""
+    far = np.minimum(np.abs(beyond), fade)
+    faded: Array = np.sign(beyond) * (far - far**2 / (2 * fade))
+    return faded
 
 
 def _once(file: VcompFile, at: Array, ways: Array, tool: Array) -> Array:
@@ -209,8 +215,14 @@ def at_zero(model: ErrorModel, mean: Array) -> Array:
 
 def _values(model: ErrorModel, mean: Array, poses: Array, approaches: Array) -> Array:
     """Return what every error of one axis is at poses, (functions, m), a reversal by its side."""
-    found = []
+    found, reached = [], poses.copy()
+    for k, axis in enumerate(model.machine.axes):
+        if not axis.cyclic:
+            inside = np.clip(poses[:, k], *axis.travel)
+            reached[:, k] = inside + _faded(
+                poses[:, k] - inside, from_unit(*((FADE_DEG, "deg") if axis.rotary else (FADE_MM, "mm")))
+            )
     for function in model.functions:
-        value = function.rows(poses[:, function.axis]) @ mean[function.columns]
+        value = function.rows(reached[:, function.axis]) @ mean[function.columns]
         found.append(value * (0.5 * approaches[:, function.axis]) if function.kind == "reversal" else value)
     return np.array(found).reshape(len(model.functions), len(poses))

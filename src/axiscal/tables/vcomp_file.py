@@ -125,7 +125,7 @@ def content_of(
     given : joints of each axis, and how long its reversal takes, s; unit : mm or in
     largest : (q,) m or rad, that each axis is corrected by; origin : hash of the record
     """
-    model, mean, axes = estimate.model, estimate.mean, estimate.machine.axes
+    model, mean, axes = estimate.as_described, estimate.mean, estimate.machine.axes
     own = [axis_content(model, mean, k, joints, unit, seconds) for k, (joints, seconds) in enumerate(given)]
     turning = [axis.rotary for axis in axes]
     if not any(turning):

@@ -61,7 +61,7 @@ class KlipperVolumetric(Exporter):
     def make(self, estimate: Estimate, options: ExportOptions) -> Draft:
         """Return the files; raises TableError."""
         machine, bed = estimate.machine, _bed(estimate, options.mesh or _POINTS)
-        both = sum_of(whole_control(estimate.model, estimate.mean), mesh_control(machine, bed))
+        both = sum_of(whole_control(estimate.as_described, estimate.mean), mesh_control(machine, bed))
 
         def wanted(poses: Array, approaches: Array) -> Array:
             return both(poses, np.zeros_like(approaches))

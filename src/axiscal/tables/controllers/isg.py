@@ -226,7 +226,7 @@ class Isg(Exporter):
         steps = summed([*((axis.name, 1e-8) for axis in machine.axes if not axis.rotary), *apart_by])
         notes = _notes(machine, found, options.flip) + _leadscrew_notes(lists)
         holds = _HOLDS.format(_BOTH * any(curve.over for curve in found.values()) + (_APART if lists else ""))
-        wanted = sum_of(tip_control(estimate.model, found), table_control(machine, halves))
+        wanted = sum_of(tip_control(estimate.as_described, found), table_control(machine, halves))
         return self.draft(Written(files, steps, notes, holds), wanted, machine, options, halves)
 
     def load(self, files: Sequence[OldFile], machine: Machine, options: ExportOptions) -> Loaded:
@@ -258,7 +258,7 @@ class Isg(Exporter):
         _refuse_names(found)
         if not found:
             raise TableError("there is no deviation that these files could hold", "take readings first")
-        return together(anchored(estimate.model, found), options.old.errors) | nominal(estimate.machine)
+        return together(anchored(estimate.as_described, found), options.old.errors) | nominal(estimate.machine)
 
 
 def apart(estimate: Estimate, options: ExportOptions) -> tuple[CompensationTable, ...]:
