@@ -6,19 +6,21 @@ readings left it and as it drifts since; then its squareness A0Z is off, or the 
 
 from __future__ import annotations
 
+from itertools import repeat
+
 import numpy as np
 
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.problem import Inherited
+from axiscal.estimation.timed import ends_along
 from axiscal.machine import load_machine
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import unique_root
 from axiscal.numerics.threads import one_thread
 from axiscal.ports.fleet.quick_check import QuickCheck
-from axiscal.ports.fleet.rehearsal import measured
 
 NAME = "three-axis-mill"
 _LASER = """[[setups]]
@@ -58,7 +60,9 @@ def main() -> None:
             now = KEPT * (mean + _drawn(left, rng)) + np.sqrt(1 - KEPT**2) * _drawn(stated, rng)
             for name, crash in crashes.items():
                 virtual = Simulator(described.machine, described.setups).with_coefficients(now + crash, trial)
-                called[name] += not check.judged(measured(virtual, described, places, trial)).in_order
+                chance = repeat(np.random.default_rng((trial, 6)))
+                readings = virtual.measured(described.setups, places, ends_along(case, places), chance)
+                called[name] += not check.judged(readings).in_order
         said = ", ".join(f"{name} {100 * times / TRIALS:.1f} %" for name, times in called.items())
         used = len({place.setup for place in places})
         print(f"{count} readings in {used} set-ups, called out of order: {said}", flush=True)

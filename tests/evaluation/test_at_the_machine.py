@@ -146,14 +146,15 @@ def test_a_place_that_a_machine_does_not_reach_is_said(check: Check, tmp_path: P
         def close(self) -> None:
             pass
 
-    sheet = Sheet(tmp_path / "found.csv", check.description, requests(check.description, check.planned(4)))
+    wanted = requests(check.description, check.planned(4).listed(check.description.setups))
+    sheet = Sheet(tmp_path / "found.csv", check.description, wanted)
     with pytest.raises(SourceError, match=r"leaves the travel of Y.*another number of --points"):
         sheet.fill(Source, Taken())
 
 
 def test_the_standard_deviation_of_a_reading_is_kept_in_the_file(check: Check, tmp_path: Path) -> None:
     """The first readings are of a machine that says none, as in files of before; the file goes on with the others."""
-    wanted = requests(check.description, check.planned(4))
+    wanted = requests(check.description, check.planned(4).listed(check.description.setups))
     stds = [None, None, 0.7e-6, 1.25e-7]
 
     class Source:

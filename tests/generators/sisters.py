@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import repeat
 from pathlib import Path
 
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
+from axiscal.estimation.case import Case
+from axiscal.estimation.timed import ends_along
 from axiscal.measurement.reading import Place, Reading
-from axiscal.ports.fleet.rehearsal import Imagined, VirtualType, measured
+from axiscal.measurement.simulation import VirtualMachine
+from axiscal.ports.fleet.rehearsal import Imagined, VirtualType
 
 MACHINE = """name = "Slide"
 chain = "w-b-X-t"
@@ -53,10 +58,16 @@ HALF = Imagined(0.5, 0.8)
 """Machines half as large as stated, four fifths of the variance in common."""
 
 
+def measured(case: Case, machine: VirtualMachine, places: Sequence[Place], seed: int) -> tuple[Reading, ...]:
+    """Return what is read of a virtual machine along a plan."""
+    chance = repeat(np.random.default_rng((seed, 6)))
+    return machine.measured(case.description.setups, places, ends_along(case, places), chance)
+
+
 def read_on(number: int, imagined: Imagined = HALF, seed: int = 3, again: int = 0) -> list[Reading]:
     """Return what is read of one machine of a type.  again : with other noise"""
     machine, _ = VirtualType(slide(), imagined, seed).drawn(number)
-    return measured(machine, slide(), PLACES, number + 1000 * again)
+    return list(measured(Case(slide()), machine, PLACES, number + 1000 * again))
 
 
 def write_record(file: Path, described: CampaignDescription, readings: list[Reading]) -> Path:

@@ -24,9 +24,9 @@ from axiscal.planning.next_readings import placed, until_reached
 from axiscal.planning.plan.task import Limits
 from axiscal.planning.promise import alike, blank_problem, foreseen
 from axiscal.planning.proposal import Thoroughness, proposed
-from axiscal.ports.fleet.rehearsal import measured
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import plan_screen
+from tests.generators.sisters import measured
 from tests.generators.texts import artefact_text, campaign_text, setup_text
 
 WARM = 'temperature = "21 degC"\n'
@@ -60,7 +60,7 @@ def test_the_u_that_is_foreseen_is_that_of_the_result(more: str) -> None:
     places = [Place("along X", (x / 1000, *park[1:]), (side, 0, 0)) for side, at in ways for x in at]
     there, found = known_rows(case, foreseen(case, (), places), ())[0], list[float]()
     for seed in (1, 2, 3):
-        readings = measured(Simulator(of.machine, of.setups).drawn(seed), of, places, seed)
+        readings = measured(case, Simulator(of.machine, of.setups).drawn(seed), places, seed)
         known = concluded(case, readings)
         found.append(known_rows(known.case, known.printed, known.readings)[0].known)
     assert there.known == pytest.approx(median(found), rel=0.2)

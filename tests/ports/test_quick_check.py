@@ -20,17 +20,16 @@ from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.ports.fleet.quick_check import QuickCheck, _CrashRows, crashes, showing_crashes
-from axiscal.ports.fleet.rehearsal import measured
 from tests.generators.campaigns import mixed
-from tests.generators.sisters import MACHINE, read_on, slide, write_record
+from tests.generators.sisters import MACHINE, measured, read_on, slide, write_record
 
 KEPT, TRIALS = 0.9, 40
 
 
-def _read(check: QuickCheck, errors: Array, seed: int, places: tuple[Place, ...]) -> list[Reading]:
+def _read(check: QuickCheck, errors: Array, seed: int, places: tuple[Place, ...]) -> tuple[Reading, ...]:
     described = check.case.description
     virtual = Simulator(described.machine, described.setups).with_coefficients(errors, seed)
-    return measured(virtual, described, places, seed)
+    return measured(check.case, virtual, places, seed)
 
 
 @pytest.mark.long

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 from axiscal.description.campaign import campaign_from_texts, read_campaign
+from axiscal.estimation.timed import ends_along
 from axiscal.exceptions import InputError, PlanError
+from axiscal.measurement.simulation import by_number
 from axiscal.numerics.remembered import Memo
-from axiscal.ports.study.study_case import FIGURES, Stop, StudyCase, outcome, prepared, taken
+from axiscal.ports.study.study_case import FIGURES, Stop, StudyCase, outcome, prepared
 from axiscal.ports.study.study_file import read_study
 from tests.ports.texts import CAMPAIGN, STUDY, written
 
@@ -139,8 +141,9 @@ def test_the_grid_states_a_std_and_the_truth_stays(tmp_path: Path) -> None:
 def test_readings_are_what_the_machine_does_within_their_noise(tmp_path: Path) -> None:
     ready = prepared(_cases(tmp_path)[0].variant)
     truth = ready.simulator.drawn(12)
-    readings = taken(ready.case, truth, ready.places, 12)
-    assert readings == taken(ready.case, truth, ready.places, 12)
+    given = ready.case.description.setups, ready.places, ends_along(ready.case, ready.places)
+    readings = truth.measured(*given, by_number(12))
+    assert readings == truth.measured(*given, by_number(12))
     poses = np.array([each.pose for each in readings])
     ways = np.array([each.approach for each in readings], dtype=float)
     left = np.array([each.value for each in readings]) - truth.deviation(poses, ways)[:, 0]

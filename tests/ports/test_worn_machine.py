@@ -17,8 +17,8 @@ from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
 from axiscal.numerics.gaussian import unique_root
-from axiscal.ports.fleet.rehearsal import measured
 from axiscal.ports.fleet.worn_machine import Aging, WornMachine, without_tables
+from tests.generators.sisters import measured
 from tests.generators.texts import campaign_text, setup_text
 
 TABLE = """name = "Table"
@@ -76,7 +76,7 @@ class Twin:
         places = [Place("laser", (x, y), (s, s)) for x in (0.05, 0.3) for y in (0.1, 0.35) for s in (1, -1)]
         truth = _drawn(self.mean, self.own, rng, 1)[:, 0]
         virtual = Simulator(described.machine, described.setups).with_coefficients(truth, 5)
-        readings = measured(virtual, described, places, 5)
+        readings = measured(case_of(described), virtual, places, 5)
         self.known, self.rng = concluded(case_of(described), readings), rng
         self._read = data_equation(self.known.case.observation, readings)
 

@@ -29,15 +29,17 @@ class Timed:
 
 def timed(case: Case, readings: Sequence[Reading]) -> Timed:
     """Return readings with their times."""
-    ends = tuple(accumulate(case.seconds_along(None, readings).tolist()))
+    ends = ends_along(case, readings)
     pairs = zip(readings, ends, strict=True)
     return Timed(tuple(r if r.time is not None else replace(r, time=now) for r, now in pairs), ends)
 
 
+def ends_along(case: Case, places: Sequence[Place | Reading]) -> tuple[float, ...]:
+    """Return the seconds of machine time after each of them, from the beginning of a campaign."""
+    return tuple(accumulate(case.seconds_along(None, places).tolist()))
+
+
 def elapsed(case: Case, before: Timed, places: Sequence[Place]) -> float:
     """Return the seconds that have gone when places are read after readings, in this order."""
-    now, here = before.seconds, before.readings[-1].place if before.readings else None
-    for place in places:
-        now += case.seconds_of(here, place)
-        here = place
-    return now
+    here = before.readings[-1].place if before.readings else None
+    return sum(case.seconds_along(here, places).tolist(), before.seconds)

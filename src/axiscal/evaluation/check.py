@@ -9,15 +9,15 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
+from itertools import repeat
 from pathlib import Path
 
 import numpy as np
 
 from axiscal.campaign.campaign import Campaign
-from axiscal.campaign.sources import Answer, Request, Skip, Source, virtual_machine
-from axiscal.campaign.sources.source import SimulatedSource
+from axiscal.campaign.sources import Request, Skip, Source, virtual_machine
 from axiscal.description.campaign import CampaignDescription
 from axiscal.description.placed_readings import placed_readings
 from axiscal.description.target import Target
@@ -39,11 +39,11 @@ from axiscal.exceptions import InputError, ReadingError, SourceError, TargetErro
 from axiscal.language.spoken import said
 from axiscal.language.stages import stage, staged
 from axiscal.measurement.readers.csv_readings import blank_sheet, filled_sheet, read_readings
-from axiscal.measurement.reading import Places, Reading
+from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.reading_rows import places_of
-from axiscal.measurement.simulation import Simulator, VirtualMachine
+from axiscal.measurement.simulation import Simulator, VirtualMachine, by_number
 from axiscal.numerics import Array
-from axiscal.planning.other_readings import with_room
+from axiscal.planning.other_readings import with_rooms
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
 from axiscal.tables.offer import Export
@@ -292,21 +292,18 @@ class Check:
 
     def read_on(self, truth: VirtualMachine, seed: int, places: Places) -> FoundAndLeft:
         """Return what a given virtual machine shows there."""
-        wanted = requests(self.description, places)
-        machines = truth, CommandedMachine.corrected(truth, self.tables.control)
-        sources = (SimulatedSource(machine, seed) for machine in machines)
-        first, second = (_taken(source, wanted, n) for source, n in zip(sources, _FIRST, strict=True))
-        return first, second
+        setups, machines = self.description.setups, (truth, CommandedMachine.corrected(truth, self.tables.control))
+        found, left = (
+            machine.measured(setups, places.listed(setups), repeat(0.0), by_number(seed, first))
+            for machine, first in zip(machines, _FIRST, strict=True)
+        )
+        return found, left
 
     def sheets(self, places: Places, found: Path, left: Path) -> tuple[Sheet, Sheet]:
         """Return the files that a machine that runs fills, without the tables and with them."""
-        wanted = [self._with_room(each) for each in requests(self.description, places)]
+        wanted = requests(self.description, with_rooms(self.estimation.case, places))
         before, after = (Sheet(file, self.description, wanted) for file in (found, left))
         return before, after
-
-    def _with_room(self, wanted: Request) -> Request:
-        pose, approach = with_room(self.estimation.case.errors, wanted.setup, wanted.pose, wanted.approach)
-        return replace(wanted, pose=pose, approach=approach)
 
     def read(self, found: Path, left: Path) -> FoundAndLeft:
         """Return the readings of two files; raises ReadingError."""
@@ -333,12 +330,11 @@ class Check:
         return blank_sheet(setups, axes, places)
 
 
-def requests(description: CampaignDescription, places: Places) -> list[Request]:
+def requests(description: CampaignDescription, places: Sequence[Place]) -> list[Request]:
     """Return a request for the reading at each place, numbered from 1."""
-    columns = (places.setups.tolist(), places.poses.tolist(), places.approaches.astype(int).tolist())
     return [
-        Request(n, description.setups[s], description.machine.axes, tuple(pose), tuple(approach))
-        for n, (s, pose, approach) in enumerate(zip(*columns, strict=True), start=1)
+        Request(number, description.setup(place.setup), description.machine.axes, place.pose, place.approach)
+        for number, place in enumerate(places, start=1)
     ]
 
 
@@ -370,16 +366,3 @@ def _largest(target: Target) -> float | None:
 
 _FIRST = (1_000_000, 2_000_000)
 """Numbers of the readings, so that their noise is that of no reading of the campaign."""
-
-
-def _taken(source: Source, wanted: Sequence[Request], first: int) -> tuple[Reading, ...]:
-    readings = []
-    try:
-        for number, place in enumerate(wanted, first):
-            answer = source.read(Request(number, place.setup, place.axes, place.pose, place.approach))
-            assert isinstance(answer, Answer)  # virtual machines do not skip
-            at = (place.setup.name, place.pose, place.approach)
-            readings.append(Reading(*at, answer.value, answer.std, others=answer.others))
-    finally:
-        source.close()
-    return tuple(readings)

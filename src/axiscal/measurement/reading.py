@@ -96,6 +96,11 @@ class Places:
         )
         return result
 
+    def listed(self, setups: Sequence[Setup]) -> tuple[Place, ...]:
+        """Return them one by one.  setups : those that the indices count"""
+        rows = zip(self.setups.tolist(), self.poses.tolist(), self.approaches.astype(int).tolist(), strict=True)
+        return tuple(Place(setups[of].name, tuple(pose), tuple(sides)) for of, pose, sides in rows)
+
     def at_poses(self, poses: Array) -> Places:
         """Return the same set-ups and sides at other poses, (m, q)."""
         return replace(self, poses=poses)

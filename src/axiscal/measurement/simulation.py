@@ -10,9 +10,9 @@ error is one line, its position empty.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import count, pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,6 +28,7 @@ from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.instruments.kind import Actual, Nominal
 from axiscal.measurement.observation import Owned, directions_of
 from axiscal.measurement.readers.csv_table import ANGLES, LENGTHS, TEXT, Column, CsvTable, Row, read_table
+from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.setup import Setup
 from axiscal.measurement.travel import belongs
 from axiscal.numerics import Array
@@ -179,6 +180,23 @@ class VirtualMachine:
         step = setup.resolution
         return tuple(round(value / step) * step if step else value for value in each)
 
+    def measured(
+        self,
+        setups: Sequence[Setup],
+        places: Sequence[Place],
+        ends: Iterable[float],
+        chance: Iterable[np.random.Generator],
+    ) -> tuple[Reading, ...]:
+        """Return what is read at places, one after another.
+
+        ends : seconds since the campaign began, for each place; chance : draws the noise of each reading
+        """
+        mounted, found = {setup.name: setup for setup in setups}, list[Reading]()
+        for place, seconds, rng in zip(places, ends, chance, strict=False):
+            value, *others = self.read_all(mounted[place.setup], place.pose, place.approach, rng, seconds)
+            found.append(Reading(place.setup, place.pose, place.approach, value, others=tuple(others), time=seconds))
+        return tuple(found)
+
     def exactly(self, setup: Setup, pose: Array, actual: Actual, approach: Array | None = None) -> list[float]:
         """Return what a set-up would show of what the machine does, nothing linearised, without drift and noise.
 
@@ -207,6 +225,11 @@ class VirtualMachine:
         own = np.array([belongs(term, axis) for term in self.model.terms])
         way = self.model.compose(self.values(poses) * own[:, None], np.zeros_like(poses))
         return actual_deviation(self.model.machine, poses, way).displacement
+
+
+def by_number(seed: int, first: int = 1) -> Iterator[np.random.Generator]:
+    """Yield what draws the noise of each reading: by its number alone, so that a run that is resumed is the same."""
+    return (np.random.default_rng((seed, number)) for number in count(first))
 
 
 @dataclass(frozen=True, slots=True)

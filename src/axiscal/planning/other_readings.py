@@ -44,10 +44,10 @@ _DIGITS = {False: ("mm", 3), True: ("deg", 4)}
 
 def with_rooms(case: Case, places: Places) -> tuple[Place, ...]:
     """Return places, each with room to come to it from its side."""
-    rows = zip(places.setups.tolist(), places.poses.tolist(), places.approaches.astype(int).tolist(), strict=True)
-    setups, found = case.description.setups, list[Place]()
-    for setup, pose, approach in rows:
-        found.append(Place(setups[setup].name, *with_room(case.errors, setups[setup], tuple(pose), tuple(approach))))
+    described, found = case.description, list[Place]()
+    for each in places.listed(described.setups):
+        room = with_room(case.errors, described.setup(each.setup), each.pose, each.approach)
+        found.append(Place(each.setup, *room))
     return tuple(found)
 
 

@@ -170,19 +170,18 @@ def plain(micrometres: Array) -> Array:
 
 def plan_rows(check: Check, places: Places) -> list[dict[str, object]]:
     """Return each place with what it is expected to show; three figures where a reading has three values."""
-    setups, axes = check.description.setups, check.description.machine.axes
+    described, axes = check.description, check.description.machine.axes
     before, after = ([_figures(values) for values in each] for each in check.predicted(places))
-    columns = (places.setups.tolist(), places.poses.tolist(), places.approaches.tolist())
     return [
         {
-            "setup": setups[s].name,
-            "place": place_text(axes, tuple(pose), setups[s].moves),
-            "position": shown_pose(axes, pose),
-            "approach": approach_text(axes, approach),
+            "setup": place.setup,
+            "place": place_text(axes, place.pose, described.setup(place.setup).moves),
+            "position": shown_pose(axes, place.pose),
+            "approach": approach_text(axes, place.approach),
             "found_um": before[i],
             "left_um": after[i],
         }
-        for i, (s, pose, approach) in enumerate(zip(*columns, strict=True))
+        for i, place in enumerate(places.listed(described.setups))
     ]
 
 

@@ -27,19 +27,16 @@ if TYPE_CHECKING:
 
 
 class SimulatedSource:
-    """A virtual machine as a source.
-
-    The noise of a reading depends on its number only, so that a run that is resumed is the same run.
-    """
+    """A virtual machine as a source."""
 
     def __init__(self, machine: VirtualMachine, seed: int) -> None:
         self._machine, self._seed = machine, seed
 
     def read(self, request: Request) -> Answer:
         """Return the simulated reading."""
-        import numpy as np
+        from axiscal.measurement.simulation import by_number
 
-        rng = np.random.default_rng((self._seed, request.reading))
+        rng = next(by_number(self._seed, request.reading))
         value, *others = self._machine.read_all(request.setup, request.pose, request.approach, rng, request.seconds)
         return Answer(value, others=tuple(others))
 

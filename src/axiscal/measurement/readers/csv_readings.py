@@ -243,11 +243,9 @@ def _time(row: Row, column: Column) -> tuple[str, float]:
 def blank_sheet(setups: Sequence[Setup], axes: Sequence[Axis], places: Places) -> str:
     """Return the text of the file, with columns to fill in, such as value_um."""
     values = columns_of(setups[index] for index in places.setups)
-    rows = [[*_head(axes), *values]]
-    columns = (places.setups.tolist(), places.poses.tolist(), places.approaches.tolist())
-    for setup, pose, approach in zip(*columns, strict=True):
-        rows.append([*_at(axes, setups[setup].name, pose, approach), *([""] * len(values))])
-    return csv_text(rows)
+    empty = [""] * len(values)
+    rows = [[*_at(axes, each.setup, each.pose, each.approach), *empty] for each in places.listed(setups)]
+    return csv_text([[*_head(axes), *values], *rows])
 
 
 def filled_sheet(axes: Sequence[Axis], readings: Sequence[Reading]) -> str:

@@ -5,8 +5,9 @@ A learnt type in words: the errors that machines share, their sizes, and when th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import repeat
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,10 +17,10 @@ from axiscal.campaign.campaign import Campaign
 from axiscal.description.campaign import CampaignDescription
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
+from axiscal.estimation.timed import ends_along
 from axiscal.estimation.type_prior import TypePrior
 from axiscal.exceptions import RecordError
 from axiscal.language.stages import staged
-from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
 from axiscal.planning.next_readings import placed
@@ -183,18 +184,6 @@ class VirtualType:
         return simulator.with_coefficients(errors, self._seed * 1000 + number), errors
 
 
-def measured(
-    virtual: VirtualMachine, described: CampaignDescription, places: Sequence[Place], seed: int
-) -> list[Reading]:
-    """Return what is read of a virtual machine at places, one after another, as its zeros wander meanwhile."""
-    rng, found = np.random.default_rng((seed, 6)), list[Reading]()
-    ends = np.cumsum(Case(described).seconds_along(None, places)).tolist()
-    for place, seconds in zip(places, ends, strict=True):
-        value, *others = virtual.read_all(described.setup(place.setup), place.pose, place.approach, rng, seconds)
-        found.append(Reading(place.setup, place.pose, place.approach, value, others=tuple(others), time=seconds))
-    return found
-
-
 def rehearsed(
     described: CampaignDescription,
     imagined: Imagined,
@@ -209,9 +198,11 @@ def rehearsed(
         raise RecordError("This record exists already", "Name another folder, or remove it", there[0])
     virtual, case = VirtualType(described, imagined, seed), Case(replace(described, prior_text="", sisters=None))
     places = placed(case, planned(case))
+    ends = ends_along(case, places)
     for number, file in enumerate(staged("sisters", files, count), start=1):
         machine, _ = virtual.drawn(number)
         with Campaign.create(file, described) as campaign:
-            campaign.adopt(tuple(measured(machine, described, places, seed * 1000 + number)))
+            chance = repeat(np.random.default_rng((seed * 1000 + number, 6)))
+            campaign.adopt(machine.measured(described.setups, places, ends, chance))
             campaign.finish("rehearsed")
     return files

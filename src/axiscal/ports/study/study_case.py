@@ -19,7 +19,6 @@ import numpy as np
 
 from axiscal.answers.answer import number
 from axiscal.campaign.ending import reaches
-from axiscal.campaign.sources.source import Request, SimulatedSource
 from axiscal.description.campaign import CampaignDescription, campaign_from_texts
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.accuracy.expanded import BAND
@@ -28,12 +27,12 @@ from axiscal.estimation.estimate import concluded
 from axiscal.estimation.estimation import Estimation, expanded_uncertainty
 from axiscal.estimation.inheritance import case_of
 from axiscal.estimation.prediction import tcp_prediction
-from axiscal.estimation.timed import elapsed, timed
+from axiscal.estimation.timed import ends_along
 from axiscal.exceptions import AxiscalError
 from axiscal.language.stages import listening
 from axiscal.machine.description import Machine, machine_from_text
-from axiscal.measurement.reading import Place, Reading
-from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine
+from axiscal.measurement.reading import Place
+from axiscal.measurement.simulation import Curve, Simulator, VirtualMachine, by_number
 from axiscal.numerics import Array
 from axiscal.numerics.remembered import Memo
 from axiscal.numerics.threads import one_thread
@@ -93,9 +92,9 @@ def _stated(described: CampaignDescription, variant: Variant) -> CampaignDescrip
 def outcome(question: StudyCase) -> dict[str, Any]:
     """Return the figures of a case, by their columns.  Raises InputError where it cannot be measured."""
     ready = prepared(question.variant)
-    truth = ready.simulator.drawn(_number(question.seed, question.machine))
-    readings = taken(ready.case, truth, ready.places, _number(question.seed, question.machine))
-    known = concluded(ready.case, readings)
+    seed, setups = _number(question.seed, question.machine), ready.case.description.setups
+    truth, ends = ready.simulator.drawn(seed), ends_along(ready.case, ready.places)
+    known = concluded(ready.case, truth.measured(setups, ready.places, ends, by_number(seed)))
     found = _figures(known, truth, question)
     return {figure.column: _rounded(found[name], name) for name, figure in FIGURES.items()}
 
@@ -109,18 +108,6 @@ def _number(seed: int, machine: int) -> int:
     """Return what everything by chance in one machine begins with: the same in every variant."""
     digest = hashlib.sha256(f"{seed} {machine}".encode()).digest()
     return int.from_bytes(digest[:7], "big")
-
-
-def taken(case: Case, truth: VirtualMachine, places: tuple[Place, ...], number: int) -> tuple[Reading, ...]:
-    """Return what a virtual machine shows at places, one after the other; zeros drift with the time of the plan."""
-    source, readings = SimulatedSource(truth, number), tuple[Reading, ...]()
-    axes = case.description.machine.axes
-    for place in places:
-        seconds = elapsed(case, timed(case, readings), [place])
-        setup = case.description.setup(place.setup)
-        answer = source.read(Request(len(readings) + 1, setup, axes, place.pose, place.approach, seconds))
-        readings = *readings, Reading(place.setup, place.pose, place.approach, answer.value, others=answer.others)
-    return readings
 
 
 def _figures(known: Estimation, truth: VirtualMachine, question: StudyCase) -> dict[str, Any]:
