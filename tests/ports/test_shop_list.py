@@ -18,6 +18,7 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import RecordError
 from axiscal.ports.fleet import shop_list as listing
 from axiscal.ports.fleet.shop_list import _found, brought, shop_list
+from axiscal.ports.fleet.sister_records import read_records
 from tests.generators.sisters import read_on, shop, slide, write_record
 
 
@@ -125,6 +126,33 @@ def test_two_that_went_on_differently_are_both_listed_and_named(folder: Path) ->
     assert remarks["A.axiscal"] == "it and other.axiscal went on differently from event 18"
     assert remarks["other.axiscal"] == "it and A.axiscal went on differently from event 18"
     assert remarks["B.axiscal"] == ""
+
+
+def test_whoever_learns_judges_copies_as_the_list_does(tmp_path: Path) -> None:
+    mine = write_record(tmp_path / "mine.axiscal", slide(serial="9"), read_on(6)[:6])
+    for name in ("early", "fork", "same"):
+        (tmp_path / f"{name}.axiscal").write_bytes(mine.read_bytes())
+    with Campaign.open(tmp_path / "fork.axiscal") as campaign:
+        campaign.adopt(tuple(read_on(6)[6:8]))
+    note(mine, "new ball screw X (renewed: X)")
+    listed, (found, left) = shop_list(tmp_path), read_records(tmp_path.glob("*.axiscal"))
+    whys = {each.file: each.left_out for each in left}
+    parted = next(each.remark for each in listed.listed if each.file == mine)
+    assert whys.pop(mine.name) == f"{parted}, and that one has as many readings or more"
+    assert whys == {file.name: why for file, why in listed.left_out}
+    early = "it is an earlier copy of fork.axiscal"
+    assert whys == {"early.axiscal": early, "same.axiscal": "it is the same as early.axiscal"}
+    assert [record.file.name for record in found] == ["fork.axiscal"]
+
+
+def test_of_the_same_readings_the_record_counts_that_holds_more(tmp_path: Path) -> None:
+    """An earlier copy, whose name comes first, does not know of the note."""
+    whole = write_record(tmp_path / "whole.axiscal", slide(serial="9"), read_on(6))
+    (tmp_path / "copy.axiscal").write_bytes(whole.read_bytes())
+    note(whole, "new ball screw X (renewed: X)")
+    found, left = read_records(tmp_path.glob("*.axiscal"))
+    assert [(record.file, record.renewed) for record in found] == [(whole, ("X",))]
+    assert [each.left_out for each in left] == ["it is an earlier copy of whole.axiscal"]
 
 
 def test_a_record_is_brought_goes_on_and_is_never_overwritten_by_less(folder: Path, tmp_path: Path) -> None:

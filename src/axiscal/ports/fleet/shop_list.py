@@ -12,10 +12,10 @@ import hashlib
 import json
 import os
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 from axiscal.campaign.possible import described, versions
 from axiscal.document.durable import clear_drafts, write_whole
@@ -25,7 +25,7 @@ from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import AxiscalError, RecordError, UnreachableError
 from axiscal.language.spoken import speaking
 from axiscal.language.stages import staged
-from axiscal.ports.fleet.sister_records import why_not
+from axiscal.ports.fleet.sister_records import Copy, beside_others, why_not
 from axiscal.present.guide.progress import goals_text
 from axiscal.record.copies import opened_log, records_of
 from axiscal.record.events import Recorded
@@ -101,7 +101,7 @@ def shop_list(shop: Path) -> ShopList:
     before, why_apart, listed = kept_answers(), "", list[ShopRecord]()
     answers = {**before}
     for record in staged("records", records, len(records)):
-        why, remark = _beside_others(record, records)
+        why, remark = beside_others(record, records)
         if why:
             left.append((record.file, why))
             continue
@@ -123,59 +123,18 @@ def shop_list(shop: Path) -> ShopList:
     return ShopList(tuple(listed), tuple(left), dict(sorted(kinds.items())), why_apart)
 
 
-class _Looked(NamedTuple):
-    """A record of the shop as it stands.
-
-    campaign : which one it is of; chains, kinds : the hash behind each of its events, and of what kind each is
-    """
-
-    file: Path
-    campaign: str
-    chains: tuple[str, ...]
-    kinds: tuple[str, ...]
-
-    @property
-    def chain(self) -> str:
-        """The name of all that it holds."""
-        return self.chains[-1]
-
-    def holds(self, other: Sequence[str]) -> bool:
-        """Return whether it has all events of a log.  other : the hash behind each of these"""
-        return shared_events(self.chains, other) == len(other)
-
-
-def _looked_at(shop: Path) -> tuple[list[_Looked], list[tuple[Path, str]]]:
+def _looked_at(shop: Path) -> tuple[list[Copy], list[tuple[Path, str]]]:
     """Return the records of a folder or store, and of those that cannot be read why."""
-    found, left = list[_Looked](), list[tuple[Path, str]]()
+    found, left = list[Copy](), list[tuple[Path, str]]()
     for file in records_of(shop):
         try:
             with opened_log(file, write=False) as record:
-                texts = record.texts()
+                found.append(Copy.from_texts(file, record.texts()))
         except UnreachableError:
             raise
         except (RecordError, OSError) as fault:
-            left.append((file, fault.what if isinstance(fault, RecordError) else fault.strerror or str(fault)))
-            continue
-        chains, kinds = (tuple(each) for each in zip(*((text.chain, text.row.kind) for text in texts), strict=True))
-        found.append(_Looked(file, campaign_of(texts[0]), chains, kinds))
+            left.append((file, why_not(fault)))
     return found, left
-
-
-def _beside_others(record: _Looked, records: Sequence[_Looked]) -> tuple[str, str]:
-    """Return why a record does not count beside the others of its campaign, and what is to be minded where it does."""
-    remark = ""
-    for other in records:
-        if other.file == record.file or other.campaign != record.campaign:
-            continue
-        if other.chain == record.chain:
-            if other.file.name < record.file.name:
-                return f"it is the same as {other.file.name}", ""
-        elif other.holds(record.chains):
-            return f"it is an earlier copy of {other.file.name}", ""
-        elif not record.holds(other.chains):
-            parted = shared_events(record.chains, other.chains) + 1
-            remark = f"it and {other.file.name} went on differently from event {parted}"
-    return "", remark
 
 
 def _found(file: Path) -> Known:

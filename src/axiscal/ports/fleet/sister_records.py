@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,7 +28,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.numerics import Array
 from axiscal.record.copies import opened_log
 from axiscal.record.events import Recorded
-from axiscal.record.log import campaign_of, shared_events
+from axiscal.record.log import ChainedText, campaign_of, shared_events
 from axiscal.record.payload import encode
 from axiscal.units import format_quantity
 
@@ -39,22 +40,72 @@ _TRAVEL = 0.01
 """Share by which travels may differ in one type: what is rounded in a description, and no other size."""
 
 
+class Copy(NamedTuple):
+    """A record as it stands, which others of its campaign may stand beside.
+
+    campaign : which one it is of; chains, kinds : the hash behind each of its events, and of what kind each is
+    """
+
+    file: Path
+    campaign: str
+    chains: tuple[str, ...]
+    kinds: tuple[str, ...]
+
+    @classmethod
+    def from_texts(cls, file: Path, texts: Sequence[ChainedText]) -> Copy:
+        """Return a record of events as they were written."""
+        chains, kinds = (tuple(each) for each in zip(*((text.chain, text.row.kind) for text in texts), strict=True))
+        return cls(file, campaign_of(texts[0]), chains, kinds)
+
+    @property
+    def chain(self) -> str:
+        """The name of all that it holds."""
+        return self.chains[-1]
+
+    def holds(self, other: Sequence[str]) -> bool:
+        """Return whether it has all events of a log.  other : the hash behind each of these"""
+        return shared_events(self.chains, other) == len(other)
+
+    def parted(self, other: Copy) -> str:
+        """Return from where on it and another one of its campaign hold different events."""
+        event = shared_events(self.chains, other.chains) + 1
+        return f"it and {other.file.name} went on differently from event {event}"
+
+
+def beside_others(record: Copy, records: Iterable[Copy]) -> tuple[str, str]:
+    """Return why a record does not count beside the others of its campaign, and what is to be minded where it does."""
+    remark = ""
+    for other in records:
+        if other.file == record.file or other.campaign != record.campaign:
+            continue
+        if other.chain == record.chain:
+            if other.file.name < record.file.name:
+                return f"it is the same as {other.file.name}", ""
+        elif other.holds(record.chains):
+            return f"it is an earlier copy of {other.file.name}", ""
+        elif not record.holds(other.chains):
+            remark = record.parted(other)
+    return "", remark
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class MachineRecord:
     """A record as it was read.
 
     digest : of its machine and readings; begun : ISO 8601, UTC; renewed : axes that a note after its last reading names
-    campaign : which one it is of; chains : the hash behind each of its events
     """
 
-    file: Path
+    copy: Copy
     digest: str
     begun: str
     description: CampaignDescription
     readings: tuple[Reading, ...]
     renewed: tuple[str, ...] = ()
-    campaign: str = ""
-    chains: tuple[str, ...] = ()
+
+    @property
+    def file(self) -> Path:
+        """Where it is."""
+        return self.copy.file
 
     @property
     def serial(self) -> str:
@@ -69,50 +120,37 @@ class MachineRecord:
 def read_records(files: Iterable[Path]) -> tuple[list[MachineRecord], list[SisterRecord]]:
     """Return the records that can be read and have readings, and of the others why they are left out.
 
-    Digests give the order, whatever the order of the files. The same reading of a machine counts once. The record
-    with most readings counts if several are of one campaign.
+    Digests give the order, whatever the order of the files. Copies are judged as in the list of a shop. The same
+    readings of a machine count once. The record with most readings counts if several of one campaign went on.
     Raises UnreachableError where the server of records goes away: nobody knows then what it holds.
     """
-    found, left = dict[str, MachineRecord](), list[SisterRecord]()
+    read, left = list[MachineRecord](), list[SisterRecord]()
     for file in sorted({file.resolve(): file for file in files}.values(), key=lambda file: file.name):
         try:
-            record = _read(file)
+            read.append(_read(file))
         except UnreachableError:
             raise
-        except InputError as fault:
-            left.append(SisterRecord(file.name, "", 0, fault.what))
-            continue
-        except OSError as fault:
-            left.append(
-                SisterRecord(file.name, "", 0, said("it cannot be read: {reason}", reason=fault.strerror or fault))
-            )
-            continue
-        if record.digest in found:
-            left.append(record.as_sister(said("it is the same as {other}", other=found[record.digest].file.name)))
-        else:
-            found[record.digest] = record
-    whys = _of_one_campaign([found[digest] for digest in sorted(found)])
-    left += [found[digest].as_sister(why) for digest, why in whys.items()]
-    return [found[digest] for digest in sorted(found) if digest not in whys], left
+        except (InputError, OSError) as fault:
+            left.append(SisterRecord(file.name, "", 0, why_not(fault)))
+    whys = _beside_each_other(read)
+    left += [record.as_sister(whys[record.file]) for record in read if record.file in whys]
+    counted = (record for record in read if record.file not in whys)
+    return sorted(counted, key=lambda record: record.digest), left
 
 
-def _of_one_campaign(records: Sequence[MachineRecord]) -> dict[str, str]:
-    """Return why records do not count beside another of the same campaign, by their digests."""
-    whole = dict[str, MachineRecord]()
+def _beside_each_other(records: Sequence[MachineRecord]) -> dict[Path, str]:
+    """Return why records do not count beside others, by their files."""
+    whys, seen, most = dict[Path, str](), dict[str, MachineRecord](), dict[str, MachineRecord]()
     for record in records:
-        if record.campaign not in whole or len(record.readings) > len(whole[record.campaign].readings):
-            whole[record.campaign] = record
-    whys = dict[str, str]()
-    for record in records:
-        other = whole[record.campaign]
-        shared = shared_events(record.chains, other.chains)
-        if other is record:
-            continue
-        if shared == len(record.chains):
-            whys[record.digest] = f"it is an earlier copy of {other.file.name}"
-        else:
-            parted = f"it and {other.file.name} went on differently from event {shared + 1}"
-            whys[record.digest] = f"{parted}, and that one has as many readings or more"
+        why, _ = beside_others(record.copy, [each.copy for each in records])
+        if not why and seen.setdefault(record.digest, record) is not record:
+            why = said("it is the same as {other}", other=seen[record.digest].file.name)
+        if why:
+            whys[record.file] = why
+    for record in sorted(seen.values(), key=lambda record: (-len(record.readings), record.digest)):
+        if (other := most.setdefault(record.copy.campaign, record)) is not record:
+            parted = record.copy.parted(other.copy)
+            whys[record.file] = f"{parted}, and that one has as many readings or more"
     return whys
 
 
@@ -125,9 +163,8 @@ def _read(file: Path) -> MachineRecord:
     text = json.dumps([description.machine.text, read])
     digest = hashlib.sha256(text.encode()).hexdigest()
     later = [note.text for note in state.notes if note.after >= len(state.readings)]
-    chains = tuple(text.chain for text in texts)
-    which = file, digest, texts[0].row.at, description, state.readings
-    return MachineRecord(*which, renewed_axes(later), campaign_of(texts[0]), chains)
+    which = Copy.from_texts(file, texts), digest, texts[0].row.at
+    return MachineRecord(*which, description, state.readings, renewed_axes(later))
 
 
 def renewed_axes(notes: Iterable[str]) -> tuple[str, ...]:
@@ -206,8 +243,10 @@ def equations_of(
     return seen, equations
 
 
-def why_not(fault: AxiscalError) -> str:
+def why_not(fault: AxiscalError | OSError) -> str:
     """Return in words why a record does not count."""
+    if isinstance(fault, OSError):
+        return said("it cannot be read: {reason}", reason=fault.strerror or fault)
     return fault.what if isinstance(fault, InputError) else str(fault)
 
 
