@@ -24,7 +24,7 @@ from axiscal.measurement.reading import Reading
 from axiscal.planning.enough import FEW
 from axiscal.planning.promise import WantedAccuracy, asked
 from axiscal.record.events import State
-from axiscal.units import to_unit
+from axiscal.units import format_quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +122,7 @@ def _said(target: Target, known: Estimation) -> str | None:
         return None
     if first is not None or not volume:
         return f"{', '.join(row.row.name for row in missing)} {_BEYOND}"
-    floor, left = (f"{to_unit(size, 'um'):.3g} um" for size in (spent[0].wanted.floor, spent[0].now))
+    floor, left = (format_quantity(size, "um", 3) for size in (spent[0].wanted.floor, spent[0].now))
     name = spent[0].wanted.name
     return f"{name} target cannot be reached: endless readings would leave {floor}, these leave {left}"
 

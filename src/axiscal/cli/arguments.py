@@ -82,6 +82,12 @@ Log = Annotated[
 Programs = Annotated[
     Path, typer.Option("--programs", metavar="DIR", help="With --log: the folder of these programs and their lists.")
 ]
+Template = Annotated[
+    Path | None, typer.Option("--template", metavar="FILE", help="A file saved by your control (heidenhain, fanuc).")
+]
+PlacesFile = Annotated[
+    Path | None, typer.Option("--plan", metavar="FILE.csv", help="Write the places as a file to fill in.")
+]
 Anyway = Annotated[
     bool, typer.Option("--anyway", help="Write U and tables although the readings contradict each other, and say so.")
 ]

@@ -206,7 +206,4 @@ def reproduce(out: Folder = None, json: Json = False) -> None:
         write_whole(page, paper_page.render(experiment).encode())
         write_whole(out / "reproduce.json", f"{json_text.dumps(numbers, indent=2, allow_nan=False)}\n".encode())
         tell(f"The figures are in {page}.")
-    if json:
-        say_document(numbers)
-    else:
-        say(paper_page.table(experiment))
+    say_either(json, stack.SCHEMA, numbers, [paper_page.table(experiment)])

@@ -12,7 +12,7 @@ import typer
 from axiscal.answers.answer_words import ending, wrapped
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
-from axiscal.cli.arguments import Anyway, Json, RecordFile
+from axiscal.cli.arguments import Anyway, Json, RecordFile, Template
 from axiscal.cli.printing import say, say_document
 from axiscal.document.file import bounded_content
 from axiscal.document.ports import ours
@@ -40,9 +40,7 @@ def export(
     out: Annotated[
         Path, typer.Option("--out", "-o", metavar="DIR", help="Folder for the files and their README.txt.")
     ] = Path("tables"),
-    template: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="A file saved by your control (heidenhain, fanuc).")
-    ] = None,
+    template: Template = None,
     spacing: Annotated[
         list[str] | None,
         typer.Option(

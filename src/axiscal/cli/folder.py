@@ -9,8 +9,9 @@ from typing import Annotated
 
 import typer
 
+from axiscal.answers.answer_words import ending
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import Json, RecordFile, Records, above_zero
+from axiscal.cli.arguments import Json, PlacesFile, RecordFile, Records, above_zero
 from axiscal.cli.printing import complain, say_either, tell
 from axiscal.cli.texts import count_text, micrometres
 from axiscal.description.placed_readings import placed_readings
@@ -248,9 +249,7 @@ def check(
         Path | None, typer.Argument(metavar="READINGS.csv", help="The check readings; without it, where to take them.")
     ] = None,
     readings: Annotated[int, typer.Option(metavar="N", help="So many readings.", min=2, max=200)] = READINGS,
-    plan: Annotated[
-        Path | None, typer.Option(metavar="FILE.csv", help="Write the places as a file to fill in.")
-    ] = None,
+    plan: PlacesFile = None,
     kept: Annotated[
         float | None,
         typer.Option(
@@ -312,8 +311,8 @@ def _planned(asked: QuickCheck, record: Path, readings: int, plan: Path | None, 
     lines = told = sheet.splitlines()
     if plan is not None:
         write_whole(plan, sheet.encode())
-        again = f"{said('Next')}  axiscal shop check {quote(str(record))} {quote(str(plan))}"
-        told = [f"{len(places)} places are in {plan}: fill in the values.", again]
+        again = f"axiscal shop check {quote(str(record))} {quote(str(plan))}"
+        told = [f"{len(places)} places are in {plan}: fill in the values.", *ending({said("Next"): [again]})]
     say_either(as_json, "axiscal-check/1", {"places": lines, "readings": len(places)}, told)
 
 

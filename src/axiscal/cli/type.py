@@ -21,7 +21,7 @@ from axiscal.planning.plan.plan import Plan
 from axiscal.ports.fleet.rehearsal import ErrorLine, Imagined, error_lines, rehearsed, summary_sentences
 from axiscal.ports.fleet.type_learning import DIRECTIONS, DOUBT, learnt_type, saving
 from axiscal.record.copies import carried_text, gathered
-from axiscal.units import to_unit
+from axiscal.units import format_quantity, to_unit
 
 _LARGEST = 100.0
 """Nobody's tolerances are wrong by more."""
@@ -136,7 +136,7 @@ def _show(prior: TypePrior, saved: Sequence[str], written: Path | None, as_json:
 
 def _error_text(line: ErrorLine) -> str:
     unit = "urad" if line.angular else "um"
-    std = [f"{to_unit(each, unit):.3g} {unit}" for each in (line.stated, line.known)]
+    std = [format_quantity(each, unit, 3) for each in (line.stated, line.known)]
     share = f"{line.share:.0%} ± {line.share_std:.0%}"
     return f"{line.name:14} {std[0]:>12} {std[1]:>12} {line.factor:>13.2f} {share:>12}"
 

@@ -14,7 +14,7 @@ from axiscal.answers.answer_of_campaign import advised_control
 from axiscal.answers.answer_words import WIDTH, digits, ending
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Source
-from axiscal.cli.arguments import Details, Json, RecordFile
+from axiscal.cli.arguments import Details, Json, PlacesFile, RecordFile, Template
 from axiscal.cli.export import template_text
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.document.durable import write_whole
@@ -55,9 +55,7 @@ def verify(
             help="The control whose tables are loaded, as in `axiscal export`; default: whose tables leave the least.",
         ),
     ] = None,
-    template: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="As of `axiscal export` (heidenhain, fanuc).")
-    ] = None,
+    template: Template = None,
     points: Annotated[
         int | None,
         typer.Option(
@@ -66,7 +64,7 @@ def verify(
             help=f"Places to check; default: what the tables need, {USUAL} or more where so many are new.",
         ),
     ] = None,
-    plan: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Where to write the list of places.")] = None,
+    plan: PlacesFile = None,
     source: Annotated[
         str | None,
         typer.Option(

@@ -213,14 +213,11 @@ def plan_lines(rows: Sequence[dict[str, object]], unread: Sequence[str], again: 
         places = counted("{count} place", "{count} places", len(mine))
         words = '"{setup}": {places}, predicted up to {found} um as found, {left} um as left'
         lines.append(said(words, setup=setup, places=places, found=digits(found), left=digits(left)))
+    missing, same = (listed(", ", [quoted(name) for name in names]) for names in (unread, again))
     if unread:
-        lines.append(said("Not checked, for want of new places: {setups}.", setups=_quoted(unread)))
+        lines.append(said("Not checked, for want of new places: {setups}.", setups=missing))
     words = "Read again at the same places, for want of new ones: {setups}. This tells whether the tables work."
-    return [*lines, said(words, setups=_quoted(again))] if again else lines
-
-
-def _quoted(names: Sequence[str]) -> str:
-    return listed(", ", list(map(quoted, names)))
+    return [*lines, said(words, setups=same)] if again else lines
 
 
 def _figures(values: Array) -> float | list[float]:

@@ -34,7 +34,7 @@ from axiscal.present.delivery import write_files
 from axiscal.python.measured_case import Case, DrawnLine, NotebookPicture, Quantity, curves_picture, html_table, si
 from axiscal.tables import registry
 from axiscal.tables.exporter import ExportOptions
-from axiscal.units import to_unit
+from axiscal.units import format_quantity, to_unit
 
 _DEGREE = 6
 """N and D of a reading's gain are squares of cubics between two knots (B&H eq. 23)."""
@@ -133,7 +133,7 @@ class Curve:
 
     def __repr__(self) -> str:
         low, high = (to_unit(float(end), self.position_unit) for end in self.spline.knots[[0, -1]])
-        size = f"known to {to_unit(self.rms, self.unit):.3g} {self.unit}"
+        size = f"known to {format_quantity(self.rms, self.unit, 3)}"
         return f"<Curve {self.name}: from {low:g} to {high:g} {self.position_unit}, {size}>"
 
 
@@ -229,13 +229,13 @@ class Estimated(Mapping[str, Curve]):
         return self.estimation.case.errors.names[name]
 
     def __repr__(self) -> str:
-        count = len(self.estimation.readings)
-        return f"<{self.machine.name} after {count} readings: {len(self)} errors, {to_unit(self.rms, 'um'):.3g} um RMS>"
+        count, known = len(self.estimation.readings), format_quantity(self.rms, "um", 3)
+        return f"<{self.machine.name} after {count} readings: {len(self)} errors, {known} RMS>"
 
     def _repr_html_(self) -> str:
         rows = []
         for name in self:
             curve = self[name]
             before = float(np.sqrt(np.mean(np.diag(self._function(name).covariance)) + curve.rest**2))
-            rows.append([name, *(f"{to_unit(size, curve.unit):.3g} {curve.unit}" for size in (before, curve.rms))])
+            rows.append([name, *(format_quantity(size, curve.unit, 3) for size in (before, curve.rms))])
         return html_table(["error", "stated std", "known to (RMS)"], rows, repr(self).strip("<>"))

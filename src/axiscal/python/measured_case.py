@@ -31,7 +31,7 @@ from axiscal.planning.proposal import Proposal, Thoroughness, proposed
 from axiscal.present.drawing.svg_picture import Figure, alone, axis_style, band, layout, picture
 from axiscal.present.plan_answer import PlanAnswer, plan_answer
 from axiscal.present.plan_words import bound_sentence
-from axiscal.units import Dimension, from_unit, parse_quantity, to_unit
+from axiscal.units import Dimension, format_quantity, from_unit, parse_quantity, to_unit
 
 
 def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> str:
@@ -202,7 +202,7 @@ class PlanResult:
         return len(self.proposal.plan.readings)
 
     def __repr__(self) -> str:
-        said = f"{to_unit(self.rms, 'um'):.3g} um after {self.minutes:.1f} min"
+        said = f"{format_quantity(self.rms, 'um', 3)} after {self.minutes:.1f} min"
         return f"<plan of {len(self)} readings: {said}. {bound_sentence(self.answer)}>"
 
     def _repr_html_(self) -> str:

@@ -247,12 +247,9 @@ class Desk:
         self._refuse_overtaken(after)
         asked = self.campaign.next(beyond=True)
         self._show()
-        ended = (
-            said("Nothing more to ask: {because}.", because=because_text(asked.because))
-            if isinstance(asked, Ended)
-            else ""
-        )
-        return ended or said("One more.")
+        if isinstance(asked, Ended):
+            return said("Nothing more to ask: {because}.", because=because_text(asked.because))
+        return said("One more.")
 
     def finish(self, after: int) -> str:
         """End the campaign and write its results into the folder beside the record."""
