@@ -214,14 +214,13 @@ def at_zero(model: ErrorModel, mean: Array) -> Array:
 
 
 def _values(model: ErrorModel, mean: Array, poses: Array, approaches: Array) -> Array:
-    """Return what every error of one axis is at poses, (functions, m), a reversal by its side."""
+    """Return what every error of one axis is at poses, (functions, m), a reversal by its side, as the component has it."""
     found, reached = [], poses.copy()
     for k, axis in enumerate(model.machine.axes):
         if not axis.cyclic:
+            fade = from_unit(FADE_DEG, "deg") if axis.rotary else from_unit(FADE_MM, "mm")
             inside = np.clip(poses[:, k], *axis.travel)
-            reached[:, k] = inside + _faded(
-                poses[:, k] - inside, from_unit(*((FADE_DEG, "deg") if axis.rotary else (FADE_MM, "mm")))
-            )
+            reached[:, k] = inside + _faded(poses[:, k] - inside, fade)
     for function in model.functions:
         value = function.rows(reached[:, function.axis]) @ mean[function.columns]
         found.append(value * (0.5 * approaches[:, function.axis]) if function.kind == "reversal" else value)
