@@ -214,7 +214,7 @@ def at_zero(model: ErrorModel, mean: Array) -> Array:
 
 
 def _values(model: ErrorModel, mean: Array, poses: Array, approaches: Array) -> Array:
-    """Return what every error of one axis is at poses, (functions, m), a reversal by its side, as the component has it."""
+    """Return what every error of one axis is at poses, as the component has it, (functions, m); reversals by side."""
     found, reached = [], poses.copy()
     for k, axis in enumerate(model.machine.axes):
         if not axis.cyclic:
