@@ -18,7 +18,7 @@ from axiscal.machine import load_machine
 from axiscal.machine.kinematics import frames
 from axiscal.measurement.simulation import Simulator, VirtualMachine
 from axiscal.numerics import Array
-from tests.generators.texts import setup_text
+from tests.generators.texts import machine_text, setup_text
 
 SETUPS = setup_text("laser", "interferometer", direction="x", moves=["X"], park={"Y": "200 mm", "Z": "150 mm"})
 MILL = "three-axis-mill"
@@ -159,3 +159,18 @@ def test_an_accuracy_along_a_direction_in_which_no_error_counts_is_refused() -> 
     refuse_unmade(Case(campaign_from_texts(text, "campaign.toml", load_machine(MILL).text, MILL)))
     with pytest.raises(DescriptionError, match="volume is wanted, and no error of one-axis makes it"):
         refuse_unmade(Case(campaign_from_texts(text, "campaign.toml", load_machine("one-axis").text, "one-axis")))
+
+
+@pytest.mark.parametrize("wanted", ["", 'wants = ["straightness X in Y"]'])
+def test_a_straightness_is_told_in_a_direction_along_which_no_axis_moves(wanted: str) -> None:
+    """A lathe has no Y, and a bed alone has neither Y nor Z."""
+    machine = machine_text("w-b-X-t", {"X": (0, 400)}, {"EXX EYX": "10 um"})
+    dial = setup_text("dial", "straightedge", direction="y", moves=["X"], reach={"X": ["20 mm", "380 mm"]})
+    described = campaign_from_texts(f'machine = "m"\n[target]\nreadings = 6\n{wanted}\n{dial}', "c.toml", machine, "m")
+    straight = asked_rows(described, ())[0]
+    assert straight.want.row.name == "straightness X in Y"
+    truth = Simulator(described.machine, described.setups).drawn(3)
+    across = _along(truth, straight.lines[0])[:, 1]
+    at = straight.lines[0].poses[:, 0]
+    residual = across - np.polyval(np.polyfit(at, across, 1), at)
+    np.testing.assert_allclose(_found(straight, truth), residual, atol=1e-12)

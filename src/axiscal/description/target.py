@@ -83,7 +83,7 @@ def _rows_of(axes: Sequence[Axis]) -> Iterator[RowName]:
     for kind in kinds:
         yield from (RowName(kind, (axis.name,)) for axis in axes)
     for axis in linear:
-        others = [name for name in square if letter_direction(name) != letter_direction(axis.letter)]
+        others = [name for name in _LETTERS if letter_direction(name) != letter_direction(axis.letter)]
         yield from (RowName("straightness", (axis.name, other)) for other in others)
     for kind in ANGLES:
         yield from (RowName(kind, (axis.name,)) for axis in linear)

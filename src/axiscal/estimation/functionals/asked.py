@@ -89,13 +89,12 @@ def _asked(want: Want, description: CampaignDescription, lines: dict[RowName, Ax
     row, machine = want.row, description.machine
     if row.kind == "volume":
         return AskedRow(want)
-    axes = [machine.axis(name) for name in row.axes]
     if row.kind == "squareness":
         names = [row.axes, row.axes[::-1]]
-        ways = [letter_direction(axis.letter) for axis in reversed(axes)]
+        ways = [letter_direction(machine.axis(name).letter) for name in reversed(row.axes)]
         chosen = [_line(description, lines, RowName("straightness", (one, other))) for one, other in names]
     else:
-        ways = [] if row.kind in ABOUT else [direction_of(row.kind, axes[0], *row.axes[1:])]
+        ways = [] if row.kind in ABOUT else [direction_of(row.kind, machine.axis(row.axes[0]), *row.axes[1:])]
         chosen = [_line(description, lines, row)]
     return AskedRow(want, tuple(chosen), functional(row.kind, chosen, machine, ways))
 
