@@ -11,7 +11,7 @@ import typer
 from axiscal.answers.answer_words import ending
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json, OwnRecord, RecordFile
-from axiscal.cli.printing import say_either
+from axiscal.cli.printing import say, say_document, say_either
 from axiscal.cli.progress import tell_out_of_reach, tell_unasked
 from axiscal.cli.texts import next_text, opened_to_write, question_document
 from axiscal.estimation.agreement_words import (
@@ -107,7 +107,10 @@ def next_reading(
 
     with opened_to_write(record) as campaign:
         asked = campaign.next(beyond=beyond)
-        say_either(json, "axiscal-next/1", question_document(campaign, asked), [next_text(campaign, asked)])
+        if json:
+            say_document(question_document(campaign, asked))
+        else:
+            say(next_text(campaign, asked))
 
 
 def undo(record: OwnRecord, json: Json = False) -> None:
