@@ -29,7 +29,7 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(65_014, 50_000),
+    "lines of src": Budget(65_016, 50_000),
     "files of src": Budget(335, 335),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(32, 15),

@@ -115,10 +115,12 @@ def verify(
         raise typer.BadParameter(
             said("--plan and --source are for new readings, --found and --left for readings taken")
         )
-    options = None if template is None else ExportOptions(template=template_text(template), template_name=str(template))
+    options = ExportOptions()
+    if template is not None:
+        options = ExportOptions(template=template_text(template), template_name=str(template))
     with Campaign.open(record, write=False) as campaign:
         control = registry.named(to or advised_control(campaign))
-        registry.refuse_untaken(control, () if options is None else options.given)
+        registry.refuse_untaken(control, options.given)
         check = Check.from_campaign(campaign, control, options)
     again = f"axiscal verify {shlex.quote(str(record))} --to {check.tables.controller}"
     again += "" if template is None else f" --template {shlex.quote(str(template))}"

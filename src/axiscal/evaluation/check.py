@@ -168,14 +168,11 @@ class Check:
     tables: Export
 
     @classmethod
-    def from_campaign(cls, campaign: Campaign, controller: str, template: ExportOptions | None = None) -> Check:
-        """Return the check of a campaign; raises InputError for a controller that its tables cannot be made for.
-
-        template : holds the control's own file, for those that need one
-        """
+    def from_campaign(cls, campaign: Campaign, controller: str, options: ExportOptions | None = None) -> Check:
+        """Return the check of a campaign; raises InputError for a controller that its tables cannot be made for."""
         estimation = campaign.estimate(ended=True)
         estimate = estimation.estimate()
-        tables = registry.export(estimate, controller, template or ExportOptions())
+        tables = registry.export(estimate, controller, options or ExportOptions())
         return cls(campaign.description, estimation, tuple(campaign.state.readings), estimate, tables)
 
     @property

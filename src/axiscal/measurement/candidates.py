@@ -193,10 +193,10 @@ def _sides_count(machine: Machine, setup: Setup, chart: Chart) -> NDArray[np.boo
     shown = [k for k in reverses if machine.axes[k].rotary or setup.sides_follow]
     middle = np.array([[(each.low + each.high) / 2 for each in chart.coordinates]])
     result = np.zeros(middle.size, dtype=bool)
-    for number, (*_, overrun, _, _) in enumerate(chart.coordinates):
-        aside = middle + np.eye(middle.size)[number] * (overrun or 1.0)
+    for number, each in enumerate(chart.coordinates):
+        aside = middle + np.eye(middle.size)[number] * (each.overrun or 1.0)
         moved = np.abs(chart.poses(aside) - chart.poses(middle))[0]
-        result[number] = overrun > 0 and bool(np.any(moved[shown] > 0))
+        result[number] = each.overrun > 0 and bool(np.any(moved[shown] > 0))
     return result
 
 

@@ -104,17 +104,20 @@ def known_row(asked: AskedRow, case: Case, belief: Belief, read: bool) -> KnownR
 def refuse_unmade(case: Case) -> None:
     """Raise DescriptionError where a row is wanted that no error of the machine makes.  case : as described"""
     described, target = case.description, case.description.target
-    corners = np.array(target.volume).T
     for asked in asked_rows(described, ()):
-        whole = asked.map is None
-        if not (target.wants or (whole and target.accurate)):
-            continue
-        rows = case.errors.rows(corners, np.ones_like(corners))[:, list(target.counted)]
-        size = np.abs(rows @ case.prior.factor[: case.errors.size]).max() if whole else without_readings(asked, case)
-        if size <= _NOUGHT:
+        wanted = target.wants or (asked.map is None and target.accurate)
+        if wanted and (_off_at_corners(case) if asked.map is None else without_readings(asked, case)) <= _NOUGHT:
             what = "{row} is wanted, and no error of {machine} makes it"
-            remedy, machine = "Describe that error there, or want something else", described.machine_source
+            remedy, machine = "Describe that error there, or ask for something else", described.machine_source
             raise DescriptionError(what, remedy, described.source, row=asked.want.row.name, machine=machine)
+
+
+def _off_at_corners(case: Case) -> float:
+    """Return the most that one unknown moves the tool point at two corners of the volume, along what counts, m."""
+    target, factor = case.description.target, case.prior.factor[: case.errors.size]
+    corners = np.array(target.volume).T
+    rows = case.errors.rows(corners, np.ones_like(corners))[:, list(target.counted)]
+    return float(np.abs(rows @ factor).max())
 
 
 def without_readings(asked: AskedRow, case: Case) -> float:
