@@ -233,6 +233,8 @@ class Cut(Connection):
         super().__init__(words)
 
     def _send(self, message: object) -> None:
+        if self.how == "silent" and self.left <= 0:
+            return  # no more signs of life
         super()._send(message)
         if not (isinstance(message, dict) and message.get("do") in ("line", "status", "probe")):
             return
@@ -242,7 +244,6 @@ class Cut(Connection):
             if self.how == "interrupt":
                 raise KeyboardInterrupt
             if self.how == "silent":
-                self._closed = True  # no more signs of life
                 return
             assert self._process.stdin is not None
             self._process.stdin.close()
@@ -299,8 +300,9 @@ def test_overrides_are_turned_and_probing_heeds_offsets(bench: Bench) -> None:
 
 def test_a_line_that_says_nothing_more_stops_the_machine(bench: Bench, tmp_path: Path) -> None:
     agent = tmp_path / "agent.py"
-    agent.write_text(agent.read_text().replace("SILENCE = 5.0", "SILENCE = 1.0"))
-    line = Cut(bench.words(), 1, "silent")
+    agent.write_text(agent.read_text().replace("SILENCE = 5.0", "SILENCE = 2.0"))
+    line = Cut(bench.words(), 2, "silent")
+    line.line("G53 G1 Z170 F600")  # 3 s, with signs of life
     with pytest.raises(SourceError, match="was cut"):
         line.line("G53 G1 Z-100 F600")
     assert bench.stands()
