@@ -19,6 +19,7 @@ from axiscal.planning.proposal import Thoroughness, proposed
 from tests.generators.kinematics import in_travel, tip
 
 STATION = np.array([0.9, -0.9, 0.3])
+TWO_PLACES = 'choose_from = [["900 mm", "-900 mm", "300 mm"], ["0 mm", "-900 mm", "300 mm"]]'
 
 
 def described(keys: str, instrument: str = "tracker") -> CampaignDescription:
@@ -29,6 +30,20 @@ name = "it"
 instrument = "{instrument}"
 station = ["900 mm", "-900 mm", "300 mm"]
 approach = "both"
+{keys}
+"""
+    return campaign_from_texts(text, "campaign.toml", load_machine("dmu60").text, "dmu60")
+
+
+def without_station(keys: str, instrument: str) -> CampaignDescription:
+    text = f"""
+machine = "dmu60"
+[[artefacts]]
+name = "ball"
+balls = {{ one = ["0 mm", "0 mm", "0 mm"] }}
+[[setups]]
+name = "it"
+instrument = "{instrument}"
 {keys}
 """
     return campaign_from_texts(text, "campaign.toml", load_machine("dmu60").text, "dmu60")
@@ -85,9 +100,44 @@ def test_a_reflector_that_does_not_turn_is_seen_within_sixty_degrees_unless_said
         ('faces = "z"\nsight = "0 deg"', "tracker", "above 0"),
         ('direction = "x"\nmoves = ["X"]\nfaces = "z"', "interferometer", "belongs to a tracker or tracer"),
         ('direction = "x"\nmoves = ["X"]\nrange = ["1 m", "2 m"]', "indicator", "belongs to a tracker or tracer"),
+        (TWO_PLACES, "tracer", "said twice where it stands"),
     ],
 )
 def test_what_cannot_be_is_refused_at_its_line(keys: str, instrument: str, said: str) -> None:
     with pytest.raises(DescriptionError, match=said) as refused:
         described(keys, instrument)
     assert "line " in str(refused.value)
+
+
+def test_a_plan_may_choose_from_places_each_of_which_is_a_setup() -> None:
+    campaign = without_station(TWO_PLACES, "tracer")
+    assert [(setup.name, setup.station) for setup in campaign.setups] == [
+        ("it at 900, -900, 300", (0.9, -0.9, 0.3)),
+        ("it at 0, -900, 300", (0.0, -0.9, 0.3)),
+    ]
+    assert list(campaign.particulars.setups) == [setup.name for setup in campaign.setups]
+
+
+def test_an_artefact_at_each_place_stands_there_anew() -> None:
+    at = 'artefact = "ball"\nchoose_from = [["0 mm", "0 mm", "50 mm"], ["100 mm", "0 mm", "50 mm"]]'
+    first, second = without_station(at, "sphere").setups
+    assert first.artefact is not None
+    assert second.artefact is not None
+    assert first.artefact.standing != second.artefact.standing
+    moved = np.subtract(second.artefact.balls[0].place, first.artefact.balls[0].place)
+    np.testing.assert_allclose(moved, [0.1, 0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("keys", "instrument", "said"),
+    [
+        ('choose_from = [["0 mm", "0 mm", "50 mm"]]', "tracer", "two or more different places"),
+        ('choose_from = [["1 m", "0 mm", "0 mm"], ["1 m", "0 mm", "0 mm"]]', "tracker", "two or more different"),
+        ("choose_from = []", "tracer", "two or more different places"),
+        (TWO_PLACES + '\ndirection = "x"\nmoves = ["X"]', "interferometer", "stands at no place that could be chosen"),
+    ],
+)
+def test_what_are_no_places_to_choose_from_is_refused_at_its_line(keys: str, instrument: str, said: str) -> None:
+    with pytest.raises(DescriptionError, match=said) as refused:
+        without_station(keys, instrument)
+    assert "line 9" in str(refused.value)

@@ -7,8 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from axiscal.description.campaign import campaign_from_texts
 from axiscal.estimation.case import Case
 from axiscal.exceptions import PlanError
+from axiscal.machine import load_machine
 from axiscal.measurement.reading import Places
 from axiscal.numerics import Array
 from axiscal.planning.gains.candidate_rows import Pool
@@ -17,11 +19,14 @@ from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.next_readings import posed
 from axiscal.planning.plan.beginnings import best_of_random, evenly_spaced, plain_designs, space_filling
 from axiscal.planning.plan.exchange import exchange
-from axiscal.planning.plan.greedy import Trial, filled
+from axiscal.planning.plan.greedy import Trial, chosen_setups, filled, picked
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task, clock
 from axiscal.present.demo import description
 from tests.generators.designs import levered, problem, read, read_at, splines
+from tests.generators.texts import Said, setup_text
+
+OPEN = {"zero": "100 mm", "station_x": "300 mm", "station_y": "300 mm", "station_z": "300 mm"}
 
 
 def greedy(asked: Task, count: int) -> float:
@@ -234,3 +239,25 @@ def test_the_best_of_random_starts_is_better_than_readings_chosen_at_random() ->
 def test_there_is_no_random_start_where_rows_do_not_add_up_or_work_is_too_little() -> None:
     assert best_of_random(levered(30), [(0, 4), (1, 4)], 1e12) is None
     assert best_of_random(splines(3, 5, 0.1, 100), [(0, 12)], 1e5) is None
+
+
+def test_of_places_where_a_tracer_may_stand_those_are_taken_that_leave_least() -> None:
+    """Each opens four unknowns: of too few, distances do not tell the errors apart; too many take all readings."""
+    places = [[x, y, z] for x in (-500, 900) for y in (-500, 800) for z in (-400, 500)]
+    spots: list[Said] = [[f"{value} mm" for value in place] for place in places]
+    text = 'machine = "three-axis-mill"\n[target]\nreadings = 60\n'
+    text += setup_text("tracer", "tracer", choose_from=spots, unknowns=OPEN)
+    case = Case(campaign_from_texts(text, "campaign.toml", load_machine("three-axis-mill").text, "three-axis-mill"))
+    task, limits = posed(case, case.knowledge, candidates=800), Limits(readings=60)
+    chosen = chosen_setups(task, limits)
+    rng, every = np.random.default_rng(1), range(len(places))
+    others = [tuple(sorted(rng.choice(every, len(chosen), replace=False).tolist())) for _ in range(9)]
+    left, alike = left_by(task, chosen), [left_by(task, setups) for setups in others]
+    assert left < 0.9 * left_by(task, tuple(every))
+    assert left < np.median(alike)
+    assert left < 1.03 * min(alike)
+
+
+def left_by(asked: Task, setups: tuple[int, ...]) -> float:
+    """Return J after sixty picks from some set-ups."""
+    return asked.state.after_readings(picked(asked, Limits(readings=60), setups)).value

@@ -24,7 +24,7 @@ from axiscal.description.campaign_schema import (
     SetupTable,
     SistersTable,
 )
-from axiscal.description.setups import Surroundings, read_setups
+from axiscal.description.setups import Surroundings, at_each_place, read_setups
 from axiscal.description.stated_type_b import refers_to_20
 from axiscal.description.target import Target, coordinate, read_target
 from axiscal.description.usual import usual_machine
@@ -67,7 +67,8 @@ def read_particulars(table: CampaignTable, machine: Machine) -> Particulars:
     """Return who measured with what."""
     built = tomllib.loads(machine.text)
     of_machine = {key: str(built.get(key, "")) for key in ("maker", "serial")}
-    setups, artefacts = _equipment(table.setups), _equipment(table.artefacts)
+    mounted = [each for one in table.setups for each in at_each_place(one)]
+    setups, artefacts = _equipment(mounted), _equipment(table.artefacts)
     return Particulars(**table.report.model_dump(), **of_machine, setups=setups, artefacts=artefacts)
 
 

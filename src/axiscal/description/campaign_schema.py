@@ -223,6 +223,7 @@ class SetupTable(Table):
     base: Base | None = Field(None, examples=['"100 mm"'])
     station: Spot | None = Field(None, examples=['["0 mm", "0 mm", "-300 mm"]'])
     stations: list[Spot] | None = Field(None, examples=['[["0 mm", "0 mm", "0 mm"], […]]'])
+    choose_from: list[Spot] | None = Field(None, examples=['[["0 mm", "0 mm", "0 mm"], […]]'])
     moves: list[str] | None = Field(None, examples=['["X"]'])
     park: dict[str, QuantityText] = Field(default={}, examples=['{ Y = "250 mm" }'])
     noise: QuantityText | None = Field(None, examples=['"0.3 um"'])

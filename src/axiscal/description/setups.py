@@ -30,7 +30,7 @@ from axiscal.measurement.instruments.displacement import SQUARE
 from axiscal.measurement.instruments.distance import of_each
 from axiscal.measurement.instruments.kind import TOOL, Rotation
 from axiscal.measurement.setup import FINEST, Setup, Unknown, Vector
-from axiscal.units import EXAMPLES, format_quantity, parse_quantity
+from axiscal.units import EXAMPLES, format_quantity, parse_quantity, to_unit
 
 _SHORTEST_REACH = 4.0
 """A reach is longer than so many overruns."""
@@ -67,11 +67,39 @@ def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, 
     faults, setups = Faults(), list[Setup]()
     for number, table in enumerate(tables):
         with faults.noted():
-            setups.append(_Reader(table, around, number).setup())
+            _refuse_choice(table, partial(document.placed, "setups", number))
+            setups += [_Reader(each, around, number).setup() for each in at_each_place(table)]
     with faults.noted():
         _refuse_same_name(setups, document)
     faults.refuse()
     return tuple(setups)
+
+
+def at_each_place(table: SetupTable) -> list[SetupTable]:
+    """Return a set-up at each place from which a plan may choose, called by it, in mm; itself without a choice."""
+    if table.choose_from is None:
+        return [table]
+    key, tables = "station" if table.artefact is None else "at", list[SetupTable]()
+    for number, place in enumerate(table.choose_from):
+        where = ", ".join(f"{to_unit(value, 'mm'):g}" for value in place)
+        name = f"{table.name} at {where}"
+        tables.append(table.model_copy(update={"name": name, key: place, "mounted": table.mounted + number}))
+    return tables
+
+
+def _refuse_choice(table: SetupTable, at: At) -> None:
+    """Raise DescriptionError where a plan may choose from places that are none."""
+    if table.choose_from is None:
+        return
+    with at("choose_from"):
+        if table.artefact is None and table.instrument not in ("tracker", "tracer", "ballbar"):
+            what = "a {instrument} stands at no place that could be chosen"
+            raise DescriptionError(what, "Write a set-up for each way to mount it", instrument=table.instrument)
+        if any(said is not None for said in (table.station, table.stations, table.at)):
+            what = "it is said twice where it stands"
+            raise DescriptionError(what, "Keep choose_from, or station, stations or at")
+        if len(set(table.choose_from)) < max(len(table.choose_from), 2):
+            raise DescriptionError("these are not two or more different places", "Name each place once")
 
 
 def _refuse_same_name(setups: Sequence[Setup], document: Document) -> None:

@@ -287,7 +287,7 @@ def stations_of(table: SetupTable, usual: Instrument) -> tuple[Vector, ...]:
         remedy = 'Write instrument = "tracer", or a set-up for each of the others'
         raise DescriptionError(what, remedy, instrument=usual.name)
     if table.station is not None:
-        what = "it is said twice where it stands, by station and by stations"
+        what = "it is said twice where it stands"
         raise DescriptionError(what, "Keep station for one tracer, stations for those that read at once")
     if not 2 <= len(said) <= MOST:
         what = (

@@ -104,14 +104,11 @@ class Scores:
         """The gain of every candidate, (M,)."""
         return _gains(self.above[:, :, : len(self.pool)], self.below[:, :, : len(self.pool)])
 
-    def enter(self, what: int | Places, bundle: int = 1) -> float:
-        """Take a candidate, or a reading at another single place, into the plan, and return by how much J falls.
-
-        bundle : how often it is read
-        """
+    def enter(self, what: int | Places) -> float:
+        """Take a candidate, or a reading at another single place, into the plan, and return by how much J falls."""
         place, rows, variance = self._read(what)
         self.places = Places.joined([self.places, place])
-        return self._taken(np.array([len(self.places) - 1]), rows, _all_of_one(rows), np.array([variance / bundle]))
+        return self._taken(np.array([len(self.places) - 1]), rows, _all_of_one(rows), np.array([variance]))
 
     def exchange(self, slot: int, what: int | Places) -> float:
         """Put a candidate, or a reading at another single place, where another stands; return by how much J falls."""

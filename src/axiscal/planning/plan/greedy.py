@@ -13,13 +13,15 @@ from axiscal.measurement.reading import Places
 from axiscal.numerics.remembered import remembered
 from axiscal.numerics.ties import ALIKE, first_best
 from axiscal.planning.gains.candidate_rows import Pool
-from axiscal.planning.gains.covariance import LowRank, RunningAccuracy
+from axiscal.planning.gains.covariance import LowRank, RunningAccuracy, informed
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Clock, Limits, Task, clock
 
-_COARSE = 500
-_PICKS = 50
+_COARSE, _EACH = 500, 100
+"""Candidates among which sets of set-ups are compared, of all of them and of each: of time."""
 _TRIED = 150
+_WORTH = 1e-3
+"""Share of J that a set-up more must bring, or it is mounted for nothing."""
 _EVERY_SUBSET = 4
 """Sets of up to so many set-ups are all tried; beyond it they would be hundreds."""
 _MOST = 1000
@@ -55,9 +57,10 @@ class Trial:
 
 @remembered
 def chosen_setups(task: Task, limits: Limits) -> Setups:
-    """Return the set-ups that are worth their mounting.
+    """Return the set-ups that are worth their mounting, by picks from a coarse lattice.
 
-    All sets of up to four set-ups are tried on a coarse lattice; with more, sets grow and shrink by one while it helps.
+    For an accuracy all sets of up to four set-ups are tried; with more, sets grow and shrink by one while it helps.
+    For so many readings or so much time one set of each size is tried, see `_growing`.
     """
     everything = tuple(int(s) for s in np.unique(task.lattice.setups))
     if len(everything) == 1:
@@ -67,12 +70,13 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
 
     def key(setups: Setups) -> tuple[float, float]:
         nonlocal longest
-        bundle = _bundle(limits, times, setups)
-        trial = filled(base.among(setups), meter, limits, times, setups, bundle, _TRIED, longest)
+        trial = filled(base.among(setups), meter, limits, times, setups, _TRIED, longest)
         if trial.met and limits.accurate:
             longest = min(longest, trial.seconds)
         return trial.key(limits)
 
+    if not limits.accurate:
+        return _of_best_size(_growing(base, _parts(task, everything), limits, times), key)
     # all of them first: what takes longer than they do to reach the accuracy is given up at once
     values = {everything: key(everything)}
     if len(everything) > _EVERY_SUBSET:
@@ -97,7 +101,8 @@ def within_reach(task: Task, limits: Limits) -> bool:
 
 def _coarse(task: Task) -> tuple[Scores, RunningAccuracy]:
     """Return the gains of a thinned lattice, and the accuracy before any reading."""
-    lattice = task.lattice.within(np.arange(0, len(task.lattice), max(1, len(task.lattice) // _COARSE)))
+    most = max(_COARSE, _EACH * len(np.unique(task.lattice.setups)))
+    lattice = task.lattice.within(np.arange(0, len(task.lattice), max(1, len(task.lattice) // most)))
     scores = Scores(Pool(task.observation, lattice, task.memory), task.state)
     return scores, RunningAccuracy.from_factor(task.yardstick, scores.state.factor)
 
@@ -107,6 +112,41 @@ def _parts(task: Task, everything: Setups) -> list[Setups]:
     own = {setup: set(task.observation.unknowns_of(setup).tolist()) for setup in everything}
     linked = {tuple(other for other in everything if own[setup] & own[other]) for setup in everything}
     return sorted({(setup,) for setup in everything} | linked - {()})
+
+
+def _growing(base: Scores, parts: Sequence[Setups], limits: Limits, times: Clock) -> list[Setups]:
+    """Return sets that grow part by part: by the one with which readings leave least that are dealt out evenly."""
+    state, lattice = base.state, base.pool.lattice
+    every = {setup: np.flatnonzero(lattice.setups == setup) for setup in np.unique(lattice.setups).tolist()}
+
+    def left(setups: Setups) -> float:
+        shares = np.array_split(np.arange(_most_readings(limits, times, setups)), len(setups))
+        dealt = [
+            _evenly(every[setup], len(share), turn / len(setups))
+            for turn, (setup, share) in enumerate(zip(setups, shares, strict=True))
+        ]
+        rows, _ = state.whitened(lattice.within(np.concatenate(dealt)))
+        return float(np.sum(informed(state.weighted, rows) ** 2))
+
+    sets: list[Setups] = [()]
+    while more := [tuple(sorted({*sets[-1], *part})) for part in parts if not {*part} <= {*sets[-1]}]:
+        sets.append(min(more, key=left))
+    return sets[1:]
+
+
+def _evenly(candidates: NDArray[np.intp], count: int, shift: float) -> NDArray[np.intp]:
+    """Return so many candidates of a set-up; those of other shifts stand elsewhere.  shift : share of their distance"""
+    return candidates[((np.arange(count) + shift) * len(candidates) / max(count, 1)).astype(np.intp)]
+
+
+def _of_best_size(sets: Sequence[Setups], key: Callable[[Setups], tuple[float, float]]) -> Setups:
+    """Return the best of sets that grow: every next one is better up to it, and hardly better behind it."""
+    low, high = 0, len(sets) - 1
+    while low < high:
+        middle = (low + high) // 2
+        worth = key(sets[middle + 1])[1] < (1 - _WORTH) * key(sets[middle])[1]
+        low, high = (middle + 1, high) if worth else (low, middle)
+    return sets[low]
 
 
 def _grown(parts: Sequence[Setups], key: Callable[[Setups], tuple[float, float]]) -> Setups:
@@ -122,18 +162,13 @@ def _grown(parts: Sequence[Setups], key: Callable[[Setups], tuple[float, float]]
         best, value = step, tried[step]
 
 
-def _bundle(limits: Limits, times: Clock, setups: Setups) -> int:
-    """Return how many readings to take for one, so that a set of set-ups is judged by a few dozen picks.
-
-    It is one for a target accuracy: single readings decide which set-ups reach it first.
-    """
-    if limits.accurate:
-        return 1
-    most = limits.readings or _MOST
-    if limits.budget is not None:
-        left = limits.budget - float(times.mounting[list(setups)].sum())
-        most = min(most, int(max(left, 0.0) / float(times.reading[list(setups)].min())))
-    return 1 + most // _PICKS
+def _most_readings(limits: Limits, times: Clock, setups: Setups) -> int:
+    """Return how many readings there may be, as many as are tried at most."""
+    most = min(limits.readings or _TRIED, _TRIED)
+    if limits.budget is None:
+        return most
+    left = limits.budget - float(times.mounting[list(setups)].sum())
+    return min(most, int(max(left, 0.0) / float(times.reading[list(setups)].min())))
 
 
 def filled(
@@ -142,26 +177,24 @@ def filled(
     limits: Limits,
     times: Clock,
     setups: Setups,
-    bundle: int = 1,
     most: int = _MOST,
     longest: float = np.inf,
     begun: float | None = None,
 ) -> Trial:
     """Take the candidate with the most gain (per second, where time counts) until a limit is reached.
 
-    bundle : readings that are taken together as one with so much less noise
     most, longest : picks and seconds after which to give up an accuracy; with a longest, once it is out of reach
     begun : seconds of the readings that are there already; None where the plan begins, by opening its set-ups
     """
     of, readings = scores.pool.lattice.setups, limits.readings or _MOST
     spent = float(times.mounting[list(setups)].sum()) if begun is None else begun
-    cost, allowed = bundle * times.reading[of], np.isin(of, setups)
-    scores, opened = openings(scores, setups, readings, bundle) if begun is None else (scores, [])
+    cost, allowed = times.reading[of], np.isin(of, setups)
+    scores, opened = openings(scores, setups, readings) if begun is None else (scores, [])
     for index, change in opened:
         meter, spent = meter.after(change) if limits.accurate else meter, spent + float(cost[index])
     start, missed = scores.state.value, [limits.missed(meter.accuracy)]
     picks = 0
-    while not (met := missed[-1] <= 0) and bundle * len(scores.places) < readings:
+    while not (met := missed[-1] <= 0) and len(scores.places) < readings:
         picks += 1
         left = min(most - picks + 1, readings - len(scores.places))
         if picks > most or spent > longest or (longest < np.inf and _hopeless(missed, left)):
@@ -171,7 +204,7 @@ def filled(
             break
         rate = np.where(open_to, scores.gains / (cost if limits.timed else 1.0), -np.inf)
         best = first_best(rate, ALIKE)
-        gain = scores.enter(best, bundle=bundle)
+        gain = scores.enter(best)
         meter, spent = meter.after(scores.last) if limits.accurate else meter, spent + float(cost[best])
         missed.append(limits.missed(meter.accuracy))
         if gain < _STALLED * start and limits.readings is None and limits.budget is None:
@@ -208,14 +241,12 @@ def affordable(times: Clock, setups: Setups, slack: float) -> Callable[[Scores, 
     return allowed
 
 
-def openings(
-    scores: Scores, setups: Sequence[int], readings: int, bundle: int = 1
-) -> tuple[Scores, list[tuple[int, LowRank]]]:
+def openings(scores: Scores, setups: Sequence[int], readings: int) -> tuple[Scores, list[tuple[int, LowRank]]]:
     """Return the gains after readings that make known what set-ups leave open of themselves, and their changes.
 
     The first reading of a set-up tells little but its zero, the next one on a square how that lies turned: no gain
     would ever open them. One unknown alone is opened by any reading.
-    readings : so many there may be at most; where more are needed there are none; bundle : how often each is read
+    readings : so many there may be at most; where more are needed there are none
     """
     columns = np.unique(np.concatenate([scores.state.observation.unknowns_of(setup) for setup in setups]))
     if len(columns) < 2:
@@ -228,5 +259,5 @@ def openings(
             return ahead, found
         if len(found) == readings:
             return scores, []
-        ahead.enter(best, bundle)
+        ahead.enter(best)
         found.append((best, ahead.last))

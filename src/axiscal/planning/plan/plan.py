@@ -101,7 +101,7 @@ def _needed(task: Task, limits: Limits, times: Clock, base: Scores, places: Plac
     scores = _begun(base.among(here), limits, times, here, places.within(mine)).scores
     meter = RunningAccuracy.from_factor(task.yardstick, scores.state.factor)
     spent, longest = (seconds_along(task, in_order(task, each)) for each in (places.within(mine), places))
-    alone = filled(scores, meter, replace(limits, budget=None), times, here, 1, _MOST, longest, begun=spent)
+    alone = filled(scores, meter, replace(limits, budget=None), times, here, _MOST, longest, begun=spent)
     return scores.places if alone.met else places
 
 
@@ -136,7 +136,7 @@ def _filled(task: Task, limits: Limits, times: Clock, trial: Trial, others: NDAr
         mounted = float((times.mounting + times.reading)[others].max())
         most, longest = _MOST, max(mounted, _FAR * float(times.reading[list(trial.setups)].min()))
     meter = RunningAccuracy.from_factor(task.yardstick, trial.scores.state.factor)
-    return filled(trial.scores, meter, replace(limits, budget=None), times, trial.setups, 1, most, longest, begun=0.0)
+    return filled(trial.scores, meter, replace(limits, budget=None), times, trial.setups, most, longest, begun=0.0)
 
 
 _RANDOM = 0.2
