@@ -28,6 +28,7 @@ from axiscal.numerics import Array
 from axiscal.numerics.cubic import CyclicSpline, NaturalSpline, quadrature, spacing_limit
 from axiscal.numerics.exact_step import gain_forms, maximise_along
 from axiscal.planning.step.best_step import best_step
+from tests.generators.splines import bending, power_maps
 
 KNOTS = np.array([0.0, 0.7, 1.9, 2.4, 4.0, 4.3, 6.0])
 H = np.diff(KNOTS)
@@ -60,16 +61,14 @@ def machine() -> Machine:
 
 def natural() -> tuple[Array, Array, Array, Array]:
     """Return a, b, c, d of the natural spline through CONTROL; c with its last entry, which is zero."""
-    spline = NaturalSpline(KNOTS)
-    c = np.append(spline.curvature_matrix @ CONTROL, 0.0)
-    return CONTROL, spline.slope_matrix @ CONTROL, c, spline.cubic_matrix @ CONTROL
+    b, c, d = (matrix @ CONTROL for matrix in power_maps(NaturalSpline(KNOTS)))
+    return CONTROL, b, np.append(c, 0.0), d
 
 
 def cyclic() -> tuple[Array, Array, Array, Array]:
     """Return a, b, c, d of the cyclic spline through TURN; a and c with their last entry, which is the first."""
-    spline = CyclicSpline(KNOTS)
-    c = spline.curvature_matrix @ TURN[:-1]
-    return TURN, spline.slope_matrix @ TURN[:-1], np.append(c, c[0]), spline.cubic_matrix @ TURN[:-1]
+    b, c, d = (matrix @ TURN[:-1] for matrix in power_maps(CyclicSpline(KNOTS)))
+    return TURN, b, np.append(c, c[0]), d
 
 
 def random_covariance(size: int, seed: int = 1) -> Array:
@@ -189,7 +188,7 @@ def test_coefficients_are_linear_maps_of_the_control_values(
     spline = kind(KNOTS)
     units = np.eye(spline.size) if end == "natural" else np.vstack([np.eye(6), np.eye(6)[:1]])
     d, c, b, _ = CubicSpline(KNOTS, units, bc_type=end).c
-    for found, expected in ((spline.slope_matrix, b), (spline.curvature_matrix, c), (spline.cubic_matrix, d)):
+    for found, expected in zip(power_maps(spline), (b, c, d), strict=True):
         np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
@@ -215,7 +214,7 @@ def test_a_beam_pinned_at_the_control_points_bends_as_the_spline() -> None:
     spline = NaturalSpline(KNOTS)
     rotations, energy = beam(KNOTS)
     np.testing.assert_allclose(spline.rows(KNOTS, 1), rotations, atol=1e-12)
-    np.testing.assert_allclose(spline.curvature(), energy, rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(bending(spline), energy, rtol=1e-11, atol=1e-11)
 
 
 def test_the_widest_spacing_is_that_of_a_spline_between_both_borders() -> None:
@@ -240,12 +239,11 @@ def test_control_values_are_gaussian() -> None:
     assert stats.kstest(distance, stats.chi2(7).cdf).pvalue > 1e-3
 
 
-@pytest.mark.parametrize("name", ["slope_matrix", "curvature_matrix", "cubic_matrix"])
-def test_covariances_of_the_coefficients(name: str) -> None:
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_covariances_of_the_coefficients(order: int) -> None:
     """B&H eq. 17: C_b = M1 C M1ᵀ and so on; every column of a root of C sent through scipy's spline."""
-    covariance, row = random_covariance(7), {"slope_matrix": 2, "curvature_matrix": 1, "cubic_matrix": 0}[name]
-    sent = CubicSpline(KNOTS, np.linalg.cholesky(covariance), bc_type="natural").c[row]
-    matrix: Array = getattr(NaturalSpline(KNOTS), name)
+    covariance, matrix = random_covariance(7), power_maps(NaturalSpline(KNOTS))[order - 1]
+    sent = CubicSpline(KNOTS, np.linalg.cholesky(covariance), bc_type="natural").c[3 - order]
     np.testing.assert_allclose(matrix @ covariance @ matrix.T, sent @ sent.T, atol=1e-10)
     found = Belief(CONTROL, covariance).predict(matrix)
     np.testing.assert_allclose(found.std**2, np.sum(sent**2, axis=1), atol=1e-10)
@@ -257,8 +255,7 @@ def test_estimate_and_variance_along_the_spline() -> None:
     t = np.linspace(0, 6, 50, endpoint=False)
     i = np.searchsorted(KNOTS, t, side="right") - 1
     u = (t - KNOTS[i])[:, None]
-    maps = spline.slope_matrix, spline.curvature_matrix, spline.cubic_matrix
-    m = np.eye(7)[i] + sum(matrix[i] * u ** (k + 1) for k, matrix in enumerate(maps))
+    m = np.eye(7)[i] + sum(matrix[i] * u**k for k, matrix in enumerate(power_maps(spline), start=1))
     found = Belief(CONTROL, covariance).predict(spline.rows(t))
     np.testing.assert_allclose(found.mean, m @ CONTROL, atol=1e-12)
     np.testing.assert_allclose(found.std**2, np.diag(m @ covariance @ m.T), atol=1e-12)
@@ -395,7 +392,7 @@ def test_the_best_configuration_of_all_joints() -> None:
 def forward_recurrence(control: Array) -> Array:
     """Return c on even knots of spacing 1 by B&H eq. 5 as a recipe: from c_1 and the right c_2 onwards."""
     c = np.zeros(len(control))
-    c[1] = (NaturalSpline(np.arange(float(len(control)))).curvature_matrix @ control)[1]
+    c[1] = (power_maps(NaturalSpline(np.arange(float(len(control)))))[1] @ control)[1]
     for i in range(2, len(control)):
         c[i] = -c[i - 2] - 4 * c[i - 1] + 3 * (control[i] - 2 * control[i - 1] + control[i - 2])
     return c
@@ -404,7 +401,7 @@ def forward_recurrence(control: Array) -> Array:
 def test_the_recurrence_as_a_recipe_multiplies_rounding_errors() -> None:
     """B&H eq. 5 as printed: computed onwards, an error grows by 2 + √3 at every knot, 10²² over 40 of them."""
     control = np.random.default_rng(8).normal(size=41)
-    right = np.append(NaturalSpline(np.arange(41.0)).curvature_matrix @ control, 0.0)
+    right = np.append(power_maps(NaturalSpline(np.arange(41.0)))[1] @ control, 0.0)
     wrong = np.abs(forward_recurrence(control) - right)
     assert wrong[40] > 1e3
     assert (wrong[30:] / wrong[29:-1]) == pytest.approx(2 + np.sqrt(3), rel=1e-6)

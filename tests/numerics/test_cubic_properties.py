@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from axiscal.numerics import Array
 from axiscal.numerics.cubic import CyclicSpline, NaturalSpline, even_knots, quadrature
+from tests.generators.splines import bending
 
 Kind = type[NaturalSpline | CyclicSpline]
 kinds: st.SearchStrategy[Kind] = st.sampled_from([NaturalSpline, CyclicSpline])
@@ -96,28 +97,27 @@ def test_cyclic_spline_does_not_care_where_the_turn_begins(knots: Array, shift: 
 
 
 @given(kinds, uneven())
-def test_moments_equal_their_quadrature(kind: Kind, knots: Array) -> None:
+def test_the_gram_equals_its_quadrature(kind: Kind, knots: Array) -> None:
     spline = kind(knots)
     node, weight = quadrature(spline)
-    for order, moment in ((0, spline.gram()), (2, spline.curvature())):
-        rows = spline.rows(node, order)
-        twin = rows.T @ (weight[:, None] * rows)
-        scale = np.sqrt(np.diag(twin))
-        np.testing.assert_allclose(moment, twin, atol=1e-11 * float(scale.max()) ** 2)
-        assert (np.abs(moment - twin) <= 1e-7 * np.outer(scale, scale)).all()
+    rows, gram = spline.rows(node), spline.gram()
+    twin = rows.T @ (weight[:, None] * rows)
+    scale = np.sqrt(np.diag(twin))
+    np.testing.assert_allclose(gram, twin, atol=1e-11 * float(scale.max()) ** 2)
+    assert (np.abs(gram - twin) <= 1e-7 * np.outer(scale, scale)).all()
 
 
 @given(kinds, uneven())
-def test_moments_are_symmetric_and_positive(kind: Kind, knots: Array) -> None:
+def test_the_gram_is_symmetric_and_positive(kind: Kind, knots: Array) -> None:
     spline = kind(knots)
-    for moment in (spline.gram(), spline.curvature()):
-        np.testing.assert_array_equal(moment, moment.T)
-        assert np.linalg.eigvalsh(moment).min() >= -1e-14 * spline.size * np.abs(moment).max()
+    gram = spline.gram()
+    np.testing.assert_array_equal(gram, gram.T)
+    assert np.linalg.eigvalsh(gram).min() >= -1e-14 * spline.size * np.abs(gram).max()
 
 
 @given(uneven())
 def test_straight_lines_do_not_bend(knots: Array) -> None:
-    energy = NaturalSpline(knots).curvature()
+    energy = bending(NaturalSpline(knots))
     for line in (np.ones_like(knots), (knots - knots[0]) / (knots[-1] - knots[0])):
         np.testing.assert_allclose(energy @ line, 0.0, atol=1e-12 * np.abs(energy).max())
 
@@ -131,9 +131,9 @@ def test_natural_spline_bends_least(knots: Array, seed: int) -> None:
     followed = coarse.rows(fine.knots) @ a
     other = followed.copy()
     other[1::2] += rng.normal(size=len(knots) - 1) * np.abs(followed).max()
-    least = a @ coarse.curvature() @ a
-    assert followed @ fine.curvature() @ followed == pytest.approx(least, rel=1e-6)
-    assert other @ fine.curvature() @ other >= least * (1 - 1e-9)
+    least = a @ bending(coarse) @ a
+    assert followed @ bending(fine) @ followed == pytest.approx(least, rel=1e-6)
+    assert other @ bending(fine) @ other >= least * (1 - 1e-9)
 
 
 def worst_error(spline: NaturalSpline | CyclicSpline, where: Array) -> float:

@@ -28,6 +28,7 @@ from axiscal.tables.sampling import axis_tables, closest, cross_tables, own_tabl
 from axiscal.tables.surface import Effect, effect_of_control, table_control
 from axiscal.tables.table import CompensationTable, Hats
 from axiscal.tables.volumetric import curves, tip_control
+from tests.generators.splines import power_maps
 from tests.generators.texts import Std, machine_text
 from tests.tables.test_refusals import THREE, read_of
 
@@ -211,15 +212,7 @@ def _largest(
     spline: NaturalSpline, control: Array, points: Array, values: Array, low: float, high: float
 ) -> mpmath.mpf:
     i = min(int(np.searchsorted(spline.knots, (low + high) / 2)) - 1, len(spline.knots) - 2)
-    a, b, c, d = (
-        mpmath.mpf(float(x))
-        for x in (
-            control[i],
-            spline.slope_matrix[i] @ control,
-            spline.curvature_matrix[i] @ control,
-            spline.cubic_matrix[i] @ control,
-        )
-    )
+    a, b, c, d = (mpmath.mpf(float(x)) for x in (control[i], *(matrix[i] @ control for matrix in power_maps(spline))))
     ends = [mpmath.mpf(float(np.interp(x, points, values))) for x in (low, high)]
     start, width = mpmath.mpf(float(low)), mpmath.mpf(float(high)) - mpmath.mpf(float(low))
     knot = mpmath.mpf(float(spline.knots[i]))

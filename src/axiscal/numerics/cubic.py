@@ -26,7 +26,6 @@ _BENDS = np.array([[8 / 105, 31 / 420], [31 / 420, 8 / 105]])
 _SHAPES_GRAM = np.block([[_VALUES, _MIXED], [_MIXED, _BENDS]])
 """∫ f fᵀ dB over [0, 1] of the four shapes f = (A, B, A³ - A, B³ - B)."""
 _SHAPES_ROOT = np.linalg.cholesky(_SHAPES_GRAM).T
-_LINES_ROOT = np.linalg.cholesky(_VALUES).T
 
 
 class Spline(Protocol):
@@ -49,9 +48,6 @@ class Spline(Protocol):
 
     def gram(self) -> Array:
         """Return ∫ m mᵀ dt over the knots, (size, size)."""
-
-    def curvature(self) -> Array:
-        """Return K with ∫ S''² dt = aᵀ K a, (size, size)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,32 +72,15 @@ class _Cubic:
         return int(self.second.shape[1])
 
     @property
-    def slope_matrix(self) -> Array:
-        """M1 of B&H eq. 11, shape (n - 1, size): slopes b at the left ends of the intervals (B&H eq. 4, 8).
-
-        With control values of covariance C theirs is M1 C M1ᵀ (B&H eq. 17).
-        """
-        h = np.diff(self.knots)[:, None]
-        return self._steps() / h - h / 6 * (2 * self.second[:-1] + self.second[1:])
-
-    @property
     def control_positions(self) -> Array:
         """Positions of the control values, (size,)."""
         return self.knots[: self.size]
 
-    @property
-    def curvature_matrix(self) -> Array:
-        """M2 of B&H eq. 11, shape (n - 1, size): halved second derivatives c (B&H eq. 5, 9; covariance B&H eq. 17)."""
-        return self.second[:-1] / 2
-
-    @property
-    def cubic_matrix(self) -> Array:
-        """M3 of B&H eq. 11, shape (n - 1, size): cubic coefficients d (B&H eq. 6, 10; covariance B&H eq. 17)."""
-        return np.diff(self.second, axis=0) / (6 * np.diff(self.knots)[:, None])
-
     def rows(self, t: ArrayLike, derivative: int = 0) -> Array:
         """Return m(t)ᵀ of B&H eq. 18-19, the value of B&H eq. 2, or its derivative of order 0 to 3.
 
+        At the left ends of the intervals the derivatives are b, 2 c, 6 d: M1, 2 M2, 6 M3 (B&H eq. 4-6, 8-11).
+        With control values of covariance C theirs is M C Mᵀ (B&H eq. 17).
         t : (m,) or scalar, m or rad; at a knot the interval on its right counts
         returns : (m, size)
         raises ShapeError : a position is not finite, or the order is not 0 to 3
@@ -123,12 +102,6 @@ class _Cubic:
         root = (np.sqrt(h)[:, :, None] * (_SHAPES_ROOT @ shapes)).reshape(-1, self.size)
         return root.T @ root
 
-    def curvature(self) -> Array:
-        """Return K with ∫ S''² dt = aᵀ K a, the bending energy that a spline makes least (B&H eq. 12): (size, size)."""
-        lines = np.stack([self.second[:-1], self.second[1:]], axis=1)
-        root = (np.sqrt(np.diff(self.knots))[:, None, None] * (_LINES_ROOT @ lines)).reshape(-1, self.size)
-        return root.T @ root
-
     def _combined(self, i: NDArray[np.intp], weights: tuple[Array, Array, Array, Array]) -> Array:
         """Return the rows that give a_i, a_{i+1}, s_i, s_{i+1} these weights: (m, size)."""
         rows = self.second.take(i, axis=0, mode="clip")  # unchecked copies: indices are within bounds
@@ -145,10 +118,6 @@ class _Cubic:
         """Return the rows of the values at the left and the right end of every interval, each (n - 1, size)."""
         i, eye = np.arange(len(self.knots) - 1), np.eye(self.size)
         return eye[i], eye[(i + 1) % self.size]
-
-    def _steps(self) -> Array:
-        left, right = self._ends()
-        return right - left
 
     def _fewest(self) -> int:
         raise NotImplementedError
@@ -167,6 +136,7 @@ class _Cubic:
 class NaturalSpline(_Cubic):
     """Natural cubic spline, S'' = 0 at both ends (B&H eq. 3-6); a beam bent at its supports (B&H eq. 13-14).
 
+    No curve through its points has less ∫ S''² dt (B&H eq. 12).
     knots : (n,) increasing, n >= 2; m or rad. Two knots make a straight line.
     Beyond its knots it goes on as the straight line that the unloaded beam would be.
     raises KnotError : knots are too few, not finite, not increasing
@@ -254,21 +224,6 @@ class Constant:
         """The start of the stretch, (1,)."""
         return self.knots[:1]
 
-    @property
-    def slope_matrix(self) -> Array:
-        """M1 of B&H eq. 11: zero."""
-        return np.zeros((1, 1))
-
-    @property
-    def curvature_matrix(self) -> Array:
-        """M2 of B&H eq. 11: zero."""
-        return np.zeros((1, 1))
-
-    @property
-    def cubic_matrix(self) -> Array:
-        """M3 of B&H eq. 11: zero."""
-        return np.zeros((1, 1))
-
     def rows(self, t: ArrayLike, derivative: int = 0) -> Array:
         """Return ones, or zeros for a derivative: (m, 1)."""
         return np.full((len(_checked_positions(t, derivative)), 1), 1.0 if derivative == 0 else 0.0)
@@ -276,10 +231,6 @@ class Constant:
     def gram(self) -> Array:
         """Return the length of the stretch, (1, 1), m or rad."""
         return np.array([[self.stop - self.start]])
-
-    def curvature(self) -> Array:
-        """Return zero: a constant does not bend, (1, 1)."""
-        return np.zeros((1, 1))
 
 
 def even_knots(start: float, stop: float, n: int) -> Array:
@@ -299,13 +250,6 @@ def spacing_limit(width: float, curvature: float) -> float:
     if not (0 < width < math.inf and 0 < curvature < math.inf):
         raise ShapeError(f"band width {width!r} and curvature {curvature!r}: both must be positive and finite")
     return math.sqrt(6 * width / curvature)
-
-
-def safer_spacing(wavelength: float) -> float:
-    """Return a quarter of the shortest wavelength, where B&H eq. 15 allows 0.55 of it. Raises ShapeError."""
-    if not 0 < wavelength < math.inf:
-        raise ShapeError(f"wavelength {wavelength!r}: must be positive and finite")
-    return wavelength / 4
 
 
 def quadrature(spline: Spline) -> tuple[Array, Array]:

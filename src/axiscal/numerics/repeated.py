@@ -51,11 +51,7 @@ class Repeated:
 
     def gram(self) -> Array:
         """Return ∫ m mᵀ dt over the stretch, (size, size)."""
-        return _integral(self, 0)
-
-    def curvature(self) -> Array:
-        """Return K with ∫ S''² dt = aᵀ K a over the stretch, (size, size)."""
-        return _integral(self, 2)
+        return _integral(self)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,15 +101,11 @@ class Segments:
 
     def gram(self) -> Array:
         """Return ∫ m mᵀ dt over the stretch, (size, size)."""
-        return _integral(self, 0)
-
-    def curvature(self) -> Array:
-        """Return nothing: between its breaks it is straight, (size, size)."""
-        return np.zeros((self.size, self.size))
+        return _integral(self)
 
 
-def _integral(spline: Repeated | Segments, derivative: int) -> Array:
+def _integral(spline: Repeated | Segments) -> Array:
     nodes, weights = gauss(spline.knots, 5)
-    rows = spline.rows(nodes.ravel(), derivative)
+    rows = spline.rows(nodes.ravel())
     integral: Array = (rows.T * weights.ravel()) @ rows
     return integral
