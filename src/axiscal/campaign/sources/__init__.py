@@ -48,9 +48,7 @@ def open_source(
     if kind == "csv":
         from axiscal.campaign.sources.source import CsvSource
 
-        source = CsvSource(Path(rest))
-        source.pass_over(taken)
-        return source
+        return CsvSource(Path(rest), taken)
     if kind == "exec":
         from axiscal.campaign.sources.exec import TIMEOUT, ExecSource
 

@@ -122,20 +122,25 @@ _SAME = {False: 1e-6, True: math.radians(1e-5)}
 class CsvSource:
     """READINGS.csv, one row for each reading in the order asked; set-ups and places may be left out.
 
-    A row that contradicts the question is refused.  Raises ReadingError for a file that is no such table.
+    A row that contradicts the question is refused.  Raises ReadingError for a file that is no such table, SourceError
+    for one with fewer rows than an earlier run has used.
+    taken : rows that it has used
     """
 
-    def __init__(self, path: Path) -> None:
-        self._file, self._rows, self._next = str(path), read_readings(path, bare=True), 0
+    def __init__(self, path: Path, taken: int) -> None:
+        rows = read_readings(path, bare=True)
+        if taken > len(rows):
+            what = "it has fewer readings than the {count} that the record has taken from it"
+            raise SourceError(what, "Give the file the record was begun with", str(path), count=taken)
+        self._file, self._count, self._rows = str(path), len(rows), iter(rows[taken:])
 
     def read(self, request: Request) -> Answer:
         """Return the next row's values; raises SourceError when there is none or it is of another position."""
-        if self._next == len(self._rows):
+        row = next(self._rows, None)
+        if row is None:
             what = "there are {rows} readings in it, and reading {reading} was asked for"
             remedy = "Add readings, or ask for fewer by the target `readings`"
-            raise SourceError(what, remedy, self._file, rows=len(self._rows), reading=request.reading)
-        row = self._rows[self._next]
-        self._next += 1
+            raise SourceError(what, remedy, self._file, rows=self._count, reading=request.reading)
         if other := _other_place(row, request):
             what = "this row is of {found}, but reading {reading} is asked for at {asked}"
             remedy = "Give the readings in the order asked, or evaluate them as they are with `axiscal data estimate`"
@@ -146,13 +151,6 @@ class CsvSource:
 
     def close(self) -> None:
         """Nothing is held."""
-
-    def pass_over(self, count: int) -> None:
-        """Leave out rows that an earlier run has used; raises SourceError if there are not so many."""
-        if count > len(self._rows):
-            what = "it has fewer readings than the {count} that the record has taken from it"
-            raise SourceError(what, "Give the file the record was begun with", self._file, count=count)
-        self._next = count
 
 
 def _other_place(row: RawReading, request: Request) -> tuple[str, str] | None:

@@ -100,7 +100,8 @@ class Model(Protocol):
         return along(direction, nominal.count)
 
     def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
-        """Return what a unit of one of the set-up's unknowns adds to a reading, (m,)."""
+        """Return what a unit of one of the set-up's unknowns adds to a reading, (m,): as a rule 1, for its zero."""
+        return np.ones(nominal.count)
 
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
@@ -159,10 +160,6 @@ class Rotation(Model):
     values = 1
     directed = True
     unknown_reads: Mapping[str, Reads] = MappingProxyType({"zero": "angle"})
-
-    def unknown_effect(self, setup: Setup, unknown: str, direction: Array, nominal: Nominal) -> Array:
-        """Return 1 for the zero, (m,)."""
-        return np.ones(nominal.count)
 
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
