@@ -167,8 +167,7 @@ def _gain(estimation: Estimation, visits: list[Reading]) -> Array:
     """Return K with posterior mean = K values: C Hᵀ R⁻¹ with the posterior C."""
     rows, variances, _, _ = seen(estimation.knowledge.observation, visits)
     factor = estimation.knowledge.belief.factor
-    gain: Array = factor @ (rows @ factor).T / variances
-    return gain
+    return factor @ (rows @ factor).T / variances
 
 
 def _stacked(visits: list[Reading]) -> tuple[Array, Array]:

@@ -43,8 +43,7 @@ def _rows(data: dict[str, Any], size: int) -> Array:
     """Return the columns that are stated, or the powers of x."""
     if "columns" in data:
         return np.array(data["columns"], dtype=float).T
-    powers: Array = np.array(data["x"], dtype=float)[:, None] ** np.arange(size)
-    return powers
+    return np.array(data["x"], dtype=float)[:, None] ** np.arange(size)
 
 
 def _correct(found: Array, certified: Array) -> float:

@@ -72,14 +72,12 @@ def _random_factor(rng: np.random.Generator, size: int) -> Array:
     if kind == 0:
         return np.diag(std)
     if kind == 1:
-        turned: Array = np.linalg.qr(rng.normal(size=(size, size)))[0] * std
-        return turned
+        return np.linalg.qr(rng.normal(size=(size, size)))[0] * std
     rows = rng.normal(size=(int(rng.integers(1, size + 1)), size)) * std
     _, s, right = np.linalg.svd(rows)
     shrink = np.ones(size)
     shrink[: len(s)] = 1 / np.hypot(1, 10.0 ** rng.uniform(0, 6) * s / s[0])
-    factor: Array = std[:, None] * (right.T * shrink)
-    return factor
+    return std[:, None] * (right.T * shrink)
 
 
 def _random_root(rng: np.random.Generator, spline: NaturalSpline | CyclicSpline) -> Array:

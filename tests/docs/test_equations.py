@@ -74,8 +74,7 @@ def cyclic() -> tuple[Array, Array, Array, Array]:
 def random_covariance(size: int, seed: int = 1) -> Array:
     """Return a covariance without structure."""
     factor = np.random.default_rng(seed).normal(size=(size, size))
-    result: Array = factor @ factor.T / size
-    return result
+    return factor @ factor.T / size
 
 
 def floats(values: NDArray[np.floating]) -> Array:
@@ -86,8 +85,7 @@ def floats(values: NDArray[np.floating]) -> Array:
 def poses(count: int, seed: int = 3) -> Array:
     """Return poses inside the travel of the machine."""
     low, high = np.array([axis.travel for axis in machine().axes]).T
-    drawn: Array = np.random.default_rng(seed).uniform(low, high, (count, 3))
-    return drawn
+    return np.random.default_rng(seed).uniform(low, high, (count, 3))
 
 
 def height(direction: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Setup:

@@ -82,8 +82,7 @@ def test_the_rotary_example_foretells_the_other_half(file: Path | None) -> None:
 def measured(file: Path) -> Array:
     """Return angle (deg) and reading (um) of a spindle at 2.6395 rpm, from columns time (s) and reading."""
     time, reading = np.loadtxt(file, delimiter=",", comments="#", skiprows=3).T
-    table: Array = np.column_stack([360 * time * 2.6395 / 60, reading])
-    return table
+    return np.column_stack([360 * time * 2.6395 / 60, reading])
 
 
 def test_ticks_are_round_and_few() -> None:

@@ -49,8 +49,7 @@ def _record(folder: Path, values: np.ndarray[tuple[int], np.dtype[np.float64]], 
 
 def _curve(size: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     noise = 0.3e-6 * np.random.default_rng(0).standard_normal(len(POSITIONS))
-    result: np.ndarray[tuple[int], np.dtype[np.float64]] = size * np.sin(5 * POSITIONS) + noise
-    return result
+    return size * np.sin(5 * POSITIONS) + noise
 
 
 def test_the_result_of_one_campaign_is_the_prior_of_the_next(tmp_path: Path) -> None:

@@ -82,8 +82,7 @@ def twin_tool(machine: Machine, pose: Array, errors: Matrix) -> Matrix:
     for axis, coordinate, error in reversed(carriages):
         if axis.workpiece_side:
             workpiece = workpiece @ _carriage(axis, -coordinate, error)
-    found: Matrix = np.linalg.inv(workpiece) @ tool @ _shift(np.array([0.0, 0.0, -machine.tool]))
-    return found
+    return np.linalg.inv(workpiece) @ tool @ _shift(np.array([0.0, 0.0, -machine.tool]))
 
 
 def _carriage(axis: Axis, motion: float, error: Matrix) -> Matrix:

@@ -81,8 +81,7 @@ def probe(
 def poses_of(machine: Machine, count: int, seed: int = 0) -> Array:
     """Return poses drawn anywhere in the travels, (count, axes)."""
     low, high = np.array([axis.travel for axis in machine.axes]).T
-    drawn: Array = np.random.default_rng(seed).uniform(low, high, (count, len(low)))
-    return drawn
+    return np.random.default_rng(seed).uniform(low, high, (count, len(low)))
 
 
 def matern(knots: Array, length: float) -> Array:
@@ -95,8 +94,7 @@ def matern(knots: Array, length: float) -> Array:
 def centred(matrix: Array) -> Array:
     """Return P R P."""
     flat = np.eye(len(matrix)) - 1.0 / len(matrix)
-    result: Array = flat @ matrix @ flat
-    return result
+    return flat @ matrix @ flat
 
 
 def dense_rows(first: Spline, second: Spline, x: Array, y: Array) -> Array:

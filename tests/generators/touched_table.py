@@ -117,8 +117,7 @@ def expected(place: dict[str, float], ball: str) -> Array:
         base = tip(at)
         ways = np.array([tip(at | {axis: at[axis] + 1.0}) - base for axis in "XYZ"]).T
         at |= dict(zip("XYZ", np.array([at[axis] for axis in "XYZ"]) + np.linalg.solve(ways, away), strict=True))
-    read: Array = 1e3 * (np.array(BALLS[ball]) - tip(at, STATED))
-    return read
+    return 1e3 * (np.array(BALLS[ball]) - tip(at, STATED))
 
 
 def expected_at(campaign: CampaignDescription, place: Place) -> Array:

@@ -140,5 +140,4 @@ class TouchedSpheres:
 def _unit(way: Array, stem: Array) -> Array:
     """Return the unit vector along a way across the stem."""
     across = way - (way @ stem) * stem
-    unit: Array = across / np.linalg.norm(across)
-    return unit
+    return across / np.linalg.norm(across)

@@ -63,8 +63,7 @@ def _by_steps(times: Array) -> Array:
     steps = np.arange(5.0, float(np.max(times)), 10.0)
     rates = RATE**2 * np.exp(-np.abs(steps[:, None] - steps[None, :]) / MEMORY)
     until = 10.0 * (steps[None, :] < times[:, None])
-    covariance: Array = until @ rates @ until.T
-    return covariance
+    return until @ rates @ until.T
 
 
 def test_a_wandering_zero_is_the_integral_of_a_rate_that_forgets_itself() -> None:

@@ -38,8 +38,7 @@ def _described(machine: str, setup: str, head: str = "") -> CampaignDescription:
 
 def _poses(machine: Machine, count: int, seed: int) -> Array:
     low, high = np.clip(np.array([axis.travel for axis in machine.axes]).T, -np.pi, np.pi)
-    poses: Array = np.random.default_rng(seed).uniform(low, high, (count, len(low)))
-    return poses
+    return np.random.default_rng(seed).uniform(low, high, (count, len(low)))
 
 
 @pytest.mark.parametrize("instrument", ["rtest", "tracker", "tracer", "ballbar"])

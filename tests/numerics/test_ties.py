@@ -14,10 +14,7 @@ NOISE = st.integers(0, 2**32 - 1)
 
 
 def _noisy(levels: list[int], seed: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    values: np.ndarray[tuple[int], np.dtype[np.float64]] = np.array(levels) * (
-        1 + 1e-12 * np.random.default_rng(seed).uniform(-1, 1, len(levels))
-    )
-    return values
+    return np.array(levels) * (1 + 1e-12 * np.random.default_rng(seed).uniform(-1, 1, len(levels)))
 
 
 @given(LEVELS, NOISE)

@@ -55,8 +55,7 @@ def case(name: str) -> Case:
 def along(observation: Observation, seed: int) -> Array:
     """Four directions of all unknowns, each as large as its prior: rows along them are of one size."""
     std = np.sqrt(observation.prior_variances())
-    draws: Array = std[:, None] * np.random.default_rng(seed).standard_normal((observation.size, 4))
-    return draws
+    return std[:, None] * np.random.default_rng(seed).standard_normal((observation.size, 4))
 
 
 def lengths(observation: Observation, poses: Array, approaches: Array, reach: Array) -> Array:

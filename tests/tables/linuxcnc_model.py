@@ -84,17 +84,14 @@ class Hal:
             return np.interp(pins.get(f"{name}.in", np.zeros(1)), x, y)
         if kind == "limit2":
             low, high = (self._set(f"{name}.{end}", usual) for end, usual in _LIMITS)
-            limited: Array = np.clip(pins.get(f"{name}.in", np.zeros(1)), low, high)
-            return limited
+            return np.clip(pins.get(f"{name}.in", np.zeros(1)), low, high)
         ins = [pins.get(f"{name}.in{i}", np.full(1, self._set(f"{name}.in{i}"))) for i in (0, 1)]
         if kind == "mux2":
             return np.where(pins.get(f"{name}.sel", np.zeros(1)) != 0, ins[1], ins[0])
         if kind == "mult2":
-            product: Array = ins[0] * ins[1]
-            return product
+            return ins[0] * ins[1]
         gains = [self._set(f"{name}.gain{i}", 1.0) for i in (0, 1)]
-        total: Array = gains[0] * ins[0] + gains[1] * ins[1] + self._set(f"{name}.offset")
-        return total
+        return gains[0] * ins[0] + gains[1] * ins[1] + self._set(f"{name}.offset")
 
     def _set(self, pin: str, usual: float = 0.0) -> float:
         return self.settings.get(pin, usual)

@@ -55,8 +55,7 @@ def plane_of(estimate: Estimate, poses: Array) -> Array:
         without[plane.columns] = 0.0
     others = replace(estimate, belief=Belief(without, 1e-20 * np.eye(len(without))))
     sides = np.zeros_like(poses)
-    along: Array = (estimate.deviation(poses, sides) - others.deviation(poses, sides))[:, 2]
-    return along
+    return (estimate.deviation(poses, sides) - others.deviation(poses, sides))[:, 2]
 
 
 @pytest.mark.parametrize(
@@ -306,8 +305,7 @@ def test_a_part_that_is_off_as_a_whole_is_aligned_and_not_in_error() -> None:
     turn, shift = np.array([2e-5, -1e-5, 3e-5]), np.array([1e-4, 2e-4, -3e-4])
 
     def whole(at: Array, approaches: Array) -> Array:
-        off: Array = shift + np.cross(turn, frames(estimate.machine, at).tcp)
-        return off
+        return shift + np.cross(turn, frames(estimate.machine, at).tcp)
 
     as_box, as_part = (
         effect_of_control(estimate.machine, whole, idle, poses, estimate.box, alignment)

@@ -329,8 +329,7 @@ class PartVolume:
         low, high = np.array(self.turns).reshape(-1, 2).T
         park[:, [axis.rotary for axis in machine.axes]] = low + (high - low) * unit[:, 3:]
         found = tip_at(machine, park, self._points(unit[:, :3]))
-        reachable: Array = found[Room.empty(machine).in_travel(found)][:count]
-        return reachable
+        return found[Room.empty(machine).in_travel(found)][:count]
 
     def _points(self, unit: Array) -> Array:
         low, high = np.array(self.spans).T

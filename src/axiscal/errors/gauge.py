@@ -290,8 +290,7 @@ def unseen_factor(factor: Array, rows: Array, causes: Array | None = None) -> Ar
     right = np.zeros((shown.shape[1], len(factor)))
     right[: factor.shape[1]] = factor.T
     triangle = triangle_over(np.ones(len(right)), shown * np.sqrt(MANY_READINGS / len(rows)))
-    result: Array = solution(triangle.T, right).T
-    return result
+    return solution(triangle.T, right).T
 
 
 def machine_check(machine: Machine) -> tuple[str, ...]:
@@ -387,5 +386,4 @@ def _projection(function: ErrorFunction, degree: int) -> Array:
     points, weights = quadrature(function.basis)
     ends = (function.basis.knots[0], function.basis.knots[-1])
     legendre = np.polynomial.legendre.Legendre.basis(degree, domain=ends)(points)
-    row: Array = (weights * legendre) @ function.basis.rows(points) / (weights @ legendre**2)
-    return row
+    return (weights * legendre) @ function.basis.rows(points) / (weights @ legendre**2)

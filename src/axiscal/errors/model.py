@@ -77,8 +77,7 @@ class ErrorFunction:
 
     def coordinates(self, poses: Array) -> Array:
         """Return the positions of its axis at poses (m, q): (m,)."""
-        result: Array = poses[:, self.axis]
-        return result
+        return poses[:, self.axis]
 
     def rows(self, positions: Array) -> Array:
         """Return m(t)ᵀ at positions of its axis (m,): (m, size)."""

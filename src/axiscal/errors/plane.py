@@ -41,8 +41,7 @@ class Side(NamedTuple):
 
     def rows(self, positions: Array, derivative: int = 0) -> Array:
         """Return F_kᵀ m_k at positions, (m, r)."""
-        result: Array = self.spline.rows(positions, derivative) @ self.basis
-        return result
+        return self.spline.rows(positions, derivative) @ self.basis
 
     def cells(self, positions: Array) -> NDArray[np.int64]:
         """Return the number of the cell at each position (m,)."""
@@ -59,8 +58,7 @@ class Side(NamedTuple):
     def whitened(self, correlation: Array) -> Array:
         """Return the covariance of z with A = F z where A has the centred covariance P R P, (r, r)."""
         inverse = self.basis / self.values
-        result: Array = inverse.T @ correlation @ inverse
-        return result
+        return inverse.T @ correlation @ inverse
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -106,8 +104,7 @@ class PlaneError:
 
     def coordinates(self, poses: Array) -> Array:
         """Return the positions of both axes at poses (m, q): (m, 2)."""
-        result: Array = poses[:, list(self.axes)]
-        return result
+        return poses[:, list(self.axes)]
 
     def rows(self, coordinates: Array) -> Array:
         """Return (F_xᵀ m_x) ⊗ (F_yᵀ m_y), as far as it is kept, at positions of both axes (m, 2): (m, c)."""
@@ -119,8 +116,7 @@ class PlaneError:
         return self._product(*(side.rows(at, derivative=int(own == axis)) for side, own, at in each))
 
     def _product(self, first: Array, second: Array) -> Array:
-        result: Array = first[:, self.pairs[:, 0]] * second[:, self.pairs[:, 1]]
-        return result
+        return first[:, self.pairs[:, 0]] * second[:, self.pairs[:, 1]]
 
     def cells(self, coordinates: Array) -> NDArray[np.int64]:
         """Return the number of the cell of the plane at positions of both axes (m, 2)."""
@@ -156,22 +152,19 @@ class PlaneError:
         pairs = zip(self.sides, other.sides, strict=True)
         first, second = ((a.basis / a.values).T @ b.rows(a.spline.control_positions) for a, b in pairs)
         (one, two), (from_one, from_two) = self.pairs.T, other.pairs.T
-        result: Array = first[np.ix_(one, from_one)] * second[np.ix_(two, from_two)]
-        return result
+        return first[np.ix_(one, from_one)] * second[np.ix_(two, from_two)]
 
     def loosened(self, rest: float) -> Array:
         """Return the variances (c,) that a rest which was not followed gives the unknowns, at most those beforehand."""
         first, second = self.sides
         scale = first.values[self.pairs[:, 0]] * second.values[self.pairs[:, 1]]
-        variances: Array = np.minimum(rest**2 / scale, np.diagonal(self.covariance))
-        return variances
+        return np.minimum(rest**2 / scale, np.diagonal(self.covariance))
 
     def prior(self, std: float, stretch: tuple[float, float]) -> Array:
         """Return the covariance of the unknowns with another std, and other lengths by a factor each, (c, c)."""
         each = zip(self.sides, self.entry.sides, stretch, strict=True)
         first, second = (side.whitened(_correlation(side, entry, factor)) for side, entry, factor in each)
-        result: Array = std**2 * chosen(first, self.pairs[:, 0]) * chosen(second, self.pairs[:, 1])
-        return result
+        return std**2 * chosen(first, self.pairs[:, 0]) * chosen(second, self.pairs[:, 1])
 
     def prior_by_length(self, std: float, stretch: tuple[float, float], index: int) -> Array:
         """Return the derivative of `prior` by the logarithm of the factor along one of both axes, (c, c)."""
@@ -179,8 +172,7 @@ class PlaneError:
         for number, (side, entry, factor) in enumerate(zip(self.sides, self.entry.sides, stretch, strict=True)):
             found = (_by_length if number == index else _correlation)(side, entry, factor)
             parts.append(chosen(side.whitened(found), self.pairs[:, number]))
-        result: Array = std**2 * parts[0] * parts[1]
-        return result
+        return std**2 * parts[0] * parts[1]
 
 
 def plane_error(entry: PlaneEntry, axes: tuple[Axis, Axis], indices: tuple[int, int], start: int) -> PlaneError:
@@ -215,8 +207,7 @@ def centred(correlation: Array) -> Array:
 
 def chosen(matrix: Array, index: NDArray[np.intp]) -> Array:
     """Return the rows and columns of a matrix with these indices."""
-    result: Array = matrix[np.ix_(index, index)]
-    return result
+    return matrix[np.ix_(index, index)]
 
 
 def _side(entry: ErrorEntry, axis: Axis) -> Side:

@@ -75,8 +75,7 @@ def matern_by_length(distance: Array, smoothness: float) -> Array:
 
 def exponential(distance: Array) -> Array:
     """Return the Matérn-1/2 correlation exp(−r), that of Ornstein and Uhlenbeck."""
-    result: Array = np.exp(-distance)
-    return result
+    return np.exp(-distance)
 
 
 def matern32(distance: Array) -> Array:

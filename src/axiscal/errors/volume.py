@@ -137,8 +137,7 @@ class VolumeMoments:
     def beyond_shift(self) -> Array:
         """E[HᵀPH] less E[PH]ᵀE[PH], the part that is one shift of the whole volume, (size, size)."""
         shift = self.mean[list(self.counted)]
-        beyond: Array = self.gram - shift.T @ shift
-        return beyond
+        return self.gram - shift.T @ shift
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -168,8 +168,7 @@ class Belief:
         """Return by what draws of a normal are to be stretched, √((f − 2)/χ²_f), (count,): 1 for a normal itself."""
         if math.isinf(self.degrees):
             return np.ones(count)
-        stretched: Array = np.sqrt((self.degrees - 2) / generator.chisquare(self.degrees, count))
-        return stretched
+        return np.sqrt((self.degrees - 2) / generator.chisquare(self.degrees, count))
 
 
 def _fill(belief: Belief, mean: Array, root: Array, degrees: float) -> Belief:

@@ -95,8 +95,7 @@ def _of_type_b(known: Estimation, spread: Array) -> Iterator[BudgetShare]:
 def _spread(known: Estimation) -> Array:
     """Return V C, (r, size): V is what all unknowns do to the tool over the volume."""
     factor = known.knowledge.belief.factor
-    spread: Array = known.case.yardstick.root.times(factor) @ factor.T
-    return spread
+    return known.case.yardstick.root.times(factor) @ factor.T
 
 
 def _of_unknowns(known: Estimation, spread: Array) -> Iterator[BudgetShare]:

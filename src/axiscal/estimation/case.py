@@ -263,8 +263,7 @@ class Case:
         poses = np.random.default_rng(0).uniform(low, high, (_QUICK, len(low)))
         rows = self.errors.rows(poses, np.ones_like(poses))[:, list(self.description.target.counted)]
         off: Array = (rows - rows.mean(axis=0)).reshape(-1, self.errors.size)
-        gram: Array = off.T @ off
-        return gram
+        return off.T @ off
 
     def _sample(self) -> Array | None:
         """Return poses of the volume where it is a part, or where its alignment counts; None for a box of axes."""

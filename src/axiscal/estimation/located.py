@@ -40,8 +40,7 @@ class Absorbed:
 
     def precisions(self, numbers: Seen) -> Array:
         """Return one over the variance of each number of the readings, 0 of those that are left out, (m,)."""
-        precisions: Array = ~np.isin(numbers.reading, [*self.left_out]) / numbers.variances
-        return precisions
+        return ~np.isin(numbers.reading, [*self.left_out]) / numbers.variances
 
 
 def absorbed(

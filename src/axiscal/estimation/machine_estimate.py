@@ -118,8 +118,7 @@ class Estimate:
         """
         if function not in self.rests:
             return np.zeros(len(positions))
-        at_positions: Array = self.rests[function][self.model.terms[function].cells(positions)]
-        return at_positions
+        return self.rests[function][self.model.terms[function].cells(positions)]
 
 
 def rest_means(errors: ErrorModel, cells: Mapping[tuple[int, int], float]) -> Mapping[int, Array]:

@@ -58,8 +58,7 @@ class BentReadings:
     def left(self, point: Array) -> Array:
         """Return what the readings leave at a point, over their noise, (m,)."""
         shown = shown_values(self.case.observation, self.readings, point)
-        left: Array = (self.values - shown) / np.sqrt(self.variances)
-        return left
+        return (self.values - shown) / np.sqrt(self.variances)
 
     def whitened(self, point: Array) -> Array:
         """Return z of a point, (k,)."""
@@ -77,8 +76,7 @@ def polished(problem: BentReadings, start: Array) -> Optimum:
     """Return the optimum that a start leads to (Levenberg, Marquardt).  start : (k,)"""
 
     def left(z: Array) -> Array:
-        both: Array = np.concatenate([z, -problem.left(problem.start + problem.root @ z)])
-        return both
+        return np.concatenate([z, -problem.left(problem.start + problem.root @ z)])
 
     def slopes(z: Array) -> Array:
         rows = problem.rows(problem.start + problem.root @ z) @ problem.root

@@ -175,8 +175,7 @@ def _digest(document: Mapping[str, Any]) -> str:
 
 def _correlated(matrix: Array) -> Array:
     scale = np.sqrt(np.maximum(np.diagonal(matrix), np.finfo(float).tiny))
-    correlated: Array = matrix / scale[:, None] / scale
-    return correlated
+    return matrix / scale[:, None] / scale
 
 
 def _packed(matrix: Array) -> str:
@@ -190,8 +189,7 @@ def _unpacked(text: Any, size: int) -> Array:
         raise ValueError(f"a triangle of {size} rows has {size * (size + 1) // 2} numbers, and here are {len(values)}")
     lower = np.zeros((size, size))
     lower[np.tril_indices(size)] = values
-    matrix: Array = lower + np.tril(lower, -1).T
-    return matrix
+    return lower + np.tril(lower, -1).T
 
 
 def rivals(found: TypePrior, errors: ErrorModel, doubt: float | None = None) -> tuple[Rival, ...]:

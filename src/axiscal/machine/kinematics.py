@@ -90,8 +90,7 @@ class Frames(NamedTuple):
     @property
     def stem(self) -> Array:
         """Unit vectors from the tip of the tool to the spindle, (m, 3)."""
-        along: Array = self.tool[:, :, 2]
-        return along
+        return self.tool[:, :, 2]
 
 
 class SmallMotions(NamedTuple):
@@ -182,8 +181,7 @@ def from_frame(axis: Axis, motion: rigid.Motion, coordinate: Array, tilt: Array 
 
 def _travel(axis: Axis, coordinate: Array, tilt: Array | None) -> Array:
     straight = np.outer(coordinate, axis.direction)
-    turned: Array = straight if tilt is None else np.einsum("mij,mj->mi", tilt, straight)
-    return turned
+    return straight if tilt is None else np.einsum("mij,mj->mi", tilt, straight)
 
 
 def _turn(axis: Axis, coordinate: Array) -> Array:

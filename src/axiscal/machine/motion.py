@@ -83,8 +83,7 @@ def motion_effects(machine: Machine, poses: Array, small: SmallMotions) -> Motio
 
 def _crossed(turns: Array, arm: Array) -> Array:
     """Return the columns of (m, 3, 3) each crossed with (m, 3)."""
-    crossed: Array = np.swapaxes(rigid.cross(np.swapaxes(turns, 1, 2), arm[:, None, :]), 1, 2)
-    return crossed
+    return np.swapaxes(rigid.cross(np.swapaxes(turns, 1, 2), arm[:, None, :]), 1, 2)
 
 
 FAMILIES = ("XYZ", "UVW", "PQR", "ABC")
@@ -151,8 +150,7 @@ _SLACK = 1e-9
 
 def turn_parts(largest: Array) -> Array:
     """Return in how many parts moves are made.  largest : rad, the largest turn in each of them"""
-    parts: Array = np.maximum(np.ceil(largest / LARGEST_TURN - _SLACK), 1.0)
-    return parts
+    return np.maximum(np.ceil(largest / LARGEST_TURN - _SLACK), 1.0)
 
 
 def travel_seconds(
@@ -188,16 +186,14 @@ def quick_share(nearness: Sequence[float], start: Array, stop: Array, place: Arr
     edge = place - np.sign(way) * wide - start
     entered = np.divide(edge, way, out=np.zeros(np.broadcast(edge, way).shape), where=np.abs(way) > 0)
     there = np.all(np.abs(stop - place) <= wide + _SLACK, axis=-1)
-    share: Array = np.where(there, np.clip(entered, 0.0, 1.0).max(axis=-1, initial=0.0), 1.0)
-    return share
+    return np.where(there, np.clip(entered, 0.0, 1.0).max(axis=-1, initial=0.0), 1.0)
 
 
 def _parted_seconds(axes: Sequence[Axis], moved: Array, feed: float = math.inf) -> Array:
     """Return the time of straight moves, long turns in parts.  feed : m/s or rad/s along the way, at the most"""
     turns = moved[..., [axis.rotary for axis in axes]].max(axis=-1, initial=0.0)
     parts = turn_parts(turns)
-    seconds: Array = parts * _straight_seconds(axes, moved / parts[..., None], feed)
-    return seconds
+    return parts * _straight_seconds(axes, moved / parts[..., None], feed)
 
 
 def _straight_seconds(axes: Sequence[Axis], moved: Array, feed: float) -> Array:
@@ -216,8 +212,7 @@ def turning(machine: Machine, start: Array, stop: Array, approach: Array) -> Arr
     """
     overrun = np.array([axis.overrun for axis in machine.axes])
     wrong = (approach != 0) & ((np.asarray(stop) - np.asarray(start)) * approach < overrun - _SLACK)
-    place: Array = np.where(wrong, stop - approach * overrun, stop)
-    return place
+    return np.where(wrong, stop - approach * overrun, stop)
 
 
 def approach_seconds(machine: Machine, start: Array, stop: Array, approach: Array, driving: Driving = USUAL) -> Array:

@@ -100,8 +100,7 @@ class Artefact:
         name, _, axis = unknown.rpartition("_")
         along = np.eye(3)["xyz".index(axis)] if axis in ("x", "y", "z") else np.zeros(3)
         if unknown == "scale":
-            scaled: Array = self._levers[balls]
-            return scaled
+            return self._levers[balls]
         if name == "turn":
             return np.cross(along, self._levers[balls])
         if name == "place":

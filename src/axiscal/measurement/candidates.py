@@ -227,8 +227,7 @@ def _even(chart: Chart, choices: Array, count: int) -> Chosen:
 def _placed(end: Coordinate, share: Array) -> Array:
     if end.step > 0:
         values = end.values
-        picked: Array = values[np.minimum((share * len(values)).astype(np.intp), len(values) - 1)]
-        return picked
+        return values[np.minimum((share * len(values)).astype(np.intp), len(values) - 1)]
     dialled: Array = np.round((end.low + (end.high - end.low) * share) / end.finest) * end.finest
     return np.clip(dialled, end.low, end.high)
 

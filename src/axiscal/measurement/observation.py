@@ -149,13 +149,11 @@ class Observation:
     def prior_variances(self) -> Array:
         """Return the variances of errors and unknowns before the first reading, (errors and unknowns,)."""
         own = [unknown.std**2 for unknown in self.unknowns]
-        variances: Array = np.concatenate([np.diagonal(self.errors.prior_covariance()), own])
-        return variances
+        return np.concatenate([np.diagonal(self.errors.prior_covariance()), own])
 
     def unknowns_of(self, setup: int) -> NDArray[np.intp]:
         """Return the columns of one set-up's unknowns, in its order."""
-        columns: NDArray[np.intp] = self.errors.size + self._owned.columns[setup]
-        return columns
+        return self.errors.size + self._owned.columns[setup]
 
     @cached_property
     def _owned(self) -> Owned:
@@ -231,8 +229,7 @@ class Observation:
         effects = self._rest_effects(self.setups[setup], levers, poses, approaches)
         rests = np.where(self.cell_columns.visited(effects) < 0, self._stated_rests[effects.functions][:, None], 0.0)
         reach = (effects.reach * rests).transpose(2, 0, 1)
-        covariances: Array = reach @ reach.transpose(0, 2, 1)
-        return covariances
+        return reach @ reach.transpose(0, 2, 1)
 
     def _unknown_sides(self, mounted: Setup, levers: Array, poses: Array, approaches: Array) -> Array:
         """Return what it adds to the variances that nobody said from which side a moving axis came, (k, m) m² or rad².

@@ -322,7 +322,6 @@ def _rough(function: Term, control: Array, rng: np.random.Generator) -> Curve:
     cells = function.rest * rng.standard_normal(function.cell_count)
 
     def curve(positions: Array) -> Array:
-        drawn: Array = function.rows(positions) @ control + cells[function.cells(positions)]
-        return drawn
+        return function.rows(positions) @ control + cells[function.cells(positions)]
 
     return curve

@@ -123,8 +123,7 @@ def gone_to(machine: Machine, cycle: Cycle, poses: Array) -> Array:
     """
     at, stops = frames(machine, poses).tcp, np.concatenate([_stops(cycle, side) for side in _SIDES])
     ways = [tip_at(machine, poses, at + way) - poses for way in np.swapaxes(touch_frames(machine, poses), 0, 1)]
-    gone: Array = poses + np.tensordot(stops, np.array(ways), axes=1)
-    return gone
+    return poses + np.tensordot(stops, np.array(ways), axes=1)
 
 
 def _stops(cycle: Cycle, side: Array) -> Array:
@@ -243,5 +242,4 @@ def touching_sides(machine: Machine, poses: Array) -> Array:
     into = -np.swapaxes(touch_frames(machine, known), 1, 2)
     moved = np.linalg.pinv(ways) @ into
     most = np.abs(moved).argmax(axis=2)
-    sides: Array = np.sign(np.take_along_axis(moved, most[:, :, None], axis=2)[:, :, 0])
-    return sides
+    return np.sign(np.take_along_axis(moved, most[:, :, None], axis=2)[:, :, 0])

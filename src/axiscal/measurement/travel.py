@@ -49,8 +49,7 @@ def across(machine: Machine, setup: Setup, poses: Array) -> Array:
     """Return d × a, a the way along which the axis goes: the direction whose slope is a turn about d, (m, 3)."""
     (axis,) = setup.moves
     along = frames(machine, poses).rotations[axis] @ np.array(machine.axes[axis].direction)
-    result: Array = np.cross(np.array(setup.direction), along)
-    return result
+    return np.cross(np.array(setup.direction), along)
 
 
 def shifted(poses: Array, axis: int, shift: float) -> Array:

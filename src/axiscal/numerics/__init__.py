@@ -22,5 +22,4 @@ def even_points(count: int, dimensions: int) -> Array:
     for _ in range(64):
         ratio = (1.0 + ratio) ** (1.0 / (dimensions + 1))
     steps = ratio ** -np.arange(1.0, dimensions + 1)
-    result: Array = (0.5 + np.outer(np.arange(1, count + 1), steps)) % 1.0
-    return result
+    return (0.5 + np.outer(np.arange(1, count + 1), steps)) % 1.0

@@ -48,8 +48,7 @@ def coefficients(values: Array) -> Array:
 
 def resampled(values: Array, count: int) -> Array:
     """Return the values (..., count) at `nodes(count)` of the polynomial with values (..., n) at `nodes(n)`."""
-    again: Array = values @ _resampling(values.shape[-1], count)
-    return again
+    return values @ _resampling(values.shape[-1], count)
 
 
 def roots(coefficients: Array) -> NDArray[np.complex128]:
@@ -126,8 +125,7 @@ def _stationary(n: Array, d: Array, count: int) -> Array:
 
 def _at(x: Array, size: int) -> Array:
     """Return the Chebyshev polynomials T_0 … T_{size-1} at x (b, k): (b, size, k)."""
-    shapes: Array = np.cos(np.arange(size)[:, None] * np.arccos(x)[:, None, :])
-    return shapes
+    return np.cos(np.arange(size)[:, None] * np.arccos(x)[:, None, :])
 
 
 def _best(n: Array, d: Array, x: Array) -> Array:
@@ -157,14 +155,12 @@ def _polished(n: Array, d: Array, x: Array) -> tuple[Array, Array]:
 
 def _quotient(above: Array, below: Array) -> Array:
     """Return N/D; a D below the rounding of its largest value counts as that rounding."""
-    ratio: Array = above / np.maximum(below, _EPS)
-    return ratio
+    return above / np.maximum(below, _EPS)
 
 
 def _sum(series: Array, shapes: Array) -> Array:
     """Return series (b, n) times shapes (b, >= n, k): (b, k)."""
-    summed: Array = (series[:, None, :] @ shapes[:, : series.shape[1]])[:, 0]
-    return summed
+    return (series[:, None, :] @ shapes[:, : series.shape[1]])[:, 0]
 
 
 def _with_derivatives(series: Array) -> Array:

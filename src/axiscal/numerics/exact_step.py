@@ -148,8 +148,7 @@ class _Search:
         x, claimed = maximise_ratio(work.numerator, work.denominator)
         numerator, denominator = self.offer(work.positions(np.clip(x, -_WITHIN, _WITHIN)[:, None]), work.owner)
         fresh = numerator[:, 0] / denominator[:, 0]
-        misfit: NDArray[np.bool_] = np.abs(fresh - claimed) > _MISFIT * np.maximum(np.abs(fresh), np.abs(claimed))
-        return misfit
+        return np.abs(fresh - claimed) > _MISFIT * np.maximum(np.abs(fresh), np.abs(claimed))
 
     def _hopeful(self, work: _Work) -> NDArray[np.bool_]:
         """Return which intervals may hold more than the best of their group.

@@ -157,8 +157,7 @@ def root_in_place(matrix: Array) -> Array | None:
     if not matrix.size:
         return matrix
     upper, fault = _function("scipy.linalg.lapack", "dpotrf")(matrix.T, lower=0, overwrite_a=1)
-    root: Array | None = None if fault else upper.T
-    return root
+    return None if fault else upper.T
 
 
 def inverse_of_product(lower: Array) -> Array:

@@ -38,14 +38,12 @@ def root_of(covariance: Array) -> Array:
         root = np.linalg.cholesky(matrix[::-1, ::-1])[::-1, ::-1]
     except np.linalg.LinAlgError:
         root = _singular_root(matrix)
-    result: Array = scale[:, None] * root
-    return result
+    return scale[:, None] * root
 
 
 def lower_root(covariance: Array) -> Array:
     """Return L (n, n) lower triangular with L Lᵀ the positive definite covariance."""
-    root: Array = np.asarray(np.linalg.cholesky(covariance), dtype=float)
-    return root
+    return np.asarray(np.linalg.cholesky(covariance), dtype=float)
 
 
 def _singular_root(correlation: Array) -> Array:

@@ -81,8 +81,7 @@ class Segments:
     def control_positions(self) -> Array:
         """The middle of each level, (size,)."""
         knots = self.knots
-        middle: Array = (knots[::2] + knots[1::2]) / 2
-        return middle
+        return (knots[::2] + knots[1::2]) / 2
 
     def rows(self, t: ArrayLike, derivative: int = 0) -> Array:
         """Return the share of each level at positions, or its derivative: (m, size)."""
@@ -107,5 +106,4 @@ class Segments:
 def _integral(spline: Repeated | Segments) -> Array:
     nodes, weights = gauss(spline.knots, 5)
     rows = spline.rows(nodes.ravel())
-    integral: Array = (rows.T * weights.ravel()) @ rows
-    return integral
+    return (rows.T * weights.ravel()) @ rows

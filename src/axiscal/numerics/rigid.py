@@ -55,8 +55,7 @@ def turned_about(direction: Array, angles: Array) -> Array:
     """Return the rotations about one direction by many angles (Rodrigues).  direction : (3,) unit; angles : (m,) rad"""
     about, twice = _turning(*direction.tolist())
     at = angles[:, None, None]
-    result: Array = _EYE + np.sin(at) * about + 2 * np.sin(at / 2) ** 2 * twice
-    return result
+    return _EYE + np.sin(at) * about + 2 * np.sin(at / 2) ** 2 * twice
 
 
 def about(along: int, vectors: Array, angles: Array) -> Array:

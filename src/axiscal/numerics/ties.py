@@ -46,11 +46,9 @@ def ranked(values: Array, share: float, most: int | None = None) -> NDArray[np.i
     with np.errstate(invalid="ignore"):
         lower = falling[:-1] - falling[1:] > share * np.abs(falling[:-1])
     group = np.concatenate([[0], np.cumsum(lower)])[: len(down)]
-    order: NDArray[np.intp] = down[np.lexsort((down, group))][:most]
-    return order
+    return down[np.lexsort((down, group))][:most]
 
 
 def surely_more(values: Array, than: Array, share: float) -> NDArray[np.bool_]:
     """Return which values are larger by more than rounding, (n,).  values, than : (n,), than perhaps −∞"""
-    more: NDArray[np.bool_] = values > than + share * np.where(np.isfinite(than), np.abs(than), 0.0)
-    return more
+    return values > than + share * np.where(np.isfinite(than), np.abs(than), 0.0)

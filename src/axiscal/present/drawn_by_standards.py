@@ -73,8 +73,7 @@ def positioning_curves(
 
 def _found(estimate: Estimate, row: Functional) -> Array:
     if row.angular:
-        turned: Array = row.rows(estimate.model) @ estimate.mean
-        return turned
+        return row.rows(estimate.model) @ estimate.mean
     return row.row(estimate.deviation(row.poses, row.sides))
 
 

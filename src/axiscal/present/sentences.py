@@ -258,8 +258,7 @@ def environment(package: str, written: Callable[[object], object] | None = None)
 
 def page_of(package: str, template: str, **values: object) -> str:
     """Return a template of a package as a page, with what every page needs beside its own values."""
-    text: str = environment(package).get_template(template).render(values | inlined())
-    return text
+    return environment(package).get_template(template).render(values | inlined())
 
 
 def _rich(message: str, **values: str) -> Markup:

@@ -197,8 +197,7 @@ def places_over(
 
 def _either_way(deviation: Deviation, poses: Array) -> Array:
     """Return the mean of both sides from which an axis may come, (m, 3)."""
-    mean: Array = (deviation(poses, np.ones_like(poses)) + deviation(poses, -np.ones_like(poses))) / 2
-    return mean
+    return (deviation(poses, np.ones_like(poses)) + deviation(poses, -np.ones_like(poses))) / 2
 
 
 def _left(estimate: Estimate, control: Control, poses: Array) -> Array:

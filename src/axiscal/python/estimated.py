@@ -128,8 +128,7 @@ class Curve:
     def _weight(self) -> Array:
         """V with VᵀV the mean of mᵀm over the travel."""
         low, high = self.spline.knots[0], self.spline.knots[-1]
-        root: Array = np.linalg.cholesky(self.spline.gram() / (high - low)).T
-        return root
+        return np.linalg.cholesky(self.spline.gram() / (high - low)).T
 
     def __repr__(self) -> str:
         low, high = (to_unit(float(end), self.position_unit) for end in self.spline.knots[[0, -1]])

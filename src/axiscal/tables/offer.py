@@ -271,8 +271,7 @@ def shifts(machine: Machine, control: Control, poses: Array) -> Array:
     """Return how a control moves the tool on the workpiece at poses (m, q), the mean of both directions, (m, 3), m."""
     ways = [np.full(poses.shape, side) for side in (1.0, -1.0)]
     sent = [frames(machine, poses + control(poses, way)).tcp for way in ways]
-    moved: Array = (sent[0] + sent[1]) / 2 - frames(machine, poses).tcp
-    return moved
+    return (sent[0] + sent[1]) / 2 - frames(machine, poses).tcp
 
 
 def _place(machine: Machine, pose: Array) -> str:

@@ -83,8 +83,7 @@ def left_by(machine: Machine, deviation: Deviation, control: Control, poses: Arr
     """Return the TCP deviation (m, 3) that is left when the control sends the axes elsewhere."""
     sent = poses + control(poses, approaches)
     shifted: Array = frames(machine, sent).tcp - frames(machine, poses).tcp
-    left: Array = shifted + deviation(sent, approaches)
-    return left
+    return shifted + deviation(sent, approaches)
 
 
 def by_linear_axes(machine: Machine) -> Callable[[Array, Array], Array]:
@@ -210,8 +209,7 @@ class Mesh:
         v = np.clip((y - self.y[rows]) / (self.y[rows + 1] - self.y[rows]), 0, 1)
         low = (1 - u) * self.added[rows, columns] + u * self.added[rows, columns + 1]
         high = (1 - u) * self.added[rows + 1, columns] + u * self.added[rows + 1, columns + 1]
-        height: Array = (1 - v) * low + v * high
-        return height
+        return (1 - v) * low + v * high
 
 
 def mesh_of_nodes(nodes: Sequence[Node]) -> Mesh:

@@ -121,8 +121,7 @@ def _around(before: Array, beside: Array, after: Array, right: Array) -> Array:
     tie[-1] += np.sqrt(before[-1])
     tie[0] += beside[-1] / np.sqrt(before[-1])
     values, turned = (three_diagonals(own, beside[:-1], each) for each in (right, tie))
-    found: Array = values - np.multiply.outer(turned, tie @ values / (1 + tie @ turned))
-    return found
+    return values - np.multiply.outer(turned, tie @ values / (1 + tie @ turned))
 
 
 def _least(within: Array) -> float:

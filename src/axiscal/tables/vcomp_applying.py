@@ -144,8 +144,7 @@ def joint_errors(axis: VcompAxis, at: Array, ways: Array, unit: str) -> Array:
 def _faded(beyond: Array, fade: float) -> Array:
     """Return how far curves go on straight beyond a travel: ever less, until they stay as they are at `fade`."""
     far = np.minimum(np.abs(beyond), fade)
-    faded: Array = np.sign(beyond) * (far - far**2 / (2 * fade))
-    return faded
+    return np.sign(beyond) * (far - far**2 / (2 * fade))
 
 
 def _once(file: VcompFile, at: Array, ways: Array, tool: Array) -> Array:

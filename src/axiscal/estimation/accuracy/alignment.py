@@ -54,21 +54,18 @@ class Alignment:
         for at in range(0, len(self.poses), _BLOCK):
             rows = _evened(self.errors, self.poses[at : at + _BLOCK])
             crossed += motion[3 * at : 3 * (at + _BLOCK)].T @ rows
-        found: Array = np.asarray(np.linalg.lstsq(motion.T @ motion, crossed, rcond=1e-12)[0], dtype=np.float64)
-        return found
+        return np.asarray(np.linalg.lstsq(motion.T @ motion, crossed, rcond=1e-12)[0], dtype=np.float64)
 
     def taken_off(self, poses: Array) -> Array:
         """Return what is taken off the rows at poses, (m, 3, size)."""
-        off: Array = self.motions(poses) @ self._found
-        return off
+        return self.motions(poses) @ self._found
 
     def left(self, poses: Array, deviations: Array) -> Array:
         """Return deviations (m, 3) without their own rigid motion, found at the same poses, m."""
         motion = self.motions(poses)
         seen = (motion * self._counts).reshape(-1, 6)
         moved = np.linalg.lstsq(seen, (deviations * self._counts[:, 0]).ravel(), rcond=None)[0]
-        left: Array = deviations - motion @ moved
-        return left
+        return deviations - motion @ moved
 
 
 def sampled_moments(

@@ -34,8 +34,7 @@ class Root:
 
     def times(self, factor: Array) -> Array:
         """Return V F.  factor : F (m, k) or a vector (m,), over all unknowns, m at least n"""
-        seen: Array = self.matrix @ factor[: self.unknowns]
-        return seen
+        return self.matrix @ factor[: self.unknowns]
 
     def criterion(self, factor: Array) -> float:
         """Return J of C = F Fᵀ.  factor : F (m, k) or a vector (m,), m at least n"""
@@ -44,8 +43,7 @@ class Root:
     @property
     def weights(self) -> Array:
         """W = VᵀV, (n, n)."""
-        gram: Array = self.matrix.T @ self.matrix
-        return gram
+        return self.matrix.T @ self.matrix
 
 
 def joint_root(model: ErrorModel) -> Root:

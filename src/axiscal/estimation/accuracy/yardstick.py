@@ -64,8 +64,7 @@ def _summed(parts: Array) -> Array:
 
 def _squared(parts: Array) -> Array:
     """Return S Sᵀ at each pose, (m, 3, 3).  parts : (m, 3, r)"""
-    squared: Array = parts @ parts.transpose(0, 2, 1)
-    return squared
+    return parts @ parts.transpose(0, 2, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,8 +145,7 @@ class Yardstick:
     @cached_property
     def shifts(self) -> Array:
         """E[H] in the directions in which a constant shift counts but for what of it is unseen, (3, size)."""
-        shifts: Array = self._counts * (self.moments.mean - self._shift)
-        return shifts
+        return self._counts * (self.moments.mean - self._shift)
 
     def measure(self, belief: Belief) -> Accuracy:
         """Return the figures of a belief."""
@@ -247,8 +245,7 @@ class Yardstick:
         seen = self._seen(factor, self._every_row).reshape(len(self.rows), 3, -1)
         loose = self._loose.transpose(1, 2, 0)
         hidden = self._here - (self.moments.mean - self._shift) @ self.unseen
-        counted: Array = _squared(seen) + _squared(loose) + _squared(hidden) - _squared(self._here)
-        return counted
+        return _squared(seen) + _squared(loose) + _squared(hidden) - _squared(self._here)
 
     def variances(self, factor: Array) -> Array:
         """Return the TCP variance at each pose of the yardstick, (m,) m².  factor : F (n, r) with C = F Fᵀ."""
@@ -264,5 +261,4 @@ class Yardstick:
         own = factor[: self.errors.size]
         if own.shape[1] > own.shape[0]:  # columns of rests and set-ups: fold them into as many as there are errors
             own = np.asarray(np.linalg.qr(own.T, mode="r")).T
-        seen: Array = rows.reshape(-1, self.errors.size) @ own
-        return seen
+        return rows.reshape(-1, self.errors.size) @ own

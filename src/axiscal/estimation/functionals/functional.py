@@ -205,8 +205,7 @@ class AxisLine:
     @property
     def positions(self) -> Array:
         """The coordinates of the axis along the line, (n,)."""
-        result: Array = self.poses[:, self.axis]
-        return result
+        return self.poses[:, self.axis]
 
     @property
     def read(self) -> int:

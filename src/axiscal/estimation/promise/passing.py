@@ -180,8 +180,7 @@ class Turning:
             since[number + 1] = since[number] + step[number]
         left = np.empty(len(poses))
         left[order] = np.exp(-since / _WAY)
-        result: Array = -WAY.size * left * self.effects
-        return result
+        return -WAY.size * left * self.effects
 
 
 def turning(observation: Observation, index: int, poses: Array, approaches: Array) -> list[Turning]:

@@ -77,15 +77,13 @@ class Curves:
         correlation = matern(self.scaled(theta), self.smoothness)
         diagonal = np.arange(correlation.shape[1])
         correlation[:, diagonal, diagonal] += _NUGGET
-        result: Array = np.linalg.cholesky(correlation) * self.stds[:, None, None]
-        return result
+        return np.linalg.cholesky(correlation) * self.stds[:, None, None]
 
     def bends(self, theta: Array, roots: Array) -> Array:
         """Return M = L⁻¹ (∂ s² R/∂log l) L⁻ᵀ, (f, k, k)."""
         slope = matern_by_length(self.scaled(theta), self.smoothness) * self.stds[:, None, None] ** 2
         half = np.linalg.solve(roots, slope)
-        result: Array = np.linalg.solve(roots, half.transpose(0, 2, 1))
-        return result
+        return np.linalg.solve(roots, half.transpose(0, 2, 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,15 +102,13 @@ class PlaneUnknowns:
         covariance = self.plane.prior(self.plane.entry.std, self._stretch(theta))
         # a share of the stated variance: at many times the length the covariance itself is rounding
         covariance[np.diag_indices_from(covariance)] += _NUGGET * self.plane.entry.std**2
-        root: Array = lower_root(covariance)[None]
-        return root
+        return lower_root(covariance)[None]
 
     def bends(self, theta: Array, roots: Array) -> Array:
         """Return M = L⁻¹ (∂ prior/∂log l) L⁻ᵀ, (1, c, c)."""
         first, second = (self.plane.prior_by_length(self.plane.entry.std, self._stretch(theta), k) for k in (0, 1))
         half = np.linalg.solve(roots[0], first + second)
-        result: Array = np.linalg.solve(roots[0], half.T)[None]
-        return result
+        return np.linalg.solve(roots[0], half.T)[None]
 
     def _stretch(self, theta: Array) -> tuple[float, float]:
         factor = float(np.exp(np.append(theta, 0.0)[self.length_at[0]]))
@@ -356,5 +352,4 @@ def _cell_root(term: Term, cells: Sequence[int]) -> Array:
         return np.eye(len(cells))
     wide = max(1, round(_WIDE * term.cell_count))
     block = np.array(cells) // wide
-    root: Array = np.linalg.cholesky(0.5 * (np.eye(len(cells)) + (block[:, None] == block[None])))
-    return root
+    return np.linalg.cholesky(0.5 * (np.eye(len(cells)) + (block[:, None] == block[None])))

@@ -88,8 +88,7 @@ class Circle(SmoothChart):
 
     def directions(self, places: Array) -> Array:
         """Return the unit vectors (m, 3) from the centre to the tool point."""
-        pointing: Array = np.cos(places[:, :1]) * self.first + np.sin(places[:, :1]) * self.second
-        return pointing
+        return np.cos(places[:, :1]) * self.first + np.sin(places[:, :1]) * self.second
 
     def poses(self, places: Array) -> Array:
         """Return the poses (m, q) with the tool point on the circle."""

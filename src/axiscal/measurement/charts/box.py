@@ -121,8 +121,7 @@ class Sight:
 
     def places(self, poses: Array) -> Array:
         """Return the coordinates of the axes that move."""
-        moved: Array = poses[:, list(self.moves)]
-        return moved
+        return poses[:, list(self.moves)]
 
     def _seen(self, towards: Array) -> NDArray[np.bool_]:
         """Return which poses one station sees.  towards : (m, 3) from the tool to it, m"""

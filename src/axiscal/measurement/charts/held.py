@@ -71,8 +71,7 @@ class Held(SmoothChart):
 
     def places(self, poses: Array) -> Array:
         """Return the rotary coordinates of poses."""
-        turned: Array = poses[:, list(self.turning)]
-        return turned
+        return poses[:, list(self.turning)]
 
 
 @dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)

@@ -203,8 +203,7 @@ def _folded(angles: Array, low: float, high: float) -> Array:
     """Return every u in [low, high] with u − low the same as an angle but for whole turns."""
     turns = np.arange(math.ceil((high - low) / (2 * math.pi)) + 1)
     first = low + np.mod(angles, 2 * math.pi)
-    folded: Array = (first[:, None] + 2 * math.pi * turns).ravel()
-    return folded
+    return (first[:, None] + 2 * math.pi * turns).ravel()
 
 
 def _bisected(value: Callable[[Array], Array], low: float, high: float, levels: Array) -> Array:

@@ -142,14 +142,12 @@ def _grown(strain: float, direction: Array, nominal: Nominal) -> Array:
 
 def _travelled_along(direction: Array, nominal: Nominal) -> Array:
     """Return the travel from the middle, as far as it goes along the direction, (m,), m; negative against it."""
-    along_it: Array = nominal.travelled * (_ways(nominal) @ direction)
-    return along_it
+    return nominal.travelled * (_ways(nominal) @ direction)
 
 
 def _turned(direction: Array, nominal: Nominal) -> Array:
     """Return what unit turns about x, y, z of what is read do along the direction, (m, 3), m."""
-    turned: Array = nominal.travelled[:, None] * np.cross(_ways(nominal), direction)
-    return turned
+    return nominal.travelled[:, None] * np.cross(_ways(nominal), direction)
 
 
 def _came(direction: Array, nominal: Nominal) -> Array:
@@ -158,8 +156,7 @@ def _came(direction: Array, nominal: Nominal) -> Array:
     if axis is None or nominal.approaches is None:
         return np.zeros(nominal.count)
     along = _ways(nominal) @ direction
-    came: Array = nominal.approaches[:, axis] * np.where(np.abs(along) >= _LEAST_ALONG, np.sign(along), 0.0)
-    return came
+    return nominal.approaches[:, axis] * np.where(np.abs(along) >= _LEAST_ALONG, np.sign(along), 0.0)
 
 
 def _ways(nominal: Nominal) -> Array:

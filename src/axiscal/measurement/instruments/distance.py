@@ -72,8 +72,7 @@ class Nest(Model):
         if unknown == RADIUS:
             larger: Array = -touch_frames(nominal.machine, nominal.poses).sum(axis=1) @ direction
             return larger
-        part: Array = ball_effect(setup, unknown, nominal) @ direction
-        return part
+        return ball_effect(setup, unknown, nominal) @ direction
 
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
@@ -182,8 +181,7 @@ def of_each(unknowns: Sequence[Unknown], count: int) -> tuple[Unknown, ...]:
 def _moved(setup: Setup, unknown: str, nominal: Nominal) -> Array:
     """Return what a unit of an unknown does to the line from the station to the tool, (m, 3)."""
     if unknown in TOOL:
-        moved: Array = nominal.tool[:, :, TOOL.index(unknown)]
-        return moved
+        return nominal.tool[:, :, TOOL.index(unknown)]
     if unknown in SHIFTS:
         return np.broadcast_to(-np.eye(3)[SHIFTS.index(unknown)], (nominal.count, 3))
     return ball_effect(setup, unknown, nominal)
@@ -212,8 +210,7 @@ class Tracker(Nest):
         if unknown not in TURNS:
             return super().unknown_effect(setup, unknown, direction, nominal)
         line = nominal.tcp - _station(setup)
-        turned: Array = line @ _derivative(_found(setup), TURNS.index(unknown)).T @ direction
-        return turned
+        return line @ _derivative(_found(setup), TURNS.index(unknown)).T @ direction
 
     def shown(
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]

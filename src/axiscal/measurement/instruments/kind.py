@@ -66,8 +66,7 @@ class Nominal:
         axis = next((k for k in self.moves if not self.machine.axes[k].rotary), None)
         if axis is None:
             return np.zeros(self.count)
-        distance: Array = self.poses[:, axis] - sum(self.machine.axes[axis].travel) / 2
-        return distance
+        return self.poses[:, axis] - sum(self.machine.axes[axis].travel) / 2
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -165,5 +164,4 @@ class Rotation(Model):
         self, setup: Setup, direction: Array, nominal: Nominal, actual: Actual, unknowns: Mapping[str, float]
     ) -> Array:
         """Return dᵀε + zero, (m,)."""
-        shown: Array = actual.rotation @ direction + unknowns.get("zero", 0.0)
-        return shown
+        return actual.rotation @ direction + unknowns.get("zero", 0.0)

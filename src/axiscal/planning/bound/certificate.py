@@ -60,8 +60,7 @@ class Dual:
     @cached_property
     def reach(self) -> Array:
         """F Zᵀ (n, w): a row g of noise σ has |Z b|² = |gᵀ F Zᵀ|²/σ²."""
-        reach: Array = self.state.factor @ self.z.T
-        return reach
+        return self.state.factor @ self.z.T
 
     @cached_property
     def value(self) -> float:

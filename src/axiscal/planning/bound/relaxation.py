@@ -282,8 +282,7 @@ def optimal_weights(
         residual = slopes - level + dual
         if x @ dual < close * abs(level) and np.abs(residual).max() < _RESIDUAL * close * abs(level):
             break
-    result: Array = x * scale
-    return result
+    return x * scale
 
 
 def _step(bend: Array, x: Array, dual: Array, residual: Array) -> tuple[Array, float, Array]:

@@ -102,8 +102,7 @@ def joint_gains(above: Array, below: Array) -> Array:
     """
     size = above.shape[-1]
     if size == 1:
-        ratio: Array = above[..., 0, 0] / below[..., 0, 0]
-        return ratio
+        return above[..., 0, 0] / below[..., 0, 0]
     above, below = above.copy(order="K"), below.copy(order="K")
     least, gains = _LOST * np.diagonal(below, axis1=-2, axis2=-1).max(axis=-1), np.zeros(above.shape[:-2])
     for i in range(size):

@@ -172,8 +172,7 @@ class _Plans:
             rows, noise = _seen(stack, points[:, self._setups == setup])
             scaled[:, self._setups == setup] = rows / np.sqrt(noise)[..., None] @ self._factor
         known = np.linalg.inv(np.eye(scaled.shape[2]) + scaled.swapaxes(1, 2) @ scaled)
-        covariances: Array = self._factor @ known @ self._factor.T
-        return covariances
+        return self._factor @ known @ self._factor.T
 
     def _change(self, both: Array, row: Array, noise: Array, leaves: bool) -> None:
         """Bring C and C W C up to date, in place, for one reading of each plan.  row : (plans, n); noise : (plans,)"""

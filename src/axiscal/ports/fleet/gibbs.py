@@ -144,8 +144,7 @@ def _places(present: Array, count: int, rng: np.random.Generator) -> Array:
     """Return places at one distance, the present one among them, (f, count).  present : (f,)"""
     distance = np.exp(rng.uniform(_NEAR, _FAR, len(present)))
     number = rng.integers(0, count, len(present))
-    places: Array = present[:, None] + (np.arange(count) - number[:, None]) * distance[:, None]
-    return places
+    return present[:, None] + (np.arange(count) - number[:, None]) * distance[:, None]
 
 
 def _sums(state: Sisters, hierarchy: Hierarchy) -> tuple[Array, Array, int]:

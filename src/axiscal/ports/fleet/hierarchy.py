@@ -101,8 +101,7 @@ class Hierarchy:
     def summed(self, values: Array) -> Array:
         """Return the sum over the unknowns of each error, (f,).  values : (n,)"""
         starts = [part.columns.start for part in self.parts]
-        total: Array = np.add.reduceat(values, starts)
-        return total
+        return np.add.reduceat(values, starts)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

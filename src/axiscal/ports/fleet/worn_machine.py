@@ -94,8 +94,7 @@ class Wearing(NamedTuple):
         ages = (~renewed).astype(float)
         both = np.outer(ages, ages)
         new = (1 - square) * both + np.outer(renewed, renewed)
-        covariance: Array = square * both * found.covariance + new * self.fresh
-        return covariance
+        return square * both * found.covariance + new * self.fresh
 
     def left(self, found: Inherited, rho: float) -> Inherited:
         """Return what there is of what a campaign knew, nothing renewed.  found : N(m, C)"""
@@ -127,8 +126,7 @@ class Aging(NamedTuple):
 
     def shares(self, years: float) -> Array:
         """Return ρ after a time in each cell of the grid, (g, g)."""
-        shares: Array = _GRID[:, None] * _GRID**years
-        return shares
+        return _GRID[:, None] * _GRID**years
 
     def kept(self, years: float) -> tuple[float, float]:
         """Return the means of ρ and of ρ² after a time."""

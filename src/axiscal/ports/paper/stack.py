@@ -236,8 +236,7 @@ class GreedyPlan:
         truth : (size,) control values, m; seed : of the noise
         """
         noise = self.stack.setup.noise * np.random.default_rng(seed).standard_normal(len(self.rows))
-        values: Array = self.rows @ truth + noise
-        return values
+        return self.rows @ truth + noise
 
     def believed(self, values: Array) -> tuple[Belief, ...]:
         """Return the beliefs before and after each reading.  values : (m,) m"""

@@ -174,8 +174,7 @@ def _curve(estimation: Estimation, name: str, truth: Curve) -> Array:
     function = estimation.case.errors.names[name]
     positions = np.linspace(function.basis.knots[0], function.basis.knots[-1], _POSITIONS)
     mean, std = estimation.estimate().curve(name, positions)
-    held: Array = (np.abs(truth(positions) - mean) <= BAND * std).astype(float)
-    return held
+    return (np.abs(truth(positions) - mean) <= BAND * std).astype(float)
 
 
 def tcp_held(estimation: Estimation, machine: VirtualMachine, poses: Array, approaches: Array) -> float:

@@ -216,8 +216,7 @@ class Viewport:
 
 def flat(points: Array) -> Array:
     """Return points of a scene as seen, (n, 2) m, right and down.  points : (n, 3) m"""
-    seen: Array = np.stack([points @ RIGHT, -(points @ UP)], axis=1)
-    return seen
+    return np.stack([points @ RIGHT, -(points @ UP)], axis=1)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -240,8 +239,7 @@ class Fit:
 
     def pixels(self, points: Array) -> Array:
         """Return where points (n, 3) or (3,) m stand, (n, 2)."""
-        at: Array = flat(np.atleast_2d(points)) * self.scale + self.shift
-        return at
+        return flat(np.atleast_2d(points)) * self.scale + self.shift
 
 
 def points_of(parts: Sequence[Part]) -> Array:

@@ -296,8 +296,7 @@ def colours_of(values: Array, scale: ColourScale, low: float, high: float) -> Ar
     shares = [share for share, _ in scale]
     stops = np.array([[int(text[i : i + 2], 16) for i in (1, 3, 5)] for _, text in scale], dtype=float)
     at = np.clip((values - low) / ((high - low) or 1.0), 0.0, 1.0)
-    mixed: Array = np.stack([np.interp(at, shares, stops[:, k]) for k in range(3)], axis=-1)
-    return mixed
+    return np.stack([np.interp(at, shares, stops[:, k]) for k in range(3)], axis=-1)
 
 
 def map_image(rows: Sequence[Sequence[float]], scale: ColourScale, low: float, high: float) -> str:

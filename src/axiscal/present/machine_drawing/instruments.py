@@ -201,8 +201,7 @@ def _ledge(stand: MountedSetup) -> Array:
     """Return where a level rides at home: on the carriage of a lathe, beside the spindle of others, (3,) m."""
     room, s = stand.room, stand.sizes.whole
     beside = np.array([-stand.sizes.ram - 0.09 * s, 0.0, room.machine.tool + 0.12 * stand.sizes.spindle])
-    ledge: Array = room.tip + (np.array([-0.24, -0.2, -0.24]) * s if room.lying else beside)
-    return ledge
+    return room.tip + (np.array([-0.24, -0.2, -0.24]) * s if room.lying else beside)
 
 
 def _ballbar(stand: MountedSetup) -> Iterator[Part]:

@@ -252,8 +252,7 @@ def reach_edges(room: StandingMachine) -> Iterator[Part]:
 def box_corners(low: Array, high: Array) -> Array:
     """Return the corners of a box, (8, 3) m: the bits of their indices say at which end of x, y and z each lies."""
     ends = np.array([[k & 1, (k >> 1) & 1, (k >> 2) & 1] for k in range(8)])
-    corners: Array = low + ends * (high - low)
-    return corners
+    return low + ends * (high - low)
 
 
 def edges(corners: Array, colour: str, dash: str) -> Iterator[Part]:

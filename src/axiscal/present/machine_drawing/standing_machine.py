@@ -85,8 +85,7 @@ class StandingMachine:
         now, then = (_carried(self.machine.axes, order, pose) for pose in (self.pose, self.home))
         turned = np.eye(4)
         turned[:3, :3] = self.upright
-        motion: Array = turned @ now @ np.linalg.inv(then) @ turned.T
-        return motion
+        return turned @ now @ np.linalg.inv(then) @ turned.T
 
     def on_table(self, points: Array, turned: bool = True) -> Array:
         """Return points of the workpiece frame, (n, 3) m, in the room.  turned : whether rotary axes stand as posed"""
@@ -108,8 +107,7 @@ class StandingMachine:
         return order[: order.index(part) + 1]
 
     def _in_room(self, motion: Array, points: Array) -> Array:
-        there: Array = (points @ motion[:3, :3].T + motion[:3, 3]) @ self.upright.T
-        return there
+        return (points @ motion[:3, :3].T + motion[:3, 3]) @ self.upright.T
 
 
 def _carried(axes: Sequence[Axis], order: Sequence[int], pose: Array) -> Array:

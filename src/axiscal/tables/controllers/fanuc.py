@@ -73,8 +73,7 @@ class PitchParameters:
     def positions(self) -> Array:
         """The ends of the sections and the first beginning, m or rad; the reference point is the machine's zero."""
         numbers = np.arange(self.begin, self.last + 1, dtype=float)
-        at: Array = (numbers - self.reference) * self.interval
-        return at
+        return (numbers - self.reference) * self.interval
 
     @property
     def origin(self) -> int:

@@ -160,16 +160,14 @@ def place_at(at: Pivots, joints: Array, swivel: Array, table: Array) -> Array:
     """Return the place on the workpiece that joints (m, 3) reach, (m, 3)."""
     line, point = _centres(at)
     turned = about("ABC".index(at.swivel), joints - line, -swivel) + line
-    placed: Array = about(_TABLE, turned - point, -table) + point
-    return placed
+    return about(_TABLE, turned - point, -table) + point
 
 
 def joints_at(at: Pivots, place: Array, swivel: Array, table: Array) -> Array:
     """Return the joints (m, 3) that reach a place on the workpiece."""
     line, point = _centres(at)
     back = about(_TABLE, place - point, table) + point
-    joints: Array = about("ABC".index(at.swivel), back - line, swivel) + line
-    return joints
+    return about("ABC".index(at.swivel), back - line, swivel) + line
 
 
 def _centres(at: Pivots) -> tuple[Array, Array]:
