@@ -9,7 +9,7 @@ import pytest
 
 from axiscal.errors import prior
 from axiscal.errors.model import ErrorModel
-from axiscal.errors.volume import MovedErrors, deviation_of, deviations_of, levers_at
+from axiscal.errors.volume import deviation_of, deviations_of, levers_at
 from axiscal.machine import Machine, builtin_names, load_machine, machine_from_text
 from axiscal.machine.entry import ErrorEntry
 from axiscal.machine.kinematics import tool_motion
@@ -237,16 +237,6 @@ def test_many_machines_at_once_deviate_as_each_of_them(seed: int) -> None:
     for machine, one in zip(machines, found, strict=True):
         for mine, alone in zip(one, deviation_of(model, machine, poses, sides), strict=True):
             np.testing.assert_allclose(mine, alone, rtol=0, atol=1e-14)
-
-
-@pytest.mark.parametrize("name", builtin_names())
-def test_levers_of_some_errors_are_theirs_among_all(name: str) -> None:
-    model, rng = ErrorModel(load_machine(name)), np.random.default_rng(4)
-    poses, _ = random_poses(model.machine, 5, rng)
-    some = rng.permutation(len(model.terms))[: len(model.terms) // 2]
-    for errors in (model, MovedErrors(model.machine, _drawn(model, rng, 10.0))):
-        np.testing.assert_array_equal(errors.levers_of(some.tolist(), poses), errors.levers(poses)[some])
-        assert errors.levers_of([], poses).shape == (0, 5, 3)
 
 
 @pytest.mark.parametrize("name", builtin_names())

@@ -90,7 +90,7 @@ def test_the_gradient_is_that_of_what_is_left(instrument: str) -> None:
         poses = places.poses.copy()
         for reading, axis, low, high, share in zip(*free[:4], shares, strict=True):
             poses[reading, axis] += share * (high - low)
-        return asked.state.after_readings(places.at_poses(poses)).value / total
+        return asked.state.after_readings(replace(places, poses=poses)).value / total
 
     np.testing.assert_allclose(gradient, approx_fprime(np.zeros(len(free.reading)), left, 1e-7), rtol=1e-2, atol=1e-4)
 

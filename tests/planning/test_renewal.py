@@ -87,7 +87,7 @@ def test_a_plan_that_no_exchange_improves_stays_in_its_order() -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_after_a_reading_elsewhere_no_worse_than_what_was_left_and_about_as_good_as_a_new_plan(seed: int) -> None:
     pose = np.random.default_rng(seed).uniform([-1.0, 0.0, 0.0], [2.0, 0.6, 0.4])
-    after = taken(ASKED, part(PLAN, 0, 4).at_poses(np.vstack([PLAN.poses[:3], pose])))
+    after = taken(ASKED, replace(part(PLAN, 0, 4), poses=np.vstack([PLAN.poses[:3], pose])))
     rest = renewed(after, Limits(readings=10), part(PLAN, 4))
     fresh = make_plan(after, Limits(readings=10), patience=0.0, bounded=False)
     assert len(rest) == 10

@@ -11,7 +11,7 @@ axes do together acts like a motion of the later one: δ_k(t_k) becomes δ_k(t_k
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -117,12 +117,6 @@ class _Moving(NamedTuple):
     turning: NDArray[np.intp]
     sign: Array
 
-    def only(self, terms: Sequence[int]) -> _Moving:
-        """Return how these terms move it."""
-        tilted, turning = (np.flatnonzero(np.isin(terms, some)) for some in (self.tilted, self.turning))
-        of = np.array(terms, dtype=np.intp)
-        return _Moving(self.axis[of], self.along[of], tilted, turning, self.sign[of])
-
 
 Term = ErrorFunction | PlaneError
 """What adds to the deviation of the tool point with a lever of its own."""
@@ -187,11 +181,7 @@ class ErrorModel:
         shape = (len(self.terms), len(poses), 3)
         if self._unmoved is not None:
             return np.broadcast_to(self._unmoved, shape).copy()
-        return self._levers(self._moving, poses, frames(self.machine, poses))
-
-    def levers_of(self, terms: Sequence[int], poses: Array) -> Array:
-        """Return those of some terms alone, (those, m, 3)."""
-        return self._levers(self._moving.only(terms), poses, frames(self.machine, poses))
+        return self._levers(frames(self.machine, poses), poses)
 
     @cached_property
     def _unmoved(self) -> Array | None:
@@ -201,14 +191,14 @@ class ErrorModel:
         if any(f.angular for f in self.terms) or any(axis.rotary for axis in self.machine.axes):
             return None
         pose = np.zeros((1, len(self.machine.axes)))
-        return self._levers(self._moving, pose, frames(self.machine, pose))
+        return self._levers(frames(self.machine, pose), pose)
 
-    def _levers(self, how: _Moving, poses: Array, nominal: Frames) -> Array:
-        """Return the levers of terms at frames, (those, m, 3).
+    def _levers(self, nominal: Frames, poses: Array) -> Array:
+        """Return the levers at the frames of poses, (terms, m, 3).
 
         Along a direction of its axis frame, about it with the arm from there, or by the direction of travel tilted.
         """
-        of = how.axis
+        how, of = self._moving, self._moving.axis
         levers: Array = nominal.rotations[of, :, :, how.along]
         levers[how.tilted] = self._tilted(levers[how.tilted], of[how.tilted], poses, nominal)
         levers[how.turning] = cross(levers[how.turning], (nominal.tcp - nominal.origins)[of[how.turning]])

@@ -73,11 +73,6 @@ def matern_by_length(distance: Array, smoothness: float) -> Array:
     return {SMOOTH: matern52_by_length, ROUGH: matern32_by_length}[smoothness](distance)
 
 
-def exponential(distance: Array) -> Array:
-    """Return the Matérn-1/2 correlation exp(−r), that of Ornstein and Uhlenbeck."""
-    return np.exp(-distance)
-
-
 def matern32(distance: Array) -> Array:
     """Return the Matérn-3/2 correlation (1 + √3 r) exp(−√3 r) at distances in correlation lengths."""
     scaled = np.sqrt(3.0) * distance

@@ -98,10 +98,6 @@ class MovedErrors(ErrorModel):
         """Return the TCP deviation per unit of each term, (terms, m, 3), m or m/rad.  poses : (m, q)."""
         return levers_at(self, self.point, poses).straight
 
-    def levers_of(self, terms: Sequence[int], poses: Array) -> Array:
-        """Return those of some terms alone, (those, m, 3)."""
-        return self.levers(poses)[list(terms)]
-
     def angular_levers(self, poses: Array) -> Array:
         """Return the rotation of the tool relative to the workpiece per unit of each term, (terms, m, 3)."""
         return levers_at(self, self.point, poses).angular

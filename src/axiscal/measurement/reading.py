@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,10 +100,6 @@ class Places:
         """Return them one by one.  setups : those that the indices count"""
         rows = zip(self.setups.tolist(), self.poses.tolist(), self.approaches.astype(int).tolist(), strict=True)
         return tuple(Place(setups[of].name, tuple(pose), tuple(sides)) for of, pose, sides in rows)
-
-    def at_poses(self, poses: Array) -> Places:
-        """Return the same set-ups and sides at other poses, (m, q)."""
-        return replace(self, poses=poses)
 
     def same_as(self, others: Places) -> bool:
         """Return whether they are the same places in any order."""

@@ -54,11 +54,12 @@ class Curve:
         self, travel: Sequence[Quantity], std: Quantity, length: Quantity | None = None, knots: int = 7
     ) -> None:
         start, stop = (si(end, "length") for end in travel)
-        spline = NaturalSpline(even_knots(start, stop, knots))
-        at, size = spline.control_positions, si(std, "length")
+        self.spline: Spline = NaturalSpline(even_knots(start, stop, knots))
+        at, size = self.spline.control_positions, si(std, "length")
         apart = np.abs(at[:, None] - at)
         alike = np.eye(len(at)) if length is None else matern52(apart / si(length, "length"))
-        self._hold("curve", spline, Belief(np.zeros(len(at)), size**2 * alike))
+        self.name, self.belief, self.rest = "curve", Belief(np.zeros(len(at)), size**2 * alike), 0.0
+        self.unit, self.position_unit = "um", "mm"
 
     @classmethod
     def of(
@@ -70,14 +71,9 @@ class Curve:
         unit, position_unit : in which it is shown
         """
         curve = cls.__new__(cls)
-        curve._hold(name, spline, belief, rest, unit, position_unit)
+        curve.name, curve.spline, curve.belief, curve.rest = name, spline, belief, rest
+        curve.unit, curve.position_unit = unit, position_unit
         return curve
-
-    def _hold(
-        self, name: str, spline: Spline, belief: Belief, rest: float = 0.0, unit: str = "um", position_unit: str = "mm"
-    ) -> None:
-        self.name, self.spline, self.belief, self.rest = name, spline, belief, rest
-        self.unit, self.position_unit = unit, position_unit
 
     def __call__(self, t: ArrayLike) -> Band:
         """Return mean and standard deviation at positions t, m or rad: a number, or (m,)."""

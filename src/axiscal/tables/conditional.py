@@ -102,7 +102,7 @@ def _levers_of_other(
 
 def _levers_along(model: ErrorModel, moved: Sequence[int], functions: list[int], poses: Array, count: int) -> Array:
     """Return the levers of functions along moved axes, (moved, functions, count, nodes beside each)."""
-    levers, rotations = model.levers_of(functions, poses), frames(model.machine, poses).rotations
+    levers, rotations = model.levers(poses)[functions], frames(model.machine, poses).rotations
     along_axes = [rotations[o] @ np.array(model.machine.axes[o].direction) for o in moved]
     ways = np.array(along_axes).reshape(len(moved), len(poses), 3)  # of no axis too
     along: Array = np.einsum("fmc,omc->ofm", levers, ways)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from axiscal.campaign.sources.source import Answer, Request, Skip, Source
+from axiscal.campaign.sources.source import Answer, CsvSource, Request, SimulatedSource, Skip, Source
 from axiscal.document.ports import one_of, ours
 from axiscal.exceptions import SourceError
 
@@ -36,8 +36,6 @@ def open_source(
     """
     kind, _, rest = text.partition(":")
     if kind in VIRTUAL:
-        from axiscal.campaign.sources.source import SimulatedSource
-
         return SimulatedSource(*virtual_machine(text, simulator))
     if kind == "linuxcnc-live":
         in_force = ours("ports.linuxcnc.live:InForce")(active)
@@ -46,8 +44,6 @@ def open_source(
     if kind in ("csv", "exec", "moonraker", "duet") and not rest.strip():
         raise _nothing_named(text, kind)
     if kind == "csv":
-        from axiscal.campaign.sources.source import CsvSource
-
         return CsvSource(Path(rest), taken)
     if kind == "exec":
         from axiscal.campaign.sources.exec import TIMEOUT, ExecSource

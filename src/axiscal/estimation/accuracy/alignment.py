@@ -52,7 +52,8 @@ class Alignment:
         motion = (self.motions(self.poses) * self._counts).reshape(-1, 6)
         crossed = np.zeros((6, self.errors.size))
         for at in range(0, len(self.poses), _BLOCK):
-            rows = _evened(self.errors, self.poses[at : at + _BLOCK])
+            poses = self.poses[at : at + _BLOCK]
+            rows = self.errors.rows(poses, np.zeros_like(poses)).reshape(-1, self.errors.size)
             crossed += motion[3 * at : 3 * (at + _BLOCK)].T @ rows
         return np.asarray(np.linalg.lstsq(motion.T @ motion, crossed, rcond=1e-12)[0], dtype=np.float64)
 
@@ -93,10 +94,6 @@ def sampled_moments(
         mean[:] = 0.0
     squares = np.sum(errors.levers(poses)[:, :, list(counted)] ** 2, axis=2).mean(axis=1)
     return VolumeMoments(mean / len(poses), gram / len(poses), *levers_and_rest(errors, squares), counted)
-
-
-def _evened(errors: ErrorModel, poses: Array) -> Array:
-    return errors.rows(poses, np.zeros_like(poses)).reshape(-1, errors.size)
 
 
 def _reversals(errors: ErrorModel) -> list[list[int]]:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from axiscal.description.type_b import TYPE_B, Read, TypeB
 from axiscal.description.usual import CYCLE, DRIFT, GROWTH, WAY, Kind, Sizes, needs_a_way
-from axiscal.errors.prior import exponential, matern32
+from axiscal.errors.prior import matern32
 from axiscal.measurement.cells import Course, wandering
 from axiscal.measurement.instrument import model_of
 from axiscal.measurement.instruments.kind import Nominal
@@ -209,7 +209,8 @@ def _of_zeros(mine: _Mine, numbers: int) -> Iterator[tuple[Kind, Array]]:
     functions: list[tuple[Kind, Array]] = [("drift", drift_functions(mine.setup, mine.clock))]
     if _length(mine.clock) <= _LONGEST and numbers <= _MOST:
         apart = np.abs(mine.clock[:, None] - mine.clock[None]) / _CYCLE_SECONDS
-        root: Array = CYCLE.size * mine.setup.noise * lower_root(exponential(apart) + _SINGLE * np.eye(len(apart)))
+        alike = np.exp(-apart)  # Matérn 1/2, that of Ornstein and Uhlenbeck
+        root: Array = CYCLE.size * mine.setup.noise * lower_root(alike + _SINGLE * np.eye(len(apart)))
         functions.append(("cycle", root))
     yield from _of_each_zero(mine, numbers, functions)
 

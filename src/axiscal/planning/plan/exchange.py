@@ -74,7 +74,7 @@ class _Free(NamedTuple):
             at[0, self.axis[k]] = coordinates[k]
             found = chart.poses(at)[0]
             poses[self.reading[k]] = found if np.all(np.isfinite(found)) else poses[self.reading[k]]
-        return places.at_poses(poses)
+        return replace(places, poses=poses)
 
 
 def relocated(state: Covariance, places: Places) -> Places:
