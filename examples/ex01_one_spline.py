@@ -1,7 +1,7 @@
 """One spline.
 
 The straightness error of a slide: seven control points, and a natural cubic spline through them. Everything about it is
-linear in the control values, so value, slope, integral and bending energy are products of matrices with them.
+linear in the control values, so value, slope and integral are products of matrices with them.
 """
 
 import numpy as np
@@ -19,7 +19,6 @@ def main() -> dict[str, object]:
         "value at 250 mm, um": float(spline.rows(0.25)[0] @ control) * 1e6,
         "slope at 250 mm, urad": float(spline.rows(0.25, derivative=1)[0] @ control) * 1e6,
         "RMS over the travel, um": float(np.sqrt(control @ spline.gram() @ control / 0.6)) * 1e6,
-        "bending energy, 1e-9 m": float(control @ spline.curvature() @ control) * 1e9,
         "picture": {
             "x": "position, mm",
             "y": "straightness, µm",
