@@ -20,7 +20,7 @@ from axiscal.exceptions import DescriptionError
 from axiscal.machine import load_machine
 from axiscal.measurement.instruments.distance import SHIFTS
 from axiscal.measurement.reading import Reading
-from axiscal.measurement.travel import first_seconds, reading_seconds
+from axiscal.measurement.travel import reading_seconds
 from axiscal.numerics import Array
 from benchmarks.nonlinear.stations import at_once, bars, tracers
 from tests.generators import laser_axis
@@ -136,7 +136,8 @@ def test_a_way_has_the_seconds_of_its_readings_one_after_the_other() -> None:
     order = [*readings[:5], readings[6], readings[8]]
     one_by_one = [case.seconds_of(last, each) for last, each in zip((None, *order), order, strict=False)]
     assert case.seconds_along(None, order) == pytest.approx(one_by_one)
-    assert case.seconds_along(readings[7], order)[0] == first_seconds(case.description.setup(order[0].setup))
+    setup = case.description.setup(order[0].setup)
+    assert case.seconds_along(readings[7], order)[0] == setup.setup_time + reading_seconds(setup)
     same = case.seconds_along(order[0], [order[0]])[0]
     assert same == pytest.approx(reading_seconds(case.description.setup(order[0].setup)), abs=30.0)
     assert same < case.seconds_of(order[0], readings[8])

@@ -17,7 +17,7 @@ from axiscal.machine import load_machine
 from axiscal.measurement.cells import wandering
 from axiscal.measurement.reading import Places, Reading
 from axiscal.measurement.reading_rows import numbers_of_setups, places_of
-from axiscal.measurement.travel import first_seconds, reading_seconds, way_seconds
+from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array
 from tests.generators.campaigns import drawn, mixed
 from tests.generators.laser_axis import CASE, machine, read
@@ -169,7 +169,7 @@ def _one_by_one(case: Case, readings: list[Reading]) -> list[float]:
     for reading in readings:
         setup = case.description.setup(reading.setup)
         if last is None or last.setup != reading.setup:
-            now += first_seconds(setup)
+            now += setup.setup_time + reading_seconds(setup)
         else:
             here, there = np.array(last.pose), np.array(reading.pose)
             sides = np.array(reading.approach or np.zeros(len(there)), dtype=float)

@@ -30,7 +30,7 @@ from axiscal.measurement.instruments.distance import TURNS, location_unknowns
 from axiscal.measurement.observation import Observation, Rows
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.setup import About, Setup, Unknown
-from axiscal.measurement.travel import first_seconds, reading_seconds, way_seconds
+from axiscal.measurement.travel import reading_seconds, way_seconds
 from axiscal.numerics import Array, even_points
 from axiscal.numerics.remembered import Itself, Memo
 
@@ -96,7 +96,8 @@ class Case:
         seconds = np.zeros(len(places))
         for index, (last, place) in enumerate(zip((before, *places), places, strict=False)):
             if last is None or last.setup != place.setup:
-                seconds[index] = first_seconds(self.description.setup(place.setup))
+                setup = self.description.setup(place.setup)
+                seconds[index] = setup.setup_time + reading_seconds(setup)
             else:
                 ways.setdefault(place.setup, []).append((index, last, place))
         for name, mine in ways.items():

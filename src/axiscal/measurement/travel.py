@@ -229,11 +229,6 @@ def reading_seconds(setup: Setup) -> float:
     return setup.settle + setup.reading_time
 
 
-def first_seconds(setup: Setup) -> float:
-    """Return what the first reading of a set-up takes, with mounting it."""
-    return setup.setup_time + reading_seconds(setup)
-
-
 def short_way(
     machine: Machine, setup: Setup, poses: Array, approaches: Array, first: Array | None = None, *, exact: bool = False
 ) -> tuple[NDArray[np.intp], Array]:

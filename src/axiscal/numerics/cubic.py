@@ -52,12 +52,14 @@ class Spline(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Cubic:
+    _fewest: ClassVar[int]
+    """Knots that there must be at least."""
     knots: Array
     second: Array = field(init=False, repr=False)
     """S'' at the knots from the control values, shape (n, size), 1/m² or 1/rad²."""
 
     def __post_init__(self) -> None:
-        knots = _checked_knots(self.knots, self._fewest())
+        knots = _checked_knots(self.knots, self._fewest)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             second = self._second_derivatives(np.diff(knots))
         if not np.isfinite(second).all():
@@ -119,9 +121,6 @@ class _Cubic:
         i, eye = np.arange(len(self.knots) - 1), np.eye(self.size)
         return eye[i], eye[(i + 1) % self.size]
 
-    def _fewest(self) -> int:
-        raise NotImplementedError
-
     def _second_derivatives(self, h: Array) -> Array:
         raise NotImplementedError
 
@@ -142,8 +141,7 @@ class NaturalSpline(_Cubic):
     raises KnotError : knots are too few, not finite, not increasing
     """
 
-    def _fewest(self) -> int:
-        return 2
+    _fewest: ClassVar[int] = 2
 
     def _second_derivatives(self, h: Array) -> Array:
         n = len(h) + 1
@@ -179,8 +177,7 @@ class CyclicSpline(_Cubic):
     raises KnotError : knots are too few, not finite, not increasing
     """
 
-    def _fewest(self) -> int:
-        return 3
+    _fewest: ClassVar[int] = 3
 
     def _second_derivatives(self, h: Array) -> Array:
         size = len(h)

@@ -177,12 +177,13 @@ class Note:
 class Undoable:
     """Something that can be taken back: the event, its number, and the question that was open before it.
 
-    readings : before a mistake was accepted
+    highest : number of a reading or a skip before it; readings : before a mistake was accepted
     """
 
     number: int
     event: Done
     pending: Asked | None
+    highest: int
     readings: tuple[Reading, ...] = ()
 
 
@@ -261,7 +262,7 @@ def fold(events: Iterable[Stored]) -> State:
 class Folding:
     """The state while events are added to it, in time proportional to their number; fields as of `State`.
 
-    highest : number of a reading or a skip so far, after each of them
+    highest : number of a reading or a skip so far
     `add` raises EventOrderError; what it was added to is then of no more use.
     """
 
@@ -279,7 +280,7 @@ class Folding:
     notes: list[Note] = field(default_factory=list)
     mounted: list[Mounted] = field(default_factory=list)
     newer: list[Newer] = field(default_factory=list)
-    highest: list[int] = field(default_factory=list)
+    highest: int = 0
     last: int = 0
 
     def copied(self) -> Folding:
@@ -322,18 +323,19 @@ class Folding:
         elif isinstance(event, Newer):
             self.newer.append(event)
         elif isinstance(event, Accepted):
-            self.undo.append(Undoable(stored.number, event, self.pending, tuple(self.readings)))
+            self.undo.append(Undoable(stored.number, event, self.pending, self.highest, tuple(self.readings)))
             self._accept(event)
         elif not isinstance(event, Signed | Continued):
-            self.undo.append(Undoable(stored.number, event, self.pending))
+            self.undo.append(Undoable(stored.number, event, self.pending, self.highest))
             self._take(event)
         self.last = stored.number
 
     def _take(self, event: Recorded | Skipped | Finished) -> None:
         if isinstance(event, Recorded):
-            asked = self.pending.reading if self.pending else (self.highest[-1] if self.highest else 0) + 1
+            asked = self.pending.reading if self.pending else self.highest + 1
             number = asked if event.reading.number is None else event.reading.number
-            self.written.append(event.reading.under(self._counted(number)))
+            self.highest = max(self.highest, number)
+            self.written.append(event.reading.under(number))
             self.readings.append(self.written[-1])
             planned = self.pending is not None and event.reading.place == self.pending.place
             self.renew = self.renew or not planned
@@ -344,7 +346,7 @@ class Folding:
         else:
             gap = Gap(self.pending, event.reason, event.rest)
             self.skipped.append(gap)
-            self._counted(gap.asked.reading)
+            self.highest = max(self.highest, gap.asked.reading)
             self.plan, self.renew = [place for place in self.plan if not gap.holds(place)], True
         self.pending = None
 
@@ -360,11 +362,6 @@ class Folding:
             self.mounted.append(Mounted(event.setups[0], event.name, ""))
         self.renew = True
 
-    def _counted(self, number: int) -> int:
-        """Remember the highest number so far, for the next free one, and return the number."""
-        self.highest.append(max(number, self.highest[-1] if self.highest else 0))
-        return number
-
     def _take_back(self, event: Undone) -> None:
         if not self.undo or self.undo[-1].number != event.event:
             raise EventOrderError(f"event {event.event} was taken back, but it was not the last one that can be")
@@ -374,14 +371,12 @@ class Folding:
         if isinstance(step.event, Recorded):
             self.readings.pop()
             self.written.pop()
-            self.highest.pop()
         elif isinstance(step.event, Accepted):
             self.readings = list(step.readings)
             self.mounted = [each for each in self.mounted if each.branch or each.name != step.event.name]
         elif isinstance(step.event, Skipped):
             gap = self.skipped.pop()
-            self.highest.pop()
             self.plan = [] if gap.whole else self.plan  # a plan without the set-up is none to go on from
         else:
             self.finished = None
-        self.pending, self.renew = step.pending, True
+        self.pending, self.highest, self.renew = step.pending, step.highest, True
