@@ -66,10 +66,10 @@ def trunnion(low: float) -> Machine:
 )
 def test_what_cannot_be_taken_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
     path = ini(tmp_path, "XYZC")
-    assert options_of(configured(path), mill(), ExportOptions()).unit == "mm"
+    assert options_of(configured(path), ExportOptions()).unit == "mm"
     path.write_text(path.read_text().replace(old, new))
     with pytest.raises(InputError, match=message):
-        options_of(configured(path), mill(), ExportOptions())
+        options_of(configured(path), ExportOptions())
 
 
 def test_a_file_that_is_no_utf_8_is_refused_with_the_byte(tmp_path: Path) -> None:
@@ -81,9 +81,9 @@ def test_a_file_that_is_no_utf_8_is_refused_with_the_byte(tmp_path: Path) -> Non
 
 def test_joints_are_said_by_the_ini_file_alone(tmp_path: Path) -> None:
     found = configured(ini(tmp_path))
-    assert options_of(found, mill(), ExportOptions()).numbers == {"X": (0,), "Y": (1,), "Z": (2,)}
+    assert options_of(found, ExportOptions()).numbers == {"X": (0,), "Y": (1,), "Z": (2,)}
     with pytest.raises(InputError, match="Leave --unit, --number, --coordinates out"):
-        options_of(found, mill(), ExportOptions(numbers={"X": (0,)}))
+        options_of(found, ExportOptions(numbers={"X": (0,)}))
 
 
 def test_what_lies_beyond_the_calibrated_travel_is_said(tmp_path: Path) -> None:

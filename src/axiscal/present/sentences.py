@@ -130,8 +130,6 @@ def left_out_words(block: Iso230) -> str:
 def curve_note(curve: CurveSummary) -> str:
     """Return in a line how well a curve is known now, 95 %, was before, and how much of that the readings did."""
     now, before = BAND * root_mean_square(curve.std), BAND * root_mean_square(curve.prior_std)
-    if not curve.position:
-        return said("no positions")
     size = quantity(now, curve.value_unit)
     if curve.from_readings < _TOUCHED:
         return said("±{now}, hardly touched by the readings", now=size)

@@ -37,7 +37,7 @@ def asked_rows(description: CampaignDescription, readings: Sequence[Reading], *,
     whole : lines go as far as set-ups may, read or not; else as far as they were read
     """
     lines = _lines(description, readings, whole)
-    wants = description.target.wants or [Want(row) for row in (*_answered(description, lines), RowName("volume"))]
+    wants = description.target.wants or [Want(row) for row in (*_answered(lines), RowName("volume"))]
     return [_asked(want, description, lines) for want in wants]
 
 
@@ -76,7 +76,7 @@ def _rows_seen(axis: Axis, reads: str, way: int) -> Iterator[RowName]:
         yield from (RowName(kind, (axis.name,)) for kind in ANGLES if direction_of(kind, axis) == way)
 
 
-def _answered(description: CampaignDescription, lines: dict[RowName, AxisLine]) -> Iterator[RowName]:
+def _answered(lines: dict[RowName, AxisLine]) -> Iterator[RowName]:
     """Yield the rows that lines answer: of two straightnesses that face each other the squareness, too."""
     straight = {row.axes for row in lines if row.kind == "straightness"}
     yield from lines

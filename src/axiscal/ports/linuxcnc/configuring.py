@@ -38,7 +38,7 @@ def export_into(ini: Path, estimate: Estimate, options: ExportOptions) -> Export
     """Return the files of the component with those of a configuration; raises InputError, ControlError."""
     found = configured(ini)
     minded = agreeing(found, estimate.machine)
-    offered = export(estimate, "linuxcnc-volumetric", options_of(found, estimate.machine, options))
+    offered = export(estimate, "linuxcnc-volumetric", options_of(found, options))
     changed = found.patched()
     seen = started(found, changed, offered, estimate.machine)
     beside = [name for name in offered.files if name.endswith(".vcomp")]
@@ -198,7 +198,7 @@ def _text(path: Path) -> str:
         raise TableError("byte {place} is no UTF-8", "save the file as UTF-8", path, place=fault.start) from None
 
 
-def options_of(found: Configured, machine: Machine, options: ExportOptions) -> ExportOptions:
+def options_of(found: Configured, options: ExportOptions) -> ExportOptions:
     """Return options with the unit and the joints of the INI file; raises TableError where these were given as well."""
     if any(axis.unit == "rad" for axis in found.machine.axes):
         remedy = "set them to degree"

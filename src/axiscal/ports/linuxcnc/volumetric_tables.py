@@ -137,7 +137,7 @@ def _notes(estimate: Estimate, file: VcompFile) -> tuple[str, ...]:
         "A campaign is measured with axiscal-vcomp.active false, its verification with active true.",
         "Faults: 1 over the limit, 2 not finite, 3 COMP_FILE or BACKLASH works as well, 4 the linear axes do not span "
         "space. The correction then goes within ramp-time; enable off, reset, and find out why.",
-        *_reversals(estimate, file),
+        *_reversals(file),
     ]
     if lies:
         notes.insert(
@@ -148,7 +148,7 @@ def _notes(estimate: Estimate, file: VcompFile) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _reversals(estimate: Estimate, file: VcompFile) -> list[str]:
+def _reversals(file: VcompFile) -> list[str]:
     several = [axis for axis in file.axes if axis.reversals.shape[1]]
     if not several:
         return []
