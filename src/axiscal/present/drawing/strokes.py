@@ -113,18 +113,9 @@ def mark(at: Point, symbol: str, size: float, colour: str, edge: str, width: flo
     half = size / 2
     if base == "circle":
         return f'<circle cx="{short_number(at[0])}" cy="{short_number(at[1])}" r="{short_number(half)}" {fill}/>'
-    if base in ("x", "cross"):
-        arms = ((half, half), (half, -half)) if base == "x" else ((half, 0.0), (0.0, half))
-        d = "".join(f"M{short_number(at[0] - x)} {short_number(at[1] - y)}l{short_number(2 * x)} {short_number(2 * y)}"
-                    for x, y in arms)  # fmt: skip
-        return f'<path d="{d}" fill="none" stroke="{colour}" stroke-width="2"/>'
-    if base == "star":
-        turns = [(-90.0 + 36 * k, half * (1.3 if k % 2 == 0 else 0.55)) for k in range(10)]
-    else:
-        count, first, larger = _CORNERS[base]
-        turns = [(first + 360 * k / count, half * larger) for k in range(count)]
-    corners = [(at[0] + radius * math.cos(math.radians(turn)), at[1] + radius * math.sin(math.radians(turn)))
-               for turn, radius in turns]  # fmt: skip
+    count, first, larger = _CORNERS[base]
+    turns = [math.radians(first + 360 * k / count) for k in range(count)]
+    corners = [(at[0] + half * larger * math.cos(turn), at[1] + half * larger * math.sin(turn)) for turn in turns]
     return f'<path d="{corners_way(corners)}z" {fill}/>'
 
 

@@ -49,8 +49,8 @@ _APART = {"x": 46.0, "y": 26.0}
 """Pixels between two ticks at least: a number has to fit between them."""
 
 
-SYMBOLS = ("circle", "square", "diamond", "triangle-up", "cross", "x", "triangle-down", "pentagon", "star", "hexagon")
-"""Marker of each set-up, in order; they repeat after the last."""
+SYMBOLS = ("circle", "square", "diamond", "triangle-up", "triangle-down", "pentagon", "hexagon")
+"""Of points that are compared; they repeat after the last, beside another of the eight colours."""
 
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31", "#7b4173")
