@@ -360,7 +360,7 @@ def test_at_a_terminal_a_wrong_answer_is_asked_for_again(
 ) -> None:
     """A slip at the last question does not throw the answers to the others away."""
     typed = io.StringIO("mill\n\n700 300\n700 300 300\nlasor\ninterferometer\n20\n20 um\n")
-    monkeypatch.setattr(typed, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr(typed, "isatty", lambda: True)
     monkeypatch.setattr("sys.stdin", typed)
     assert app.run(["init", str(tmp_path)]) == 0
     refused = capsys.readouterr().err
