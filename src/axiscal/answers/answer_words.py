@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 import shlex
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, TypeVar
 
 from axiscal.answers.answer import Aim, AnswerRow, NextStep, PlannedRow, ResultAnswer, TablesChecked, Verdict
 from axiscal.description.target import Kind
-from axiscal.language.spoken import counted, decimals, later, listed, put, said
+from axiscal.language.spoken import counted, ending, later, listed, put, said
 from axiscal.tables.registry import exporter
 
 _Row = TypeVar("_Row", bound=PlannedRow)
@@ -290,11 +290,6 @@ def _template(control: str) -> str:
     return " --template FILE" if "--template" in exporter(control).takes else ""
 
 
-def um_text(value: float) -> str:
-    """Return so many um with three significant digits."""
-    return decimals(f"{value:.3g} um" if abs(value) < 1000 else f"{value:.0f} um")
-
-
 def limit_text(value: float) -> str:
     """Return a limit as a person wrote it."""
     return put("{value:.3g}", value=value)
@@ -365,11 +360,3 @@ def wrapped(sentence: str, most: int = 2) -> list[str]:
     """Return a sentence in so many lines at most."""
     lines = textwrap.wrap(sentence, WIDTH, max_lines=most, placeholder=" …", break_on_hyphens=False)
     return [line.replace("\xa0", " ") for line in lines]
-
-
-def ending(lines_of: Mapping[str, Sequence[str]]) -> Iterator[str]:
-    """Yield commands and files below each other, behind what they are."""
-    width = max(len(word) for word in lines_of)
-    for word, lines in lines_of.items():
-        for number, line in enumerate(lines):
-            yield f"{'' if number else word:{width}}  {line}"

@@ -40,7 +40,7 @@ _MAIN = {
 }
 """In the order of `--help`: a file with a function of its name, or "file.function"; `app` where it has subcommands."""
 _STEP = {
-    "start": "steps.start",
+    "start": "plan.start",
     "next": "steps.next_reading",
     "record": "record",
     "undo": "steps.undo",

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from axiscal.answers.answer_words import ending, wrapped
+from axiscal.answers.answer_words import wrapped
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.possible import versions
 from axiscal.cli.arguments import Anyway, Json, RecordFile, Template
@@ -18,7 +18,7 @@ from axiscal.document.file import bounded_content
 from axiscal.document.ports import ours
 from axiscal.estimation.agreement_words import agreement_words
 from axiscal.exceptions import TableError
-from axiscal.language.spoken import joined, said, speaking
+from axiscal.language.spoken import ending, joined, said, speaking
 from axiscal.machine.axis import ROTARY_LETTERS
 from axiscal.present.delivery import introduced, write_files
 from axiscal.present.findings import findings

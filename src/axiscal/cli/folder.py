@@ -9,22 +9,21 @@ from typing import Annotated
 
 import typer
 
-from axiscal.answers.answer_words import ending
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import Json, PlacesFile, RecordFile, Records, above_zero
 from axiscal.cli.printing import complain, say_either, tell
-from axiscal.cli.texts import count_text, micrometres
+from axiscal.cli.texts import count_text
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document.durable import write_whole
 from axiscal.exceptions import RecordError
-from axiscal.language.spoken import later, said
+from axiscal.language.spoken import ending, later, said
 from axiscal.measurement.readers.files import read_any
 from axiscal.ports.fleet.due_dates import DueMachine, Shop, due_dates, titles
 from axiscal.ports.fleet.quick_check import CHANCE, READINGS, Checked, QuickCheck
 from axiscal.ports.fleet.shop_list import Brought, ShopList, ShopRecord, brought, shop_list
 from axiscal.ports.fleet.worn_machine import YEAR, aging
 from axiscal.record.copies import records_of
-from axiscal.units import to_unit
+from axiscal.units import said_quantity, to_unit
 
 
 def due(
@@ -109,7 +108,7 @@ def _line(machine: DueMachine, name: str) -> str:
     day = said("not within 20 years") if machine.due is None else machine.due.isoformat()
     if machine.due == machine.last:
         day = _at_once(machine)
-    rms, target = micrometres(machine.now), micrometres(machine.target)
+    rms, target = (said_quantity(each, "um") for each in (machine.now, machine.target))
     time = said("{minutes:.0f} min the last time", minutes=machine.minutes)
     if machine.renewed:
         time = said("{time}, renewed since: {parts}", time=time, parts=", ".join(machine.renewed))
@@ -120,7 +119,7 @@ def _at_once(machine: DueMachine) -> str:
     if machine.then > machine.target:
         return said("at once: its last campaign was not as good")
     words = "at once: its last campaign came to {rms}, and what is not kept is more"
-    return said(words, rms=micrometres(machine.then))
+    return said(words, rms=said_quantity(machine.then, "um"))
 
 
 _SHOWN = 12
@@ -195,7 +194,7 @@ def _lines(found: ShopList) -> list[str]:
 
 def _row(each: ShopRecord) -> tuple[str, ...]:
     known = each.known
-    lengths = ["-" if value is None else micrometres(value) for value in (known.rms, known.expanded)]
+    lengths = ["-" if value is None else said_quantity(value, "um") for value in (known.rms, known.expanded)]
     name = known.machine + (f" {known.serial}" if known.serial else "")
     day, target = (known.last or known.begun)[:10], known.target or "-"
     found = name, day, str(known.readings), target, *lengths, known.agreement or "-"

@@ -13,7 +13,7 @@ from typing import Annotated, TypeVar
 
 import typer
 
-from axiscal.answers.answer_words import WIDTH, ending
+from axiscal.answers.answer_words import WIDTH
 from axiscal.cli.printing import ask, complain, say, say_document
 from axiscal.description.campaign_schema import SCHEMAS
 from axiscal.description.first_campaign import OFFERED
@@ -32,7 +32,7 @@ from axiscal.description.first_files import (
 from axiscal.description.ini_file import read_ini
 from axiscal.description.ini_machine import lacking_limits, machine_of
 from axiscal.exceptions import DescriptionError, InputError
-from axiscal.language.spoken import counted, joined, said
+from axiscal.language.spoken import counted, ending, joined, said
 from axiscal.machine import builtin_names
 
 _Answer = TypeVar("_Answer")

@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from axiscal.answers.answer_of_campaign import cost_sentence, cost_words, results_beside, standing_answer
-from axiscal.answers.answer_words import answer_text, columns, minutes_text, um_text
+from axiscal.answers.answer_words import answer_text, columns, minutes_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.cli.arguments import Language, OwnRecord, ResultsFolder
@@ -38,6 +38,7 @@ from axiscal.present.result_set import RECORD
 from axiscal.present.summarising import Extras
 from axiscal.present.whose_language import chosen
 from axiscal.record.events import Asked
+from axiscal.units import um_text
 
 
 class _Then(Enum):

@@ -1,7 +1,8 @@
-"""`axiscal plan`."""
+"""`axiscal plan` and `axiscal step start`."""
 
 from __future__ import annotations
 
+import shlex
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -9,9 +10,10 @@ from typing import Annotated
 
 import typer
 
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.arguments import CampaignFile, Json, above_zero
-from axiscal.cli.printing import say, say_document
-from axiscal.cli.progress import tell_mind
+from axiscal.cli.printing import say, say_document, say_either
+from axiscal.cli.progress import tell_mind, tell_out_of_reach, tell_unasked
 from axiscal.description.artefacts import unused_artefacts
 from axiscal.description.campaign import CampaignDescription, as_exact
 from axiscal.document.durable import write_whole
@@ -19,7 +21,7 @@ from axiscal.estimation.accuracy.unseen import seen_as_one
 from axiscal.estimation.case import Case
 from axiscal.estimation.inheritance import case_of
 from axiscal.exceptions import PlanError, TargetError
-from axiscal.language.spoken import said
+from axiscal.language.spoken import counted, ending, said
 from axiscal.planning.enough import few_more
 from axiscal.planning.next_readings import CANDIDATES, placed
 from axiscal.planning.plan.task import Limits
@@ -166,3 +168,38 @@ def _limits(case: Case, readings: int | None, target: str | None, budget: str | 
     if target is not None:  # an accuracy, within what the campaign allows
         return Limits(own.readings, own.rms, None, own.budget)
     return Limits.of(own)
+
+
+def start(
+    campaign: CampaignFile,
+    record: Annotated[
+        Path | None,
+        typer.Argument(metavar="RECORD", help="The record to make; default: the campaign's name with .axiscal, here."),
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Begin a campaign: make its record.
+
+    The record carries both descriptions; later changes of the files do not touch it.
+
+    \b
+    Example:
+      axiscal step start campaign.toml mill.axiscal
+    """
+
+    description = campaign_with_sisters(campaign)
+    path = record or Path(f"{campaign.stem}.axiscal")
+    with Campaign.create(path, description) as opened:
+        try:
+            tell_out_of_reach(opened)
+            tell_unasked(description)
+            planned = opened.prepared()
+        except BaseException:  # nothing stays of a campaign that cannot be planned
+            path.unlink(missing_ok=True)  # on a server it stays: nothing is deleted there
+            raise
+    setups = counted("{count} set-up", "{count} set-ups", len(description.setups))
+    readings = counted("{count} reading", "{count} readings", len(planned))
+    ready = "{record} is ready: {machine}, {setups}, {readings} planned."
+    words = said(ready, record=path, machine=description.machine.name, setups=setups, readings=readings)
+    coming = ending({said("Next"): [f"axiscal measure {shlex.quote(str(path))}"]})
+    say_either(json, "axiscal-start/1", {"record": str(path)}, [words, *coming])

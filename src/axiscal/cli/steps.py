@@ -1,18 +1,14 @@
-"""`axiscal step start`, `next`, `undo`, `note` and `accept`."""
+"""`axiscal step next`, `undo`, `note` and `accept`."""
 
 from __future__ import annotations
 
-import shlex
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from axiscal.answers.answer_words import ending
 from axiscal.campaign.campaign import Campaign
-from axiscal.cli.arguments import CampaignFile, Json, OwnRecord, RecordFile
+from axiscal.cli.arguments import Json, OwnRecord, RecordFile
 from axiscal.cli.printing import say, say_document, say_either
-from axiscal.cli.progress import tell_out_of_reach, tell_unasked
 from axiscal.cli.texts import next_text, opened_to_write, question_document
 from axiscal.estimation.agreement_words import (
     acceptance,
@@ -21,8 +17,7 @@ from axiscal.estimation.agreement_words import (
     change_words,
     mistake_words,
 )
-from axiscal.language.spoken import counted, put, said
-from axiscal.ports.fleet.type_learning import campaign_with_sisters
+from axiscal.language.spoken import put, said
 from axiscal.present.guide.progress import take_back
 
 _MOST = 1e6
@@ -153,38 +148,3 @@ def note(
         kept = campaign.state.notes
     document = {"note": kept[-1].text, "at": kept[-1].at, "notes": len(kept)}
     say_either(json, "axiscal-note/1", document, [said("Noted; it is on the disk.")])
-
-
-def start(
-    campaign: CampaignFile,
-    record: Annotated[
-        Path | None,
-        typer.Argument(metavar="RECORD", help="The record to make; default: the campaign's name with .axiscal, here."),
-    ] = None,
-    json: Json = False,
-) -> None:
-    """Begin a campaign: make its record.
-
-    The record carries both descriptions; later changes of the files do not touch it.
-
-    \b
-    Example:
-      axiscal step start campaign.toml mill.axiscal
-    """
-
-    description = campaign_with_sisters(campaign)
-    path = record or Path(f"{campaign.stem}.axiscal")
-    with Campaign.create(path, description) as opened:
-        try:
-            tell_out_of_reach(opened)
-            tell_unasked(description)
-            planned = opened.prepared()
-        except BaseException:  # nothing stays of a campaign that cannot be planned
-            path.unlink(missing_ok=True)  # on a server it stays: nothing is deleted there
-            raise
-    setups = counted("{count} set-up", "{count} set-ups", len(description.setups))
-    readings = counted("{count} reading", "{count} readings", len(planned))
-    ready = "{record} is ready: {machine}, {setups}, {readings} planned."
-    words = said(ready, record=path, machine=description.machine.name, setups=setups, readings=readings)
-    coming = ending({said("Next"): [f"axiscal measure {shlex.quote(str(path))}"]})
-    say_either(json, "axiscal-start/1", {"record": str(path)}, [words, *coming])

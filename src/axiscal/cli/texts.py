@@ -11,21 +11,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
 
-from axiscal.answers.answer_words import ending, um_text
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.ending import Ended, because_text
 from axiscal.estimation.accuracy.yardstick import Accuracy
 from axiscal.exceptions import AxiscalError
-from axiscal.language.spoken import counted, said
+from axiscal.language.spoken import counted, ending, said
 from axiscal.measurement.reading import reading_unit, value_names
 from axiscal.present.guide.question import axis_places, question_text, reads_text, sign_text, touch_text
 from axiscal.record.events import Asked, State
-from axiscal.units import to_unit
-
-
-def micrometres(length: float) -> str:
-    """Return a length in um with three significant digits.  length : m"""
-    return um_text(to_unit(length, "um"))
+from axiscal.units import said_quantity
 
 
 def asked_screen(campaign: Campaign, asked: Asked) -> str:
@@ -68,9 +62,9 @@ def question_document(campaign: Campaign, asked: Asked | Ended) -> dict[str, obj
 
 def accuracy_text(known: Accuracy, rms: float | None, worst: float | None) -> str:
     """Return the standard uncertainty with the targets, where there are any."""
-    figures = (micrometres(known.rms), rms), (micrometres(known.worst), worst)
+    figures = (said_quantity(known.rms, "um"), rms), (said_quantity(known.worst, "um"), worst)
     found, largest = (
-        text if target is None else said("{figure} (target {target})", figure=text, target=micrometres(target))
+        text if target is None else said("{figure} (target {target})", figure=text, target=said_quantity(target, "um"))
         for text, target in figures
     )
     return said("RMS {rms}, worst {worst}", rms=found, worst=largest)

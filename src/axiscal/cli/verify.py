@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from axiscal.answers.answer_of_campaign import advised_control
-from axiscal.answers.answer_words import WIDTH, digits, ending
+from axiscal.answers.answer_words import WIDTH, digits
 from axiscal.campaign.campaign import Campaign
 from axiscal.campaign.sources import Source
 from axiscal.cli.arguments import Details, Json, PlacesFile, RecordFile, Template
@@ -19,7 +19,7 @@ from axiscal.cli.export import template_text
 from axiscal.cli.printing import say, say_document, say_either
 from axiscal.document.durable import write_whole
 from axiscal.evaluation.check import USUAL, Check, Taken
-from axiscal.language.spoken import joined, listed, said
+from axiscal.language.spoken import ending, joined, listed, said
 from axiscal.measurement.reading import Places
 from axiscal.present.check_answer import (
     CheckAnswer,

@@ -153,6 +153,14 @@ def decimals(text: str) -> str:
     return text.replace(".", DECIMALS[_SPOKEN.get()])
 
 
+def ending(lines_of: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Yield commands and files below each other, behind what they are."""
+    width = max(len(word) for word in lines_of)
+    for word, lines in lines_of.items():
+        for number, line in enumerate(lines):
+            yield f"{'' if number else word:{width}}  {line}"
+
+
 class _Filling(Formatter):
     """Fills names in, numbers as they are written in the language that is spoken."""
 

@@ -15,19 +15,17 @@ from axiscal.answers.answer_words import (
     by_kind,
     columns,
     digits,
-    ending,
     first_lines,
     known_text,
     row_names,
-    um_text,
     wrapped,
 )
 from axiscal.description.type_b import MEASURED_TEMPERATURE
-from axiscal.language.spoken import counted, listed, put, said
+from axiscal.language.spoken import counted, ending, listed, put, said
 from axiscal.planning.helping import helping_words
 from axiscal.present.plan_answer import PlanAnswer
 from axiscal.present.sentences import cause_words
-from axiscal.units import said_quantity
+from axiscal.units import said_quantity, um_text
 
 LINES = 16
 """Of a terminal that nobody scrolls."""
