@@ -140,7 +140,7 @@ Growth = Annotated[float, _not_negative("expansion")]
 class Table(BaseModel):
     """A table in which every key is known and no value is bent to fit."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 
 class GridTable(Table):

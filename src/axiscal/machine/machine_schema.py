@@ -49,7 +49,7 @@ QuantityTexts = Annotated[str | Twice, PlainValidator(_texts, json_schema_input_
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 class ToolTable(_Table):

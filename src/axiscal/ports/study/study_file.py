@@ -116,7 +116,7 @@ MOST_MACHINES = 1_000_000
 
 
 class _KnownKeys(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
 
 
 class StudyTable(_KnownKeys):
