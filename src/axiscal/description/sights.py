@@ -19,7 +19,7 @@ from axiscal.exceptions import DescriptionError
 from axiscal.language.spoken import later, listed, said
 from axiscal.machine import Axis, Machine
 from axiscal.machine.kinematics import linear_axes
-from axiscal.measurement.candidates import FEWEST, chart_candidates
+from axiscal.measurement.candidates import FEWEST, chart_candidates, chart_places
 from axiscal.measurement.charts.bar import Circle
 from axiscal.measurement.charts.box import FINEST_PLACE, Sight
 from axiscal.measurement.charts.held import Balls, Held
@@ -42,9 +42,9 @@ def refuse_unreachable(machine: Machine, setup: Setup) -> None:
     chart = setup.chart
     each = chart.each if isinstance(chart, Balls) else () if chart is None else (chart,)
     for number, part in enumerate(each):
-        poses, _ = chart_candidates(machine, setup, part, _LOOKED_AT)
+        places, _ = chart_places(machine, setup, part, _LOOKED_AT)
         finite = all(each.step > 0 for each in part.coordinates)
-        if len(poses) >= (1 if finite else FEWEST):
+        if len(places) >= (1 if finite else FEWEST):
             continue
         if isinstance(part, Sight):
             what = 'the {instrument} of "{setup}" sees the tool in no pose, or hardly any'

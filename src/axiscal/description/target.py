@@ -324,17 +324,23 @@ class PartVolume:
     def poses(self, machine: Machine, count: int = POSES) -> Array:
         """Return up to so many poses within the travels, spread evenly over places of the part and turns, (m, q)."""
         unit = even_points(_TRIED * count, 3 + len(self.turns))
+        room, found = Room.empty(machine), np.zeros((0, len(machine.axes)))
+        for tried in np.split(unit, _TRIED):
+            poses = self._at(machine, tried)
+            found = np.concatenate([found, poses[room.in_travel(poses)]])
+            if len(found) >= count:
+                break
+        return found[:count]
+
+    def _at(self, machine: Machine, unit: Array) -> Array:
+        """Return the poses of places of the part, within the travels or not, (m, q).  unit : (m, 3 + turns) shares"""
         park = np.zeros((len(unit), len(machine.axes)))
         park[:, [not axis.rotary for axis in machine.axes]] = [sum(a.travel) / 2 for a in machine.axes if not a.rotary]
         low, high = np.array(self.turns).reshape(-1, 2).T
         park[:, [axis.rotary for axis in machine.axes]] = low + (high - low) * unit[:, 3:]
-        found = tip_at(machine, park, self._points(unit[:, :3]))
-        return found[Room.empty(machine).in_travel(found)][:count]
-
-    def _points(self, unit: Array) -> Array:
         low, high = np.array(self.spans).T
-        points: Array = low + (high - low) * unit
+        points = low + (high - low) * unit[:, :3]
         if self.radius is not None:
             far, turn = self.radius * np.sqrt(unit[:, 0]), 2 * np.pi * unit[:, 1]
             points[:, 0], points[:, 1] = far * np.cos(turn), far * np.sin(turn)
-        return points
+        return tip_at(machine, park, points)

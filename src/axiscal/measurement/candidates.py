@@ -151,7 +151,7 @@ Chosen = tuple[Array, Array]
 
 def chart_candidates(machine: Machine, setup: Setup, chart: Chart, count: int) -> tuple[Array, Array]:
     """Return poses and approaches (m, q) of about so many candidates; fewer where fewer can be taken."""
-    places, sides = _chosen(machine, setup, chart, count)
+    places, sides = chart_places(machine, setup, chart, count)
     return chart.poses(places), arrivals_of(machine, setup, chart, places, sides)
 
 
@@ -175,7 +175,8 @@ def turned_to(machine: Machine, setup: Setup, approaches: Array) -> Array:
     return np.where([axis.rotary for axis in machine.axes], approaches, 0.0)
 
 
-def _chosen(machine: Machine, setup: Setup, chart: Chart, count: int) -> Chosen:
+def chart_places(machine: Machine, setup: Setup, chart: Chart, count: int) -> Chosen:
+    """Return about so many places of a chart that can be taken, and sides; fewer where fewer can be."""
     choices = chart_sides(machine, setup, chart)
     if all(end.step > 0 for end in chart.coordinates):
         return _thinned(_raster(chart, choices), _WHOLE * count if count >= _MANY else count, count)
@@ -189,7 +190,8 @@ def chart_sides(machine: Machine, setup: Setup, chart: Chart) -> Array:
 
 def _sides_count(machine: Machine, setup: Setup, chart: Chart) -> NDArray[np.bool_]:
     """Return of which coordinates the side shows: where an axis that they move has a reversal value."""
-    reverses = [k for k, axis in enumerate(machine.axes) if f"{axis.positioning_error}_reversal" in _reversals(machine)]
+    reversals = {entry.name for entry in machine.errors if entry.kind == "reversal"}
+    reverses = [k for k, axis in enumerate(machine.axes) if f"{axis.positioning_error}_reversal" in reversals]
     shown = [k for k in reverses if machine.axes[k].rotary or setup.sides_follow]
     middle = np.array([[(each.low + each.high) / 2 for each in chart.coordinates]])
     result = np.zeros(middle.size, dtype=bool)
@@ -198,10 +200,6 @@ def _sides_count(machine: Machine, setup: Setup, chart: Chart) -> NDArray[np.boo
         moved = np.abs(chart.poses(aside) - chart.poses(middle))[0]
         result[number] = each.overrun > 0 and bool(np.any(moved[shown] > 0))
     return result
-
-
-def _reversals(machine: Machine) -> set[str]:
-    return {entry.name for entry in machine.errors if entry.kind == "reversal"}
 
 
 def _raster(chart: Chart, choices: Array) -> Chosen:
