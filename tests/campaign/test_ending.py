@@ -94,7 +94,7 @@ def test_no_reading_can_is_said_only_below_the_floor(gapped: Estimation) -> None
     known, floor = gapped.accuracy.rms, 0.95 * gapped.accuracy.rms
     yardstick = gapped.case.yardstick
     gapped.case.__dict__["yardstick_as_sized"] = yardstick
-    yardstick.__dict__["floors"] = (floor, floor)
+    yardstick.__dict__["rms_floor"] = floor
     try:
         assert standing(asked(1.01 * known), gapped) == "rms target reached"
         assert standing(asked(1.01 * floor), gapped) is None
@@ -104,10 +104,10 @@ def test_no_reading_can_is_said_only_below_the_floor(gapped: Estimation) -> None
             f"these leave {1e6 * known:.3g} um"
         )
         assert reaches(asked(0.8 * known), gapped) is False
-        yardstick.__dict__["floors"] = (2 * known, 2 * known)  # as stated: the readings have shown less
+        yardstick.__dict__["rms_floor"] = 2 * known  # as stated: the readings have shown less
         assert standing(asked(0.8 * known), gapped) is None
     finally:
-        del yardstick.__dict__["floors"], gapped.case.__dict__["yardstick_as_sized"]
+        del yardstick.__dict__["rms_floor"], gapped.case.__dict__["yardstick_as_sized"]
 
 
 def wanting(wants: Sequence[Want], expanded: float | None = None, taken: int = 28) -> tuple[Target, Estimation]:

@@ -54,7 +54,7 @@ def refuse_out_of_reach(case: Case, limits: Limits) -> None:
     """Raise TargetError for an RMS that these set-ups cannot bring, however often or MOST times read, and say why."""
     if limits.rms is None:
         return
-    floor = case.yardstick.floors[0]
+    floor = case.yardstick.rms_floor
     if floor > limits.rms:
         target = replace(case.description.target, rms=limits.rms, worst=None, expanded=None)
         what = "an RMS of {rms:.3g} um cannot be reached: {leaves}"

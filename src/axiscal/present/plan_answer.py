@@ -110,7 +110,7 @@ def plan_answer(case: Case, proposal: Proposal, limits: Limits, *, ends: bool = 
         worst_um=to_unit(plan.accuracy.worst, "um"),
         before_rms_um=to_unit(plan.before.rms, "um"),
         unseen_rms_um=to_unit(case.yardstick.unseen_rms, "um"),
-        reachable_rms_um=to_unit(case.yardstick.floors[0], "um"),
+        reachable_rms_um=to_unit(case.yardstick.rms_floor, "um"),
         target_met=answer.verdict == "reached",
         J=plan.value,
         bound_J=None if plan.bound is None else plan.bound.value,

@@ -19,6 +19,8 @@ from axiscal.numerics import Array, rigid
 
 _BLOCK = 1000
 """Poses at once: of memory, not of the result."""
+_NO_MOTION = 1e-12
+"""Share of the largest motion from which on one is none: of a part that is a point, or a line."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +54,10 @@ class Alignment:
         motion = (self.motions(self.poses) * self._counts).reshape(-1, 6)
         crossed = np.zeros((6, self.errors.size))
         for at in range(0, len(self.poses), _BLOCK):
-            poses = self.poses[at : at + _BLOCK]
-            rows = self.errors.rows(poses, np.zeros_like(poses)).reshape(-1, self.errors.size)
+            part = self.poses[at : at + _BLOCK]
+            rows = self.errors.rows(part, np.zeros_like(part)).reshape(-1, self.errors.size)
             crossed += motion[3 * at : 3 * (at + _BLOCK)].T @ rows
-        return np.asarray(np.linalg.lstsq(motion.T @ motion, crossed, rcond=1e-12)[0], dtype=np.float64)
+        return np.asarray(np.linalg.lstsq(motion.T @ motion, crossed, rcond=_NO_MOTION)[0], dtype=np.float64)
 
     def taken_off(self, poses: Array) -> Array:
         """Return what is taken off the rows at poses, (m, 3, size)."""
@@ -74,26 +76,31 @@ def sampled_moments(
 ) -> VolumeMoments:
     """Return the means over poses, from both directions evenly; what an alignment takes off is taken off.
 
-    poses : (m, q)
+    poses : (m, q), those over which the part is aligned
     """
-    mean, gram = np.zeros((3, errors.size)), np.zeros((errors.size, errors.size))
-    sides = _reversals(errors)
+    mean, gram, squares = np.zeros((3, errors.size)), np.zeros((errors.size,) * 2), np.zeros(len(errors.terms))
+    inner, crossed = np.zeros((6, 6)), np.zeros((6, errors.size))
+    ways, sides = list(counted), _reversals(errors)
     for at in range(0, len(poses), _BLOCK):
         part = poses[at : at + _BLOCK]
-        rows = errors.rows(part, np.zeros_like(part))
-        turned = errors.rows(part, np.ones_like(part)) - rows
-        if alignment is not None:
-            rows = rows - alignment.taken_off(part)
-        mean += rows.sum(axis=0)
-        flat = rows[:, list(counted)].reshape(-1, errors.size)
-        gram += flat.T @ flat
+        levers = errors.levers(part).transpose(2, 0, 1)
+        middle, above = (errors.along(levers, part, np.full_like(part, side)) for side in (0.0, 1.0))
+        rows = middle[ways].reshape(-1, errors.size)
+        mean += middle.sum(axis=1)
+        gram += rows.T @ rows
+        squares += np.sum(levers[ways] ** 2, axis=(0, 2))
         for columns in sides:
-            own = turned[:, list(counted)][:, :, columns].reshape(-1, len(columns))
+            own = (above[:, :, columns] - middle[:, :, columns])[ways].reshape(-1, len(columns))
             gram[np.ix_(columns, columns)] += own.T @ own
+        if alignment is not None:
+            motion = alignment.motions(part).swapaxes(0, 1)[ways].reshape(-1, 6)
+            inner += motion.T @ motion
+            crossed += motion.T @ rows
     if alignment is not None:
         mean[:] = 0.0
-    squares = np.sum(errors.levers(poses)[:, :, list(counted)] ** 2, axis=2).mean(axis=1)
-    return VolumeMoments(mean / len(poses), gram / len(poses), *levers_and_rest(errors, squares), counted)
+        gram -= crossed.T @ np.linalg.lstsq(inner, crossed, rcond=_NO_MOTION)[0]
+    count = len(poses)
+    return VolumeMoments(mean / count, gram / count, *levers_and_rest(errors, squares / count), counted)
 
 
 def _reversals(errors: ErrorModel) -> list[list[int]]:

@@ -65,8 +65,9 @@ def known_to(name: str, yardstick: Yardstick, belief: Belief) -> float:
     """Return how well a belief knows the volume, m.  name : "U", "rms" or "worst" """
     if name == "U":
         return expanded(yardstick, belief).space
-    accuracy = yardstick.measure(belief)
-    return accuracy.rms if name.lower() == "rms" else accuracy.worst
+    if name.lower() == "rms":
+        return yardstick.rms_of(yardstick.root.criterion(belief.factor))
+    return yardstick.measure(belief).worst
 
 
 def expanded_floor(yardstick: Yardstick) -> Expanded:
@@ -78,7 +79,7 @@ def floor_of(name: str, yardstick: Yardstick) -> float:
     """Return what endless readings would leave of the figure of that name, m, as of `known_to`."""
     if name == "U":
         return expanded_floor(yardstick).space
-    return yardstick.floors[name == "worst"]
+    return yardstick.floors[1] if name == "worst" else yardstick.rms_floor
 
 
 def expanded_of(

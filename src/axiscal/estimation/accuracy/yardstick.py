@@ -52,8 +52,7 @@ def attainable(limit: float, floor: float) -> float:
     return limit if floor <= limit else _NEAR * floor
 
 
-_BY_PLACES = ("_shift", "root", "shifts", "poses", "places", "rows", "_every_row", "evenly")
-_OF_UNSEEN = ("unseen_rms", "_unseen_total", "_unseen_shift", "_here", "_hidden")
+_BY_PLACES, _OF_UNSEEN = ("_shift", "root", "shifts", "poses", "places", "evenly"), ("unseen_rms", "_unseen_shift")
 """What a yardstick has found that depends on no size of an error, and on no other size than those of the unseen."""
 
 
@@ -75,6 +74,7 @@ class Yardstick:
     left : (errors.size, s) factor of what endless readings leave, what instruments are off by with it
     zeroed : directions x, y, z of the workpiece frame in which a constant shift is not counted
     sample : (m, q) poses of the volume where it is not a box of them; alignment : what probing the part takes off
+    like : one for errors of other sizes, whose rows at these places it has, found where somebody asks for them
     """
 
     errors: ErrorModel
@@ -85,6 +85,7 @@ class Yardstick:
     zeroed: tuple[bool, bool, bool] = (False, False, False)
     sample: Array | None = None
     alignment: Alignment | None = None
+    like: Yardstick | None = None
 
     def with_rests_of(self, errors: ErrorModel, left: Array | None = None) -> Yardstick:
         """Return the same yardstick for errors of other sizes: what follows from places alone is not found again.
@@ -94,7 +95,7 @@ class Yardstick:
         stays, moments = left is None, of_rests(errors, self.moments)
         left = self.left if left is None else left
         unseen = self.unseen if stays else left[:, : self.unseen.shape[1]]
-        other = replace(self, errors=errors, moments=moments, unseen=unseen, left=left)
+        other = replace(self, errors=errors, moments=moments, unseen=unseen, left=left, like=self)
         for name in (*_BY_PLACES, *(_OF_UNSEEN if stays else ())):
             other.__dict__[name] = getattr(self, name)
         return other
@@ -124,22 +125,21 @@ class Yardstick:
     @cached_property
     def unseen_rms(self) -> float:
         """RMS over the volume of what no allowed reading sees, m."""
-        return float(np.sqrt(max(self._unseen_total - self._unseen_shift, 0.0)))
+        return float(np.sqrt(max(self.root.criterion(self.unseen) - self._unseen_shift, 0.0)))
 
     @cached_property
     def floors(self) -> tuple[float, float]:
         """RMS over the volume and largest standard deviation that endless readings would leave, m."""
-        rms = self.rms_of(self.root.criterion(self.left))
-        return rms, max(float(np.sqrt(self.variances(self.left).max())), rms)
+        return self.rms_floor, max(float(np.sqrt(self.variances(self.left).max())), self.rms_floor)
 
     @cached_property
-    def _unseen_total(self) -> float:
-        """tr(V C_∞ Vᵀ), m²."""
-        return self.root.criterion(self.unseen)
+    def rms_floor(self) -> float:
+        """The first of them, for which no place has to be looked at."""
+        return self.rms_of(self.root.criterion(self.left))
 
     @cached_property
     def _unseen_shift(self) -> float:
-        """The part of it that is a constant shift in the other directions, m²."""
+        """The part of tr(V C_∞ Vᵀ) that is a constant shift in the other directions, m²."""
         return float(np.sum((self.shifts @ self.unseen) ** 2))
 
     @cached_property
@@ -166,9 +166,8 @@ class Yardstick:
 
     def figures(self, total: float, variances: Array) -> Accuracy:
         """Return the figures for tr(V C Vᵀ) and the TCP variances at the yardstick's poses, m²."""
-        variance = max(total - self._unseen_shift + self.moments.rest, 0.0)
-        worst = max(float(np.max(variances)), variance)
-        return Accuracy(float(np.sqrt(variance)), float(np.sqrt(worst)), *self.floors)
+        rms = self.rms_of(total)
+        return Accuracy(rms, float(np.sqrt(max(np.max(variances), rms**2))), *self.floors)
 
     def rms_of(self, total: float) -> float:
         """Return the RMS over the volume that belongs to J = tr(V C Vᵀ), m."""
@@ -203,12 +202,16 @@ class Yardstick:
     @cached_property
     def _every_row(self) -> Array:
         """The same in every direction, counted or not."""
+        if self.like is not None:
+            return self.like._every_row
         rows: Array = self.errors.rows(*self.poses) - self._shift
         return rows if self.alignment is None else rows - self.alignment.taken_off(self.poses[0])
 
     @cached_property
     def _here(self) -> Array:
         """Deviations that the allowed readings cannot see, at each pose, counted or not: (m, 3, r)."""
+        if self.like is not None and self.like.unseen is self.unseen:
+            return self.like._here
         here = self._every_row.reshape(-1, self.errors.size) @ self.unseen
         return here.reshape(len(self.rows), 3, -1)
 
