@@ -19,7 +19,7 @@ import numpy as np
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.promise.passing import Contribution, columns_of, contributions
 from axiscal.measurement.observation import Observation
-from axiscal.measurement.reading_rows import places_of, seen
+from axiscal.measurement.reading_rows import Seen, places_of, seen
 from axiscal.measurement.setup import Unknown
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
@@ -46,8 +46,9 @@ def budget(known: Estimation) -> list[BudgetShare]:
     """
     if not known.readings:
         return _before(known)
-    spread = _spread(known)
-    shares = [*_of_readings(known, spread), *_of_unknowns(known, spread), *_of_type_b(known, spread)]
+    spread, numbers = _spread(known), seen(known.knowledge.observation, known.readings)
+    read = known, spread, numbers
+    shares = [*_of_readings(*read), *_of_unknowns(known, spread), *_of_type_b(*read)]
     missing = known.accuracy.rms**2 - sum(share.rms**2 for share in shares)
     return [*shares, BudgetShare("sizes", "", float(np.sqrt(max(missing, 0.0))))]
 
@@ -60,34 +61,25 @@ def _before(known: Estimation) -> list[BudgetShare]:
             for kind, each in (("detail", detail), ("prior", prior), ("unseen", unseen))]  # fmt: skip
 
 
-def _weighted(known: Estimation) -> tuple[Array, Array, Array]:
-    """Return the rows of all believed numbers, one over their variances, and the set-up of each."""
-    observation = known.knowledge.observation
-    numbers = seen(observation, known.readings)
-    index = {setup.name: k for k, setup in enumerate(observation.setups)}
-    owner = np.array([index[reading.setup] for reading in known.readings])
-    return numbers.rows, known.absorbed.precisions(numbers), owner[numbers.reading]
-
-
-def _of_readings(known: Estimation, spread: Array) -> Iterator[BudgetShare]:
+def _of_readings(known: Estimation, spread: Array, numbers: Seen) -> Iterator[BudgetShare]:
     """Yield what the noise of each set-up's readings leaves: C Hᵀ R⁻¹ H C of these."""
-    rows, precision, owner = _weighted(known)
-    for k, setup in enumerate(known.knowledge.observation.setups):
+    setups, precision = known.knowledge.observation.setups, known.absorbed.precisions(numbers)
+    owner = places_of(setups, known.readings).setups[numbers.reading]
+    for k, setup in enumerate(setups):
         mine = owner == k
         if np.any(mine):
-            passed = (spread @ rows[mine].T) * np.sqrt(precision[mine])
+            passed = (spread @ numbers.rows[mine].T) * np.sqrt(precision[mine])
             yield BudgetShare("instrument", setup.name, float(np.linalg.norm(passed)))
 
 
-def _of_type_b(known: Estimation, spread: Array) -> Iterator[BudgetShare]:
+def _of_type_b(known: Estimation, spread: Array, numbers: Seen) -> Iterator[BudgetShare]:
     """Yield the shift of the estimate by one standard deviation of each type B cause b: V C Hᵀ R⁻¹ b."""
     observation = known.knowledge.observation
     places, values = places_of(observation.setups, known.readings), [each.values for each in known.readings]
     causes = contributions(observation, places, values, known.case.description.usual)
     if causes:
-        rows, precision, _ = _weighted(known)
-        columns = columns_of(causes, places, seen(observation, known.readings).reading)
-        moved = spread @ (rows.T @ (precision[:, None] * columns))
+        columns = columns_of(causes, places, numbers.reading)
+        moved = spread @ (numbers.rows.T @ (known.absorbed.precisions(numbers)[:, None] * columns))
         for cause, rms in zip(causes, np.linalg.norm(moved, axis=0).tolist(), strict=True):
             yield BudgetShare("type B", "", rms, cause)
 

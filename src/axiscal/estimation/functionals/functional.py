@@ -29,6 +29,7 @@ from axiscal.measurement.instrument import model_of, values_of
 from axiscal.measurement.reading import Reading
 from axiscal.measurement.setup import Setup
 from axiscal.numerics import Array
+from axiscal.numerics.remembered import remembered
 
 _ABOUT = {"pitch": (1, 0, 0), "yaw": (2, 2, 1), "roll": (0, 1, 2)}
 """About which direction an axis along x, y, z pitches, yaws and rolls."""
@@ -53,6 +54,7 @@ class Functional:
         row: Array = np.einsum("kmc,mc->k", self.weights, deviations)
         return row
 
+    @remembered
     def rows(self, errors: ErrorModel) -> Array:
         """Return the row as a map of the error coefficients, (k, size)."""
         found = errors.angular_rows if self.angular else errors.rows
@@ -69,6 +71,7 @@ class Functional:
         spectra: Array = np.maximum(np.linalg.eigvalsh(each @ each.transpose(0, 2, 1)), 0.0)
         return spectra
 
+    @remembered
     def _rests(self, errors: ErrorModel) -> Array:
         """Return what one standard deviation of the rest of each cell of each term does to the row, (k, cells)."""
         levers = (errors.angular_levers if self.angular else errors.levers)(self.poses)

@@ -24,6 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -97,18 +98,22 @@ class Posterior:
     left_out: dict[int, LeftOut]
 
 
-class _Judged(NamedTuple):
-    """Readings, draws of the sizes that they teach, and what the others expect of each."""
+@dataclass(frozen=True, eq=False)
+class _Judged:
+    """Readings, and draws of the sizes that they teach."""
 
     problem: Problem
     found: Weighed
-    left: dict[int, LeftOut]
+
+    @cached_property
+    def left(self) -> dict[int, LeftOut]:
+        """What the others expect of each reading, by its index."""
+        return _as_stated(self.problem, self.found, _left_out(self.problem, self.found))
 
 
 def _judged(problem: Problem, apart: Sequence[int], before: Draws | None = None) -> _Judged:
     mine = problem.only(~np.isin(problem.reading, apart)) if apart else problem
-    found = sized(mine, before)
-    return _Judged(mine, found, _as_stated(mine, found, _left_out(mine, found)))
+    return _Judged(mine, sized(mine, before))
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +148,7 @@ class Sorted:
         turned : the problem if some axes count the other way; made only where the readings contradict
         volume : G (e, e) of errors z, where zᵀG z is the mean square of the deviation over the volume
         """
-        mine, found, left = self.mine
+        mine, found, left = self.mine.problem, self.mine.found, self.mine.left
         judged = [self.mine] if self.with_details is None else [self.mine, self.with_details]
         moments = _moments(judged, np.zeros((0, 0)) if volume is None else volume)
         kept = np.isin(self.problem.reading, [*left])
