@@ -241,7 +241,7 @@ class Case:
     @cached_property
     def yardstick_as_sized(self) -> Yardstick:
         """The same with what endless readings leave of errors, and nothing sees, as large as they are here."""
-        return self.yardstick.with_rests_of(self.errors, self._left)
+        return self.yardstick if self.sized_from is None else self.yardstick.with_rests_of(self.errors, self._left)
 
     @property
     def _over_what(self) -> tuple[Machine, Target, Itself[About | None]]:
