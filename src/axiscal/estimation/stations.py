@@ -73,7 +73,7 @@ class Optimum(NamedTuple):
 
 
 def polished(problem: BentReadings, start: Array) -> Optimum:
-    """Return the optimum that a start leads to (Levenberg, Marquardt).  start : (k,)"""
+    """Return the optimum that a start leads to.  start : (k,)"""
 
     def left(z: Array) -> Array:
         return np.concatenate([z, -problem.left(problem.start + problem.root @ z)])

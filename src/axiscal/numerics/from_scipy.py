@@ -110,12 +110,12 @@ def log_normal_share(below: Array) -> Array:
 def least_squares(
     left: Callable[[Array], Array], slopes: Callable[[Array], Array], start: Array
 ) -> tuple[Array, float]:
-    """Return where a start leads that makes the sum of squares small, (k,), and half that sum (MINPACK's lmder).
+    """Return where a start leads that makes the sum of squares small, (k,), and half that sum, by trust regions.
 
     left : (k,) → (m,), m at least k; slopes : its derivatives (m, k); start : (k,)
     """
     solve = _function("scipy.optimize", "least_squares")
-    found = solve(left, start, slopes, method="lm", ftol=_EXACT, xtol=_EXACT, gtol=_EXACT)
+    found = solve(left, start, slopes, ftol=_EXACT, xtol=_EXACT, gtol=_EXACT)
     return np.asarray(found.x, dtype=float), float(found.cost)
 
 
