@@ -29,16 +29,16 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(65_016, 50_000),
+    "lines of src": Budget(64_834, 50_000),
     "files of src": Budget(335, 335),
     "mechanisms that remember": Budget(3, 1),
-    "classes that change": Budget(32, 15),
-    "public names of more than five functions": Budget(11, 10),
+    "classes that change": Budget(31, 15),
+    "public names of more than five functions": Budget(10, 10),
 }
 WALKS = {
-    "next m.axiscal": {"files": Budget(45, 45), "functions": Budget(293, 250), "frames": Budget(20, 16)},
-    "record asked.axiscal 1um": {"files": Budget(83, 60), "functions": Budget(667, 250), "frames": Budget(27, 16)},
-    "plan campaign.toml --readings 12": {"files": Budget(100, 100)},
+    "next m.axiscal": {"files": Budget(44, 44), "functions": Budget(293, 250), "frames": Budget(20, 16)},
+    "record asked.axiscal 1um": {"files": Budget(83, 60), "functions": Budget(664, 250), "frames": Budget(27, 16)},
+    "plan campaign.toml --readings 12": {"files": Budget(94, 94)},
 }
 """Of the campaign `mill`, of four set-ups, which is planned: the functions of axiscal that a command enters."""
 

@@ -17,11 +17,9 @@ from pydantic import Field
 
 from axiscal.description.artefacts import read_artefacts
 from axiscal.description.campaign_schema import (
-    ArtefactTable,
     CampaignTable,
     ProgramsTable,
     ReportTable,
-    SetupTable,
     SistersTable,
 )
 from axiscal.description.setups import Surroundings, at_each_place, read_setups
@@ -68,12 +66,9 @@ def read_particulars(table: CampaignTable, machine: Machine) -> Particulars:
     built = tomllib.loads(machine.text)
     of_machine = {key: str(built.get(key, "")) for key in ("maker", "serial")}
     mounted = [each for one in table.setups for each in at_each_place(one)]
-    setups, artefacts = _equipment(mounted), _equipment(table.artefacts)
+    said = mounted, table.artefacts
+    setups, artefacts = ({each.name: Equipment(each.serial, each.certificate) for each in tables} for tables in said)
     return Particulars(**table.report.model_dump(), **of_machine, setups=setups, artefacts=artefacts)
-
-
-def _equipment(tables: Sequence[SetupTable | ArtefactTable]) -> dict[str, Equipment]:
-    return {each.name: Equipment(each.serial, each.certificate) for each in tables}
 
 
 _PRINTERS = {"klipper", "marlin", "reprapfirmware"}

@@ -67,7 +67,8 @@ def read_setups(tables: list[SetupTable], around: Surroundings) -> tuple[Setup, 
     faults, setups = Faults(), list[Setup]()
     for number, table in enumerate(tables):
         with faults.noted():
-            _refuse_choice(table, partial(document.placed, "setups", number))
+            if table.choose_from is not None:
+                _refuse_choice(table, table.choose_from, partial(document.placed, "setups", number))
             setups += [_Reader(each, around, number).setup() for each in at_each_place(table)]
     with faults.noted():
         _refuse_same_name(setups, document)
@@ -87,10 +88,8 @@ def at_each_place(table: SetupTable) -> list[SetupTable]:
     return tables
 
 
-def _refuse_choice(table: SetupTable, at: At) -> None:
+def _refuse_choice(table: SetupTable, places: Sequence[Vector], at: At) -> None:
     """Raise DescriptionError where a plan may choose from places that are none."""
-    if table.choose_from is None:
-        return
     with at("choose_from"):
         if table.artefact is None and table.instrument not in ("tracker", "tracer", "ballbar"):
             what = "a {instrument} stands at no place that could be chosen"
@@ -98,7 +97,7 @@ def _refuse_choice(table: SetupTable, at: At) -> None:
         if any(said is not None for said in (table.station, table.stations, table.at)):
             what = "it is said twice where it stands"
             raise DescriptionError(what, "Keep choose_from, or station, stations or at")
-        if len(set(table.choose_from)) < max(len(table.choose_from), 2):
+        if len(set(places)) < max(len(places), 2):
             raise DescriptionError("these are not two or more different places", "Name each place once")
 
 

@@ -119,7 +119,7 @@ def _growing(base: Scores, parts: Sequence[Setups], limits: Limits, times: Clock
     state, lattice = base.state, base.pool.lattice
     every = {setup: np.flatnonzero(lattice.setups == setup) for setup in np.unique(lattice.setups).tolist()}
 
-    def left(setups: Setups) -> float:
+    def remaining(setups: Setups) -> float:
         shares = np.array_split(np.arange(_most_readings(limits, times, setups)), len(setups))
         dealt = [
             _evenly(every[setup], len(share), turn / len(setups))
@@ -130,7 +130,7 @@ def _growing(base: Scores, parts: Sequence[Setups], limits: Limits, times: Clock
 
     sets: list[Setups] = [()]
     while more := [tuple(sorted({*sets[-1], *part})) for part in parts if not {*part} <= {*sets[-1]}]:
-        sets.append(min(more, key=left))
+        sets.append(min(more, key=remaining))
     return sets[1:]
 
 
