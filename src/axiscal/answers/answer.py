@@ -62,7 +62,7 @@ StepCode = Literal["load", "verify", "export", "undo", "accept", "measure", "nex
 class AnswerDocument(BaseModel):
     """A document: complete, with no other keys."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class AnswerLine(AnswerDocument):
