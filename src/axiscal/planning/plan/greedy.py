@@ -59,8 +59,8 @@ class Trial:
 def chosen_setups(task: Task, limits: Limits) -> Setups:
     """Return the set-ups that are worth their mounting, by picks from a coarse lattice.
 
-    For an accuracy all sets of up to four set-ups are tried; with more, sets grow and shrink by one while it helps.
-    For so many readings or so much time one set of each size is tried, see `_growing`.
+    For an accuracy all sets of up to four set-ups are tried. Of more, and for so many readings or so much time, one set
+    of each size is, see `_growing`; for an accuracy the best grows and shrinks by one while it helps.
     """
     everything = tuple(int(s) for s in np.unique(task.lattice.setups))
     if len(everything) == 1:
@@ -75,12 +75,12 @@ def chosen_setups(task: Task, limits: Limits) -> Setups:
             longest = min(longest, trial.seconds)
         return trial.key(limits)
 
-    if not limits.accurate:
-        return _of_best_size(_growing(base, _parts(task, everything), limits, times), key)
+    if not limits.accurate or len(everything) > _EVERY_SUBSET:
+        parts = _parts(task, everything)
+        sets = _growing(base, parts, limits, times)
+        return _changed(sets, parts, key) if limits.accurate else _of_best_size(sets, key)
     # all of them first: what takes longer than they do to reach the accuracy is given up at once
     values = {everything: key(everything)}
-    if len(everything) > _EVERY_SUBSET:
-        return _grown(_parts(task, everything), key)
     values |= {s: key(s) for count in range(1, len(everything)) for s in combinations(everything, count)}
     return min(values, key=lambda setups: (values[setups], len(setups)))
 
@@ -149,8 +149,9 @@ def _of_best_size(sets: Sequence[Setups], key: Callable[[Setups], tuple[float, f
     return sets[low]
 
 
-def _grown(parts: Sequence[Setups], key: Callable[[Setups], tuple[float, float]]) -> Setups:
-    best = min(parts, key=key)
+def _changed(sets: Sequence[Setups], parts: Sequence[Setups], key: Callable[[Setups], tuple[float, float]]) -> Setups:
+    """Return the best of sets that grow, and what it becomes by a part more or a set-up less while that helps."""
+    best = min(reversed(sets), key=key)
     value = key(best)
     while True:
         more = [tuple(sorted({*best, *part})) for part in parts if not {*part} <= {*best}]
