@@ -22,28 +22,22 @@ STATION = np.array([0.9, -0.9, 0.3])
 TWO_PLACES = 'choose_from = [["900 mm", "-900 mm", "300 mm"], ["0 mm", "-900 mm", "300 mm"]]'
 
 
-def described(keys: str, instrument: str = "tracker") -> CampaignDescription:
-    text = f"""
-machine = "dmu60"
-[[setups]]
-name = "it"
-instrument = "{instrument}"
-station = ["900 mm", "-900 mm", "300 mm"]
-approach = "both"
-{keys}
-"""
-    return campaign_from_texts(text, "campaign.toml", load_machine("dmu60").text, "dmu60")
+STANDING = 'station = ["900 mm", "-900 mm", "300 mm"]'
 
 
-def without_station(keys: str, instrument: str) -> CampaignDescription:
+def described(keys: str, instrument: str = "tracker", standing: str = STANDING) -> CampaignDescription:
     text = f"""
 machine = "dmu60"
 [[artefacts]]
 name = "ball"
 balls = {{ one = ["0 mm", "0 mm", "0 mm"] }}
+[[artefacts]]
+name = "square"
 [[setups]]
 name = "it"
 instrument = "{instrument}"
+approach = "both"
+{standing}
 {keys}
 """
     return campaign_from_texts(text, "campaign.toml", load_machine("dmu60").text, "dmu60")
@@ -110,7 +104,7 @@ def test_what_cannot_be_is_refused_at_its_line(keys: str, instrument: str, said:
 
 
 def test_a_plan_may_choose_from_places_each_of_which_is_a_setup() -> None:
-    campaign = without_station(TWO_PLACES, "tracer")
+    campaign = described("", "tracer", TWO_PLACES)
     assert [(setup.name, setup.station) for setup in campaign.setups] == [
         ("it at 900, -900, 300", (0.9, -0.9, 0.3)),
         ("it at 0, -900, 300", (0.0, -0.9, 0.3)),
@@ -120,7 +114,7 @@ def test_a_plan_may_choose_from_places_each_of_which_is_a_setup() -> None:
 
 def test_an_artefact_at_each_place_stands_there_anew() -> None:
     at = 'artefact = "ball"\nchoose_from = [["0 mm", "0 mm", "50 mm"], ["100 mm", "0 mm", "50 mm"]]'
-    first, second = without_station(at, "sphere").setups
+    first, second = described("", "sphere", at).setups
     assert first.artefact is not None
     assert second.artefact is not None
     assert first.artefact.standing != second.artefact.standing
@@ -135,9 +129,10 @@ def test_an_artefact_at_each_place_stands_there_anew() -> None:
         ('choose_from = [["1 m", "0 mm", "0 mm"], ["1 m", "0 mm", "0 mm"]]', "tracker", "two or more different"),
         ("choose_from = []", "tracer", "two or more different places"),
         (TWO_PLACES + '\ndirection = "x"\nmoves = ["X"]', "interferometer", "stands at no place that could be chosen"),
+        (TWO_PLACES + '\nartefact = "square"\ndirection = "x"', "straightedge", "stands at no place that could be"),
     ],
 )
 def test_what_are_no_places_to_choose_from_is_refused_at_its_line(keys: str, instrument: str, said: str) -> None:
     with pytest.raises(DescriptionError, match=said) as refused:
-        without_station(keys, instrument)
-    assert "line 9" in str(refused.value)
+        described("", instrument, keys)
+    assert "line 12" in str(refused.value)

@@ -16,12 +16,7 @@ from pathlib import Path
 from pydantic import Field
 
 from axiscal.description.artefacts import read_artefacts
-from axiscal.description.campaign_schema import (
-    CampaignTable,
-    ProgramsTable,
-    ReportTable,
-    SistersTable,
-)
+from axiscal.description.campaign_schema import CampaignTable, ProgramsTable, ReportTable, SistersTable
 from axiscal.description.setups import Surroundings, at_each_place, read_setups
 from axiscal.description.stated_type_b import refers_to_20
 from axiscal.description.target import Target, coordinate, read_target

@@ -16,7 +16,7 @@ from axiscal.description.sights import (
     seen,
     stations_of,
 )
-from axiscal.description.sites import RETRACT, STROKE, Site, SiteReader, evened
+from axiscal.description.sites import RETRACT, STROKE, TOUCHING, Site, SiteReader, evened
 from axiscal.description.stated_type_b import dense, drift_of, material_of, stated_of
 from axiscal.description.target import coordinate, ends_on
 from axiscal.description.vectors import WAYS, At, unit_vector
@@ -90,11 +90,12 @@ def at_each_place(table: SetupTable) -> list[SetupTable]:
 
 def _refuse_choice(table: SetupTable, places: Sequence[Vector], at: At) -> None:
     """Raise DescriptionError where a plan may choose from places that are none."""
+    stand = ("tracker", "tracer", "ballbar") if table.artefact is None else (*TOUCHING, "ballbar")
     with at("choose_from"):
-        if table.artefact is None and table.instrument not in ("tracker", "tracer", "ballbar"):
+        if table.instrument not in stand:
             what = "a {instrument} stands at no place that could be chosen"
             raise DescriptionError(what, "Write a set-up for each way to mount it", instrument=table.instrument)
-        if any(said is not None for said in (table.station, table.stations, table.at)):
+        if any(each is not None for each in (table.station, table.stations, table.at)):
             what = "it is said twice where it stands"
             raise DescriptionError(what, "Keep choose_from, or station, stations or at")
         if len(set(places)) < max(len(places), 2):

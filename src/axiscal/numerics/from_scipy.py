@@ -112,7 +112,7 @@ def least_squares(
 ) -> tuple[Array, float]:
     """Return where a start leads that makes the sum of squares small, (k,), and half that sum, by trust regions.
 
-    left : (k,) → (m,), m at least k; slopes : its derivatives (m, k); start : (k,)
+    left : (k,) → (m,); slopes : its derivatives (m, k); start : (k,)
     """
     solve = _function("scipy.optimize", "least_squares")
     found = solve(left, start, slopes, ftol=_EXACT, xtol=_EXACT, gtol=_EXACT)

@@ -44,7 +44,7 @@ def asked_rows(description: CampaignDescription, readings: Sequence[Reading], *,
 def _lines(description: CampaignDescription, readings: Sequence[Reading], whole: bool) -> dict[RowName, AxisLine]:
     """Return the line of each row that a set-up reads, of several set-ups that with the most places read.
 
-    Where an accuracy of the volume is asked for, set-ups do not count that a plan has left out.
+    Set-ups that a plan has left out do not count where an accuracy of the volume is asked for.
     """
     machine, target, found = description.machine, description.target, dict[RowName, AxisLine]()
     left_out = set[str]()

@@ -59,8 +59,8 @@ class Trial:
 def chosen_setups(task: Task, limits: Limits) -> Setups:
     """Return the set-ups that are worth their mounting, by picks from a coarse lattice.
 
-    For an accuracy all sets of up to four set-ups are tried. Of more, and for so many readings or so much time, one set
-    of each size is, see `_growing`; for an accuracy the best grows and shrinks by one while it helps.
+    For so many readings or so much time one set of each size is tried, see `_growing`. For an accuracy all sets of up
+    to four set-ups are; of more one of each size, and the best of these grows and shrinks by one while it helps.
     """
     everything = tuple(int(s) for s in np.unique(task.lattice.setups))
     if len(everything) == 1:
@@ -115,7 +115,7 @@ def _parts(task: Task, everything: Setups) -> list[Setups]:
 
 
 def _growing(base: Scores, parts: Sequence[Setups], limits: Limits, times: Clock) -> list[Setups]:
-    """Return sets that grow part by part: by the one with which readings leave least that are dealt out evenly."""
+    """Return sets that grow part by part: by the part with which readings, dealt out evenly, leave least."""
     state, lattice = base.state, base.pool.lattice
     every = {setup: np.flatnonzero(lattice.setups == setup) for setup in np.unique(lattice.setups).tolist()}
 
@@ -164,7 +164,7 @@ def _changed(sets: Sequence[Setups], parts: Sequence[Setups], key: Callable[[Set
 
 
 def _most_readings(limits: Limits, times: Clock, setups: Setups) -> int:
-    """Return how many readings there may be, as many as are tried at most."""
+    """Return how many readings the limits allow, but no more than are tried."""
     most = min(limits.readings or _TRIED, _TRIED)
     if limits.budget is None:
         return most
