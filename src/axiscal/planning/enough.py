@@ -10,8 +10,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from axiscal.estimation.accuracy.expanded import expanded, expanded_floor
 from axiscal.estimation.accuracy.yardstick import Accuracy, attainable
 from axiscal.estimation.case import Case
@@ -20,7 +18,7 @@ from axiscal.estimation.knowledge import Knowledge
 from axiscal.measurement.reading import Place, Reading
 from axiscal.measurement.reading_rows import blank_readings
 from axiscal.planning.other_readings import with_both_sides, with_rooms
-from axiscal.planning.plan.greedy import Setups, chosen_setups, picked
+from axiscal.planning.plan.greedy import chosen_setups, picked
 from axiscal.planning.plan.order import in_order
 from axiscal.planning.plan.plan import make_plan
 from axiscal.planning.plan.task import Limits, Task
@@ -32,11 +30,11 @@ FEW = 6
 """Readings planned at once for what likely sizes reach and all sizes together do not: then it is looked at again."""
 _GROWTH = 1.5
 """From one number of readings that is tried to the next; then the middle: at most a fifth of them is too many."""
-_ROUNDS, _CANDIDATES = 4, 500
-"""Plans that are made to find what a result counts beside J, and places that they choose from: it changes little."""
+_ROUNDS = 4
+"""Plans that are made to find what a result counts beside J: it changes little."""
 _NEAR, _AIM, _JUST = 0.96, 0.99, 1.05
-"""Of a limit: a plan that comes nearer has too many readings; what is aimed at, as the plan then has other places; a
-plan that comes so near ends just short of it."""
+"""Of a limit: a plan that comes nearer has too many readings; what is aimed at, as the plan then has other places; what
+is as good as reached, as places are shaken."""
 
 
 def reached_by(case: Case, limits: Limits, places: Sequence[Place], readings: Sequence[Reading] = ()) -> bool:
@@ -69,21 +67,23 @@ def _within(case: Case, known: Knowledge, limits: Limits) -> bool:
     return expanded(case.yardstick, known.belief).space <= attainable(limits.expanded, floor)
 
 
-def just_short(case: Case, limits: Limits, places: Sequence[Place], readings: Sequence[Reading] = ()) -> bool:
-    """Return whether more readings may reach limits: rows that they do not, or a volume that they nearly do."""
+def going_on(
+    case: Case, task: Task, limits: Limits, heeded: Limits, places: Sequence[Place], readings: Sequence[Reading] = ()
+) -> Limits | None:
+    """Return limits that a search heeds to go on from the places of a plan that misses limits; None where it stays.
+
+    heeded : by the search that found the places; readings : so far
+    A plan stays that reaches the limits, has as many readings as there may be, or ended before what was heeded.
+    """
     if not limits.accurate or len(places) >= (limits.readings or AT_ONCE):
-        return False
-    taken = [*readings, *blank_readings(case.description.setups, places)]
-    known = foreseen(case, readings, places)
-    short = not reached(case, limits, known, taken)
-    return short and (not limits.of_volume or reached(case, limits.times(_JUST), known, taken))
-
-
-def tightened(limits: Limits) -> Limits:
-    """Return limits that a search heeds with more readings: a tighter accuracy, or one reading more."""
-    if limits.accurate:
-        return limits.times(_AIM)
-    return replace(limits, readings=None if limits.readings is None else limits.readings + 1)
+        return None
+    known, taken = foreseen(case, readings, places), [*readings, *blank_readings(case.description.setups, places)]
+    if reached(case, limits, known, taken):
+        return None
+    if not heeded.accurate:
+        return None if heeded.readings is None else replace(heeded, readings=heeded.readings + 1)
+    own = promised(case, Knowledge(task.observation, task.belief), places)
+    return _searched(case, known, own, limits) if heeded.times(_JUST).met(own) else None
 
 
 def few_more(limits: Limits, least: int = 0) -> Limits:
@@ -117,7 +117,7 @@ def _for_rows(case: Case, task: Task, limits: Limits, readings: Sequence[Reading
         made = make_plan(few, Limits(count, budget=limits.budget), patience=0.0, bounded=False)
         return reached_by(case, limits, with_both_sides(case, readings, with_rooms(case, made.places)), readings)
 
-    few, short, count = _few_candidates(task), 0, min(FEW, most)
+    few, short, count = task.coarse, 0, min(FEW, most)
     while count < most and not enough_are(count):
         short, count = count, min(math.ceil(_GROWTH * count), most)
     middle = (short + count) // 2
@@ -128,10 +128,8 @@ def _for_volume(case: Case, task: Task, limits: Limits, readings: Sequence[Readi
     """Return limits of an accuracy with what a result counts beside."""
     now, known, places = Knowledge(task.observation, task.belief), foreseen(case, readings, left), left
     found, searched = None, _searched(case, known, promised(case, now, places), limits)
-    few = _few_candidates(task)
-    setups = () if left else chosen_setups(task, searched)  # what a result counts beside changes the number of readings
     for _ in range(0 if left else _ROUNDS):
-        places = _picked(case, few, searched, setups)
+        places = roughly(case, task, searched)
         known = foreseen(case, readings, places)
         met = reached(case, limits, known)
         found = searched if met else found
@@ -143,17 +141,7 @@ def _for_volume(case: Case, task: Task, limits: Limits, readings: Sequence[Readi
 
 def roughly(case: Case, task: Task, limits: Limits) -> tuple[Place, ...]:
     """Return about as many readings as a plan has, picked from some hundred candidates."""
-    return _picked(case, _few_candidates(task), limits, chosen_setups(task, limits))
-
-
-def _picked(case: Case, task: Task, limits: Limits, setups: Setups) -> tuple[Place, ...]:
-    return with_rooms(case, in_order(task, picked(task, limits, setups)))
-
-
-def _few_candidates(task: Task) -> Task:
-    """Return the task with some hundred candidates."""
-    kept = np.arange(0, len(task.lattice), 1 + len(task.lattice) // _CANDIDATES)
-    return replace(task, lattice=task.lattice.within(kept))
+    return with_rooms(case, in_order(task, picked(task.coarse, limits, chosen_setups(task, limits))))
 
 
 def _searched(case: Case, known: Knowledge, own: Accuracy, limits: Limits) -> Limits:

@@ -29,7 +29,7 @@ from axiscal.measurement.candidates import spread
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.numerics import Array
 from axiscal.numerics.threads import one_thread
-from axiscal.planning.enough import AT_ONCE, enough, just_short, roughly, tightened
+from axiscal.planning.enough import AT_ONCE, enough, going_on, roughly
 from axiscal.planning.other_readings import (
     EVERY,
     plane_start,
@@ -50,7 +50,7 @@ _SMALL = 120
 """Unknowns up to which what replaces a plan is climbed off the lattice: beyond, a person at the machine would wait too
 long."""
 _TIGHTER = 3
-"""Times that a plan just short of its limits goes on; one is nearly always enough."""
+"""Times that a plan that misses its limits goes on; one is nearly always enough."""
 _VOLUME = 0.5
 """Of U before the first reading: a volume without a limit weighs as a row without one."""
 
@@ -81,21 +81,22 @@ def planned_places(
 
 def until_reached(
     case: Case,
+    task: Task,
     limits: Limits,
     heeded: Limits,
     places: tuple[Place, ...],
     again: Callable[[Limits, tuple[Place, ...]], tuple[Place, ...]],
     readings: Sequence[Reading] = (),
 ) -> tuple[Place, ...]:
-    """Return a plan that reaches limits: one that ends just short of them goes on with tighter ones.
+    """Return a plan that reaches limits: one that misses them goes on with what its own places count beside J.
 
     heeded : by the search that found the places; again : what goes on from places with such limits; readings : so far
     """
     for _ in range(_TIGHTER):
-        if not just_short(case, limits, places, readings):
+        further = going_on(case, task, limits, heeded, places, readings)
+        if further is None:
             break
-        heeded = tightened(heeded)
-        places = again(heeded, places)
+        heeded, places = further, again(further, places)
     return places
 
 
@@ -239,7 +240,7 @@ def next_places(
 
     try:
         heeded = enough(case, task, limits, believed, begin)
-        return until_reached(case, limits, heeded, planned(heeded, begin), planned, believed)
+        return until_reached(case, task, limits, heeded, planned(heeded, begin), planned, believed)
     except PlanError:  # the time that is left is too short for any reading: the campaign says so of the best one
         return planned_places(case, task, Limits(1), readings, closed)
 

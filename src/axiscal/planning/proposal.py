@@ -184,7 +184,7 @@ def proposed(
         places += _after(case, task, heeded, places)
     else:
         places = until_reached(
-            case, limits, heeded, places, lambda tighter, left: planned_places(case, task, tighter, left=left)
+            case, task, limits, heeded, places, lambda tighter, left: planned_places(case, task, tighter, left=left)
         )
     return Proposal(judged(task, heeded, columns_of(case, places), bounded))
 

@@ -17,8 +17,6 @@ from axiscal.planning.gains.covariance import LowRank, RunningAccuracy, informed
 from axiscal.planning.gains.running_gains import Scores
 from axiscal.planning.plan.task import Clock, Limits, Task, clock
 
-_COARSE, _EACH = 500, 100
-"""Candidates among which sets of set-ups are compared, of all of them and of each: of time."""
 _TRIED = 150
 _WORTH = 1e-3
 """Share of J that a set-up more must bring, or it is mounted for nothing."""
@@ -101,9 +99,7 @@ def within_reach(task: Task, limits: Limits) -> bool:
 
 def _coarse(task: Task) -> tuple[Scores, RunningAccuracy]:
     """Return the gains of a thinned lattice, and the accuracy before any reading."""
-    most = max(_COARSE, _EACH * len(np.unique(task.lattice.setups)))
-    lattice = task.lattice.within(np.arange(0, len(task.lattice), max(1, len(task.lattice) // most)))
-    scores = Scores(Pool(task.observation, lattice, task.memory), task.state)
+    scores = Scores(Pool(task.observation, task.coarse.lattice, task.memory), task.state)
     return scores, RunningAccuracy.from_factor(task.yardstick, scores.state.factor)
 
 

@@ -25,6 +25,8 @@ from axiscal.planning.gains.candidate_rows import MEMORY
 from axiscal.planning.gains.covariance import Covariance
 
 _TYPICAL = 24
+_COARSE, _EACH = 500, 100
+"""Candidates among which sets of set-ups and numbers of readings are compared, of all and of each set-up: of time."""
 
 
 @dataclass(frozen=True, eq=False, slots=True, weakref_slot=True)
@@ -49,6 +51,13 @@ class Task:
     def taken(self) -> Places:
         """Where readings were taken already."""
         return Places.none(len(self.observation.machine.axes)) if self.read is None else self.read
+
+    @property
+    def coarse(self) -> Task:
+        """The task with some hundred candidates."""
+        most = max(_COARSE, _EACH * len(np.unique(self.lattice.setups)))
+        kept = np.arange(0, len(self.lattice), max(1, len(self.lattice) // most))
+        return replace(self, lattice=self.lattice.within(kept))
 
     @property
     @remembered
