@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from axiscal.exceptions import UnitError
-from axiscal.language.spoken import decimals, later, put, said
+from axiscal.language.spoken import later, put, said
 
 if TYPE_CHECKING:
     import numpy as np
@@ -174,13 +174,15 @@ def format_quantity(value: float, unit: str, digits: int = 6) -> str:
 
 
 def said_quantity(value: float, unit: str, digits: int = 3) -> str:
-    """Return an SI value for a sentence: the same in `unit`, decimals as the language that is spoken writes them."""
-    return put(f"{{value:.{digits}g}} {{unit}}", value=float(to_unit(value, unit)), unit=unit)
+    """Return an SI value for a sentence: in `unit`, decimals as its language writes them, large ones in whole units."""
+    shown = float(to_unit(value, unit))
+    form = f".{digits}g" if abs(shown) < 10**digits - 0.5 else ".0f"
+    return put(f"{{value:{form}}} {{unit}}", value=shown, unit=unit)
 
 
 def um_text(value: float) -> str:
-    """Return so many um with three significant digits."""
-    return decimals(f"{value:.3g} um" if abs(value) < 1000 else f"{value:.0f} um")
+    """Return so many um for a sentence."""
+    return said_quantity(from_unit(value, "um"), "um")
 
 
 def dimension_of(unit: str) -> Dimension:

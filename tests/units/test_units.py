@@ -19,7 +19,9 @@ from axiscal.units import (
     format_quantity,
     from_unit,
     parse_quantity,
+    said_quantity,
     to_unit,
+    um_text,
 )
 
 RIGHT: list[tuple[str, Dimension, float]] = [
@@ -151,6 +153,14 @@ def test_a_value_is_written_as_it_is_read() -> None:
     assert parse_quantity(format_quantity(0.123456789012345, "mm", digits=17), "length") == pytest.approx(
         0.123456789012345, rel=1e-15
     )
+
+
+@pytest.mark.parametrize(
+    ("um", "text"), [(0.1234, "0.123 um"), (999.4, "999 um"), (999.7, "1000 um"), (1234.5, "1234 um")]
+)
+def test_sentences_write_a_length_in_one_way_and_without_an_exponent(um: float, text: str) -> None:
+    assert said_quantity(um * 1e-6, "um") == um_text(um) == text
+    assert said_quantity(123e-6, "um", 2) == "123 um"
 
 
 def test_an_unknown_unit_is_refused_with_the_nearest() -> None:
