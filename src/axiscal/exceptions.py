@@ -1,6 +1,6 @@
 """Every failure raised on purpose: one class each, the message built in one place.
 
-The command line turns any `AxiscalError` into one paragraph on stderr and exit status 1.
+The command line turns any `AxiscalError` into a paragraph on stderr, faults beside it listed, and exit status 1.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from axiscal.language.spoken import Said, again, said
 
 Found = TypeVar("Found")
 
-_MOST = 20
+_MOST = 5
 """So many faults of a file are said beside the first."""
 
 
@@ -52,15 +52,10 @@ class InputError(AxiscalError):
         if not self.beside:
             return self._told(self.file)
         alike, *others = self.beside
-        shown = " ".join(f"{one._told(self.file, short=True)}{_how_often(more)}" for one, *more in others[:_MOST])
+        lines = [f"{self._told(self.file)}{_how_often(alike[1:])}"]
+        lines += [f"- {one._told(self.file, short=True)}{_how_often(more)}" for one, *more in others[:_MOST]]
         left = sum(map(len, others[_MOST:]))
-        also = said("Also: {faults}", faults=shown) if others else ""
-        parts = [
-            f"{self._told(self.file)}{_how_often(alike[1:])}",
-            also,
-            said("And {left} more.", left=left) * bool(left),
-        ]
-        return " ".join(part for part in parts if part)
+        return "\n".join([*lines, said("And {left} more.", left=left)] if left else lines)
 
     def _told(self, first: str | Path | None, *, short: bool = False) -> str:
         """Return place, fault and remedy.  short : behind a fault of the first file, which is not named again"""

@@ -57,7 +57,7 @@ def test_a_machine_with_five_faults_names_the_lines_of_all() -> None:
     said = str(refused.value)
     assert sorted(lines_of(said)) == [3, 5, 6, 11, 12]
     assert said.count("mill.toml") == 1
-    assert said.count(" Also: ") == 1
+    assert [line.startswith("- line") for line in said.splitlines()] == [False, True, True, True, True]
 
 
 def test_unknown_keys_are_named_together_and_a_misspelt_one_is_not_also_missing() -> None:
@@ -74,7 +74,7 @@ def test_an_error_of_an_axis_that_is_wrong_itself_is_no_second_fault() -> None:
     with pytest.raises(InputError) as refused:
         machine_from_text(GOOD.replace('"300 mm"]', '"-300 mm"]'), "mill.toml")
     assert lines_of(str(refused.value)) == [5]
-    assert "Also" not in str(refused.value)
+    assert len(str(refused.value).splitlines()) == 1
 
 
 def test_set_ups_and_readings_name_all_their_faults(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -96,15 +96,15 @@ def test_set_ups_and_readings_name_all_their_faults(tmp_path: Path, capsys: pyte
     assert sorted(lines_of(" ".join(capsys.readouterr().err.split()))) == [3, 4]
 
 
-def test_no_more_than_twenty_are_said_beside_the_first() -> None:
+def test_no_more_than_five_are_said_beside_the_first() -> None:
     faults = Faults()
     for line in range(1, 40):
         with faults.noted():
             raise ReadingError(f"no number {line}", "write one", "a.csv", line)
     with pytest.raises(ReadingError) as refused:
         faults.refuse()
-    assert len(lines_of(str(refused.value))) == 21
-    assert str(refused.value).endswith("And 18 more.")
+    assert lines_of(str(refused.value)) == [1, 2, 3, 4, 5, 6]
+    assert str(refused.value).endswith("\nAnd 33 more.")
     Faults().refuse()
 
 
@@ -167,4 +167,4 @@ def test_what_is_wrong_alike_in_many_lines_is_said_once() -> None:
     said = str(refused.value)
     assert said.count("cannot be read") == 1
     assert said.startswith("r.csv, line 2: approach 'up' cannot be read. Write 'X+'. (4 times, up to line 9.)")
-    assert said.endswith("Also: line 5: there is no value. Write one.")
+    assert said.endswith("\n- line 5: there is no value. Write one.")

@@ -204,7 +204,7 @@ def failure(folder: Path, text: str) -> InputError:
     assert isinstance(caught.value, DescriptionError | UnitError)
     assert str(caught.value).startswith(str(path))
     assert caught.value.remedy
-    assert "\n" not in str(caught.value)
+    assert all(line.startswith(("- ", "And ")) for line in str(caught.value).splitlines()[1:])
     return caught.value
 
 

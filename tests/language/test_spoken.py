@@ -158,13 +158,13 @@ def test_a_failure_is_said_in_the_language_that_is_spoken_when_it_is_printed() -
     with pytest.raises(ReadingError) as raised:
         faults.refuse()
     assert str(raised.value) == (
-        "a.csv, line 3: nan is not a finite number. Give one value. (3 times, up to line 7.) "
-        "Also: line 9: There is nothing to take back. Go on with `axiscal step next`."
+        "a.csv, line 3: nan is not a finite number. Give one value. (3 times, up to line 7.)\n"
+        "- line 9: There is nothing to take back. Go on with `axiscal step next`."
     )
     with speaking("de"):
         assert str(raised.value) == (
-            "a.csv, Zeile 3: nan ist keine endliche Zahl. Einen Wert angeben. (3-mal, bis Zeile 7.) "
-            "Außerdem: Zeile 9: Nichts kann zurückgenommen werden. Weiter mit `axiscal step next`."
+            "a.csv, Zeile 3: nan ist keine endliche Zahl. Einen Wert angeben. (3-mal, bis Zeile 7.)\n"
+            "- Zeile 9: Nichts kann zurückgenommen werden. Weiter mit `axiscal step next`."
         )
 
 

@@ -80,7 +80,7 @@ def test_a_damaged_file_is_a_machine_or_a_failure_of_ours(text: str) -> None:
         assert all(axis.travel[0] < axis.travel[1] for axis in machine.axes)
         assert all(math.isfinite(entry.std) and entry.std > 0 for entry in machine.errors)
         assert all(2 <= entry.knot_count(machine.axis(entry.axis)) <= 400 or entry.constant for entry in machine.errors)
-    assert message.isprintable()
+    assert message.replace("\n- ", " ").replace("\nAnd ", " ").isprintable()
 
 
 @given(st.text(max_size=200))
@@ -91,7 +91,7 @@ def test_any_text_is_a_machine_or_a_failure_of_ours(text: str) -> None:
         message = str(failure)
     else:
         message = "right"
-    assert message.isprintable()
+    assert message.replace("\n- ", " ").replace("\nAnd ", " ").isprintable()
 
 
 keys = st.text(min_size=1, max_size=5)

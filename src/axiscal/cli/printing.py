@@ -34,10 +34,12 @@ def rewrite(text: str) -> None:
 
 
 def complain(text: str) -> None:
-    """Write one paragraph to stderr: what went wrong, where, and what to do.  No line ends within a `command`."""
-    one_line = re.sub("`[^`]+`", lambda command: command[0].replace(" ", _KEPT), " ".join(text.split()))
-    filled = textwrap.fill(f"axiscal: {one_line}", WIDTH, break_long_words=False, break_on_hyphens=False)
-    _write(sys.stderr, filled.replace(_KEPT, " ") + "\n")
+    """Write to stderr what went wrong, where, and what to do, a paragraph a line.  No line ends within a `command`."""
+    for line in f"axiscal: {text}".splitlines():
+        kept = re.sub("`[^`]+`", lambda command: command[0].replace(" ", _KEPT), " ".join(line.split()))
+        hanging = "  " * kept.startswith("- ")
+        filled = textwrap.fill(kept, WIDTH, subsequent_indent=hanging, break_long_words=False, break_on_hyphens=False)
+        _write(sys.stderr, filled.replace(_KEPT, " ") + "\n")
 
 
 def say_document(document: Mapping[str, object]) -> None:
