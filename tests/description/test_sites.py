@@ -202,6 +202,14 @@ def test_what_cannot_be_read_is_refused_in_words(text: str, said: str) -> None:
     assert "campaign.toml, line" in str(refused.value)
 
 
+@pytest.mark.parametrize(("machine", "turned"), [("dmu60", True), ("three-axis-mill", False)])
+def test_only_where_there_are_rotary_axes_a_bar_without_an_arc_is_told_to_park_them(machine: str, turned: bool) -> None:
+    with pytest.raises(InputError) as refused:
+        described(BAR.replace('"100 mm"', '"900 mm"') + 'plane = "zx"\n', machine)
+    assert ("park the rotary axes elsewhere" in str(refused.value)) is turned
+    assert "Give another plane, station or length" in str(refused.value)
+
+
 @pytest.mark.parametrize("length", ["150 mm", "200 mm", "237 mm", "251 mm"])
 @pytest.mark.parametrize("plane", ["zx", "yz"])
 def test_the_arc_that_a_refusal_names_can_be_gone_round(length: str, plane: str) -> None:

@@ -133,7 +133,9 @@ def reached_arc(circle: Circle, name: str) -> tuple[float, float]:
     low, high = _whole(angles[start], angles[start] + (count - 1) * _FINE)
     if high - low < _SHORTEST:
         what = 'the bar of "{name}" reaches no arc of its circle within the travels and clear of stems'
-        remedy = "Give another plane, station or length, or park the rotary axes elsewhere"
+        remedy = "Give another plane, station or length"
+        if any(axis.rotary for axis in circle.room.machine.axes):
+            remedy = "Give another plane, station or length, or park the rotary axes elsewhere"
         raise DescriptionError(what, remedy, name=name)
     return (low - math.tau, high - math.tau) if low >= math.pi else (low, high)
 
