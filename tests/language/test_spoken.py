@@ -56,6 +56,14 @@ def test_what_the_program_reads_is_what_the_translator_wrote(language: str) -> N
             assert messages(language)[message.id] == message.string
 
 
+def test_german_quotes_names_in_one_way_and_has_straight_quotes_only_in_what_is_typed() -> None:
+    typed = {"example", "unit", "size", "ball", "axis", "low", "high", "low:.0f", "high:.0f", "written"}
+    for text in messages("de").values():
+        straight = text.count('"') and re.findall(r'"([^"]*)"(?= fehlt)|"\{([^{}]*)\}"', text)
+        assert {key or name for key, name in straight or ()} <= typed, text
+        assert re.sub("[^„“”]", "", text) == "„“" * text.count("„"), text
+
+
 def test_a_message_is_said_in_the_language_that_is_spoken() -> None:
     assert said("reading {number} of {last}", number=3, last=9) == "reading 3 of 9"
     with speaking("de"):
