@@ -73,6 +73,19 @@ def test_a_case_that_cannot_be_computed_is_a_row_and_status_1(
     assert "that the first reading takes" in (tmp_path / "study-results" / "study.html").read_text()
 
 
+def test_a_disk_that_is_full_is_named_with_its_file_and_what_is_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*given: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("axiscal.ports.study.results.write_at", full)
+    assert run(["study", str(written(tmp_path)), "--workers", "1"]) == 1
+    said = " ".join(capsys.readouterr().err.split())
+    assert f"{tmp_path / 'study-results' / FILE}: The results cannot be written: No space left on device" in said
+    assert "0 of 4 cases are kept; go on with: axiscal study" in said
+
+
 def test_a_dry_run_counts_and_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     found = _document(capsys, str(written(tmp_path)), "--dry-run")
     assert (found["cases"], found["ways"], found["failed"]) == (4, 2, None)

@@ -79,7 +79,7 @@ def _run(described: Study, results: Results, engine: Engine, again: str) -> Ran:
             return run_missing(results, questions, described.count, outcome, engine, watch)
     except InputError as failure:
         kept = put("{remedy}. {kept}", remedy=failure.remedy, kept=_kept(results, described, again))
-        raise type(failure)(failure.what, kept) from failure
+        raise type(failure)(failure.what, kept, failure.file, failure.line) from failure
     except KeyboardInterrupt:
         raise AxiscalError(f"Stopped by Ctrl-C. {_kept(results, described, again)}") from None
 

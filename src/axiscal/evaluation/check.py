@@ -144,7 +144,7 @@ class Sheet:
             kept = "{remedy}. {count} of {wanted} readings are kept in {path}; go on with the same command"
             counts = {"count": len(readings), "wanted": len(self.wanted)}
             remedy = said(kept, remedy=failure.remedy, path=self.file, **counts)
-            raise type(failure)(failure.what, remedy, failure.file) from failure
+            raise type(failure)(failure.what, remedy, failure.file, failure.line) from failure
         finally:
             source.close()
 
