@@ -5,17 +5,22 @@ from __future__ import annotations
 import csv
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.errors.model import ErrorModel
 from axiscal.estimation.case import Case
 from axiscal.estimation.promise.problem import Inherited
+from axiscal.evaluation.check import Check
+from axiscal.exceptions import ReadingError
 from axiscal.machine import machine_from_text
+from axiscal.measurement.readers.csv_readings import filled_sheet
 from axiscal.measurement.reading import Place, Places, Reading
 from axiscal.measurement.simulation import Simulator
 from axiscal.numerics import Array
@@ -124,6 +129,34 @@ def test_the_command_plans_and_judges(tmp_path: Path, capsys: pytest.CaptureFixt
     assert run(["check", str(record), str(sheet)]) == 1
     assert run(["check", str(write_record(tmp_path / "empty.axiscal", slide(), []))]) == 1
     assert "no readings" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("factor", "words"), [(1e3, "mm instead of um?"), (1e-3, "multiplied by 1000")])
+def test_readings_in_another_unit_are_refused_as_when_they_are_recorded(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], factor: float, words: str
+) -> None:
+    record, sheet = write_record(tmp_path / "slide.axiscal", slide(), read_on(1)), tmp_path / "check.csv"
+    slipped = [replace(each, value=factor * each.value) for each in read_on(1, again=1)]
+    sheet.write_text(filled_sheet(slide().machine.axes, slipped))
+    assert run(["check", str(record), str(sheet)]) == 1
+    said = " ".join(capsys.readouterr().err.split())
+    assert f"{sheet}, line " in said
+    assert words in said
+
+
+def test_a_check_of_tables_refuses_either_file_in_another_unit(tmp_path: Path) -> None:
+    with Campaign.open(write_record(tmp_path / "slide.axiscal", slide(), read_on(1)), write=False) as campaign:
+        check = Check.from_campaign(campaign, "csv")
+    files = tmp_path / "found.csv", tmp_path / "left.csv"
+    for file, readings in zip(files, check.asked("sim:1", check.planned(10)), strict=True):
+        file.write_text(filled_sheet(check.description.machine.axes, readings))
+    check.read(*files)
+    for file in files:
+        right = file.read_text()
+        file.write_text(right.replace("value_um", "value_mm"))
+        with pytest.raises(ReadingError, match=f"{file.name}, line .*mm instead of um"):
+            check.read(*files)
+        file.write_text(right)
 
 
 SECOND = """[axes.U]

@@ -15,6 +15,7 @@ from axiscal.cli.printing import complain, say_either, tell
 from axiscal.cli.texts import count_text
 from axiscal.description.placed_readings import placed_readings
 from axiscal.document.durable import write_whole
+from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.exceptions import RecordError
 from axiscal.language.spoken import ending, later, said
 from axiscal.measurement.readers.files import read_any
@@ -282,12 +283,13 @@ def check(
     with Campaign.open(record, write=False) as campaign:
         begun = datetime.fromisoformat(campaign.begun)
         share = kept if kept is not None else _usual(begun)
-        asked = QuickCheck.from_campaign(campaign, share, tables)
+        asked, stated = QuickCheck.from_campaign(campaign, share, tables), campaign.description
     if found is None:
         _planned(asked, record, readings, plan, json)
         return
-    described = asked.case.description
-    judged = asked.judged(placed_readings(read_any(found), described, found), tables_active or tables is not None)
+    placed = placed_readings(read_any(found), stated, found)
+    refuse_implausible(placed, stated, found)
+    judged = asked.judged(placed, tables_active or tables is not None)
     document = {
         "in_order": judged.in_order,
         "chance": judged.chance,

@@ -24,6 +24,7 @@ from axiscal.description.target import Target
 from axiscal.document.durable import write_whole
 from axiscal.estimation.estimation import Estimation
 from axiscal.estimation.machine_estimate import Estimate
+from axiscal.estimation.wrong_unit import refuse_implausible
 from axiscal.evaluation.datums import fewest, lines_shared
 from axiscal.evaluation.table_checks import Judgement, Part, far_from, needed, parts_of, taken_away
 from axiscal.evaluation.verification import (
@@ -303,8 +304,11 @@ class Check:
         return before, after
 
     def read(self, found: Path, left: Path) -> FoundAndLeft:
-        """Return the readings of two files; raises ReadingError."""
-        before, after = (placed_readings(read_readings(file), self.description, file) for file in (found, left))
+        """Return the readings of two files; raises ReadingError, also where those of one have another unit."""
+        files = found, left
+        before, after = (placed_readings(read_readings(file), self.description, file) for file in files)
+        for readings, file in zip((before, after), files, strict=True):
+            refuse_implausible(readings, self.description, file)
         return before, after
 
     def judged(self, readings: FoundAndLeft, tolerance: str | None) -> Judgement:
