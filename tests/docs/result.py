@@ -234,8 +234,8 @@ class AnswerValue(Fields):
     """`answer`: what became of what was asked for; its rows are `rows` of the document."""
 
     verdict: str = Field(
-        description="`measured` nothing was asked for, `reached`, `more` readings would reach it, `unreachable`, "
-        "`contradict`, `nothing` was read"
+        description="`measured`, `unmeasured` a wanted row without a limit is not, `reached`, `more` readings would "
+        "reach it, `unreachable`, `contradict`, `nothing` was read"
     )
     aims: list[AimValue] = Field(description="what is asked for, the volume first")
     more: int = Field(description="readings that would reach it")

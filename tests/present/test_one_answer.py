@@ -49,6 +49,7 @@ QUICK = ("reached", "not reached", "withheld")
 
 VERDICTS = {
     "measured": "MEASURED",
+    "unmeasured": "NOT ALL MEASURED",
     "reached": "TARGET REACHED",
     "more": "MORE READING",
     "unreachable": "CANNOT BE REACHED WITH THESE SET-UPS",

@@ -87,6 +87,7 @@ POSITIONING = answer_row(RowName("positioning", ("X",)), MILL)
     ("verdict", "aims", "begins"),
     [
         ("measured", [], "MEASURED   32 readings, 25 min by the plan"),
+        ("unmeasured", [], "NOT ALL MEASURED   32 readings"),
         ("reached", [aim("rms", 4.876, 5.0, 1.0)], "TARGET REACHED   volume RMS 4.88 of 5 um   32 readings"),
         ("reached", [aim("U", 8.14, 20.0, 1.0)], "TARGET REACHED   volume U 8.1 of 20 um   32 readings"),
         ("more", [aim("worst", 7.16, 5.0, 1.0)], "123 MORE READINGS, 57 MIN\n  worst place 7.2 of 5 um   32 readings"),

@@ -51,8 +51,9 @@ def rounded(values: Sequence[float], what: str, size: int | None = None) -> list
     return [number(value, what) for value in values]
 
 
-Verdict = Literal["measured", "reached", "more", "unreachable", "contradict", "nothing"]
-"""Nothing was asked for; it is reached; more readings would; none would; readings contradict; none was taken."""
+Verdict = Literal["measured", "unmeasured", "reached", "more", "unreachable", "contradict", "nothing"]
+"""Nothing was asked for that is missing; a row was, without a limit; it is reached; more readings would; none would;
+readings contradict; none was taken."""
 PlanVerdict = Literal["planned", "reached", "short", "unreachable"]
 """Nothing is asked for; it is reached; more readings would; none of these set-ups would."""
 StepCode = Literal["load", "verify", "export", "undo", "accept", "measure", "next", "finish", "start", "target"]

@@ -72,8 +72,8 @@ def answer_of(
     volume = [aim_of_volume(each, known_to(each.name, *volume_known)) for each in wanted]
     lines = [aim_of(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
     coming = campaign.state.coming if campaign.state.finished is None else ()
-    verdict = _verdict(known, volume, lines)
-    if verdict == "measured" and coming:
+    verdict = _verdict(known, volume, lines, rows)
+    if verdict in ("measured", "unmeasured") and coming:
         verdict = "more"
     more, minutes = (0, 0.0) if verdict != "more" else _more(known, volume, lines)
     if verdict == "more" and coming:
@@ -172,14 +172,15 @@ def _steps(campaign: Campaign, known: Estimation, verdict: Verdict, control: str
         yield NextStep(code="finish")
 
 
-def _verdict(known: Estimation, volume: Sequence[Aim], lines: Sequence[Aim]) -> Verdict:
+def _verdict(known: Estimation, volume: Sequence[Aim], lines: Sequence[Aim], rows: Sequence[KnownRow]) -> Verdict:
     """Return how it stands: of several accuracies of the volume one is enough, of rows all are wanted."""
     if not known.readings:
         return "nothing"
     if known.agreement.contradicts:
         return "contradict"
     if not (volume or lines):
-        return "measured"
+        wanted = known.stated.description.target.wants
+        return "unmeasured" if wanted and not all(row.measured for row in rows) else "measured"
     if all_reached(volume, lines):
         return "reached"
     return "unreachable" if unreachable(volume, lines) else "more"

@@ -41,6 +41,7 @@ _KINDS: dict[Kind, str] = {
 }
 _ENDS: dict[Verdict, str] = {
     "measured": later("MEASURED"),
+    "unmeasured": later("NOT ALL MEASURED"),
     "reached": later("TARGET REACHED"),
     "unreachable": later("CANNOT BE REACHED WITH THESE SET-UPS"),
     "contradict": later("READINGS CONTRADICT"),
