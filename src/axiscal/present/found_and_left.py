@@ -30,6 +30,8 @@ _SHARE = 0.1
 """Of the shortest side, that the largest deviation has."""
 _GHOST = 0.22
 """Opacity of the machine behind its errors; a matter of taste."""
+_WHOLE = 0.75
+"""Of their size that errors keep in a picture of the whole machine: where they would lose more its ends are cut off."""
 _LINE, _SIDE = 20.0, 12.0
 """Pixels of a line of words, and between the picture and its edge."""
 _BESIDE = 700.0
@@ -74,16 +76,18 @@ def found_and_left_drawing(volume: BentVolume, width: float, found: str = "", le
     ]
     solids = (part for part in machine_parts(room) if isinstance(part, Solid))
     ghost = [replace(solid, opacity=_GHOST * solid.opacity) for solid in solids]
+    whole, panel = np.vstack([around, points_of(ghost)]), Viewport(0, 0, across - 2 * _SIDE, high)
+    if Fit.into(whole, panel).scale > _WHOLE * Fit.into(around, panel).scale:
+        around = whole
     body, head = "", _LINE * max(map(len, heads)) + 10
     for n, (_, words, values, colour) in enumerate(panels):
         x, y = (n * across, 0.0) if beside else (0.0, n * (high + head))
         for line, each in enumerate(heads[n]):
             body += text(x + _SIDE, y + 18 + _LINE * line, each, "soft" if each == words else "title")
-        frame = Viewport(x + _SIDE, y + head, across - 2 * _SIDE, high)
+        frame = replace(panel, left=x + _SIDE, top=y + head)
         shown = [*ghost, *_bent(volume, room, values, times, colour), *_triad(volume, room)]
         body += drawn(shown, frame, around)
-    scale = Fit.into(around, Viewport(0, 0, across - 2 * _SIDE, high)).scale
-    top = (high + head) * (1 if beside else len(panels))
+    scale, top = Fit.into(around, panel).scale, (high + head) * (1 if beside else len(panels))
     parts = [said("errors × {times}", times=f"{times:,.0f}".replace(",", "\u202f") if times >= 1 else f"{times:g}")]
     if volume.aligned:
         parts.append(said("part aligned"))
