@@ -9,18 +9,19 @@ import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 
-from axiscal.answers.answer import ResultAnswer
+from axiscal.answers.answer import ResultAnswer, Verdict
 from axiscal.answers.answer_of_campaign import standing_answer
 from axiscal.campaign.campaign import Campaign
 from axiscal.cli.app import run
 from axiscal.cli.outputs import standing_screen
 from axiscal.description.campaign import campaign_from_texts
 from axiscal.measurement.reading import Reading
+from axiscal.present import summarising
 from axiscal.present.guide.progress import Progress, others_doubted
 from axiscal.present.plan_answer import coming_answer
 from axiscal.present.summarising import Extras, summarise
@@ -56,6 +57,12 @@ VERDICTS = {
     "contradict": "READINGS CONTRADICT",
     "nothing": "NO READINGS YET",
 }
+
+
+def test_every_verdict_has_its_words_and_its_colour_in_the_pdf() -> None:
+    template = (Path(summarising.__file__).parent / "templates" / "report.typ").read_text(encoding="utf-8")
+    (colours,) = re.findall(r"#let box_colours = \((.*)\)", template)
+    assert set(re.findall(r"(\w+): ", colours)) == set(VERDICTS) == set(get_args(Verdict))
 
 
 def written(name: str, folder: Path) -> tuple[Path, dict[str, Any]]:
