@@ -271,6 +271,11 @@ def _expected(dimension: Dimension) -> str:
     return said('Write {what} with its unit, such as "{example}"', what=said(_NOUNS[dimension]), example=example)
 
 
+def shortened(text: str, most: int = 60) -> str:
+    """Return what somebody wrote for a message: not longer than that, and what cannot be printed as its number."""
+    text = text if len(text) <= most else text[: most - 3] + "..."
+    return "".join(c if c.isprintable() else f"\\x{ord(c):02x}" for c in text)
+
+
 def _quoted(text: str) -> str:
-    shown = text if len(text) <= 60 else text[:57] + "..."
-    return '"' + "".join(c if c.isprintable() else "\\" + f"x{ord(c):02x}" for c in shown) + '"'
+    return f'"{shortened(text)}"'

@@ -148,7 +148,7 @@ def test_the_first_line_says_where_a_wanted_row_without_a_limit_is_not_measured(
     machine_text = MACHINE + 'EYX = { std = "5 um", length = "200 mm" }\n'
     text = CAMPAIGN.replace('rms = "3 um"', f"readings = 60\nwants = {wants}")
     with Campaign.create(tmp_path / "c.axiscal", campaign_from_texts(text, "c.toml", machine_text, "m")) as campaign:
-        campaign.adopt(_readings(BOTH if both else ONE_SIDE))
+        campaign.adopt(tuple(_readings(BOTH if both else ONE_SIDE)))
         answer = standing_answer(campaign)
     assert answer_text(answer, "", "c.axiscal").first.verdict == begins
     assert [row.row for row in answer.rows] == wants

@@ -52,8 +52,7 @@ def rounded(values: Sequence[float], what: str, size: int | None = None) -> list
 
 
 Verdict = Literal["measured", "unmeasured", "reached", "more", "unreachable", "contradict", "nothing"]
-"""Nothing was asked for that is missing; a row was, without a limit; it is reached; more readings would; none would;
-readings contradict; none was taken."""
+"""Of rows without a limit all, or not; the target is reached; more would; none would; they contradict; none."""
 PlanVerdict = Literal["planned", "reached", "short", "unreachable"]
 """Nothing is asked for; it is reached; more readings would; none of these set-ups would."""
 StepCode = Literal["load", "verify", "export", "undo", "accept", "measure", "next", "finish", "start", "target"]
@@ -80,7 +79,7 @@ class AnswerLine(AnswerDocument):
 
     @property
     def read(self) -> int:
-        """float of places read."""
+        """Number of places read."""
         return self.places["+"] + self.places["-"] - self.places["both"]
 
 

@@ -73,11 +73,9 @@ def answer_of(
     lines = [aim_of(row) for row in rows if row.limit is not None and row.row.kind != "volume"]
     coming = campaign.state.coming if campaign.state.finished is None else ()
     verdict = _verdict(known, volume, lines, rows)
-    if verdict in ("measured", "unmeasured") and coming:
-        verdict = "more"
-    more, minutes = (0, 0.0) if verdict != "more" else _more(known, volume, lines)
-    if verdict == "more" and coming:
-        more, minutes = len(coming), to_unit(campaign.seconds(coming) - campaign.seconds(), "min")
+    more, minutes = _more(known, volume, lines) if verdict == "more" and not coming else (0, 0.0)
+    if coming and verdict in ("measured", "unmeasured", "more"):
+        verdict, more, minutes = "more", len(coming), to_unit(campaign.seconds(coming) - campaign.seconds(), "min")
     seconds = known.timed.seconds if campaign.state.clocked is None else campaign.state.clocked
     axes, withheld = known.stated.description.machine.axes, known.agreement.withheld and not anyway
     return ResultAnswer(

@@ -281,8 +281,7 @@ def check(
       axiscal shop check mill.axiscal check.csv --tables sinumerik
     """
     with Campaign.open(record, write=False) as campaign:
-        begun = datetime.fromisoformat(campaign.begun)
-        share = kept if kept is not None else _usual(begun)
+        share = kept if kept is not None else _usual(datetime.fromisoformat(campaign.begun))
         asked, stated = QuickCheck.from_campaign(campaign, share, tables), campaign.description
     if found is None:
         _planned(asked, record, readings, plan, json)

@@ -74,7 +74,7 @@ def check(
     }
     carries = {True: "carries the workpiece", False: "carries the tool"}
     lines = [
-        f"{machine.name}: {machine.chain}, {len(machine.error_names)} errors described.",
+        f"{machine.name}: {machine.chain}, errors described: {len(machine.error_names)}.",
         *(f"  {axis.name:3} {axis.travel_text}, {carries[axis.workpiece_side]}" for axis in machine.axes),
         *(f"Mind: {question}" for question in open_ones),
         "What no reading of the tool point can see:" if hidden else "Readings of the tool point can see every error.",

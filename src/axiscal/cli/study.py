@@ -144,7 +144,7 @@ def _foretell(described: Study, workers: int, json: bool) -> None:
     hours = (ways * seconds[0] + (described.count - ways) * seconds[-1]) / 3600
     wrong = next((done.error for done in found if done.result is None), None)
     long, short = "{hours:.2g} processor hours", "{minutes:.2g} processor minutes"
-    taking = said(long, hours=hours) if hours >= _HOUR else said(short, minutes=60 * hours)
+    taking = said(long, hours=hours) if hours >= 1 else said(short, minutes=60 * hours)
     words = said(
         "{cases}: {ways} on {machines}. By the first two: about {taking}, on {workers} at a time.",
         cases=count_text(described.count, "case"),
@@ -157,7 +157,3 @@ def _foretell(described: Study, workers: int, json: bool) -> None:
     say_either(json, "axiscal-study-dry-run/1", document, [words])
     if wrong is not None:
         raise StudyError("One of the first two cases cannot be computed: {reason}", "Mend the study", reason=wrong)
-
-
-_HOUR = 1.0
-"""Processor hours, below which minutes are said."""

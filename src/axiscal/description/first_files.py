@@ -192,9 +192,10 @@ def write_files(folder: Path, texts: Mapping[str, str]) -> None:
 
 def machine_text(machine: IniMachine, source: str) -> str:
     """Return the text of machine.toml.  source : the INI file, as it is named"""
+    period = "" if machine.servo_period is None else f" Servo period {machine.servo_period * 1e3:g} ms."
     lines = [
         f"# The machine of {_plain(source)}, as LinuxCNC knows it.",
-        f"# Kinematics {_plain(machine.build.kinematics)}; joints: {_joints(machine)}.{_period(machine)}",
+        f"# Kinematics {_plain(machine.build.kinematics)}; joints: {_joints(machine)}.{period}",
         f"name = {toml_value(_plain(machine.name))}",
         *_chain(machine),
         "",
@@ -230,10 +231,6 @@ def _chain(machine: IniMachine) -> Iterator[str]:
 
 def _joints(machine: IniMachine) -> str:
     return ", ".join(f"{axis.letter} {' and '.join(map(str, axis.joints))}" for axis in machine.axes)
-
-
-def _period(machine: IniMachine) -> str:
-    return "" if machine.servo_period is None else f" Servo period {machine.servo_period * 1e3:g} ms."
 
 
 def _axis(machine: IniMachine, axis: IniAxis) -> Iterator[str]:

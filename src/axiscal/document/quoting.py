@@ -11,7 +11,7 @@ from typing import Any
 
 from axiscal.exceptions import UnitError
 from axiscal.language.spoken import said
-from axiscal.units import EXAMPLES, Dimension
+from axiscal.units import EXAMPLES, Dimension, shortened
 
 
 def toml_value(value: Any) -> str:
@@ -85,7 +85,7 @@ def meant(word: str, known: Iterable[str], otherwise: str = "", quoted: str = '"
 
 def shown(value: object) -> str:
     """Return a value of a document as its writer would recognise it, shortened to one line."""
-    return _shortened(_written(value, 3), 60)
+    return shortened(_written(value, 3))
 
 
 def dotted(keys: tuple[Key, ...]) -> str:
@@ -93,7 +93,7 @@ def dotted(keys: tuple[Key, ...]) -> str:
     text = ""
     for key in keys:
         text += f"[{key + 1}]" if isinstance(key, int) else f".{key}" if text else key
-    return _shortened(text, 120)
+    return shortened(text, 120)
 
 
 def _written(value: object, depth: int) -> str:
@@ -108,8 +108,3 @@ def _written(value: object, depth: int) -> str:
     if isinstance(value, int) and abs(value) > 10**18:
         return "an integer of more than 18 digits"
     return str(value)
-
-
-def _shortened(text: str, most: int) -> str:
-    text = text if len(text) <= most else text[: most - 3] + "..."
-    return "".join(c if c.isprintable() else f"\\x{ord(c):02x}" for c in text)

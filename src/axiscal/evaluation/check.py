@@ -143,8 +143,8 @@ class Sheet:
                 taken.write(self.file)
         except InputError as failure:
             kept = "{remedy}. {count} of {wanted} readings are kept in {path}; go on with the same command"
-            counts = {"count": len(readings), "wanted": len(self.wanted)}
-            remedy = said(kept, remedy=failure.remedy, path=self.file, **counts)
+            count, wanted = len(readings), len(self.wanted)
+            remedy = said(kept, remedy=failure.remedy, path=self.file, count=count, wanted=wanted)
             raise type(failure)(failure.what, remedy, failure.file, failure.line) from failure
         finally:
             source.close()

@@ -22,7 +22,7 @@ from axiscal.language.spoken import said
 from axiscal.measurement.instrument import INSTRUMENTS, values_of
 from axiscal.measurement.reading import reading_unit
 from axiscal.measurement.setup import FINEST, Setup
-from axiscal.units import dimension_of, format_quantity, from_unit
+from axiscal.units import dimension_of, format_quantity, from_unit, shortened
 
 TIMEOUT = 600.0
 """Seconds that a command may take over one reading."""
@@ -296,6 +296,4 @@ def _signal(process: subprocess.Popen[str], number: signal.Signals) -> None:
 
 
 def _quoted(line: str) -> str:
-    text = line.strip()
-    text = text if len(text) <= 80 else text[:77] + "..."
-    return "".join(c if c.isprintable() else "?" for c in text) or said("an empty line")
+    return shortened(line.strip(), 80) or said("an empty line")

@@ -122,8 +122,7 @@ class QuickCheck:
 
     def sheet(self, places: Sequence[Place]) -> str:
         """Return the places as a file to fill in."""
-        described = self.case.description
-        setups, axes = described.setups, described.machine.axes
+        setups, axes = self.case.description.setups, self.case.description.machine.axes
         return blank_sheet(setups, axes, places_of(setups, places))
 
     @one_thread()
