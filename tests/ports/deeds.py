@@ -8,6 +8,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+from threadpoolctl import threadpool_info
+
 from axiscal.exceptions import StudyError
 from axiscal.ports.study.study_case import WorkItem
 
@@ -16,7 +18,8 @@ COUNT = 24
 
 def doubled(number: int) -> dict[str, Any]:
     """Return twice a number, and what works on it."""
-    return {"twice": 2 * number, "process": os.getpid(), "blas": os.environ.get("OPENBLAS_NUM_THREADS")}
+    threads = max(library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas")
+    return {"twice": 2 * number, "process": os.getpid(), "threads": threads}
 
 
 def doubled_slowly(number: int) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from axiscal.document.durable import is_running
-from axiscal.ports.study.results import FILE, THREADS, Processes, Results, run_missing
+from axiscal.ports.study.results import FILE, Processes, Results, run_missing
 from axiscal.ports.study.study_case import Done, WorkItem, here
 from tests.ports.deeds import COUNT, doubled, ending_always, ending_once, numbers, refusing_odd
 
@@ -27,7 +27,6 @@ def _by_key(found: list[Done]) -> dict[str, Done]:
 
 
 def test_processes_answer_each_question_once_with_one_thread_each() -> None:
-    before = {name: os.environ.get(name) for name in THREADS}
     found = _by_key(list(Processes(2)(doubled, numbers())))
     assert {key: done.result["twice"] for key, done in found.items() if done.result} == {
         str(number): 2 * number for number in range(COUNT)
@@ -35,8 +34,7 @@ def test_processes_answer_each_question_once_with_one_thread_each() -> None:
     workers = {done.result["process"] for done in found.values() if done.result}
     assert len(workers) == 2
     assert os.getpid() not in workers
-    assert {done.result["blas"] for done in found.values() if done.result} == {"1"}
-    assert {name: os.environ.get(name) for name in THREADS} == before
+    assert {done.result["threads"] for done in found.values() if done.result} == {1}
     assert not any(is_running(worker) for worker in workers)
 
 

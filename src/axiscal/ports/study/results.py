@@ -24,11 +24,10 @@ from typing import Any, NamedTuple
 from axiscal.document.durable import Closing, HeldError, alone, sync, write_at, write_whole
 from axiscal.exceptions import StudyError
 from axiscal.measurement.readers.csv_table import csv_text
+from axiscal.numerics.threads import one_thread
 from axiscal.ports.study.study_case import FIGURES, Done, Engine, Solve, WorkItem, answered, canonical, key_of
 from axiscal.ports.study.study_file import Study
 
-THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-"""What the usual BLAS look at when they are loaded."""
 _TRIES = 4
 """Processes that one question may bring to their end before it is given up: the first and three more."""
 
@@ -37,7 +36,7 @@ def _work(solve: Solve, pipe: Connection) -> None:
     """Answer questions until the head is gone; Ctrl-C is its business."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     pipe.send(None)
-    with suppress(EOFError, OSError):
+    with one_thread(), suppress(EOFError, OSError):
         while True:
             pipe.send(answered(solve, pipe.recv()))
 
@@ -78,18 +77,17 @@ class Processes:
                 pipe.send(question)
 
         try:
-            with _one_thread_each():
-                for question in islice(waiting, self._count):
-                    asked(None, question)
-                while running:
-                    for pipe in wait(list(running)):
-                        assert isinstance(pipe, Connection)
-                        question = running.pop(pipe)
-                        again, found = _come(pipe, question, tried)
-                        if (coming := question if found is None else next(waiting, None)) is not None:
-                            asked(pipe if again else None, coming)
-                        if found is not None:
-                            yield found
+            for question in islice(waiting, self._count):
+                asked(None, question)
+            while running:
+                for pipe in wait(list(running)):
+                    assert isinstance(pipe, Connection)
+                    question = running.pop(pipe)
+                    again, found = _come(pipe, question, tried)
+                    if (coming := question if found is None else next(waiting, None)) is not None:
+                        asked(pipe if again else None, coming)
+                    if found is not None:
+                        yield found
         finally:
             for process in working:
                 process.terminate()
@@ -106,21 +104,6 @@ def _come(pipe: Connection, question: WorkItem, tried: Counter[str]) -> tuple[bo
         if tried[question.key] < _TRIES:
             return False, None
         return False, Done(question.key, None, f"the process that worked on it ended without a word, {_TRIES} times")
-
-
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Let processes that are started in this block load their linear algebra with one thread."""
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
 
 
 Row = dict[str, Any]
