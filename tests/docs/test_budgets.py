@@ -29,7 +29,7 @@ class Budget(NamedTuple):
 
 
 SIZES = {
-    "lines of src": Budget(64_808, 50_000),
+    "lines of src": Budget(64_775, 50_000),
     "files of src": Budget(335, 335),
     "mechanisms that remember": Budget(3, 1),
     "classes that change": Budget(31, 15),
